@@ -1,0 +1,68 @@
+//! One self-contained HTML page that plays an episode from its trace.
+//!
+//! The page is a hand-written template with its style, its code and the episode inside: it loads nothing.
+
+mod episode;
+
+pub use episode::ReplayError;
+
+use episode::Episode;
+
+const TEMPLATE: &str = include_str!("template.html");
+const STYLE: &str = include_str!("style.css");
+
+/// In the order in which one file uses another's functions; together they are one script.
+const SCRIPTS: [&str; 5] = [
+    include_str!("episode.js"),
+    include_str!("stage.js"),
+    include_str!("charts.js"),
+    include_str!("panels.js"),
+    include_str!("player.js"),
+];
+
+/// The page that plays the episode of `trace_text` (JSON lines).
+pub fn page(trace_text: &str) -> Result<String, ReplayError> {
+    let episode = Episode::read(trace_text)?;
+    Ok(fill(
+        TEMPLATE,
+        &[
+            ("{{title}}", &escape_html(&episode.title())),
+            ("{{style}}", STYLE.trim_end()),
+            ("{{data}}", &escape_script_data(&episode.to_json())),
+            ("{{script}}", SCRIPTS.join("\n").trim_end()),
+        ],
+    ))
+}
+
+/// Puts each value at its mark. The marks stand in this order in the template, and one pass over it
+/// leaves alone whatever looks like a mark inside a value.
+fn fill(template: &str, values: &[(&str, &str)]) -> String {
+    let mut page = String::with_capacity(
+        template.len() + values.iter().map(|(_, value)| value.len()).sum::<usize>(),
+    );
+    let mut rest = template;
+    for (mark, value) in values {
+        let (before, after) = rest
+            .split_once(mark)
+            .expect("the template holds each mark once, in order");
+        page.push_str(before);
+        page.push_str(value);
+        rest = after;
+    }
+    page.push_str(rest);
+    page
+}
+
+fn escape_html(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+/// JSON stays the same JSON, but holds no `<` that could end the script element or open a comment in it.
+fn escape_script_data(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,202 @@
+// Time, selection and keys; draws everything else.
+
+const STEPS_PER_SECOND = 2.5;
+const $ = (id) => document.getElementById(id);
+
+const episode = readEpisode(JSON.parse($('episode').textContent));
+const player = { time: 0, playing: false, selection: {}, drawnStep: -1, drawnSelection: null, clock: 0 };
+const stillness = matchMedia('(prefers-reduced-motion: reduce)');
+
+const stage = createStage($('stage'), episode, toggle);
+const updateTiles = createTiles($('tiles'), episode);
+const updateFleet = createFleetTable($('fleet'), episode, toggle);
+const updateInspector = createInspector($('inspector'), episode, seek);
+const updateEvents = createEventList($('events'), episode, goToEvent);
+const updateRewards = createRewards($('rewards'), episode);
+const charts = createCharts($('charts'), episode, seek);
+
+writeHeader();
+drawEventLane();
+$('scrub').max = episode.lastStep;
+$('scrub').addEventListener('input', () => seek(Number($('scrub').value)));
+$('first').onclick = () => seek(0);
+$('back').onclick = () => stepBy(-1);
+$('play').onclick = () => setPlaying(!player.playing);
+$('forward').onclick = () => stepBy(1);
+$('last').onclick = () => seek(episode.lastStep);
+$('help-open').onclick = () => $('help').showModal();
+addEventListener('keydown', onKey);
+addEventListener('hashchange', readAddress);
+readAddress();
+
+function writeHeader() {
+  const { header, end, uavCount, hotspotCount, lastStep, frames, config } = episode;
+  const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
+  $('headline').textContent = `${plural(uavCount, 'UAV')} search for ${plural(hotspotCount, 'hotspot')}`;
+  $('byline').textContent = `policy ${header.policy}, pilot density ${header.pilot}, seed ${BigInt(header.seed)}, quorum ${config.quorum}, ${config.grid_width} × ${config.grid_height} cells of ${config.cell_size_m} m`;
+  $('result').textContent = end.terminated ? `Complete in ${plural(lastStep, 'step')}` : `${frames[lastStep].informed.size} of ${hotspotCount} informed after ${plural(lastStep, 'step')}`;
+  $('result').classList.add(end.terminated ? 'success' : 'failure');
+  $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
+  $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
+  $('footer').textContent = `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. The page is one file and loads nothing. Press ? for the keys.`;
+}
+
+/** One lane of marks above the slider: events of the same step are stacked. */
+function drawEventLane() {
+  const lane = $('event-lane');
+  lane.setAttribute('viewBox', '0 0 1000 24');
+  const stacked = new Map();
+  for (const event of episode.events.filter(({ kind }) => kind !== 'returning')) {
+    const row = stacked.get(event.t) ?? 0;
+    stacked.set(event.t, row + 1);
+    // The slider's thumb is about 16 px wide, so its centre runs from 8 px to 8 px before the end.
+    const x = 1000 * (0.012 + 0.976 * (event.t / Math.max(1, episode.lastStep)));
+    const mark = element(lane, 'path', { class: `mark ${event.kind}`, d: `M${x} ${19 - Math.min(row, 2) * 7.5}h0.01` });
+    mark.addEventListener('click', () => goToEvent(event));
+  }
+}
+
+function seek(time) {
+  player.time = Math.min(episode.lastStep, Math.max(0, time));
+  if (player.time === episode.lastStep) setPlaying(false);
+  draw();
+}
+
+function stepBy(count) {
+  setPlaying(false);
+  seek(Math.floor(player.time) + count);
+}
+
+function goToEvent(event) {
+  if (event.pick) player.selection = event.pick;
+  setPlaying(false);
+  seek(event.t);
+}
+
+function nextEvent(direction) {
+  const t = Math.floor(player.time);
+  const ahead = episode.events.filter((event) => (direction > 0 ? event.t > t : event.t < t));
+  if (ahead.length) stepBy(ahead.at(direction > 0 ? 0 : -1).t - t);
+}
+
+function toggle(pick) {
+  const same = JSON.stringify(pick) === JSON.stringify(player.selection);
+  player.selection = same ? {} : pick;
+  draw();
+}
+
+function selectNext(kind, count, direction) {
+  const now = player.selection[kind] ?? (direction > 0 ? -1 : 0);
+  player.selection = { [kind]: (now + direction + count) % count };
+  draw();
+}
+
+function setPlaying(playing) {
+  if (playing === player.playing) return;
+  player.playing = playing;
+  $('play').classList.toggle('playing', playing);
+  $('play').setAttribute('aria-label', playing ? 'Pause' : 'Play');
+  if (!playing) return writeAddress();
+  if (player.time >= episode.lastStep) player.time = 0;
+  player.clock = performance.now();
+  requestAnimationFrame(tick);
+}
+
+function tick(now) {
+  if (!player.playing) return;
+  const elapsed_s = Math.max(0, now - player.clock) / 1000;
+  player.clock = now;
+  player.time = Math.min(episode.lastStep, player.time + elapsed_s * STEPS_PER_SECOND * Number($('speed').value));
+  if (player.time === episode.lastStep) setPlaying(false);
+  draw();
+  requestAnimationFrame(tick);
+}
+
+function changeSpeed(direction) {
+  const speed = $('speed');
+  speed.selectedIndex = Math.min(speed.length - 1, Math.max(0, speed.selectedIndex + direction));
+}
+
+function draw() {
+  const t = Math.floor(player.time);
+  const { selection } = player;
+  const selectionKey = JSON.stringify(selection);
+  const changed = t !== player.drawnStep || selectionKey !== player.drawnSelection;
+  stage.draw(stillness.matches ? t : player.time, selection, changed);
+  for (const chart of charts) chart.update(player.time, t, changed, selection.uav);
+  updateInspector(player.time, t, selection, changed);
+  if (!changed) return;
+  updateTiles(t);
+  updateFleet(t, selection);
+  updateEvents(t);
+  updateRewards(t);
+  $('scrub').value = t;
+  $('scrub').setAttribute('aria-valuetext', `step ${t} of ${episode.lastStep}`);
+  $('step-label').innerHTML = `Step ${t} <small>of ${episode.lastStep}, ${clockTime(t * episode.config.step_duration_s)}</small>`;
+  $('caption').textContent = caption(t);
+  [player.drawnStep, player.drawnSelection] = [t, selectionKey];
+  if (!player.playing) writeAddress();
+}
+
+function clockTime(seconds) {
+  const whole = Math.round(seconds);
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')} min`;
+}
+
+function caption(t) {
+  const now = episode.events.filter((event) => event.t === t).map((event) => event.text);
+  if (now.length) return `${now.slice(0, 4).join('. ')}${now.length > 4 ? `, and ${now.length - 4} more` : ''}.`;
+  if (t === 0) return 'The fleet stands at the depot. Press space to play.';
+  const frame = episode.frames[t];
+  return `${frame.confirmed.size} of ${episode.hotspotCount} hotspots confirmed, ${frame.informed.size} known to every UAV.`;
+}
+
+/** `#t=12&uav=3` or `#t=12&hotspot=1`. */
+function readAddress() {
+  const parameters = new URLSearchParams(location.hash.slice(1));
+  const number = (name, limit) => {
+    const value = parameters.has(name) ? Number(parameters.get(name)) : NaN;
+    return Number.isInteger(value) && value >= 0 && value < limit ? value : undefined;
+  };
+  const [uav, hotspot] = [number('uav', episode.uavCount), number('hotspot', episode.hotspotCount)];
+  player.selection = uav !== undefined ? { uav } : hotspot !== undefined ? { hotspot } : {};
+  setPlaying(false);
+  seek(number('t', episode.lastStep + 1) ?? 0);
+}
+
+function writeAddress() {
+  const picked = Object.entries(player.selection).map(([name, id]) => `&${name}=${id}`).join('');
+  try {
+    history.replaceState(null, '', `#t=${Math.floor(player.time)}${picked}`);
+  } catch {
+    // Some viewers forbid changing the address; the page works without it.
+  }
+}
+
+function onKey(event) {
+  if (event.ctrlKey || event.altKey || event.metaKey || $('help').open) return;
+  const tag = event.target.tagName;
+  if (tag === 'SELECT' || (event.key === ' ' && (tag === 'BUTTON' || tag === 'INPUT'))) return;
+  const stride = event.shiftKey ? 10 : 1;
+  const back = event.shiftKey ? -1 : 1;
+  const actions = {
+    ' ': () => setPlaying(!player.playing),
+    ArrowLeft: () => stepBy(-stride),
+    ArrowRight: () => stepBy(stride),
+    Home: () => { setPlaying(false); seek(0); },
+    End: () => seek(episode.lastStep),
+    '[': () => nextEvent(-1),
+    ']': () => nextEvent(1),
+    '+': () => changeSpeed(1),
+    '=': () => changeSpeed(1),
+    '-': () => changeSpeed(-1),
+    '?': () => $('help').showModal(),
+    u: () => selectNext('uav', episode.uavCount, back),
+    h: () => selectNext('hotspot', episode.hotspotCount, back),
+    Escape: () => { player.selection = {}; draw(); },
+  };
+  const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  if (!action) return;
+  event.preventDefault();
+  action();
+}

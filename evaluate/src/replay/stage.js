@@ -1,0 +1,237 @@
+// The map: what stands on the grid at a moment between two steps.
+
+const CELL = 40;
+const SVG = 'http://www.w3.org/2000/svg';
+
+function element(parent, name, attributes = {}) {
+  const node = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  parent.append(node);
+  return node;
+}
+
+function createStage(svg, episode, onSelect) {
+  const { config, header, uavCount } = episode;
+  const [width, height] = [config.grid_width * CELL, config.grid_height * CELL];
+  const glyph = CELL * Math.max(1, Math.max(config.grid_width, config.grid_height) / 26);
+  const margin = glyph * 0.55;
+  const colour = pilotColours(config);
+  const centre = ([x, y]) => [(x + 0.5) * CELL, height - (y + 0.5) * CELL];
+  svg.setAttribute('viewBox', `${-margin} ${-glyph * 0.25} ${width + margin + glyph * 0.25} ${height + margin + glyph * 0.25}`);
+
+  drawField();
+  const visited = episode.firstVisit.map(([x, y, t]) => {
+    const [cx, cy] = centre([x, y]);
+    return { t, node: element(svg, 'rect', { class: 'visited', x: cx - CELL / 2 + 0.5, y: cy - CELL / 2 + 0.5, width: CELL - 1, height: CELL - 1 }) };
+  });
+  header.depots.forEach(drawDepot);
+  const hotspots = header.hotspots.map(drawHotspot);
+  const tails = element(svg, 'path', { class: 'tails' });
+  const route = element(svg, 'path', { class: 'route' });
+  const links = element(svg, 'path', { class: 'links' });
+  const ownLinks = element(svg, 'path', { class: 'links mine' });
+  const fleet = element(svg, 'g');
+  const uavs = Array.from({ length: uavCount }, (_, id) => drawUav(id));
+  const tags = header.hotspots.map(drawTag);
+  const layouts = episode.frames.map(() => null);
+
+  return { draw };
+
+  function drawField() {
+    element(svg, 'rect', { class: 'field', width, height, rx: 3 });
+    let lines = '';
+    for (let x = 1; x < config.grid_width; x += 1) lines += `M${x * CELL} 0V${height}`;
+    for (let y = 1; y < config.grid_height; y += 1) lines += `M0 ${y * CELL}H${width}`;
+    element(svg, 'path', { class: 'gridlines', d: lines });
+    const every = Math.ceil(Math.max(config.grid_width, config.grid_height) / 16);
+    const label = (x, y, text) => {
+      element(svg, 'text', { class: 'axis-label', x, y, 'font-size': glyph * 0.27 }).textContent = text;
+    };
+    for (let x = 0; x < config.grid_width; x += every) label((x + 0.5) * CELL, height + margin * 0.5, x);
+    for (let y = 0; y < config.grid_height; y += every) label(-margin * 0.5, height - (y + 0.5) * CELL, y);
+  }
+
+  function drawDepot(cell) {
+    const [x, y] = centre(cell);
+    const group = element(svg, 'g', { class: 'depot', transform: `translate(${x} ${y})` });
+    element(group, 'title').textContent = `Depot at (${cell})`;
+    element(group, 'rect', { x: -CELL / 2 + 3, y: -CELL / 2 + 3, width: CELL - 6, height: CELL - 6, rx: 6 });
+    element(group, 'path', { d: 'M2 -13L-8 2H-1L-3 13L8 -3H1Z' });
+  }
+
+  function drawHotspot(cell, id) {
+    const [x, y] = centre(cell);
+    const group = element(svg, 'g', { class: 'hotspot', 'data-hotspot': id, transform: `translate(${x} ${y})` });
+    group.addEventListener('click', () => onSelect({ hotspot: id }));
+    const title = element(group, 'title');
+    const half = CELL / 2 - 2;
+    element(group, 'rect', { class: 'box', x: -half, y: -half, width: 2 * half, height: 2 * half, rx: 7 });
+    element(group, 'path', { class: 'known-back', d: `M${-half + 6} ${half}H${half - 6}` });
+    const known = element(group, 'path', { class: 'known', d: `M${-half + 6} ${half}H${half - 6}`, pathLength: 1 });
+    element(group, 'rect', { class: 'pick', x: -half - 4, y: -half - 4, width: 2 * half + 8, height: 2 * half + 8, rx: 10 });
+    element(group, 'path', { class: 'tick', d: `M${half - 13} ${half - 7}l4 4l8 -9` });
+    const ripples = ['confirmed', 'informed'].map((kind) => ({ kind, node: element(group, 'circle', { class: `ripple ${kind}`, visibility: 'hidden' }) }));
+    return { group, title, known, ripples };
+  }
+
+  /** The number stands above the UAVs, so that it can be read while they gather on the hotspot. */
+  function drawTag(cell, id) {
+    const [x, y] = centre(cell);
+    const group = element(svg, 'g', { class: 'hotspot-tag', transform: `translate(${x - CELL / 2 + 3} ${y - CELL / 2 + 2})` });
+    element(group, 'circle', { r: glyph * 0.2 });
+    element(group, 'text', { 'font-size': glyph * 0.24 }).textContent = id;
+    return group;
+  }
+
+  function drawUav(id) {
+    const group = element(fleet, 'g', { class: 'uav', 'data-uav': id });
+    group.addEventListener('click', () => onSelect({ uav: id }));
+    const title = element(group, 'title');
+    const halo = element(group, 'circle', { class: 'halo' });
+    const learn = element(group, 'circle', { class: 'learn' });
+    element(group, 'circle', { class: 'pick', r: 19 });
+    const body = element(group, 'circle', { class: 'body', r: 11 });
+    element(group, 'circle', { class: 'ring-back', r: 14 });
+    const ring = element(group, 'circle', { class: 'ring', r: 14, pathLength: 1, transform: 'rotate(-90)' });
+    element(group, 'text', { class: 'name' }).textContent = id;
+    element(group, 'path', { class: 'state home', d: 'M-7 -20L0 -26L7 -20' });
+    element(group, 'path', { class: 'state cross', d: 'M-6 -6L6 6M6 -6L-6 6' });
+    return { group, title, halo, learn, body, ring };
+  }
+
+  /** Where each UAV stands in frame t and how large: UAVs of one cell are fanned out over it. */
+  function layout(t) {
+    if (layouts[t]) return layouts[t];
+    const byCell = new Map();
+    episode.frames[t].positions.forEach(([x, y], id) => {
+      const key = `${x},${y}`;
+      byCell.set(key, [...(byCell.get(key) ?? []), id]);
+    });
+    const places = new Array(uavCount);
+    for (const ids of byCell.values()) {
+      const [cx, cy] = centre(episode.frames[t].positions[ids[0]]);
+      const fan = fanOut(ids.length);
+      ids.forEach((id, k) => { places[id] = { x: cx + fan.at[k][0] * glyph, y: cy + fan.at[k][1] * glyph, scale: (fan.scale * glyph) / CELL }; });
+    }
+    return (layouts[t] = places);
+  }
+
+  function draw(time, selection, stepChanged) {
+    const t = Math.floor(time);
+    const frame = episode.frames[t];
+    const places = placesAt(time, t);
+    places.forEach((place, id) => uavs[id].group.setAttribute('transform', `translate(${place.x.toFixed(2)} ${place.y.toFixed(2)}) scale(${place.scale.toFixed(3)})`));
+    const line = ([i, k]) => `M${places[i].x.toFixed(1)} ${places[i].y.toFixed(1)}L${places[k].x.toFixed(1)} ${places[k].y.toFixed(1)}`;
+    const isMine = ([i, k]) => i === selection.uav || k === selection.uav;
+    links.setAttribute('d', frame.links.map(line).join(''));
+    ownLinks.setAttribute('d', selection.uav === undefined ? '' : frame.links.filter(isMine).map(line).join(''));
+    tails.setAttribute('d', places.map((place, id) => tail(t, id) + `L${place.x.toFixed(1)} ${place.y.toFixed(1)}`).join(''));
+    drawRipples(time, t);
+    if (stepChanged) drawStep(t, frame, selection);
+  }
+
+  function placesAt(time, t) {
+    const from = layout(t);
+    if (time === t || t === episode.lastStep) return from;
+    const to = layout(t + 1);
+    const s = ease(time - t);
+    const mix = (a, b) => a + (b - a) * s;
+    return from.map((place, id) => ({ x: mix(place.x, to[id].x), y: mix(place.y, to[id].y), scale: mix(place.scale, to[id].scale) }));
+  }
+
+  function tail(t, id) {
+    let path = '';
+    for (let past = Math.max(0, t - 3); past <= t; past += 1) {
+      const { x, y } = layout(past)[id];
+      path += `${path ? 'L' : 'M'}${x.toFixed(1)} ${y.toFixed(1)}`;
+    }
+    return path;
+  }
+
+  function drawRipples(time, t) {
+    const spread = (node, age, lifetime, from, to) => {
+      const shown = age >= 0 && age < lifetime;
+      node.setAttribute('visibility', shown ? 'visible' : 'hidden');
+      if (!shown) return;
+      node.setAttribute('r', from + (to - from) * (age / lifetime));
+      node.setAttribute('opacity', 1 - age / lifetime);
+    };
+    hotspots.forEach(({ ripples }, id) => {
+      for (const { kind, node } of ripples) {
+        const at = (kind === 'confirmed' ? episode.confirmedAt : episode.informedAt)[id];
+        spread(node, at === undefined ? -1 : time - at, 2.5, glyph * 0.5, glyph * 1.9);
+      }
+    });
+    const before = episode.frames[Math.max(0, t - 1)];
+    uavs.forEach(({ learn }, id) => {
+      const learned = episode.frames[t].knowledge[id].size > before.knowledge[id].size;
+      spread(learn, learned ? time - t : -1, 0.9, 14, 32);
+    });
+  }
+
+  function drawStep(t, frame, selection) {
+    for (const { node, t: since } of visited) node.style.visibility = since <= t ? 'visible' : 'hidden';
+    hotspots.forEach(({ group, title, known }, id) => {
+      for (const node of [group, tags[id]]) {
+        node.classList.toggle('confirmed', frame.confirmed.has(id));
+        node.classList.toggle('informed', frame.informed.has(id));
+      }
+      group.classList.toggle('selected', selection.hotspot === id);
+      known.setAttribute('stroke-dasharray', `${frame.knownBy[id] / uavCount} 2`);
+      title.textContent = `Hotspot ${id}: ${hotspotState(frame, id)}, known to ${frame.knownBy[id]} of ${uavCount} UAVs`;
+    });
+    const lowest = config.rtb_threshold_kwh / config.battery_capacity_kwh;
+    uavs.forEach(({ group, title, halo, body, ring }, id) => {
+      const pilot = frame.pilot_density?.[id];
+      const share = pilot === undefined ? 0 : pilotShare(config, pilot);
+      body.style.fill = colour(share);
+      halo.setAttribute('r', 15 + 16 * share);
+      halo.setAttribute('opacity', frame.grounded.has(id) ? 0 : 0.05 + 0.2 * share);
+      ring.setAttribute('stroke-dasharray', `${frame.soc[id]} 2`);
+      group.classList.toggle('low', frame.soc[id] < lowest);
+      group.classList.toggle('grounded', frame.grounded.has(id));
+      group.classList.toggle('returning', frame.returning.has(id) && !frame.grounded.has(id));
+      group.classList.toggle('selected', selection.uav === id);
+      group.classList.toggle('tiny', layout(t)[id].scale * CELL < glyph * 0.4);
+      title.textContent = `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, knows ${frame.knowledge[id].size} of ${episode.hotspotCount} hotspots`;
+    });
+    const steps = selection.uav === undefined ? [] : episode.frames.slice(0, t + 1).map((past) => centre(past.positions[selection.uav]));
+    route.setAttribute('d', steps.map(([x, y], k) => `${k ? 'L' : 'M'}${x} ${y}`).join(''));
+    if (selection.uav !== undefined) fleet.append(uavs[selection.uav].group);
+  }
+}
+
+/** Centres and size, in cells, of `count` discs packed as a honeycomb inside one cell. */
+function fanOut(count) {
+  if (count === 1) return { at: [[0, 0]], scale: 0.86 };
+  const lattice = [];
+  const reach = Math.ceil(Math.sqrt(count)) + 1;
+  const [offsetX, offsetY] = count === 2 || count === 4 ? [0.5, 0] : count === 3 ? [0.5, 0.289] : [0, 0];
+  for (let row = -reach; row <= reach; row += 1) {
+    for (let column = -reach; column <= reach; column += 1) {
+      const [x, y] = [column + (row & 1) / 2 - offsetX, row * 0.866 - offsetY];
+      lattice.push([x, y, Math.hypot(x, y) + Math.atan2(y, x) * 1e-6]);
+    }
+  }
+  const chosen = lattice.sort((a, b) => a[2] - b[2]).slice(0, count);
+  const mean = (axis) => chosen.reduce((sum, point) => sum + point[axis], 0) / count;
+  const [mx, my] = [mean(0), mean(1)];
+  const radius = chosen.reduce((most, [x, y]) => Math.max(most, Math.hypot(x - mx, y - my)), 0);
+  const pitch = Math.min(0.56, 0.64 / (radius + 0.5));
+  return { at: chosen.map(([x, y]) => [(x - mx) * pitch, (y - my) * pitch]), scale: pitch * 1.24 };
+}
+
+const ease = (s) => { const u = Math.min(1, s / 0.8); return u * u * (3 - 2 * u); };
+const percent = (fraction) => `${Math.round(100 * fraction)} %`;
+const pilotShare = (config, pilot) => (pilot - config.pilot_density_min) / (config.pilot_density_max - config.pilot_density_min || 1);
+const pilotColours = () => (share) => `color-mix(in oklab, var(--sense) ${(100 * share).toFixed(1)}%, var(--talk))`;
+
+function hotspotState(frame, id) {
+  if (frame.informed.has(id)) return 'informed';
+  return frame.confirmed.has(id) ? 'confirmed' : 'unconfirmed';
+}
+
+function uavState(frame, id) {
+  if (frame.grounded.has(id)) return 'grounded';
+  return frame.returning.has(id) ? 'returning' : 'flying';
+}
