@@ -1,0 +1,42 @@
+"""The errors that jcas raises. Kernel errors carry the status of the C interface and its message."""
+
+from __future__ import annotations
+
+
+class JcasError(Exception):
+    """Any failure of jcas. `status` is the number of the C interface, 0 where none is behind it."""
+
+    def __init__(self, message: str, status: int = 0) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+class ConfigError(JcasError, ValueError):
+    """A configuration is not legal; the message names the field, its value and what is allowed."""
+
+
+class ActionError(JcasError, ValueError):
+    """An action was refused: not a number, of the wrong shape, or missing for a UAV. The state is unchanged."""
+
+
+class EpisodeOverError(JcasError, RuntimeError):
+    """A step was asked for after the end of the episode. Reset first."""
+
+
+class SnapshotError(JcasError, ValueError):
+    """Saved bytes are damaged, cut short, or belong to another configuration."""
+
+
+class PolicyError(JcasError, ValueError):
+    """A policy file cannot be read or does not fit the configuration."""
+
+
+class TraceError(JcasError, ValueError):
+    """A trace file cannot be read, or its steps do not come out as recorded."""
+
+
+class MissingDependencyError(JcasError, ImportError):
+    """An optional package is needed for what was asked."""
+
+    def __init__(self, package: str, purpose: str, extra: str) -> None:
+        super().__init__(f"{purpose} needs {package}: pip install 'jcas[{extra}]'")

@@ -1,0 +1,88 @@
+"""PPO with the paper's settings, as an RLlib configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ray.rllib.algorithms.ppo import PPOConfig
+from ray.rllib.core.rl_module.multi_rl_module import MultiRLModuleSpec
+from ray.rllib.core.rl_module.rl_module import RLModuleSpec
+
+from ..config import Config
+from .env import SHARED_POLICY, JcasMultiAgentEnv
+from .module import PAPER_HIDDEN, CentralCriticModule
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """Settings of PPO. The defaults are the paper's; where it gives none, RLlib's or the usual ones."""
+
+    discount: float = 0.95
+    learning_rate: float = 3e-4
+    batch_steps: int = 4096
+    """Environment steps of one iteration; each holds a sample of every UAV."""
+    epochs: int = 10
+    minibatch_samples: int = 4096
+    gae_lambda: float = 0.95
+    clip: float = 0.2
+    entropy_weight: float = 0.0
+    value_weight: float = 0.5
+    gradient_norm_max: float = 0.5
+    hidden: tuple[int, ...] = PAPER_HIDDEN
+
+
+PAPER = Hyperparameters()
+
+
+def ppo_config(
+    config: Config,
+    hyperparameters: Hyperparameters = PAPER,
+    *,
+    env_runners: int = 2,
+    envs_per_runner: int = 4,
+    seed: int | None = None,
+) -> PPOConfig:
+    """Describe the training run to RLlib.
+
+    Env runners that die are started again, on whichever node has room, and the run goes on meanwhile.
+    """
+    module = RLModuleSpec(
+        module_class=CentralCriticModule, model_config={"hidden": list(hyperparameters.hidden)}
+    )
+    fields: dict[str, Any] = dict(config)
+    return (
+        PPOConfig()
+        .environment(JcasMultiAgentEnv, env_config=fields)
+        .env_runners(
+            num_env_runners=env_runners,
+            num_envs_per_env_runner=envs_per_runner,
+            num_cpus_per_env_runner=1,
+            rollout_fragment_length="auto",
+        )
+        .learners(num_learners=0)
+        .multi_agent(policies={SHARED_POLICY}, policy_mapping_fn=_share)
+        .rl_module(rl_module_spec=MultiRLModuleSpec(rl_module_specs={SHARED_POLICY: module}))
+        .training(
+            gamma=hyperparameters.discount,
+            lr=hyperparameters.learning_rate,
+            lambda_=hyperparameters.gae_lambda,
+            clip_param=hyperparameters.clip,
+            entropy_coeff=hyperparameters.entropy_weight,
+            vf_loss_coeff=hyperparameters.value_weight,
+            vf_clip_param=float("inf"),
+            use_kl_loss=False,
+            grad_clip=hyperparameters.gradient_norm_max,
+            grad_clip_by="global_norm",
+            train_batch_size_per_learner=hyperparameters.batch_steps,
+            minibatch_size=hyperparameters.minibatch_samples,
+            num_epochs=hyperparameters.epochs,
+        )
+        .fault_tolerance(restart_failed_env_runners=True, env_runner_health_probe_timeout_s=10)
+        .debugging(seed=seed, log_level="ERROR")
+    )
+
+
+def _share(agent: str, episode: Any, **_: Any) -> str:
+    del agent, episode
+    return SHARED_POLICY

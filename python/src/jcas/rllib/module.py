@@ -1,0 +1,64 @@
+"""Actor and critic: the actor sees what its UAV sees, the critic the state of the whole mission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import torch
+from ray.rllib.core.columns import Columns
+from ray.rllib.core.rl_module.apis.value_function_api import ValueFunctionAPI
+from ray.rllib.core.rl_module.torch import TorchRLModule
+from torch import nn
+
+from ..policy import Layer, MlpPolicy
+
+PAPER_HIDDEN = (512, 256, 128)
+
+
+class CentralCriticModule(TorchRLModule, ValueFunctionAPI):  # type: ignore[misc]
+    """A Gaussian actor on `observation` and a value function on `state`, both plain MLPs."""
+
+    def setup(self) -> None:
+        """Build the networks from the spaces and `model_config["hidden"]`."""
+        hidden = self.model_config.get("hidden", PAPER_HIDDEN)
+        actions = self.action_space.shape[0]
+        self.actor = mlp(self.observation_space["observation"].shape[0], hidden, actions, output_gain=0.01)
+        self.critic = mlp(self.observation_space["state"].shape[0], hidden, 1, output_gain=1.0)
+        self.log_std = nn.Parameter(torch.full((actions,), float(self.model_config.get("log_std", 0.0))))
+
+    def _forward(self, batch: dict[str, Any], **_: Any) -> dict[str, Any]:
+        mean = self.actor(batch[Columns.OBS]["observation"])
+        return {Columns.ACTION_DIST_INPUTS: torch.cat([mean, self.log_std.expand_as(mean)], dim=-1)}
+
+    def compute_values(self, batch: dict[str, Any], embeddings: Any = None) -> Any:
+        """Give the value of the global state."""
+        del embeddings
+        return self.critic(batch[Columns.OBS]["state"]).squeeze(-1)
+
+
+def mlp(inputs: int, hidden: Sequence[int], outputs: int, output_gain: float) -> nn.Sequential:
+    """Stack orthogonally initialised layers with ReLU between them."""
+    layers: list[nn.Module] = []
+    for width in hidden:
+        layers += [_linear(inputs, width, 2**0.5), nn.ReLU()]
+        inputs = width
+    return nn.Sequential(*layers, _linear(inputs, outputs, output_gain))
+
+
+def _linear(inputs: int, outputs: int, gain: float) -> nn.Linear:
+    layer = nn.Linear(inputs, outputs)
+    nn.init.orthogonal_(layer.weight, gain)
+    nn.init.zeros_(layer.bias)
+    return layer
+
+
+def export_policy(module: CentralCriticModule) -> MlpPolicy:
+    """Take the actor out as a policy that runs on NumPy alone."""
+    linears = [layer for layer in module.actor if isinstance(layer, nn.Linear)]
+    layers = [Layer(_array(linear.weight), _array(linear.bias)) for linear in linears]
+    return MlpPolicy(layers, log_std=_array(module.log_std))
+
+
+def _array(parameter: Any) -> Any:
+    return parameter.detach().cpu().numpy().copy()

@@ -1,0 +1,41 @@
+"""What a picture of a mission needs to know, apart from how it is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One moment of one mission. Arrays of length N belong to the UAVs, of length n to the hotspots."""
+
+    grid_width: int
+    grid_height: int
+    t: int
+    horizon_steps: int
+    cells: npt.NDArray[np.integer]
+    """UAV cells, [N, 2]; y grows upwards."""
+    soc: npt.NDArray[np.floating]
+    """State of charge, 0 to 1, [N]."""
+    pilot_density: npt.NDArray[np.floating]
+    pilot_density_min: float
+    pilot_density_max: float
+    grounded: npt.NDArray[np.bool_]
+    returning: npt.NDArray[np.bool_]
+    links: npt.NDArray[np.bool_]
+    """Who hears whom, [N, N], symmetric."""
+    depots: npt.NDArray[np.integer]
+    hotspots: npt.NDArray[np.integer]
+    confirmed: npt.NDArray[np.bool_]
+    informed: npt.NDArray[np.bool_]
+    share_knowing: npt.NDArray[np.floating]
+    """Fraction of the fleet that knows each hotspot, [n]."""
+    outcome: str = ""
+    """`success`, `horizon reached`, or empty while the mission runs."""
+    readings: tuple[tuple[str, str], ...] = ()
+    """Further (label, value) lines for the panel."""
+    trail: tuple[npt.NDArray[np.integer], ...] = field(default=())
+    """UAV cells of the steps before, oldest first."""
