@@ -1,0 +1,233 @@
+//! `sweep`: boustrophedon coverage, the one baseline that searches.
+
+use jcas_core::motion::toward;
+use jcas_core::{Cell, Model, Motion, StateRef};
+
+use super::baseline::{Steering, can_fly};
+use super::pilot::PilotMode;
+use super::quorum::quorum_probability;
+
+/// Detection is taken into account up to this many cells from a lane.
+const REACH_CELLS: u32 = 4;
+
+/// Teams that mow the grid lane by lane, as an ox ploughs, and turn back at the end.
+///
+/// Each team has a band of the grid and keeps together, since a quorum has to detect in the same step.
+/// How many teams there are and how far their lanes lie apart is chosen once for each episode, so that
+/// a hotspot anywhere is confirmed within the horizon with the highest probability; see [`chance`].
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    pilot: PilotMode,
+    teams: Vec<Team>,
+}
+
+#[derive(Clone, Debug)]
+struct Team {
+    uavs: core::ops::Range<usize>,
+    path: Vec<Cell>,
+    next: usize,
+    forward: bool,
+    under_way: bool,
+}
+
+impl Sweep {
+    /// With the pilot density that the teams will sense with, which decides how they fly.
+    #[must_use]
+    pub fn new(pilot: PilotMode) -> Self {
+        Self {
+            pilot,
+            teams: Vec::new(),
+        }
+    }
+}
+
+impl Steering for Sweep {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) {
+        let config = model.config();
+        let (across, along) = (
+            config.grid_width.min(config.grid_height),
+            config.grid_width.max(config.grid_height),
+        );
+        let density = self.pilot.sensing_density(model);
+        let (teams, spacing) = choose(model, density, across, along);
+        let uavs = model.uav_count();
+        self.teams = (0..teams)
+            .map(|team| {
+                let band = team as u32 * across / teams as u32
+                    ..(team as u32 + 1) * across / teams as u32;
+                Team {
+                    uavs: team * uavs / teams..(team + 1) * uavs / teams,
+                    path: lanes(band, spacing, along, config.grid_width > config.grid_height),
+                    next: 0,
+                    forward: true,
+                    under_way: false,
+                }
+            })
+            .collect();
+    }
+
+    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+        let quorum = model.config().quorum as usize;
+        for team in &mut self.teams {
+            let flying: Vec<Cell> = team
+                .uavs
+                .clone()
+                .filter(|&uav| can_fly(state, uav))
+                .map(|uav| state.cell(uav))
+                .collect();
+            team.advance(&flying, quorum);
+            for uav in team.uavs.clone() {
+                motions[uav] = toward(state.cell(uav), team.path[team.next]);
+            }
+        }
+    }
+}
+
+impl Team {
+    /// Moves on to the next cell of the path once enough of the team are in this one: most of those who
+    /// can fly, and a quorum where there is one. Begins at the end of the path that is nearer.
+    fn advance(&mut self, flying: &[Cell], quorum: usize) {
+        let Some(&first) = flying.first() else { return };
+        let last = self.path.len() - 1;
+        if !self.under_way {
+            self.under_way = true;
+            self.forward = first.manhattan(self.path[0]) <= first.manhattan(self.path[last]);
+            self.next = if self.forward { 0 } else { last };
+        }
+        let here = self.path[self.next];
+        let arrived = flying.iter().filter(|&&cell| cell == here).count();
+        let enough = (flying.len() / 2 + 1).max(quorum.min(flying.len()));
+        if arrived < enough || last == 0 {
+            return;
+        }
+        if self.next == if self.forward { last } else { 0 } {
+            self.forward = !self.forward;
+        }
+        self.next = if self.forward {
+            self.next + 1
+        } else {
+            self.next - 1
+        };
+    }
+}
+
+/// The cells of a band's lanes, every second lane backwards, with the cells between two lanes.
+fn lanes(band: core::ops::Range<u32>, spacing: u32, along: u32, transposed: bool) -> Vec<Cell> {
+    let width = band.end - band.start;
+    let count = width.div_ceil(spacing);
+    // Centred, so that no edge of the band lies farther from a lane than it has to.
+    let margin = (width - 1 - (count - 1) * spacing) / 2;
+    let mut path = Vec::new();
+    for lane in 0..count {
+        let x = band.start + margin + lane * spacing;
+        let ys: Box<dyn Iterator<Item = u32>> = if lane % 2 == 0 {
+            Box::new(0..along)
+        } else {
+            Box::new((0..along).rev())
+        };
+        path.extend(ys.map(|y| Cell { x, y }));
+        if lane + 1 < count {
+            let y = if lane % 2 == 0 { along - 1 } else { 0 };
+            path.extend((1..spacing).map(|step| Cell { x: x + step, y }));
+        }
+    }
+    if transposed {
+        for cell in &mut path {
+            *cell = Cell {
+                x: cell.y,
+                y: cell.x,
+            };
+        }
+    }
+    path
+}
+
+/// The number of teams and the spacing of lanes with the best chance; the fewest teams among equals.
+fn choose(model: &Model<'_>, density: f64, across: u32, along: u32) -> (usize, u32) {
+    let teams_max = (model.uav_count() / (model.config().quorum as usize).max(1))
+        .clamp(1, across as usize);
+    let spacing_max = (2 * REACH_CELLS + 1).min(across);
+    let mut best = (1, 1);
+    let mut best_chance = -1.0;
+    for teams in 1..=teams_max {
+        for spacing in 1..=spacing_max.min(across / teams as u32) {
+            let chance = chance(model, density, across, along, teams, spacing);
+            if chance > best_chance {
+                (best, best_chance) = ((teams, spacing), chance);
+            }
+        }
+    }
+    best
+}
+
+/// The probability that a hotspot anywhere is confirmed within the horizon.
+///
+/// One pass at lateral distance o confirms with c(o) = 1 - prod_a (1 - Q(p(o, a))), a along the lane and
+/// Q the quorum's probability for the team. With k passes within the horizon it is 1 - (1 - c)^k; with
+/// less than one pass, only that part of the grid is seen.
+fn chance(
+    model: &Model<'_>,
+    density: f64,
+    across: u32,
+    along: u32,
+    teams: usize,
+    spacing: u32,
+) -> f64 {
+    let quorum = model.config().quorum as usize;
+    let team = model.uav_count() / teams;
+    let band = across.div_ceil(teams as u32);
+    let pass_steps = f64::from(band.div_ceil(spacing) * along + band - 1);
+    let passes = f64::from(model.config().horizon_steps) / pass_steps;
+    let reach = REACH_CELLS.min(along - 1);
+    let confirmed_at = |offset: u32| {
+        let missed_from = |along: u32| {
+            let detection = model.detection_probability(offset, along, density);
+            1.0 - quorum_probability(team, quorum, detection)
+        };
+        // Before and after the hotspot alike.
+        let missed: f64 = missed_from(0)
+            * (1..=reach)
+                .map(|along| missed_from(along).powi(2))
+                .product::<f64>();
+        if passes < 1.0 {
+            passes * (1.0 - missed)
+        } else {
+            1.0 - missed.powf(passes)
+        }
+    };
+    // Offsets from the nearest of two lanes that lie `spacing` apart.
+    (0..spacing)
+        .map(|place| confirmed_at(place.min(spacing - place)))
+        .sum::<f64>()
+        / f64::from(spacing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_touch_every_cell_once_when_they_lie_side_by_side() {
+        let path = lanes(2..7, 1, 9, false);
+        assert_eq!(path.len(), 5 * 9);
+        for pair in path.windows(2) {
+            assert_eq!(pair[0].manhattan(pair[1]), 1);
+        }
+        for x in 2..7 {
+            for y in 0..9 {
+                assert!(path.contains(&Cell { x, y }));
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_apart_are_connected_and_within_the_band() {
+        for spacing in 1..=6 {
+            let path = lanes(3..9, spacing, 5, false);
+            for pair in path.windows(2) {
+                assert_eq!(pair[0].manhattan(pair[1]), 1, "spacing {spacing}");
+            }
+            assert!(path.iter().all(|cell| (3..9).contains(&cell.x)));
+        }
+    }
+}

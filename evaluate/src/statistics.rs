@@ -1,0 +1,263 @@
+//! What many missions say together: means with 95 % intervals.
+
+use jcas_core::Metrics;
+use jcas_core::rng::{self, Purpose};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::statistics::{Data, OrderStatistics};
+
+/// Resamples of a bootstrap interval.
+const RESAMPLES: u32 = 2_000;
+/// Fixed, so that the same missions always have the same intervals.
+const BOOTSTRAP_SEED: u64 = 0x6a63_6173_2d63_6931;
+/// Share of the distribution on either side of an interval.
+const TAIL: f64 = 0.025;
+
+/// A value and its 95 % interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// The Wilson score interval of a proportion.
+///
+/// E. B. Wilson, "Probable inference, the law of succession, and statistical inference", JASA 22, 1927.
+/// Unlike the textbook interval it stays within 0 to 1 and does not vanish where all or none succeed.
+#[must_use]
+pub fn wilson(successes: u64, trials: u64) -> Estimate {
+    if trials == 0 {
+        return Estimate {
+            value: 0.0,
+            low: 0.0,
+            high: 1.0,
+        };
+    }
+    let z = Normal::standard().inverse_cdf(1.0 - TAIL);
+    let n = trials as f64;
+    let p = successes as f64 / n;
+    let centre = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
+    let half = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+    // At the ends the interval touches 0 or 1 exactly, which rounding would miss.
+    Estimate {
+        value: p,
+        low: if successes == 0 { 0.0 } else { centre - half },
+        high: if successes == trials {
+            1.0
+        } else {
+            centre + half
+        },
+    }
+}
+
+/// Means of several quantities of the same missions, each with its bootstrap percentile interval.
+///
+/// All quantities share the resamples, and these depend on nothing but the number of missions.
+#[must_use]
+pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
+    let count = missions.len();
+    if count == 0 {
+        return [Estimate::default(); K];
+    }
+    let mut means: [Vec<f64>; K] = std::array::from_fn(|_| Vec::with_capacity(RESAMPLES as usize));
+    for resample in 0..RESAMPLES {
+        let mut sums = [0.0; K];
+        let mut words = [0u32; 4];
+        for draw in 0..count {
+            if draw % 4 == 0 {
+                words = rng::block(
+                    BOOTSTRAP_SEED,
+                    resample,
+                    0,
+                    (draw / 4) as u32,
+                    Purpose::Policy,
+                );
+            }
+            let pick = (u64::from(words[draw % 4]) * count as u64) >> 32;
+            for (sum, value) in sums.iter_mut().zip(missions[pick as usize]) {
+                *sum += value;
+            }
+        }
+        for (mean, sum) in means.iter_mut().zip(sums) {
+            mean.push(sum / count as f64);
+        }
+    }
+    std::array::from_fn(|k| {
+        let mut resampled = Data::new(means[k].as_mut_slice());
+        Estimate {
+            value: missions.iter().map(|mission| mission[k]).sum::<f64>() / count as f64,
+            low: resampled.quantile(TAIL),
+            high: resampled.quantile(1.0 - TAIL),
+        }
+    })
+}
+
+/// What a set of missions says.
+///
+/// Serialises flat: each quantity under its name in [`Summary::quantities`], its interval's ends under
+/// that name with `_low` and `_high`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Missions flown.
+    pub episodes: u64,
+    /// Share in which every UAV knows every hotspot within the horizon.
+    pub success_rate: Estimate,
+    /// Steps until then. A mission without success counts with its horizon, so that a policy cannot
+    /// look fast by failing the long missions.
+    pub mission_steps: Estimate,
+    /// Energy that the whole fleet spent in a mission.
+    pub energy_kwh: Estimate,
+    /// CO2 of the energy that the fleet drew from the grid in a mission.
+    pub co2_kg: Estimate,
+    /// Normalised throughput, averaged over UAVs and steps.
+    pub throughput: Estimate,
+    /// Hotspots confirmed.
+    pub confirmed: Estimate,
+    /// Pilot density, averaged over UAVs and steps.
+    pub pilot_density: Estimate,
+    /// Undiscounted team reward of a mission.
+    pub episode_return: Estimate,
+}
+
+/// A quantity of a [`Summary`]: its name in JSON and CSV, its unit, its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    /// Name in JSON and CSV.
+    pub name: &'static str,
+    /// For people.
+    pub title: &'static str,
+    /// Unit; empty for a pure number.
+    pub unit: &'static str,
+    /// Value and interval.
+    pub estimate: Estimate,
+}
+
+impl Summary {
+    /// Of missions flown with the given horizon.
+    #[must_use]
+    pub fn of(missions: &[Metrics], horizon_steps: u32) -> Self {
+        let successes = missions.iter().filter(|metrics| metrics.terminated).count();
+        let rows: Vec<[f64; 7]> = missions
+            .iter()
+            .map(|metrics| {
+                let steps = if metrics.terminated {
+                    metrics.steps
+                } else {
+                    horizon_steps
+                };
+                [
+                    f64::from(steps),
+                    metrics.energy_kwh,
+                    metrics.co2_kg,
+                    metrics.throughput_mean,
+                    f64::from(metrics.confirmed),
+                    metrics.pilot_density_mean,
+                    metrics.return_sum,
+                ]
+            })
+            .collect();
+        let [
+            mission_steps,
+            energy_kwh,
+            co2_kg,
+            throughput,
+            confirmed,
+            pilot_density,
+            episode_return,
+        ] = bootstrap_means(&rows);
+        Self {
+            episodes: missions.len() as u64,
+            success_rate: wilson(successes as u64, missions.len() as u64),
+            mission_steps,
+            energy_kwh,
+            co2_kg,
+            throughput,
+            confirmed,
+            pilot_density,
+            episode_return,
+        }
+    }
+
+    /// Every quantity, in the order of reports.
+    #[must_use]
+    pub fn quantities(&self) -> [Quantity; 8] {
+        let quantity = |name, title, unit, estimate| Quantity {
+            name,
+            title,
+            unit,
+            estimate,
+        };
+        [
+            quantity("success_rate", "success rate", "", self.success_rate),
+            quantity(
+                "mission_steps_mean",
+                "mission time",
+                "steps",
+                self.mission_steps,
+            ),
+            quantity("energy_kwh_mean", "energy spent", "kWh", self.energy_kwh),
+            quantity("co2_kg_mean", "CO2", "kg", self.co2_kg),
+            quantity("throughput_mean", "throughput", "", self.throughput),
+            quantity(
+                "confirmed_mean",
+                "hotspots confirmed",
+                "",
+                self.confirmed,
+            ),
+            quantity(
+                "pilot_density_mean",
+                "pilot density",
+                "",
+                self.pilot_density,
+            ),
+            quantity("return_mean", "return", "", self.episode_return),
+        ]
+    }
+}
+
+impl Serialize for Summary {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("episodes", &self.episodes)?;
+        for quantity in self.quantities() {
+            map.serialize_entry(quantity.name, &quantity.estimate.value)?;
+            map.serialize_entry(&format!("{}_low", quantity.name), &quantity.estimate.low)?;
+            map.serialize_entry(&format!("{}_high", quantity.name), &quantity.estimate.high)?;
+        }
+        map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// R: `prop.test(x, n, correct = FALSE)$conf.int`.
+    #[test]
+    fn wilson_intervals_equal_published_ones() {
+        for (successes, trials, low, high) in [
+            (0, 10, 0.0, 0.277_532_799_862_889_3),
+            (5, 10, 0.236_593_090_512_564_06, 0.763_406_909_487_435_9),
+            (10, 10, 0.722_467_200_137_110_7, 1.0),
+        ] {
+            let got = wilson(successes, trials);
+            assert!((got.low - low).abs() < 1e-9, "{got:?}");
+            assert!((got.high - high).abs() < 1e-9, "{got:?}");
+        }
+    }
+
+    #[test]
+    fn bootstrap_intervals_are_near_those_of_the_central_limit() {
+        let missions: Vec<[f64; 1]> = (0..400).map(|k| [f64::from(k % 20)]).collect();
+        let [got] = bootstrap_means(&missions);
+        let half = 1.96 * (399.0f64 / 12.0 / 400.0).sqrt();
+        assert!((got.value - 9.5).abs() < 1e-12);
+        assert!((got.low - (9.5 - half)).abs() < 0.1, "{got:?}");
+        assert!((got.high - (9.5 + half)).abs() < 0.1, "{got:?}");
+        assert_eq!(bootstrap_means(&missions), [got]);
+    }
+}

@@ -1,0 +1,167 @@
+//! From the kernel to the lines of a trace: recording and verifying share this, so that a field that one
+//! writes is a field that the other checks.
+
+use std::io::Write;
+
+use jcas_core::{Config, Error, Model, Sim, hash};
+
+use super::compare::{Difference, diff};
+use super::error::TraceError;
+use super::format::{
+    End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace,
+};
+use super::write::Writer;
+use crate::policy::Policy;
+
+/// Flies one episode and writes it down. Returns its last line.
+///
+/// # Errors
+/// Where writing fails, or the kernel refuses an action of the policy.
+pub fn record(
+    model: &Model<'_>,
+    policy: &mut dyn Policy,
+    seed: u64,
+    out: impl Write,
+) -> Result<End, TraceError> {
+    let mut episode = Episode::begin(model, seed)?;
+    policy.reset(model, seed);
+    let header = episode.header(policy.name(), policy.pilot());
+    let mut writer = Writer::new(out, &header)?;
+    let mut actions = vec![0.0; 2 * model.uav_count()];
+    while !episode.over() {
+        if policy.reads_observations() {
+            policy.see(&episode.observations);
+        }
+        policy.act(model, &episode.sim.state(), &mut actions);
+        writer.step(&episode.step(&actions)?)?;
+    }
+    let mut end = episode.end();
+    end.checksum = writer.end(end.clone())?;
+    Ok(end)
+}
+
+/// Flies a trace again from its configuration, seed and actions. Returns the first difference between
+/// what it says and what this build does; `None` where every bit is the same.
+///
+/// # Errors
+/// Where the kernel refuses the configuration or an action.
+pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
+    let model = Model::new(trace.header.config)?;
+    let mut episode = Episode::begin(&model, trace.header.seed.0)?;
+    let header = episode.header(&trace.header.policy, &trace.header.pilot);
+    let mut steps = Vec::with_capacity(trace.steps.len());
+    for recorded in &trace.steps {
+        if episode.over() {
+            break;
+        }
+        steps.push(episode.step(recorded.actions.as_flattened())?);
+    }
+    let flown = Trace {
+        header,
+        steps,
+        end: episode.end(),
+    };
+    Ok(diff(trace, &flown))
+}
+
+/// An episode in flight, seen as lines of a trace.
+struct Episode<'m> {
+    model: &'m Model<'m>,
+    config: Config,
+    sim: Sim<'m>,
+    observations: Vec<f32>,
+    seed: u64,
+}
+
+impl<'m> Episode<'m> {
+    fn begin(model: &'m Model<'m>, seed: u64) -> Result<Self, Error> {
+        let mut sim = Sim::new(model);
+        sim.reset(seed);
+        let mut episode = Self {
+            model,
+            config: *model.config(),
+            sim,
+            observations: vec![0.0; model.uav_count() * model.observation_len()],
+            seed,
+        };
+        episode.sim.observe(&mut episode.observations)?;
+        Ok(episode)
+    }
+
+    fn over(&self) -> bool {
+        let state = self.sim.state();
+        state.terminated() || state.truncated()
+    }
+
+    fn header(&self, policy: &str, pilot: &str) -> Header {
+        let state = self.sim.state();
+        let (uavs, hotspots) = (self.model.uav_count(), self.model.hotspot_count());
+        Header {
+            kind: "header".to_owned(),
+            format: FORMAT.to_owned(),
+            format_version: FORMAT_VERSION,
+            core_version: jcas_core::VERSION.to_owned(),
+            config: self.config,
+            config_hash: Hex(self.config.hash()),
+            seed: Hex(self.seed),
+            policy: policy.to_owned(),
+            pilot: pilot.to_owned(),
+            hotspots: (0..hotspots).map(|j| state.hotspot_cell(j)).collect(),
+            depots: self.model.depots().to_vec(),
+            initial: Initial {
+                positions: (0..uavs).map(|i| state.cell(i)).collect(),
+                battery_uj: (0..uavs).map(|i| state.battery_uj(i)).collect(),
+                carbon_intensity_mg_per_kwh: state.carbon_intensity_mg_per_kwh(),
+                observation_hash: Hex(hash::reals(&self.observations)),
+                state_hash: Hex(self.sim.state_hash()),
+            },
+        }
+    }
+
+    fn step(&mut self, actions: &[f32]) -> Result<Step, Error> {
+        self.sim.step(actions)?;
+        self.sim.observe(&mut self.observations)?;
+        let state = self.sim.state();
+        let (uavs, hotspots) = (self.model.uav_count(), self.model.hotspot_count());
+        let uavs_where = |holds: &dyn Fn(usize) -> bool| (0..uavs).filter(|&i| holds(i)).collect();
+        let hotspots_where =
+            |holds: &dyn Fn(usize) -> bool| (0..hotspots).filter(|&j| holds(j)).collect();
+        Ok(Step {
+            kind: "step".to_owned(),
+            t: state.t(),
+            actions: actions.chunks_exact(2).map(|a| [a[0], a[1]]).collect(),
+            positions: (0..uavs).map(|i| state.cell(i)).collect(),
+            pilot_density: (0..uavs).map(|i| state.pilot_density(i)).collect(),
+            battery_uj: (0..uavs).map(|i| state.battery_uj(i)).collect(),
+            grounded: uavs_where(&|i| state.grounded(i)),
+            returning: uavs_where(&|i| state.returning(i)),
+            links: (0..uavs)
+                .flat_map(|i| state.neighbours(i).map(move |k| [i, k]))
+                .filter(|[i, k]| i < k)
+                .collect(),
+            knowledge: (0..uavs)
+                .map(|i| hotspots_where(&|j| state.knows(i, j)))
+                .collect(),
+            confirmed: hotspots_where(&|j| state.confirmed(j)),
+            informed: hotspots_where(&|j| state.informed(j)),
+            carbon_intensity_mg_per_kwh: state.billed_intensity_mg_per_kwh(),
+            co2_ng: state.co2_ng(),
+            throughput: state.mean_throughput(),
+            reward: Rewards(state.rewards()),
+            observation_hash: Hex(hash::reals(&self.observations)),
+            state_hash: Hex(self.sim.state_hash()),
+        })
+    }
+
+    fn end(&self) -> End {
+        let metrics = self.sim.state().metrics();
+        End {
+            kind: "end".to_owned(),
+            steps: metrics.steps,
+            terminated: metrics.terminated,
+            truncated: metrics.truncated,
+            metrics,
+            checksum: Hex(0),
+        }
+    }
+}

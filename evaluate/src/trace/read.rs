@@ -1,0 +1,144 @@
+//! Reading a trace, strictly: whatever the writer would not have written is refused.
+
+use std::io::BufRead;
+
+use jcas_core::hash::Fnv1a;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::error::TraceError;
+use super::format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Step, Trace};
+use super::write::CHECKSUM_KEY;
+
+/// The part of a line that tells what to expect of the rest.
+#[derive(Deserialize)]
+struct Probe {
+    kind: String,
+    format: Option<String>,
+    format_version: Option<u64>,
+}
+
+/// Reads a whole trace and checks its form and its checksum. Whether it is true is for
+/// [`verify`](super::verify()).
+///
+/// # Errors
+/// Every [`TraceError`] but those of the kernel.
+pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
+    let mut hash = Fnv1a::new();
+    let mut header: Option<Header> = None;
+    let mut steps = Vec::new();
+    let mut end: Option<End> = None;
+    let mut text = String::new();
+    for line in 1.. {
+        text.clear();
+        match input.read_line(&mut text) {
+            Ok(0) => break,
+            Ok(_) => {}
+            Err(error) if error.kind() == std::io::ErrorKind::InvalidData => {
+                return Err(malformed(line, "is not UTF-8 text"));
+            }
+            Err(error) => return Err(error.into()),
+        }
+        if end.is_some() {
+            return Err(TraceError::Trailing { line });
+        }
+        if !text.ends_with('\n') {
+            break;
+        }
+        let Some(header) = &header else {
+            header = Some(read_header(&text)?);
+            hash.write(text.as_bytes());
+            continue;
+        };
+        match parse::<Probe>(&text, line)?.kind.as_str() {
+            "step" => {
+                let step: Step = parse(&text, line)?;
+                check_step(&step, header, steps.len() + 1, line)?;
+                steps.push(step);
+                hash.write(text.as_bytes());
+            }
+            "end" => {
+                let parsed: End = parse(&text, line)?;
+                let covered = text.rfind(CHECKSUM_KEY).unwrap_or(text.len());
+                hash.write(&text.as_bytes()[..covered]);
+                end = Some(parsed);
+            }
+            other => return Err(malformed(line, &format!("kind = \"{other}\": must be step or end"))),
+        }
+    }
+    let header = header.ok_or(TraceError::Empty)?;
+    let end = end.ok_or(TraceError::Truncated { steps: steps.len() })?;
+    let computed = Hex(hash.finish());
+    if end.checksum != computed {
+        return Err(TraceError::Checksum {
+            stated: end.checksum,
+            computed,
+        });
+    }
+    Ok(Trace { header, steps, end })
+}
+
+/// The version is looked at first: another version may have other fields.
+fn read_header(text: &str) -> Result<Header, TraceError> {
+    let probe: Probe = serde_json::from_str(text)
+        .map_err(|error| TraceError::NotATrace(explain(&error)))?;
+    match probe {
+        Probe {
+            kind,
+            format: Some(format),
+            format_version: Some(version),
+        } if kind == "header" && format == FORMAT => {
+            if version != u64::from(FORMAT_VERSION) {
+                return Err(TraceError::Version(version));
+            }
+            parse(text, 1)
+        }
+        Probe { kind, format, .. } => Err(TraceError::NotATrace(format!(
+            "kind = \"{kind}\", format = \"{}\"",
+            format.unwrap_or_default()
+        ))),
+    }
+}
+
+/// What later code indexes by.
+fn check_step(step: &Step, header: &Header, t: usize, line: usize) -> Result<(), TraceError> {
+    if step.t as usize != t {
+        return Err(malformed(line, &format!("t = {}: must be {t}", step.t)));
+    }
+    let uavs = header.config.uav_count as usize;
+    for (field, length) in [
+        ("actions", step.actions.len()),
+        ("positions", step.positions.len()),
+        ("pilot_density", step.pilot_density.len()),
+        ("battery_uj", step.battery_uj.len()),
+        ("knowledge", step.knowledge.len()),
+    ] {
+        if length != uavs {
+            return Err(malformed(
+                line,
+                &format!("{field} has {length} elements: must have {uavs}"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn parse<T: DeserializeOwned>(text: &str, line: usize) -> Result<T, TraceError> {
+    serde_json::from_str(text).map_err(|error| malformed(line, &explain(&error)))
+}
+
+fn malformed(line: usize, problem: &str) -> TraceError {
+    TraceError::Malformed {
+        line,
+        problem: problem.to_owned(),
+    }
+}
+
+/// serde_json counts lines from the start of what it was given, which is always one line.
+fn explain(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.rsplit_once(" at line ") {
+        Some((problem, _)) => format!("{problem} (column {})", error.column()),
+        None => text,
+    }
+}
