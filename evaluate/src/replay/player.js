@@ -25,6 +25,8 @@ $('play').onclick = () => setPlaying(!player.playing);
 $('forward').onclick = () => stepBy(1);
 $('last').onclick = () => seek(episode.lastStep);
 $('help-open').onclick = () => $('help').showModal();
+// Else the closed dialog's button may keep the focus and swallow the space key.
+$('help').addEventListener('close', () => document.activeElement?.blur());
 addEventListener('keydown', onKey);
 addEventListener('hashchange', readAddress);
 readAddress();

@@ -1,0 +1,95 @@
+// A headless Chromium over the DevTools protocol on a pair of pipes: no port, no package.
+
+import { spawn } from 'node:child_process';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
+const FLAGS = [
+  '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--window-size=1440,1100', '--remote-debugging-pipe',
+];
+const ANSWER_MS = 20_000;
+
+export async function openBrowser() {
+  const profile = mkdtempSync(join(tmpdir(), 'jcas-browser-'));
+  const child = spawn(CHROMIUM, [...FLAGS, `--user-data-dir=${profile}`], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+  const [requests, replies] = [child.stdio[3], child.stdio[4]];
+  const waiting = new Map();
+  const listeners = [];
+  let nextId = 1;
+  let unread = '';
+
+  const failAll = (error) => { for (const { reject } of waiting.values()) reject(error); };
+  child.on('error', (error) => failAll(new Error(`${CHROMIUM} does not start: ${error.message}`)));
+  child.on('exit', (code) => failAll(new Error(`${CHROMIUM} ended with ${code}`)));
+  requests.on('error', failAll);
+  replies.setEncoding('utf8');
+  replies.on('data', (chunk) => {
+    const messages = (unread + chunk).split('\0');
+    unread = messages.pop();
+    for (const message of messages) receive(JSON.parse(message));
+  });
+
+  function receive(message) {
+    if (message.id === undefined) return listeners.forEach((listener) => listener(message));
+    const { resolve, reject } = waiting.get(message.id);
+    waiting.delete(message.id);
+    if (message.error) reject(new Error(message.error.message));
+    else resolve(message.result);
+  }
+
+  function send(method, params = {}, sessionId = undefined) {
+    const id = nextId++;
+    return new Promise((resolve, reject) => {
+      const timer = setTimeout(() => reject(new Error(`${method}: no answer in ${ANSWER_MS} ms`)), ANSWER_MS);
+      const settle = (finish) => (value) => { clearTimeout(timer); finish(value); };
+      waiting.set(id, { resolve: settle(resolve), reject: settle(reject) });
+      requests.write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
+    });
+  }
+
+  async function openPage(url, dark = false) {
+    const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
+    const { sessionId } = await send('Target.attachToTarget', { targetId, flatten: true });
+    const call = (method, params) => send(method, params, sessionId);
+    const page = { complaints: [], requests: [], call };
+    const loaded = new Promise((resolve) => {
+      listeners.push(({ method, params, sessionId: from }) => {
+        if (from !== sessionId) return;
+        if (method === 'Page.loadEventFired') resolve();
+        if (method === 'Runtime.exceptionThrown') page.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
+        if (method === 'Runtime.consoleAPICalled' && ['error', 'warning', 'assert'].includes(params.type)) page.complaints.push(params.args.map((arg) => arg.value).join(' '));
+        if (method === 'Log.entryAdded' && ['error', 'warning'].includes(params.entry.level)) page.complaints.push(params.entry.text);
+        if (method === 'Network.requestWillBeSent') page.requests.push(params.request.url);
+      });
+    });
+    for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await call(`${domain}.enable`);
+    await call('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }] });
+    await call('Page.navigate', { url });
+    await loaded;
+
+    page.evaluate = async (expression) => {
+      const { result, exceptionDetails } = await call('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
+      if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+      return result.value;
+    };
+    page.press = async (key, text = undefined) => {
+      await call('Input.dispatchKeyEvent', { type: 'keyDown', key, text });
+      await call('Input.dispatchKeyEvent', { type: 'keyUp', key });
+    };
+    page.screenshot = async () => Buffer.from((await call('Page.captureScreenshot', { format: 'png' })).data, 'base64');
+    return page;
+  }
+
+  async function close() {
+    child.removeAllListeners('exit');
+    const ended = new Promise((resolve) => child.once('exit', resolve));
+    await send('Browser.close').catch(() => child.kill());
+    await Promise.race([ended, new Promise((resolve) => setTimeout(resolve, 5000))]);
+    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  }
+
+  return { openPage, close };
+}
