@@ -1,2 +1,73 @@
-//! The kernel.
+//! Deterministic simulation kernel for fleets of UAVs that sense and communicate with one OFDM waveform.
+//!
+//! A [`Config`] becomes an immutable [`Model`]; a [`Model`] steps states, each one slab of words in the
+//! caller's memory. No allocation, no I/O, no clock, no global, no `unsafe`; every loop is bounded by the
+//! configuration and every public function returns a value or a typed [`Error`]. With the feature `alloc`,
+//! [`Sim`] keeps a state in memory of its own.
+//!
+//! ```
+//! # #[cfg(feature = "alloc")] {
+//! use jcas_core::{Config, Model, Sim};
+//!
+//! let model = Model::new(Config { uav_count: 5, ..Config::default() })?;
+//! let mut sim = Sim::new(&model);
+//! sim.reset(42);
+//! let outcome = sim.step(&vec![0.0; model.action_len()])?;
+//! assert!(!outcome.terminated);
+//! # }
+//! # Ok::<(), jcas_core::Error>(())
+//! ```
 #![no_std]
+#![forbid(unsafe_code)]
+// Index loops over constants are what bounded model checking handles best.
+#![allow(clippy::needless_range_loop)]
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+pub mod action;
+pub mod batch;
+pub mod bits;
+pub mod carbon;
+pub mod config;
+pub mod energy;
+pub mod error;
+pub mod hash;
+pub mod header;
+mod host;
+pub mod knowledge;
+pub mod layout;
+pub mod link;
+pub mod metrics;
+pub mod model;
+pub mod motion;
+pub mod observation;
+mod potential;
+pub mod radar;
+mod reset;
+pub mod reward;
+pub mod rng;
+pub mod scratch;
+pub mod sensing;
+#[cfg(feature = "alloc")]
+mod sim;
+pub mod snapshot;
+pub mod state;
+pub mod step;
+mod validity;
+
+pub use action::Motion;
+pub use config::{Cell, ChargeBilling, Config, InformPayment, Preset, TargetVisibility};
+pub use error::{ConfigError, Error};
+pub use metrics::Metrics;
+pub use model::Model;
+pub use scratch::Scratch;
+#[cfg(feature = "alloc")]
+pub use sim::Sim;
+pub use state::{StateMut, StateRef};
+pub use step::StepOutcome;
+
+/// Version of the kernel; part of every trace.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,0 +1,115 @@
+//! What a UAV's action means: a motion and a pilot density.
+
+/// One of the five motions, in the order of the action's bins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// +y
+    Up = 0,
+    /// -y
+    Down = 1,
+    /// -x
+    Left = 2,
+    /// +x
+    Right = 3,
+    /// No change.
+    Stay = 4,
+}
+
+impl Motion {
+    /// All motions, in the order of the bins.
+    pub const ALL: [Self; 5] = [Self::Up, Self::Down, Self::Left, Self::Right, Self::Stay];
+
+    /// Centre of the motion's bin: an action component that means this motion.
+    #[must_use]
+    pub const fn to_action(self) -> f32 {
+        match self {
+            Self::Up => -0.8,
+            Self::Down => -0.4,
+            Self::Left => 0.0,
+            Self::Right => 0.4,
+            Self::Stay => 0.8,
+        }
+    }
+}
+
+/// Clips to [-1, 1]; the identity inside. NaN becomes -1 (callers refuse NaN before).
+#[inline]
+#[must_use]
+pub fn clip(value: f32) -> f32 {
+    if value >= 1.0 {
+        1.0
+    } else if value >= -1.0 {
+        value
+    } else {
+        -1.0
+    }
+}
+
+/// k = min(4, floor((u + 1)/2 · 5)) over the motions, u clipped.
+#[inline]
+#[must_use]
+pub fn motion(u_dir: f32) -> Motion {
+    // Halving is exact, so (u + 1)/2 · 5 = (u + 1) · 2.5 with one rounding.
+    let bin = (f64::from(clip(u_dir)) + 1.0) * 2.5;
+    if bin < 1.0 {
+        Motion::Up
+    } else if bin < 2.0 {
+        Motion::Down
+    } else if bin < 3.0 {
+        Motion::Left
+    } else if bin < 4.0 {
+        Motion::Right
+    } else {
+        Motion::Stay
+    }
+}
+
+/// ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), u clipped, the result clipped to [ρ_min, ρ_max].
+#[inline]
+#[must_use]
+pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
+    let density = min + (f64::from(clip(u_pilot)) + 1.0) * 0.5 * (max - min);
+    if density > max {
+        max
+    } else if density >= min {
+        density
+    } else {
+        min
+    }
+}
+
+/// The action component that asks for a pilot density; the inverse of [`pilot_density`].
+#[must_use]
+pub fn pilot_action(density: f64, min: f64, max: f64) -> f32 {
+    if max > min {
+        clip(((density - min) / (max - min) * 2.0 - 1.0) as f32)
+    } else {
+        -1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn five_equal_bins() {
+        for motion_of in Motion::ALL {
+            assert_eq!(motion(motion_of.to_action()), motion_of);
+        }
+        assert_eq!(motion(-1.0), Motion::Up);
+        assert_eq!(motion(-0.6), Motion::Up); // the f32 nearest to -0.6 lies below it
+        assert_eq!(motion(-0.599_999_9), Motion::Down);
+        assert_eq!(motion(1.0), Motion::Stay);
+        assert_eq!(motion(f32::INFINITY), Motion::Stay);
+        assert_eq!(motion(f32::NEG_INFINITY), Motion::Up);
+    }
+
+    #[test]
+    fn pilot_density_spans_its_range() {
+        assert_eq!(pilot_density(-1.0, 0.01, 0.30), 0.01);
+        assert_eq!(pilot_density(1.0, 0.01, 0.30), 0.30);
+        assert!((pilot_density(0.0, 0.01, 0.30) - 0.155).abs() < 1e-15);
+        assert_eq!(pilot_density(9.0, 0.01, 0.30), 0.30);
+    }
+}

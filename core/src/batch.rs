@@ -1,0 +1,255 @@
+//! Many environments of one model, side by side in one slab, stepped into contiguous buffers.
+//!
+//! Sequential by design: to use several threads, give each a share of the environments.
+
+use crate::error::Error;
+use crate::metrics::Metrics;
+use crate::model::Model;
+use crate::observation::{observe, observe_global};
+use crate::rng::derive_seed;
+use crate::scratch::Scratch;
+
+/// Buffers of a batch step, for M environments. Empty slices leave optional outputs out.
+#[derive(Debug, Default)]
+pub struct BatchOut<'a> {
+    /// M · N · observation length.
+    pub observations: &'a mut [f32],
+    /// M · global length; optional.
+    pub global: &'a mut [f32],
+    /// M: the team reward.
+    pub rewards: &'a mut [f32],
+    /// M · 12 reward components; optional.
+    pub components: &'a mut [f64],
+    /// M: 1 where the step terminated the episode.
+    pub terminated: &'a mut [u8],
+    /// M: 1 where the step truncated it.
+    pub truncated: &'a mut [u8],
+    /// M · N · observation length; optional. Where an episode was reset, its last observation.
+    pub final_observations: &'a mut [f32],
+    /// M · global length; optional. Where an episode was reset, its last global state.
+    pub final_global: &'a mut [f32],
+    /// M; optional. Where an episode ended, what it came to.
+    pub final_metrics: &'a mut [Metrics],
+}
+
+impl BatchOut<'_> {
+    fn check(&self, model: &Model<'_>, count: usize) -> Result<(), Error> {
+        let observations = count * model.uav_count() * model.observation_len();
+        let global = count * model.global_len();
+        let lengths = [
+            ("observations", self.observations.len(), observations, false),
+            ("global", self.global.len(), global, true),
+            ("rewards", self.rewards.len(), count, false),
+            (
+                "components",
+                self.components.len(),
+                count * crate::reward::COMPONENTS,
+                true,
+            ),
+            ("terminated", self.terminated.len(), count, false),
+            ("truncated", self.truncated.len(), count, false),
+            (
+                "final_observations",
+                self.final_observations.len(),
+                observations,
+                true,
+            ),
+            ("final_global", self.final_global.len(), global, true),
+            ("final_metrics", self.final_metrics.len(), count, true),
+        ];
+        for (what, got, expected, optional) in lengths {
+            if got != expected && !(optional && got == 0) {
+                return Err(Error::Length {
+                    what,
+                    expected,
+                    got,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The part of a buffer that belongs to environment `m`; empty where the buffer is.
+fn part<T>(buffer: &mut [T], m: usize, len: usize) -> &mut [T] {
+    if buffer.is_empty() {
+        buffer
+    } else {
+        &mut buffer[m * len..(m + 1) * len]
+    }
+}
+
+impl Model<'_> {
+    /// How many environments a slab holds.
+    ///
+    /// # Errors
+    /// [`Error::Length`] unless `states` is a whole number of states.
+    pub fn batch_len(&self, states: &[u64]) -> Result<usize, Error> {
+        let count = states.len() / self.state_words();
+        if count * self.state_words() == states.len() {
+            Ok(count)
+        } else {
+            Err(Error::Length {
+                what: "batch memory",
+                expected: (count + 1) * self.state_words(),
+                got: states.len(),
+            })
+        }
+    }
+
+    /// Begins an episode in each environment, with the seeds given, and observes.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for any buffer; nothing has changed then.
+    pub fn batch_reset(
+        &self,
+        states: &mut [u64],
+        scratch: &mut Scratch<'_>,
+        seeds: &[u64],
+        observations: &mut [f32],
+        global: &mut [f32],
+    ) -> Result<(), Error> {
+        let count = self.batch_len(states)?;
+        let observation_len = self.uav_count() * self.observation_len();
+        let lengths = [
+            ("seeds", seeds.len(), count),
+            ("observations", observations.len(), count * observation_len),
+            (
+                "global",
+                global.len(),
+                if global.is_empty() {
+                    0
+                } else {
+                    count * self.global_len()
+                },
+            ),
+        ];
+        for (what, got, expected) in lengths {
+            if got != expected {
+                return Err(Error::Length {
+                    what,
+                    expected,
+                    got,
+                });
+            }
+        }
+        for (m, words) in states.chunks_exact_mut(self.state_words()).enumerate() {
+            self.reset(words, scratch, seeds[m])?;
+            let state = self.state(words)?;
+            observe(
+                self,
+                &state,
+                scratch,
+                part(observations, m, observation_len),
+            )?;
+            if !global.is_empty() {
+                observe_global(self, &state, part(global, m, self.global_len()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps every environment once and observes.
+    ///
+    /// With `auto_reset`, an episode that ends is followed at once by the next, whose seed derives from
+    /// the ended one's; observations are then the new episode's first, the old one's last are kept in
+    /// `final_observations`. Without it, an environment whose episode has ended refuses the step.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for any buffer, [`Error::ActionNan`] (with the UAV counted over the whole batch),
+    /// [`Error::EpisodeOver`], [`Error::OutOfOrder`] or [`Error::ModelMismatch`] of the first environment
+    /// that refuses: all are checked before any steps, so nothing has changed then.
+    pub fn batch_step(
+        &self,
+        states: &mut [u64],
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+        auto_reset: bool,
+        out: &mut BatchOut<'_>,
+    ) -> Result<(), Error> {
+        let count = self.batch_len(states)?;
+        out.check(self, count)?;
+        self.check_batch(states, actions, count)?;
+        for (m, words) in states.chunks_exact_mut(self.state_words()).enumerate() {
+            let own_actions = &actions[m * self.action_len()..(m + 1) * self.action_len()];
+            self.step_one(words, scratch, own_actions, auto_reset, m, out)?;
+        }
+        Ok(())
+    }
+
+    fn check_batch(&self, states: &[u64], actions: &[f32], count: usize) -> Result<(), Error> {
+        if actions.len() != count * self.action_len() {
+            return Err(Error::Length {
+                what: "actions",
+                expected: count * self.action_len(),
+                got: actions.len(),
+            });
+        }
+        if let Some(index) = actions.iter().position(|value| value.is_nan()) {
+            return Err(Error::ActionNan {
+                uav: index / 2,
+                component: index % 2,
+            });
+        }
+        for words in states.chunks_exact(self.state_words()) {
+            match self.state(words)?.header.phase() {
+                Some(crate::header::Phase::Ready) => {}
+                Some(phase) if phase.is_over() => return Err(Error::EpisodeOver),
+                _ => {
+                    return Err(Error::OutOfOrder {
+                        called: "batch_step",
+                        after: "step_end",
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn step_one(
+        &self,
+        words: &mut [u64],
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+        auto_reset: bool,
+        m: usize,
+        out: &mut BatchOut<'_>,
+    ) -> Result<(), Error> {
+        let outcome = self.step(&mut self.state_mut(words)?, scratch, actions)?;
+        out.rewards[m] = outcome.reward as f32;
+        out.terminated[m] = u8::from(outcome.terminated);
+        out.truncated[m] = u8::from(outcome.truncated);
+        let observation_len = self.uav_count() * self.observation_len();
+        let state = self.state(words)?;
+        if !out.components.is_empty() {
+            part(out.components, m, crate::reward::COMPONENTS).copy_from_slice(&state.rewards());
+        }
+        if outcome.terminated || outcome.truncated {
+            if !out.final_metrics.is_empty() {
+                out.final_metrics[m] = state.metrics();
+            }
+            if auto_reset {
+                if !out.final_observations.is_empty() {
+                    let kept = part(out.final_observations, m, observation_len);
+                    observe(self, &state, scratch, kept)?;
+                }
+                if !out.final_global.is_empty() {
+                    observe_global(self, &state, part(out.final_global, m, self.global_len()))?;
+                }
+                let next = derive_seed(state.seed(), 0);
+                self.reset(words, scratch, next)?;
+            }
+        }
+        let state = self.state(words)?;
+        observe(
+            self,
+            &state,
+            scratch,
+            part(out.observations, m, observation_len),
+        )?;
+        if !out.global.is_empty() {
+            observe_global(self, &state, part(out.global, m, self.global_len()))?;
+        }
+        Ok(())
+    }
+}

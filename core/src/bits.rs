@@ -1,0 +1,117 @@
+//! Sets of small integers as rows of 64-bit words.
+
+/// Words that hold `count` bits.
+#[inline]
+#[must_use]
+pub const fn words_for(count: usize) -> usize {
+    count.div_ceil(64)
+}
+
+/// Whether bit `index` is set.
+#[inline]
+#[must_use]
+pub const fn get(row: &[u64], index: usize) -> bool {
+    row[index / 64] >> (index % 64) & 1 == 1
+}
+
+/// Sets bit `index`.
+#[inline]
+pub const fn set(row: &mut [u64], index: usize) {
+    row[index / 64] |= 1 << (index % 64);
+}
+
+/// Writes bit `index`.
+#[inline]
+pub const fn assign(row: &mut [u64], index: usize, value: bool) {
+    let mask = 1 << (index % 64);
+    row[index / 64] = row[index / 64] & !mask | if value { mask } else { 0 };
+}
+
+/// The bits of word `word` that belong to a set of `count` bits.
+#[inline]
+#[must_use]
+pub const fn valid_mask(word: usize, count: usize) -> u64 {
+    let used = count.saturating_sub(word * 64);
+    if used >= 64 {
+        u64::MAX
+    } else {
+        (1 << used) - 1
+    }
+}
+
+/// How many bits are set.
+#[must_use]
+pub fn count(row: &[u64]) -> usize {
+    let mut total = 0;
+    for word in row {
+        total += word.count_ones() as usize;
+    }
+    total
+}
+
+/// Whether no bit is set.
+#[must_use]
+pub fn is_empty(row: &[u64]) -> bool {
+    let mut any = 0;
+    for word in row {
+        any |= word;
+    }
+    any == 0
+}
+
+/// Whether every bit of `a` is set in `b`; both of the same length.
+#[must_use]
+pub fn is_subset(a: &[u64], b: &[u64]) -> bool {
+    let mut outside = 0;
+    for word in 0..a.len() {
+        outside |= a[word] & !b[word];
+    }
+    outside == 0
+}
+
+/// Whether no bit at or above `count` is set.
+#[must_use]
+pub fn fits(row: &[u64], count: usize) -> bool {
+    let mut outside = 0;
+    for word in 0..row.len() {
+        outside |= row[word] & !valid_mask(word, count);
+    }
+    outside == 0
+}
+
+/// The set bits in ascending order.
+pub fn iter(row: &[u64]) -> impl Iterator<Item = usize> + '_ {
+    row.iter().enumerate().flat_map(|(index, &word)| {
+        let mut rest = word;
+        core::iter::from_fn(move || {
+            if rest == 0 {
+                return None;
+            }
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            Some(index * 64 + bit)
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_and_reads_across_words() {
+        let mut row = [0u64; 3];
+        for index in [0, 63, 64, 129] {
+            set(&mut row, index);
+            assert!(get(&row, index));
+        }
+        assert!(iter(&row).eq([0, 63, 64, 129]));
+        assert_eq!(count(&row), 4);
+        assign(&mut row, 64, false);
+        assert!(!get(&row, 64));
+        assert!(fits(&row, 130) && !fits(&row, 129));
+        assert_eq!(valid_mask(1, 64), 0);
+        assert_eq!(valid_mask(0, 64), u64::MAX);
+        assert!(is_subset(&[1, 2], &[3, 2]) && !is_subset(&[4], &[3]));
+    }
+}

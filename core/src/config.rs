@@ -1,0 +1,232 @@
+//! Every decision of the model as one flat, validated record.
+
+mod choices;
+mod depots;
+mod field;
+#[cfg(feature = "text")]
+pub mod text;
+mod validate;
+
+pub use choices::{ChargeBilling, InformPayment, Preset, TargetVisibility};
+pub use depots::{Cell, Depots, MAX_DEPOTS};
+pub use field::{FieldInfo, FieldValue, FieldValues};
+
+use crate::hash::Fnv1a;
+use field::Field;
+
+/// Declares the configuration once: the record, its defaults and the description of each field.
+macro_rules! configuration {
+    ($( $(#[doc = $doc:literal])+ $name:ident: $type:ty = $default:expr, $unit:literal, $low:literal..=$high:literal; )+) => {
+        /// The configuration of a model. Energies are per UAV; see each field for unit and legal range.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+        pub struct Config {
+            $(
+                $(#[doc = $doc])+
+                #[doc = concat!("\n\nUnit: ", $unit, ". Legal: ", stringify!($low), " to ", stringify!($high), ".")]
+                #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Field::is_derived"))]
+                pub $name: $type,
+            )+
+        }
+
+        impl Config {
+            /// The default: the `mission` preset.
+            const MISSION: Self = Self { $( $name: $default, )+ };
+
+            /// How many fields there are.
+            pub const FIELD_COUNT: usize = [$( stringify!($name) ),+].len();
+
+            /// Name, unit, bounds and meaning of each field, in the order of the record.
+            pub const FIELDS: [FieldInfo; Self::FIELD_COUNT] = [
+                $( FieldInfo {
+                    name: stringify!($name),
+                    unit: $unit,
+                    low: $low as f64,
+                    high: $high as f64,
+                    doc: concat!($($doc),+),
+                }, )+
+            ];
+
+            /// The value of each field, in the order of [`Config::FIELDS`].
+            #[must_use]
+            pub fn values(&self) -> FieldValues {
+                [ $( self.$name.field_value(), )+ ]
+            }
+        }
+    };
+}
+
+configuration! {
+    /// Cells of the grid along x (W).
+    grid_width: u32 = 12, "cells", 1..=1024;
+    /// Cells of the grid along y (H).
+    grid_height: u32 = 12, "cells", 1..=1024;
+    /// Side of a square cell (d).
+    cell_size_m: f64 = 50.0, "m", 0.001..=1e6;
+    /// UAVs in the fleet (N).
+    uav_count: u32 = 10, "UAVs", 1..=4096;
+    /// Waste hotspots to find (n).
+    hotspot_count: u32 = 5, "hotspots", 1..=4096;
+    /// Steps after which an unfinished episode is truncated (T_max).
+    horizon_steps: u32 = 100, "steps", 1..=1000000;
+    /// Positive detections in one step that confirm a hotspot (θ).
+    quorum: u32 = 3, "UAVs", 1..=4096;
+    /// Cells with a depot; the fleet starts at the first. Empty: one at (W/2, H/2).
+    depots: Depots = Depots::CENTRE, "cells", 0..=16;
+    /// Lowest state of charge at the start; drawn per UAV, uniformly.
+    initial_soc_min: f64 = 1.0, "fraction", 0..=1;
+    /// Highest state of charge at the start.
+    initial_soc_max: f64 = 1.0, "fraction", 0..=1;
+    /// Whether UAVs see hotspots that they do not know: `known` (the paper) or `hidden` (a search).
+    target_visibility: TargetVisibility = TargetVisibility::Known, "known | hidden", 0..=1;
+    /// Neighbours in an observation, nearest first; at most N - 1 are ever used.
+    neighbour_slots: u32 = 4095, "UAVs", 0..=4095;
+
+    /// Carrier frequency (f_c).
+    carrier_frequency_hz: f64 = 5.8e9, "Hz", 1e6..=1e13;
+    /// Bandwidth of the waveform (B).
+    bandwidth_hz: f64 = 100e6, "Hz", 1e3..=1e12;
+    /// Transmit power of a UAV (P_t).
+    transmit_power_dbm: f64 = 20.0, "dBm", -100..=100;
+    /// Transmit antenna gain (G_t).
+    transmit_gain_dbi: f64 = 2.0, "dBi", -100..=100;
+    /// Receive antenna gain (G_r).
+    receive_gain_dbi: f64 = 2.0, "dBi", -100..=100;
+    /// Radar cross section of a hotspot (σ_j).
+    radar_cross_section_dbsm: f64 = 0.0, "dBsm", -100..=100;
+    /// Noise power of the radar receiver (P_n).
+    sensing_noise_dbm: f64 = -90.0, "dBm", -200..=100;
+    /// Processing gain of coherent OFDM combining (G_proc).
+    processing_gain_db: f64 = 8.0, "dB", -100..=100;
+    /// Loss of sensing SNR per unit of communication load (α_JCAS).
+    comm_load_penalty_db: f64 = 1.0, "dB", 0..=20;
+    /// Single-pulse probability of detection that defines the threshold (Albersheim's equation).
+    detection_probability: f64 = 0.9, "probability", 0.1..=0.9;
+    /// Single-pulse probability of false alarm that defines the threshold.
+    false_alarm_probability: f64 = 1e-6, "probability", 1e-7..=1e-3;
+    /// Detection threshold (γ_det); derived by Albersheim's equation where absent.
+    detection_threshold_db: Option<f64> = None, "dB", -300..=300;
+    /// Slope of the logistic detection curve (κ).
+    logistic_slope_per_db: f64 = 0.25, "1/dB", 0..=10;
+    /// Distances below this count as this, for radar and link (R_min); half a cell where absent.
+    range_min_m: Option<f64> = None, "m", 0.001..=1e6;
+    /// Range resolution (δ) in the penalty 10 log10(1 + δ/R); c/(2B) where absent, 0 for no penalty.
+    range_resolution_m: Option<f64> = None, "m", 0..=1e6;
+    /// Lowest pilot density (ρ_min).
+    pilot_density_min: f64 = 0.01, "fraction", 0..=1;
+    /// Highest pilot density (ρ_max).
+    pilot_density_max: f64 = 0.30, "fraction", 0.0001..=1;
+
+    /// Exponent of the log-distance path loss (n).
+    path_loss_exponent: f64 = 2.0, "dimensionless", 0.5..=8;
+    /// Noise power of the communication receiver (P_n,comm).
+    comm_noise_dbm: f64 = -90.0, "dBm", -200..=100;
+    /// Spectral efficiency that counts as throughput 1.
+    reference_spectral_efficiency: f64 = 6.0, "bit/s/Hz", 0.001..=1000;
+    /// Normalised throughput that a link needs in both directions (η_link).
+    link_throughput_min: f64 = 1.0, "normalised", 0..=1000;
+
+    /// Duration of a step (Δt).
+    step_duration_s: f64 = 10.0, "s", 0.001..=86400;
+    /// Battery capacity (B_max).
+    battery_capacity_kwh: f64 = 0.20, "kWh", 1e-6..=100;
+    /// A battery below this at the start of a step sends the UAV to the nearest depot; 0 turns it off.
+    rtb_threshold_kwh: f64 = 0.04, "kWh", 0..=100;
+    /// Charging power at a depot (r_ch).
+    charge_power_kw: f64 = 0.30, "kW", 0..=10000;
+    /// Energy of a step that changes the cell (e_move).
+    move_energy_kwh: f64 = 8e-4, "kWh", 0..=1;
+    /// Energy of a step in place.
+    hover_energy_kwh: f64 = 0.0, "kWh", 0..=1;
+    /// Energy of sensing at the highest pilot density for a step (e_sense).
+    sense_energy_kwh: f64 = 2e-4, "kWh", 0..=1;
+    /// Energy of communicating with the whole waveform for a step (e_comm).
+    comm_energy_kwh: f64 = 5e-5, "kWh", 0..=1;
+    /// Share of renewable energy in charging (ρ_RE).
+    renewable_share: f64 = 0.1, "fraction", 0..=1;
+    /// Lowest carbon intensity of grid energy.
+    carbon_intensity_min_kg_per_kwh: f64 = 0.25, "kg/kWh", 0..=10;
+    /// Highest carbon intensity of grid energy.
+    carbon_intensity_max_kg_per_kwh: f64 = 0.40, "kg/kWh", 0..=10;
+    /// What charging bills: `accepted` (what the battery took) or `nameplate` (r_ch, the paper's letter).
+    charge_billing: ChargeBilling = ChargeBilling::Accepted, "accepted | nameplate", 0..=1;
+
+    /// Reward of a confirmation (α_det).
+    reward_detect: f64 = 7.0, "reward", -1e6..=1e6;
+    /// Reward of an informed hotspot (α_inf).
+    reward_inform: f64 = 4.0, "reward", -1e6..=1e6;
+    /// When an informed hotspot pays: `once`, or at `every_step` after (the paper's letter).
+    inform_payment: InformPayment = InformPayment::Once, "once | every_step", 0..=1;
+    /// Reward of completion (α_comp).
+    reward_complete: f64 = 10.0, "reward", -1e6..=1e6;
+    /// Reward of covering the whole grid for the first time (α_cov).
+    reward_coverage: f64 = 0.5, "reward", -1e6..=1e6;
+    /// Penalty of energy spent (η_e).
+    penalty_energy_per_kwh: f64 = 0.2, "reward/kWh", -1e6..=1e6;
+    /// Penalty of carbon emitted (η_c).
+    penalty_carbon_per_kg: f64 = 0.1, "reward/kg", -1e6..=1e6;
+    /// Penalty of a move into a cell visited before (ξ_rev).
+    penalty_revisit: f64 = 0.01, "reward", -1e6..=1e6;
+    /// Penalty at the horizon (ξ_trunc).
+    penalty_truncation: f64 = 0.4, "reward", -1e6..=1e6;
+    /// Reward of mean normalised throughput (ζ_comm).
+    reward_throughput: f64 = 0.5, "reward", -1e6..=1e6;
+    /// Reward of knowledge spread (ζ_spread).
+    reward_spread: f64 = 0.1, "reward", -1e6..=1e6;
+    /// Discount of the shaping potentials (γ_s).
+    shaping_discount: f64 = 0.95, "dimensionless", 0..=1;
+    /// Weight of the distance-to-hotspot potential (w_g).
+    shaping_goal_weight: f64 = 1.0, "reward", 0..=1e6;
+    /// Weight of the carbon-aware charging potential (w_c).
+    shaping_charge_weight: f64 = 0.1, "reward", 0..=1e6;
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self::MISSION
+    }
+}
+
+impl Config {
+    /// The configuration of a preset.
+    #[must_use]
+    pub fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Mission => Self::MISSION,
+            Preset::Paper => Self {
+                charge_billing: ChargeBilling::Nameplate,
+                inform_payment: InformPayment::EveryStep,
+                ..Self::MISSION
+            },
+        }
+    }
+
+    /// Cells of the grid.
+    #[must_use]
+    pub fn cell_count(&self) -> usize {
+        self.grid_width as usize * self.grid_height as usize
+    }
+
+    /// The depots in force: those given, or the one at (W/2, H/2).
+    #[must_use]
+    pub fn effective_depots(&self) -> Depots {
+        if self.depots.is_empty() {
+            Depots::one(Cell {
+                x: self.grid_width / 2,
+                y: self.grid_height / 2,
+            })
+        } else {
+            self.depots
+        }
+    }
+
+    /// Fingerprint: equal for configurations that are equal field by field.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        let mut hash = Fnv1a::new();
+        for value in self.values() {
+            value.write(&mut hash);
+        }
+        hash.finish()
+    }
+}

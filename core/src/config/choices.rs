@@ -1,0 +1,88 @@
+//! The fields that choose between alternatives.
+
+use core::str::FromStr;
+
+use crate::error::{Allowed, ConfigError, Value};
+
+/// Declares an enumeration whose names are the same in files, messages and on the command line.
+macro_rules! choice {
+    ($(#[$meta:meta])* $name:ident, $field:literal, $rule:literal { $( $(#[$variant_meta:meta])* $variant:ident = $text:literal, )+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum $name {
+            $( $(#[$variant_meta])* #[cfg_attr(feature = "serde", serde(rename = $text))] $variant, )+
+        }
+
+        impl $name {
+            /// Every alternative, in order.
+            pub const ALL: &'static [Self] = &[$( Self::$variant ),+];
+
+            /// Its name in files and on the command line.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $( Self::$variant => $text, )+ }
+            }
+
+            /// The alternative with the given index in [`Self::ALL`].
+            #[must_use]
+            pub fn from_index(index: u32) -> Option<Self> {
+                Self::ALL.get(index as usize).copied()
+            }
+        }
+
+        impl FromStr for $name {
+            type Err = ConfigError;
+            fn from_str(text: &str) -> Result<Self, ConfigError> {
+                match text {
+                    $( $text => Ok(Self::$variant), )+
+                    _ => Err(ConfigError {
+                        field: $field,
+                        value: Value::Integer(text.len() as u64),
+                        allowed: Allowed::Rule($rule),
+                    }),
+                }
+            }
+        }
+    };
+}
+
+choice! {
+    /// A named set of values for every field.
+    Preset, "preset", "`mission` or `paper`" {
+        /// The paper with its billing and payment corrected; the default.
+        Mission = "mission",
+        /// The letter of every equation of the paper.
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// What UAVs see of hotspots that they do not know.
+    TargetVisibility, "target_visibility", "`known` or `hidden`" {
+        /// Every hotspot's position, as in the paper.
+        Known = "known",
+        /// Positions only of hotspots that the UAV knows.
+        Hidden = "hidden",
+    }
+}
+
+choice! {
+    /// What charging bills to the grid.
+    ChargeBilling, "charge_billing", "`accepted` or `nameplate`" {
+        /// What the battery accepted.
+        Accepted = "accepted",
+        /// The charger's rating whenever a UAV is on a depot.
+        Nameplate = "nameplate",
+    }
+}
+
+choice! {
+    /// When an informed hotspot pays its reward.
+    InformPayment, "inform_payment", "`once` or `every_step`" {
+        /// At the step at which it becomes informed.
+        Once = "once",
+        /// At that step and every later one.
+        EveryStep = "every_step",
+    }
+}

@@ -1,0 +1,136 @@
+//! The rules of a legal configuration.
+
+use super::{Config, FieldValue};
+use crate::carbon::milligrams;
+use crate::energy::EnergyPlan;
+use crate::error::{Allowed, ConfigError, Value};
+
+impl Config {
+    /// Checks every field and the rules between fields.
+    ///
+    /// # Errors
+    /// The first violation, with field, value and what is allowed.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        self.each_field_is_in_range()?;
+        ordered(
+            "initial_soc_min",
+            self.initial_soc_min,
+            self.initial_soc_max,
+            "initial_soc_max",
+        )?;
+        ordered(
+            "pilot_density_min",
+            self.pilot_density_min,
+            self.pilot_density_max,
+            "pilot_density_max",
+        )?;
+        ordered(
+            "carbon_intensity_min_kg_per_kwh",
+            self.carbon_intensity_min_kg_per_kwh,
+            self.carbon_intensity_max_kg_per_kwh,
+            "carbon_intensity_max_kg_per_kwh",
+        )?;
+        ordered(
+            "rtb_threshold_kwh",
+            self.rtb_threshold_kwh,
+            self.battery_capacity_kwh,
+            "battery_capacity_kwh",
+        )?;
+        self.depots_are_cells()?;
+        self.hotspots_have_room()?;
+        self.ledgers_have_room()
+    }
+
+    fn each_field_is_in_range(&self) -> Result<(), ConfigError> {
+        for (info, value) in Self::FIELDS.iter().zip(self.values()) {
+            if let Some(value) = value.outside(info.low, info.high) {
+                return Err(ConfigError {
+                    field: info.name,
+                    value,
+                    allowed: Allowed::Range(info.low, info.high),
+                });
+            }
+            // The sign of a zero would make two equal configurations differ.
+            if let FieldValue::Real(real) | FieldValue::Optional(Some(real)) = value {
+                if real.to_bits() == (-0.0f64).to_bits() {
+                    return Err(ConfigError {
+                        field: info.name,
+                        value: Value::Real(real),
+                        allowed: Allowed::Rule("0, without a sign"),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn depots_are_cells(&self) -> Result<(), ConfigError> {
+        let cells = self.depots.as_slice();
+        for (index, cell) in cells.iter().enumerate() {
+            let rule = if cell.x >= self.grid_width || cell.y >= self.grid_height {
+                "cells of the grid: x below grid_width, y below grid_height"
+            } else if cells[..index].contains(cell) {
+                "distinct cells"
+            } else {
+                continue;
+            };
+            return Err(ConfigError {
+                field: "depots",
+                value: Value::Cell(cell.x, cell.y),
+                allowed: Allowed::Rule(rule),
+            });
+        }
+        Ok(())
+    }
+
+    fn hotspots_have_room(&self) -> Result<(), ConfigError> {
+        let room = self.cell_count() - self.effective_depots().len();
+        if self.hotspot_count as usize > room {
+            return Err(ConfigError {
+                field: "hotspot_count",
+                value: Value::Integer(self.hotspot_count.into()),
+                allowed: Allowed::AtMost(room as f64, "the cells of the grid without a depot"),
+            });
+        }
+        Ok(())
+    }
+
+    /// The worst case of every ledger over a whole episode fits its 64-bit integer, so that no step ever
+    /// has to check for overflow.
+    fn ledgers_have_room(&self) -> Result<(), ConfigError> {
+        const ROOM: u128 = 1 << 62;
+        let plan = EnergyPlan::new(self);
+        let fleet_steps = u128::from(self.uav_count) * u128::from(self.horizon_steps);
+        let energy_uj = u128::from(self.uav_count) * u128::from(plan.capacity_uj)
+            + fleet_steps * u128::from(plan.charge_uj.saturating_add(plan.most_asked_uj()));
+        let intensity_mg_per_kwh = milligrams(self.carbon_intensity_max_kg_per_kwh);
+        let carbon_ng =
+            fleet_steps * u128::from(plan.charge_uj) * u128::from(intensity_mg_per_kwh) / 3_600_000;
+        if energy_uj > ROOM || carbon_ng > ROOM {
+            return Err(ConfigError {
+                field: "horizon_steps",
+                value: Value::Integer(self.horizon_steps.into()),
+                allowed: Allowed::Rule(
+                    "so small that the fleet's energy over an episode stays under 2^62 uJ and its carbon under 2^62 ng",
+                ),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn ordered(
+    field: &'static str,
+    low: f64,
+    high: f64,
+    bound: &'static str,
+) -> Result<(), ConfigError> {
+    if low <= high {
+        return Ok(());
+    }
+    Err(ConfigError {
+        field,
+        value: Value::Real(low),
+        allowed: Allowed::AtMost(high, bound),
+    })
+}

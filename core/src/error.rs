@@ -1,0 +1,164 @@
+//! What can be refused, and how each refusal reads.
+
+use core::fmt;
+
+/// A value that was refused, for messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// A whole number.
+    Integer(u64),
+    /// A real number.
+    Real(f64),
+    /// A cell (x, y).
+    Cell(u32, u32),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(value) => write!(out, "{value}"),
+            Self::Real(value) => write!(out, "{value:?}"),
+            Self::Cell(x, y) => write!(out, "[{x}, {y}]"),
+        }
+    }
+}
+
+/// What would have been accepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Allowed {
+    /// A finite number between two bounds, both included.
+    Range(f64, f64),
+    /// At most a bound that follows from other fields.
+    AtMost(f64, &'static str),
+    /// A rule in words.
+    Rule(&'static str),
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range(low, high) => write!(out, "a number from {low} to {high}"),
+            Self::AtMost(bound, why) => write!(out, "at most {bound} ({why})"),
+            Self::Rule(rule) => out.write_str(rule),
+        }
+    }
+}
+
+/// A configuration field outside its legal range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConfigError {
+    /// Name of the field.
+    pub field: &'static str,
+    /// The value that was refused.
+    pub value: Value,
+    /// What is allowed.
+    pub allowed: Allowed,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            out,
+            "{} = {}: must be {}",
+            self.field, self.value, self.allowed
+        )
+    }
+}
+
+/// Why saved bytes were refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Corruption {
+    /// Shorter or longer than a snapshot of this model.
+    Length,
+    /// Does not begin as a snapshot does.
+    Magic,
+    /// Written by another version of the format.
+    Version,
+    /// The checksum does not match the content.
+    Checksum,
+    /// The checksum matches, but no run of the kernel leads to this state.
+    Content,
+}
+
+/// Everything that the kernel can refuse. The caller's data is as it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// A configuration field is outside its range.
+    Config(ConfigError),
+    /// An action component is NaN.
+    ActionNan {
+        /// Which UAV.
+        uav: usize,
+        /// 0: direction, 1: pilot density.
+        component: usize,
+    },
+    /// A buffer has the wrong length.
+    Length {
+        /// Which buffer.
+        what: &'static str,
+        /// Elements that it must have.
+        expected: usize,
+        /// Elements that it has.
+        got: usize,
+    },
+    /// A value that a host supplied is outside its range.
+    Argument(ConfigError),
+    /// The state belongs to a model with another configuration, or was never reset.
+    ModelMismatch,
+    /// A part of the step was called out of its order.
+    OutOfOrder {
+        /// What was called.
+        called: &'static str,
+        /// What has to come before.
+        after: &'static str,
+    },
+    /// The episode has ended; reset first.
+    EpisodeOver,
+    /// Saved bytes are not a snapshot of this model.
+    Corrupt(Corruption),
+}
+
+impl From<ConfigError> for Error {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Config(error) | Self::Argument(error) => error.fmt(out),
+            Self::ActionNan { uav, component } => write!(
+                out,
+                "actions[{uav}][{component}] = NaN: must be a number (clipped to -1..1)"
+            ),
+            Self::Length {
+                what,
+                expected,
+                got,
+            } => write!(out, "{what} has {got} elements: must have {expected}"),
+            Self::ModelMismatch => out.write_str(
+                "the state was never reset or belongs to another configuration: reset it with this model",
+            ),
+            Self::OutOfOrder { called, after } => {
+                write!(out, "{called} was called out of order: {after} comes first")
+            }
+            Self::EpisodeOver => out.write_str("the episode has ended: reset before the next step"),
+            Self::Corrupt(what) => write!(
+                out,
+                "not a snapshot of this model: {}",
+                match what {
+                    Corruption::Length => "wrong length",
+                    Corruption::Magic => "it does not begin as a snapshot does",
+                    Corruption::Version => "another version of the format",
+                    Corruption::Checksum => "the checksum does not match",
+                    Corruption::Content => "its content contradicts itself",
+                }
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+impl core::error::Error for Error {}

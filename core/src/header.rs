@@ -1,0 +1,178 @@
+//! The scalars of a state, one word each.
+
+use crate::reward::{COMPONENTS, Rewards};
+
+/// How far the present step has come; what may be called next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u64)]
+pub enum Phase {
+    /// Between steps: a step may begin.
+    Ready = 1,
+    /// The UAVs have acted and moved: sensing comes next.
+    Moved = 2,
+    /// The UAVs have sensed and learnt: communication comes next.
+    Sensed = 3,
+    /// Knowledge has spread: the step can end.
+    Communicated = 4,
+    /// The episode has terminated: every hotspot is informed.
+    Terminated = 5,
+    /// The episode was truncated at the horizon.
+    Truncated = 6,
+}
+
+impl Phase {
+    const ALL: [Self; 6] = [
+        Self::Ready,
+        Self::Moved,
+        Self::Sensed,
+        Self::Communicated,
+        Self::Terminated,
+        Self::Truncated,
+    ];
+
+    /// Whether the episode has ended.
+    #[must_use]
+    pub const fn is_over(self) -> bool {
+        matches!(self, Self::Terminated | Self::Truncated)
+    }
+}
+
+const CONFIG_HASH: usize = 0;
+const SEED: usize = 1;
+const T: usize = 2;
+const PHASE: usize = 3;
+const INTENSITY: usize = 4;
+const BILLED_INTENSITY: usize = 5;
+const CO2: usize = 6;
+const GRID: usize = 7;
+const MOVES: usize = 8;
+const MEAN_THROUGHPUT: usize = 9;
+const THROUGHPUT_SUM: usize = 10;
+const PILOT_SUM: usize = 11;
+const GOAL_POTENTIAL: usize = 12;
+const CHARGE_POTENTIAL: usize = 13;
+const RETURN: usize = 14;
+const REWARDS: usize = 15;
+
+/// Words of the header.
+pub const WORDS: usize = REWARDS + COMPONENTS;
+
+/// Scalars to read.
+#[derive(Clone, Copy, Debug)]
+pub struct HeaderRef<'a>(pub(crate) &'a [u64]);
+
+/// Scalars to write.
+#[derive(Debug)]
+pub struct HeaderMut<'a>(pub(crate) &'a mut [u64]);
+
+/// Bits of a real as the state stores it: never a negative zero.
+#[inline]
+pub(crate) fn stored(value: f64) -> u64 {
+    (value + 0.0).to_bits()
+}
+
+macro_rules! scalar {
+    ($( $(#[$meta:meta])* $get:ident, $set:ident, $index:ident, $type:ty, $read:expr, $write:expr; )+) => {
+        impl HeaderRef<'_> { $(
+            $(#[$meta])*
+            #[inline]
+            #[must_use]
+            pub fn $get(&self) -> $type { $read(self.0[$index]) }
+        )+ }
+        impl HeaderMut<'_> { $(
+            $(#[$meta])*
+            #[inline]
+            #[must_use]
+            pub fn $get(&self) -> $type { $read(self.0[$index]) }
+            #[inline]
+            pub(crate) fn $set(&mut self, value: $type) { self.0[$index] = $write(value); }
+        )+ }
+    };
+}
+
+const fn word(value: u64) -> u64 {
+    value
+}
+const fn narrow(value: u64) -> u32 {
+    value as u32
+}
+const fn widen(value: u32) -> u64 {
+    value as u64
+}
+
+scalar! {
+    /// Fingerprint of the configuration that the state belongs to.
+    config_hash, set_config_hash, CONFIG_HASH, u64, word, word;
+    /// Seed of the episode.
+    seed, set_seed, SEED, u64, word, word;
+    /// Steps begun.
+    t, set_t, T, u32, narrow, widen;
+    /// Carbon intensity that the coming step will be billed with.
+    intensity_mg_per_kwh, set_intensity, INTENSITY, u64, word, word;
+    /// Carbon intensity that the last step was billed with.
+    billed_intensity_mg_per_kwh, set_billed_intensity, BILLED_INTENSITY, u64, word, word;
+    /// Carbon emitted in the episode.
+    co2_ng, set_co2, CO2, u64, word, word;
+    /// Grid energy billed in the episode.
+    grid_uj, set_grid, GRID, u64, word, word;
+    /// Moves between cells in the episode, over all UAVs.
+    moves, set_moves, MOVES, u64, word, word;
+    /// η̄(t) of the present graph.
+    mean_throughput, set_mean_throughput, MEAN_THROUGHPUT, f64, f64::from_bits, stored;
+    /// Sum of η̄(t) over the steps.
+    throughput_sum, set_throughput_sum, THROUGHPUT_SUM, f64, f64::from_bits, stored;
+    /// Sum over the steps of the fleet's mean pilot density.
+    pilot_sum, set_pilot_sum, PILOT_SUM, f64, f64::from_bits, stored;
+    /// Φ of the distance to hotspots.
+    goal_potential, set_goal_potential, GOAL_POTENTIAL, f64, f64::from_bits, stored;
+    /// Φ of carbon-aware charging.
+    charge_potential, set_charge_potential, CHARGE_POTENTIAL, f64, f64::from_bits, stored;
+    /// Undiscounted return of the episode.
+    return_sum, set_return_sum, RETURN, f64, f64::from_bits, stored;
+}
+
+fn phase_of(word: u64) -> Option<Phase> {
+    Phase::ALL.get((word as usize).wrapping_sub(1)).copied()
+}
+
+impl HeaderRef<'_> {
+    /// How far the step has come; `None` before the first reset.
+    #[must_use]
+    pub fn phase(&self) -> Option<Phase> {
+        phase_of(self.0[PHASE])
+    }
+
+    /// Components of the last reward.
+    #[must_use]
+    pub fn rewards(&self) -> Rewards {
+        let mut rewards = [0.0; COMPONENTS];
+        for (index, reward) in rewards.iter_mut().enumerate() {
+            *reward = f64::from_bits(self.0[REWARDS + index]);
+        }
+        rewards
+    }
+}
+
+impl HeaderMut<'_> {
+    /// The scalars to read.
+    #[must_use]
+    pub fn as_ref(&self) -> HeaderRef<'_> {
+        HeaderRef(self.0)
+    }
+
+    /// How far the step has come; `None` before the first reset.
+    #[must_use]
+    pub fn phase(&self) -> Option<Phase> {
+        phase_of(self.0[PHASE])
+    }
+
+    pub(crate) fn set_phase(&mut self, phase: Phase) {
+        self.0[PHASE] = phase as u64;
+    }
+
+    pub(crate) fn set_rewards(&mut self, rewards: &Rewards) {
+        for (index, &reward) in rewards.iter().enumerate() {
+            self.0[REWARDS + index] = stored(reward);
+        }
+    }
+}

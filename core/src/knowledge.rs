@@ -1,0 +1,119 @@
+//! OR-consensus over the radio graph: each connected component comes to hold the union of its knowledge.
+
+use crate::bits;
+use crate::model::Model;
+use crate::scratch::Scratch;
+use crate::state::StateMut;
+
+/// Spreads knowledge over the graph and records the hotspots that all UAVs now know.
+pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
+    let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
+    let (order, unreached, union) = scratch.consensus(uavs, model.uav_words(), hotspots);
+    consensus(uavs, state.links, state.knowledge, order, unreached, union);
+
+    let t = u64::from(state.header.t());
+    for word in 0..hotspots {
+        let mut common = u64::MAX;
+        for i in 0..uavs {
+            common &= state.knowledge[i * hotspots + word];
+        }
+        let mut fresh = common & !state.informed[word];
+        state.informed[word] |= fresh;
+        while fresh != 0 {
+            state.informed_at[word * 64 + fresh.trailing_zeros() as usize] = t;
+            fresh &= fresh - 1;
+        }
+    }
+}
+
+/// Gives every UAV the union of the knowledge of its component: the fixed point that the paper's N
+/// iterations of k_i ← k_i ∨ k_neighbours reach.
+///
+/// `links` and `knowledge` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
+/// `unreached` (a set of UAVs) and `union` (a set of hotspots) are working memory. Each UAV enters
+/// `order` once, which bounds every loop.
+pub fn consensus(
+    uavs: usize,
+    links: &[u64],
+    knowledge: &mut [u64],
+    order: &mut [u64],
+    unreached: &mut [u64],
+    union: &mut [u64],
+) {
+    let (uav_words, hotspot_words) = (unreached.len(), union.len());
+    for word in 0..uav_words {
+        unreached[word] = bits::valid_mask(word, uavs);
+    }
+    let mut reached = 0;
+    for start in 0..uavs {
+        if !bits::get(unreached, start) {
+            continue;
+        }
+        bits::assign(unreached, start, false);
+        let begin = reached;
+        order[reached] = start as u64;
+        reached += 1;
+        union.fill(0);
+        // Breadth first: order[begin..reached] is the part of the component found so far.
+        let mut next = begin;
+        while next < reached {
+            let i = order[next] as usize;
+            next += 1;
+            for word in 0..hotspot_words {
+                union[word] |= knowledge[i * hotspot_words + word];
+            }
+            for word in 0..uav_words {
+                let mut fresh = links[i * uav_words + word] & unreached[word];
+                unreached[word] &= !fresh;
+                while fresh != 0 {
+                    order[reached] = (word * 64) as u64 + u64::from(fresh.trailing_zeros());
+                    reached += 1;
+                    fresh &= fresh - 1;
+                }
+            }
+        }
+        for member in begin..reached {
+            let i = order[member] as usize;
+            for word in 0..hotspot_words {
+                knowledge[i * hotspot_words + word] = union[word];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spread(uavs: usize, edges: &[(usize, usize)], mut knowledge: [u64; 5]) -> [u64; 5] {
+        let mut links = [0u64; 5];
+        for &(a, b) in edges {
+            links[a] |= 1 << b;
+            links[b] |= 1 << a;
+        }
+        let (mut order, mut unreached, mut union) = ([0; 5], [0; 1], [0; 1]);
+        consensus(
+            uavs,
+            &links,
+            &mut knowledge,
+            &mut order,
+            &mut unreached,
+            &mut union,
+        );
+        knowledge
+    }
+
+    #[test]
+    fn components_hold_their_unions() {
+        let before = [0b001, 0, 0b100, 0, 0b010];
+        assert_eq!(spread(5, &[], before), before);
+        assert_eq!(
+            spread(5, &[(0, 1), (1, 3), (2, 4)], before),
+            [0b001, 0b001, 0b110, 0b001, 0b110]
+        );
+        assert_eq!(
+            spread(5, &[(0, 4), (4, 1), (1, 3), (3, 2)], before),
+            [0b111; 5]
+        );
+    }
+}

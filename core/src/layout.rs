@@ -1,0 +1,35 @@
+//! Where each quantity of a state lies in its slab of words.
+
+use crate::bits::words_for;
+use crate::config::Config;
+use crate::header;
+
+/// Begin of each quantity, in words from the start of the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    pub(crate) uavs: usize,
+    pub(crate) hotspots: usize,
+    pub(crate) visited: usize,
+    /// Length of a state.
+    pub end: usize,
+}
+
+impl Layout {
+    /// The layout of a configuration's states.
+    #[must_use]
+    pub const fn of(config: &Config) -> Self {
+        let uavs = config.uav_count as usize;
+        let hotspots = config.hotspot_count as usize;
+        let cells = config.grid_width as usize * config.grid_height as usize;
+        let visited = words_for(cells);
+        let per_uav = 9 * uavs + 3 * words_for(uavs);
+        let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
+        let pairs = uavs * words_for(hotspots) + uavs * words_for(uavs);
+        Self {
+            uavs,
+            hotspots,
+            visited,
+            end: header::WORDS + per_uav + per_hotspot + pairs + visited,
+        }
+    }
+}

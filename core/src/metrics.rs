@@ -1,0 +1,76 @@
+//! Summary of an episode.
+
+use crate::carbon;
+use crate::energy::MICROJOULES_PER_KWH;
+use crate::state::StateRef;
+
+/// What an episode came to, so far or at its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Metrics {
+    /// Steps taken.
+    pub steps: u32,
+    /// Every hotspot is informed: the mission succeeded.
+    pub terminated: bool,
+    /// The horizon ended the episode before.
+    pub truncated: bool,
+    /// Hotspots confirmed.
+    pub confirmed: u32,
+    /// Hotspots that all UAVs know.
+    pub informed: u32,
+    /// Moves between cells, over all UAVs.
+    pub moves: u64,
+    /// Undiscounted return.
+    pub return_sum: f64,
+    /// Energy spent by the fleet, kWh.
+    pub energy_kwh: f64,
+    /// Energy accepted from chargers, kWh.
+    pub accepted_kwh: f64,
+    /// Energy asked for that was not there, kWh.
+    pub shortfall_kwh: f64,
+    /// Grid energy billed, kWh.
+    pub grid_kwh: f64,
+    /// Carbon emitted, kg.
+    pub co2_kg: f64,
+    /// Mean over the steps of η̄(t); 0 before the first.
+    pub throughput_mean: f64,
+    /// Mean over steps and UAVs of the pilot density; 0 before the first.
+    pub pilot_density_mean: f64,
+}
+
+impl Metrics {
+    pub(crate) fn of(state: &StateRef<'_>) -> Self {
+        let header = &state.header;
+        let kwh = |ledger: &[u64]| {
+            let mut sum = 0u64;
+            for entry in ledger {
+                sum += entry;
+            }
+            sum as f64 / MICROJOULES_PER_KWH
+        };
+        let steps = header.t();
+        let per_step = |sum: f64| {
+            if steps == 0 {
+                0.0
+            } else {
+                sum / f64::from(steps)
+            }
+        };
+        Self {
+            steps,
+            terminated: state.terminated(),
+            truncated: state.truncated(),
+            confirmed: state.confirmed_count() as u32,
+            informed: state.informed_count() as u32,
+            moves: header.moves(),
+            return_sum: header.return_sum(),
+            energy_kwh: kwh(state.spent),
+            accepted_kwh: kwh(state.accepted),
+            shortfall_kwh: kwh(state.shortfall),
+            grid_kwh: header.grid_uj() as f64 / MICROJOULES_PER_KWH,
+            co2_kg: carbon::kilograms(header.co2_ng()),
+            throughput_mean: per_step(header.throughput_sum()),
+            pilot_density_mean: per_step(header.pilot_sum()),
+        }
+    }
+}

@@ -1,0 +1,453 @@
+//! The model: a validated configuration with everything that can be worked out before the first step.
+
+use crate::bits::words_for;
+use crate::carbon::CarbonPlan;
+use crate::config::{Cell, Config, Depots, MAX_DEPOTS};
+use crate::energy::EnergyPlan;
+use crate::error::{ConfigError, Error};
+use crate::layout::Layout;
+use crate::reward::RewardPlan;
+use crate::{link, motion, radar};
+
+/// The words behind a model: the caller's, or its own with the `alloc` feature.
+#[derive(Clone, Debug)]
+enum Words<'m> {
+    Borrowed(&'m [u64]),
+    #[cfg(feature = "alloc")]
+    Owned(alloc::vec::Vec<u64>),
+}
+
+/// An immutable model: share it freely between threads and states.
+///
+/// Per-cell tables are indexed by the absolute offset between two cells, so that a step evaluates no
+/// transcendental per pair.
+#[derive(Clone, Debug)]
+pub struct Model<'m> {
+    config: Config,
+    hash: u64,
+    depots: Depots,
+    sorted_depots: [u32; MAX_DEPOTS],
+    energy: EnergyPlan,
+    carbon: CarbonPlan,
+    reward: RewardPlan,
+    layout: Layout,
+    uavs: usize,
+    hotspots: usize,
+    width: u32,
+    height: u32,
+    loss_per_load: f64,
+    threshold_db: f64,
+    reach_cells: u32,
+    bucket_side: u32,
+    bucket_columns: usize,
+    bucket_rows: usize,
+    tables: Words<'m>,
+}
+
+/// Where each table begins, in words.
+struct Tables {
+    link: usize,
+    depot: usize,
+    offset_x: usize,
+    offset_y: usize,
+    end: usize,
+}
+
+impl Tables {
+    /// The radar table comes first; link and depot tables are as long.
+    const fn of(width: u32, height: u32) -> Self {
+        let cells = width as usize * height as usize;
+        let offset_x = 3 * cells;
+        let offset_y = offset_x + 2 * width as usize - 1;
+        Self {
+            link: cells,
+            depot: 2 * cells,
+            offset_x,
+            offset_y,
+            end: offset_y + 2 * height as usize - 1,
+        }
+    }
+}
+
+impl Model<'static> {
+    /// Validates the configuration and builds its model in memory of its own.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the first illegal field.
+    #[cfg(feature = "alloc")]
+    pub fn new(config: Config) -> Result<Self, Error> {
+        let mut words = alloc::vec![0; Self::table_words(&config)?];
+        let parts = Parts::fill(&config, &mut words);
+        Ok(parts.model(config, Words::Owned(words)))
+    }
+}
+
+/// What filling the tables finds out.
+struct Parts {
+    loss_per_load: f64,
+    threshold_db: f64,
+    reach_cells: u32,
+}
+
+impl Parts {
+    fn fill(config: &Config, words: &mut [u64]) -> Self {
+        let (width, height) = (config.grid_width, config.grid_height);
+        let tables = Tables::of(width, height);
+        let threshold_db = radar::detection_threshold_db(config);
+        let depots = config.effective_depots();
+        for y in 0..height {
+            for x in 0..width {
+                let index = (y * width + x) as usize;
+                let range_m = radar::range_m(config, x, y);
+                let odds =
+                    radar::range_odds_against(config, radar::snr_db(config, range_m), threshold_db);
+                words[index] = odds.to_bits();
+                words[tables.link + index] = link::full_throughput(config, range_m).to_bits();
+                let (depot, distance) = motion::nearest(Cell { x, y }, depots.as_slice());
+                words[tables.depot + index] = depot as u64 | u64::from(distance) << 32;
+            }
+        }
+        fill_offsets(&mut words[tables.offset_x..tables.offset_y], width);
+        fill_offsets(&mut words[tables.offset_y..tables.end], height);
+
+        let mut reach_cells = 0;
+        let longest = if width > height { width } else { height };
+        for cells in 1..longest {
+            let throughput = link::full_throughput(config, radar::range_m(config, cells, 0));
+            if (1.0 - config.pilot_density_min) * throughput >= config.link_throughput_min {
+                reach_cells = cells;
+            }
+        }
+        Self {
+            loss_per_load: config.logistic_slope_per_db * config.comm_load_penalty_db,
+            threshold_db,
+            reach_cells,
+        }
+    }
+
+    fn model(self, config: Config, tables: Words<'_>) -> Model<'_> {
+        let bucket_side = self.reach_cells + 1;
+        Model {
+            hash: config.hash(),
+            depots: config.effective_depots(),
+            sorted_depots: sorted_indices(&config),
+            energy: EnergyPlan::new(&config),
+            carbon: CarbonPlan::new(&config),
+            reward: RewardPlan::new(&config),
+            layout: Layout::of(&config),
+            uavs: config.uav_count as usize,
+            hotspots: config.hotspot_count as usize,
+            width: config.grid_width,
+            height: config.grid_height,
+            loss_per_load: self.loss_per_load,
+            threshold_db: self.threshold_db,
+            reach_cells: self.reach_cells,
+            bucket_side,
+            bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
+            bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
+            tables,
+            config,
+        }
+    }
+}
+
+/// Row-major indices of the depots, ascending; the rest is unused.
+fn sorted_indices(config: &Config) -> [u32; MAX_DEPOTS] {
+    let mut sorted = [u32::MAX; MAX_DEPOTS];
+    for (slot, cell) in sorted.iter_mut().zip(config.effective_depots().as_slice()) {
+        *slot = cell.y * config.grid_width + cell.x;
+    }
+    sorted.sort_unstable();
+    sorted
+}
+
+/// Offsets -(extent-1)..=(extent-1) over (extent - 1), as bits of f32; 0 where the grid is one cell wide.
+fn fill_offsets(words: &mut [u64], extent: u32) {
+    let span = f64::from(extent - 1);
+    for (index, word) in words.iter_mut().enumerate() {
+        let offset = index as f64 - span;
+        let normalised = if span > 0.0 { offset / span } else { 0.0 };
+        *word = u64::from((normalised as f32).to_bits());
+    }
+}
+
+impl<'m> Model<'m> {
+    /// Words of memory that [`Model::new_in`] needs.
+    ///
+    /// # Errors
+    /// The first illegal field.
+    pub fn table_words(config: &Config) -> Result<usize, ConfigError> {
+        config.validate()?;
+        Ok(Tables::of(config.grid_width, config.grid_height).end)
+    }
+
+    /// Validates the configuration and builds its model in the caller's memory.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with the first illegal field; [`Error::Length`] unless `words` has exactly
+    /// [`Model::table_words`] elements.
+    pub fn new_in(config: Config, words: &'m mut [u64]) -> Result<Self, Error> {
+        let expected = Self::table_words(&config)?;
+        if words.len() != expected {
+            return Err(Error::Length {
+                what: "model memory",
+                expected,
+                got: words.len(),
+            });
+        }
+        let parts = Parts::fill(&config, words);
+        Ok(parts.model(config, Words::Borrowed(words)))
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Fingerprint of the configuration.
+    #[must_use]
+    pub const fn config_hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// N.
+    #[inline]
+    #[must_use]
+    pub const fn uav_count(&self) -> usize {
+        self.uavs
+    }
+
+    /// n.
+    #[inline]
+    #[must_use]
+    pub const fn hotspot_count(&self) -> usize {
+        self.hotspots
+    }
+
+    /// Words of a set of UAVs.
+    #[inline]
+    #[must_use]
+    pub const fn uav_words(&self) -> usize {
+        words_for(self.uavs)
+    }
+
+    /// Words of a set of hotspots.
+    #[inline]
+    #[must_use]
+    pub const fn hotspot_words(&self) -> usize {
+        words_for(self.hotspots)
+    }
+
+    /// The depots in force.
+    #[must_use]
+    pub fn depots(&self) -> &[Cell] {
+        self.depots.as_slice()
+    }
+
+    /// Row-major indices of the depots, ascending.
+    pub(crate) fn sorted_depots(&self) -> &[u32] {
+        &self.sorted_depots[..self.depots.len()]
+    }
+
+    /// Energy constants.
+    #[inline]
+    #[must_use]
+    pub const fn energy(&self) -> &EnergyPlan {
+        &self.energy
+    }
+
+    /// Carbon constants.
+    #[inline]
+    #[must_use]
+    pub const fn carbon(&self) -> &CarbonPlan {
+        &self.carbon
+    }
+
+    /// Reward constants.
+    #[inline]
+    #[must_use]
+    pub const fn reward(&self) -> &RewardPlan {
+        &self.reward
+    }
+
+    /// Where each quantity lies in a state.
+    #[inline]
+    #[must_use]
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Words of a state.
+    #[must_use]
+    pub const fn state_words(&self) -> usize {
+        self.layout.end
+    }
+
+    /// Neighbours in an observation: min(N - 1, `neighbour_slots`).
+    #[inline]
+    #[must_use]
+    pub const fn neighbour_slots(&self) -> usize {
+        let slots = self.config.neighbour_slots as usize;
+        if slots < self.uavs - 1 {
+            slots
+        } else {
+            self.uavs - 1
+        }
+    }
+
+    /// Length of one UAV's observation: 11 + 4 n + 3 · slots.
+    #[inline]
+    #[must_use]
+    pub const fn observation_len(&self) -> usize {
+        11 + 4 * self.hotspots + 3 * self.neighbour_slots()
+    }
+
+    /// Length of the global state: 6 N + 4 n + 4.
+    #[inline]
+    #[must_use]
+    pub const fn global_len(&self) -> usize {
+        6 * self.uavs + 4 * self.hotspots + 4
+    }
+
+    /// Length of the actions of a step: 2 N.
+    #[inline]
+    #[must_use]
+    pub const fn action_len(&self) -> usize {
+        2 * self.uavs
+    }
+
+    /// Longest distance along an axis at which a link is possible.
+    #[must_use]
+    pub const fn reach_cells(&self) -> u32 {
+        self.reach_cells
+    }
+
+    /// γ_det.
+    #[must_use]
+    pub const fn detection_threshold_db(&self) -> f64 {
+        self.threshold_db
+    }
+
+    /// Sensing SNR over a cell offset, before the communication load is taken off.
+    #[must_use]
+    pub fn sensing_snr_db(&self, dx: u32, dy: u32) -> f64 {
+        radar::snr_db(&self.config, radar::range_m(&self.config, dx, dy))
+    }
+
+    /// Communication SNR over a cell offset.
+    #[must_use]
+    pub fn comm_snr_db(&self, dx: u32, dy: u32) -> f64 {
+        link::snr_db(&self.config, radar::range_m(&self.config, dx, dy))
+    }
+
+    /// p_ij over a cell offset within the grid at a pilot density.
+    #[must_use]
+    pub fn detection_probability(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
+        let load = radar::load_odds_against(self.loss_per_load, 1.0 - pilot_density);
+        let range = f64::from_bits(self.words()[self.offset(dx, dy)]);
+        1.0 / (1.0 + range * load)
+    }
+
+    /// η_ij over a cell offset within the grid at the sender's pilot density.
+    #[must_use]
+    pub fn link_throughput(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
+        let tables = Tables::of(self.width, self.height);
+        (1.0 - pilot_density) * f64::from_bits(self.words()[tables.link + self.offset(dx, dy)])
+    }
+
+    #[inline]
+    fn words(&self) -> &[u64] {
+        match &self.tables {
+            Words::Borrowed(words) => words,
+            #[cfg(feature = "alloc")]
+            Words::Owned(words) => words,
+        }
+    }
+
+    #[inline]
+    const fn offset(&self, dx: u32, dy: u32) -> usize {
+        (dy * self.width + dx) as usize
+    }
+
+    #[inline]
+    pub(crate) const fn loss_per_load(&self) -> f64 {
+        self.loss_per_load
+    }
+
+    #[inline]
+    pub(crate) const fn link_throughput_min(&self) -> f64 {
+        self.config.link_throughput_min
+    }
+
+    /// The per-offset factor of the odds against detection.
+    #[inline]
+    pub(crate) fn range_odds_against(&self, a: Cell, b: Cell) -> f64 {
+        f64::from_bits(self.words()[self.offset(a.x.abs_diff(b.x), a.y.abs_diff(b.y))])
+    }
+
+    /// Throughput between two cells of a waveform that carries only data.
+    #[inline]
+    pub(crate) fn full_throughput(&self, a: Cell, b: Cell) -> f64 {
+        let cells = self.width as usize * self.height as usize;
+        let offset = self.offset(a.x.abs_diff(b.x), a.y.abs_diff(b.y));
+        f64::from_bits(self.words()[cells + offset])
+    }
+
+    /// Row-major index of a cell.
+    #[inline]
+    pub(crate) const fn cell_index(&self, cell: Cell) -> usize {
+        (cell.y * self.width + cell.x) as usize
+    }
+
+    /// Whether a cell is on the grid.
+    #[inline]
+    pub(crate) const fn contains(&self, cell: Cell) -> bool {
+        cell.x < self.width && cell.y < self.height
+    }
+
+    /// Nearest depot of a cell and its Manhattan distance.
+    #[inline]
+    pub(crate) fn nearest_depot(&self, cell: Cell) -> (Cell, u32) {
+        let cells = self.width as usize * self.height as usize;
+        let word = self.words()[2 * cells + self.cell_index(cell)];
+        (
+            self.depots.as_slice()[word as u32 as usize],
+            (word >> 32) as u32,
+        )
+    }
+
+    /// Manhattan distance to the nearest depot.
+    #[inline]
+    pub(crate) fn depot_distance(&self, cell: Cell) -> u32 {
+        let cells = self.width as usize * self.height as usize;
+        (self.words()[2 * cells + self.cell_index(cell)] >> 32) as u32
+    }
+
+    /// Tables of normalised offsets along x and y; index by offset + extent - 1.
+    #[inline]
+    pub(crate) fn offset_tables(&self) -> (&[u64], &[u64]) {
+        let tables = Tables::of(self.width, self.height);
+        let words = self.words();
+        (
+            &words[tables.offset_x..tables.offset_y],
+            &words[tables.offset_y..tables.end],
+        )
+    }
+
+    #[inline]
+    pub(crate) const fn bucket_columns(&self) -> usize {
+        self.bucket_columns
+    }
+
+    #[inline]
+    pub(crate) const fn bucket_count(&self) -> usize {
+        self.bucket_columns * self.bucket_rows
+    }
+
+    #[inline]
+    pub(crate) const fn bucket(&self, cell: Cell) -> usize {
+        (cell.y / self.bucket_side) as usize * self.bucket_columns
+            + (cell.x / self.bucket_side) as usize
+    }
+}

@@ -1,0 +1,212 @@
+//! What each UAV sees, and the global state that a centralised critic sees.
+
+use crate::bits;
+use crate::config::{Cell, TargetVisibility};
+use crate::error::Error;
+use crate::model::Model;
+use crate::scratch::Scratch;
+use crate::state::StateRef;
+
+/// Writes the observation of every UAV, one after the other.
+///
+/// In order: self (x, y, SoC, pilot density, η̄_i), each hotspot (Δx, Δy, confirmed, known), each
+/// neighbour slot (present, Δx, Δy), connectivity, sustainability (carbon intensity, depot distance),
+/// progress (confirmed, informed, time).
+///
+/// # Errors
+/// [`Error::Length`] unless `out` has N · [`Model::observation_len`] elements.
+pub fn observe(
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    scratch: &mut Scratch<'_>,
+    out: &mut [f32],
+) -> Result<(), Error> {
+    let (uavs, len) = (model.uav_count(), model.observation_len());
+    if out.len() != uavs * len {
+        return Err(Error::Length {
+            what: "observations",
+            expected: uavs * len,
+            got: out.len(),
+        });
+    }
+    let view = View::new(model, state);
+    let keys = scratch.list(uavs);
+    for (i, row) in out.chunks_exact_mut(len).enumerate() {
+        view.write(i, keys, row);
+    }
+    Ok(())
+}
+
+/// Writes the global state: per UAV (x, y, SoC, pilot density, η̄_i, fraction of hotspots known), per
+/// hotspot (x, y, confirmed, fraction of UAVs that know it), then carbon intensity and progress
+/// (confirmed, informed, time).
+///
+/// # Errors
+/// [`Error::Length`] unless `out` has [`Model::global_len`] elements.
+pub fn observe_global(
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    out: &mut [f32],
+) -> Result<(), Error> {
+    if out.len() != model.global_len() {
+        return Err(Error::Length {
+            what: "global state",
+            expected: model.global_len(),
+            got: out.len(),
+        });
+    }
+    let view = View::new(model, state);
+    let (uavs, hotspots) = (model.uav_count(), model.hotspot_count());
+    let (per_uav, rest) = out.split_at_mut(6 * uavs);
+    let (per_hotspot, common) = rest.split_at_mut(4 * hotspots);
+    for (i, row) in per_uav.chunks_exact_mut(6).enumerate() {
+        view.write_self(i, &mut row[..5]);
+        row[5] = bits::count(state.knowledge_of(i)) as f32 / hotspots as f32;
+    }
+    for (j, row) in per_hotspot.chunks_exact_mut(4).enumerate() {
+        let (x, y) = view.position(state.hotspot_cell(j));
+        let mut knowing = 0u32;
+        for i in 0..uavs {
+            knowing += u32::from(state.knows(i, j));
+        }
+        row.copy_from_slice(&[x, y, flag(state.confirmed(j)), knowing as f32 / uavs as f32]);
+    }
+    common[0] = view.carbon;
+    common[1..].copy_from_slice(&view.progress);
+    Ok(())
+}
+
+/// What all UAVs of a state see alike, worked out once.
+struct View<'v> {
+    model: &'v Model<'v>,
+    state: &'v StateRef<'v>,
+    offset_x: &'v [u64],
+    offset_y: &'v [u64],
+    per_capacity: f64,
+    pilot_min: f64,
+    per_pilot_span: f64,
+    per_span: f64,
+    per_other: f64,
+    hidden: bool,
+    carbon: f32,
+    progress: [f32; 3],
+}
+
+fn inverse(value: f64) -> f64 {
+    if value > 0.0 { 1.0 / value } else { 0.0 }
+}
+
+const fn flag(value: bool) -> f32 {
+    if value { 1.0 } else { 0.0 }
+}
+
+impl<'v> View<'v> {
+    fn new(model: &'v Model<'_>, state: &'v StateRef<'_>) -> Self {
+        let config = model.config();
+        let (offset_x, offset_y) = model.offset_tables();
+        let hotspots = f64::from(config.hotspot_count);
+        Self {
+            model,
+            state,
+            offset_x,
+            offset_y,
+            per_capacity: 1.0 / model.energy().capacity_uj as f64,
+            pilot_min: config.pilot_density_min,
+            per_pilot_span: inverse(config.pilot_density_max - config.pilot_density_min),
+            per_span: inverse(f64::from(config.grid_width + config.grid_height - 2)),
+            per_other: inverse(f64::from(config.uav_count - 1)),
+            hidden: config.target_visibility == TargetVisibility::Hidden,
+            carbon: model
+                .carbon()
+                .normalised(state.carbon_intensity_mg_per_kwh()) as f32,
+            progress: [
+                (state.confirmed_count() as f64 / hotspots) as f32,
+                (state.informed_count() as f64 / hotspots) as f32,
+                (f64::from(state.t()) / f64::from(config.horizon_steps)) as f32,
+            ],
+        }
+    }
+
+    /// (x/(W-1), y/(H-1)).
+    #[inline]
+    fn position(&self, cell: Cell) -> (f32, f32) {
+        self.relative(Cell { x: 0, y: 0 }, cell)
+    }
+
+    /// (Δx/(W-1), Δy/(H-1)).
+    #[inline]
+    fn relative(&self, from: Cell, to: Cell) -> (f32, f32) {
+        let config = self.model.config();
+        let dx = (to.x + config.grid_width - 1 - from.x) as usize;
+        let dy = (to.y + config.grid_height - 1 - from.y) as usize;
+        (
+            f32::from_bits(self.offset_x[dx] as u32),
+            f32::from_bits(self.offset_y[dy] as u32),
+        )
+    }
+
+    #[inline]
+    fn write_self(&self, i: usize, out: &mut [f32]) {
+        let (x, y) = self.position(self.state.cell(i));
+        let pilot = (self.state.pilot_density(i) - self.pilot_min) * self.per_pilot_span;
+        out[0] = x;
+        out[1] = y;
+        out[2] = (self.state.battery_uj(i) as f64 * self.per_capacity) as f32;
+        out[3] = pilot as f32;
+        out[4] = self.state.throughput(i) as f32;
+    }
+
+    #[inline]
+    fn write(&self, i: usize, keys: &mut [u64], out: &mut [f32]) {
+        let (own, rest) = out.split_at_mut(5);
+        let (targets, rest) = rest.split_at_mut(4 * self.model.hotspot_count());
+        let (slots, common) = rest.split_at_mut(3 * self.model.neighbour_slots());
+        let cell = self.state.cell(i);
+        self.write_self(i, own);
+        self.write_targets(i, cell, targets);
+        let degree = self.write_neighbours(i, cell, keys, slots);
+        common[0] = (degree as f64 * self.per_other) as f32;
+        common[1] = self.carbon;
+        common[2] = (f64::from(self.model.depot_distance(cell)) * self.per_span) as f32;
+        common[3..].copy_from_slice(&self.progress);
+    }
+
+    #[inline]
+    fn write_targets(&self, i: usize, cell: Cell, out: &mut [f32]) {
+        let known = self.state.knowledge_of(i);
+        for (j, row) in out.chunks_exact_mut(4).enumerate() {
+            let knows = bits::get(known, j);
+            let (dx, dy) = self.relative(cell, self.state.hotspot_cell(j));
+            let seen = knows || !self.hidden;
+            row[0] = if seen { dx } else { 0.0 };
+            row[1] = if seen { dy } else { 0.0 };
+            row[2] = flag(self.state.confirmed(j));
+            row[3] = flag(knows);
+        }
+    }
+
+    /// Fills the slots with the nearest neighbours, ties to the lower index, and returns their number.
+    #[inline]
+    fn write_neighbours(&self, i: usize, cell: Cell, keys: &mut [u64], out: &mut [f32]) -> usize {
+        let mut degree = 0;
+        for k in bits::iter(self.state.links_of(i)) {
+            let other = self.state.cell(k);
+            let (dx, dy) = (cell.x.abs_diff(other.x), cell.y.abs_diff(other.y));
+            keys[degree] = u64::from(dx * dx + dy * dy) << INDEX_BITS | k as u64;
+            degree += 1;
+        }
+        let nearest_first = &mut keys[..degree];
+        nearest_first.sort_unstable();
+        let (filled, empty) = out.split_at_mut(3 * degree.min(out.len() / 3));
+        for (row, key) in filled.chunks_exact_mut(3).zip(nearest_first) {
+            let other = self.state.cell((*key & ((1 << INDEX_BITS) - 1)) as usize);
+            let (dx, dy) = self.relative(cell, other);
+            row.copy_from_slice(&[1.0, dx, dy]);
+        }
+        empty.fill(0.0);
+        degree
+    }
+}
+
+/// Bits of a UAV's index in a sorting key; squared distances take the bits above.
+const INDEX_BITS: u32 = 12;

@@ -1,0 +1,16 @@
+//! The kernel's proofs.
+//!
+//! A property is a function of its inputs that asserts. Its harness asks for any
+//! inputs within a bound: `cargo kani` then shows the property for all of them, and
+//! without Kani `cargo test` runs the same harness on random inputs (`standin`).
+//! What each one claims, and on which assumptions, is in `verification/proofs.toml`.
+
+pub(crate) mod inputs;
+#[cfg(not(kani))]
+pub(crate) mod standin;
+
+mod action;
+mod carbon;
+mod energy;
+mod motion;
+mod rng;

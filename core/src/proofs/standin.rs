@@ -1,0 +1,184 @@
+//! A stand-in for the crate `kani` where Kani is not installed.
+//!
+//! A harness asks for inputs (`any`), narrows them (`assume`), marks the cases it
+//! must reach (`cover!`) and asserts. Kani answers for all inputs at once; the
+//! stand-in answers for one random tape of words at a time, under proptest, which
+//! shrinks a failing tape. So every harness body compiles and runs in `cargo test`,
+//! and a cover that no tape reaches fails the test, as it fails `cargo xtask prove`.
+
+extern crate std;
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestCaseError, TestRunner};
+use std::boxed::Box;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::string::String;
+use std::vec::Vec;
+
+/// Words of a tape; a harness that reads further reads zeros.
+const TAPE_WORDS: usize = 512;
+
+std::thread_local! {
+    static TAPE: RefCell<(Vec<u64>, usize)> = const { RefCell::new((Vec::new(), 0)) };
+    static COVERS: RefCell<BTreeMap<&'static str, bool>> = const { RefCell::new(BTreeMap::new()) };
+}
+
+/// Thrown by `assume(false)`: the tape is outside the harness's assumptions.
+struct Rejected;
+
+/// The next word of the tape.
+fn next_word() -> u64 {
+    TAPE.with_borrow_mut(|(words, next)| {
+        let word = words.get(*next).copied().unwrap_or(0);
+        *next += 1;
+        word
+    })
+}
+
+/// A type of which the tape can give any value.
+pub trait Arbitrary {
+    /// The value that the next words of the tape stand for.
+    fn any() -> Self;
+}
+
+macro_rules! integers {
+    ($($type:ty),+) => { $(
+        impl Arbitrary for $type {
+            fn any() -> Self {
+                next_word() as $type
+            }
+        }
+    )+ };
+}
+integers!(u8, u16, u32, u64, usize, i64);
+
+impl Arbitrary for bool {
+    fn any() -> Self {
+        next_word() % 2 == 1
+    }
+}
+
+/// Three quarters of the reals are small and finite, the rest are any bits.
+impl Arbitrary for f64 {
+    fn any() -> Self {
+        let word = next_word();
+        match word % 8 {
+            0 => f64::from_bits(next_word()),
+            1 => [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, f64::MIN_POSITIVE]
+                [(word / 8 % 5) as usize],
+            _ => (word >> 11) as f64 / (1u64 << 51) as f64 - 2.0,
+        }
+    }
+}
+
+impl Arbitrary for f32 {
+    fn any() -> Self {
+        let word = next_word();
+        match word % 8 {
+            0 => f32::from_bits(next_word() as u32),
+            1 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, f32::MIN_POSITIVE]
+                [(word / 8 % 5) as usize],
+            _ => (word >> 40) as f32 / (1u32 << 22) as f32 - 2.0,
+        }
+    }
+}
+
+impl<T: Arbitrary, const N: usize> Arbitrary for [T; N] {
+    fn any() -> Self {
+        core::array::from_fn(|_| T::any())
+    }
+}
+
+/// Any value of the type.
+pub fn any<T: Arbitrary>() -> T {
+    T::any()
+}
+
+/// Ends the case without a verdict unless the condition holds.
+pub fn assume(condition: bool) {
+    if !condition {
+        resume_unwind(Box::new(Rejected));
+    }
+}
+
+/// Records whether a case that has to be reachable was reached.
+pub fn record_cover(label: &'static str, reached: bool) {
+    COVERS.with_borrow_mut(|covers| *covers.entry(label).or_insert(false) |= reached);
+}
+
+/// `kani::cover!(condition, "label")`.
+macro_rules! cover {
+    ($condition:expr, $label:literal) => {
+        kani::record_cover($label, $condition)
+    };
+}
+pub(crate) use cover;
+
+/// Runs a harness on many tapes; all its covers, `covers` in number, must be reached.
+pub fn check(harness: fn(), cases: u32, covers: usize) {
+    let mut runner = TestRunner::new(Config {
+        cases,
+        max_global_rejects: 1 << 20,
+        failure_persistence: None,
+        ..Config::default()
+    });
+    let word = prop_oneof![
+        4 => any_word(),
+        1 => 0..20u64,
+        1 => (0..64u32).prop_map(|bit| 1u64 << bit),
+        1 => Just(u64::MAX),
+    ];
+    COVERS.take();
+    let outcome = runner.run(&vec(word, TAPE_WORDS), |tape| run_once(harness, tape));
+    if let Err(failure) = outcome {
+        panic!("{failure}");
+    }
+    let reached = COVERS.take();
+    let missed: Vec<_> = reached.iter().filter(|(_, hit)| !**hit).collect();
+    assert!(missed.is_empty(), "never reached in {cases} cases: {missed:?}");
+    assert_eq!(reached.len(), covers, "covers seen: {reached:?}");
+}
+
+fn any_word() -> impl Strategy<Value = u64> {
+    proptest::num::u64::ANY
+}
+
+fn run_once(harness: fn(), tape: Vec<u64>) -> Result<(), TestCaseError> {
+    TAPE.set((tape, 0));
+    match catch_unwind(AssertUnwindSafe(harness)) {
+        Ok(()) => Ok(()),
+        Err(payload) if payload.is::<Rejected>() => {
+            Err(TestCaseError::reject("outside the harness's assumptions"))
+        }
+        Err(payload) => Err(TestCaseError::fail(message(&*payload))),
+    }
+}
+
+fn message(payload: &(dyn core::any::Any + Send)) -> String {
+    if let Some(text) = payload.downcast_ref::<String>() {
+        text.clone()
+    } else if let Some(text) = payload.downcast_ref::<&str>() {
+        String::from(*text)
+    } else {
+        String::from("panicked")
+    }
+}
+
+/// One `#[test]` for each harness: `twins! { name: 256 cases, 2 covers; }`.
+macro_rules! twins {
+    ($($harness:ident: $cases:literal cases, $covers:literal covers;)+) => {
+        #[cfg(test)]
+        mod twins {
+            $(
+                #[test]
+                fn $harness() {
+                    crate::proofs::standin::check(super::$harness, $cases, $covers);
+                }
+            )+
+        }
+    };
+}
+pub(crate) use twins;

@@ -1,0 +1,133 @@
+//! P13: what a model tabulates is finite and in range.
+//!
+//! libm on symbolic input does not finish, so Kani sees `exp` and `log10` through stubs that return any
+//! value within a range. That the real functions stay within it is tested in `dense`.
+
+use super::inputs::real_between;
+#[cfg(not(kani))]
+use super::standin as kani;
+use crate::config::Config;
+use crate::link::full_throughput;
+use crate::radar::{detection_threshold, range_odds_against, snr_db};
+
+/// Bounds of `exp` on [-700, 700]; infinite beyond in neither direction that a table asks for.
+const EXP_MIN: f64 = 1e-305;
+const EXP_MAX: f64 = 1e305;
+/// Bounds of `log10` on [1e-12, 1e18].
+const LOG10_MAX: f64 = 18.0;
+/// Bounds of `log2(1 + x)` for x in [0, 1e305].
+const LOG2_MAX: f64 = 1015.0;
+
+/// Legal ranges, from half a cell of a millimetre to across the largest grid.
+const RANGE_MIN_M: f64 = 0.0005;
+const RANGE_MAX_M: f64 = 1.5e9;
+
+#[cfg(kani)]
+fn any_exp(x: f64) -> f64 {
+    assert!(x >= -700.0 && x <= 700.0);
+    real_between(EXP_MIN, EXP_MAX)
+}
+
+#[cfg(kani)]
+fn any_log10(x: f64) -> f64 {
+    assert!(x >= 1e-12 && x <= 1e18);
+    real_between(-LOG10_MAX, LOG10_MAX)
+}
+
+#[cfg(kani)]
+fn any_log2(x: f64) -> f64 {
+    assert!(x >= 1.0);
+    real_between(0.0, LOG2_MAX)
+}
+
+/// The odds against detection at a range are a positive number.
+fn odds_are_positive(config: &Config, range_m: f64, threshold_db: f64) {
+    let odds = range_odds_against(config, snr_db(config, range_m), threshold_db);
+    assert!(odds > 0.0 && odds <= EXP_MAX);
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::stub(libm::exp, any_exp))]
+#[cfg_attr(kani, kani::stub(libm::log10, any_log10))]
+pub fn tabulated_odds_are_positive() {
+    let config = Config::default();
+    let range_m = real_between(RANGE_MIN_M, RANGE_MAX_M);
+    let threshold_db = real_between(-300.0, 300.0);
+    kani::cover!(range_m > 1e6, "far");
+    kani::cover!(range_m < 1.0, "near");
+    odds_are_positive(&config, range_m, threshold_db);
+}
+
+/// A waveform's full throughput is a number that is not negative.
+fn throughput_is_a_number(config: &Config, range_m: f64) {
+    let throughput = full_throughput(config, range_m);
+    assert!(throughput >= 0.0 && throughput <= LOG2_MAX);
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::stub(libm::exp, any_exp))]
+#[cfg_attr(kani, kani::stub(libm::log10, any_log10))]
+#[cfg_attr(kani, kani::stub(libm::log2, any_log2))]
+pub fn tabulated_throughput_is_a_number() {
+    let config = Config::default();
+    let range_m = real_between(RANGE_MIN_M, RANGE_MAX_M);
+    kani::cover!(range_m > 1e6, "far");
+    kani::cover!(range_m < 1.0, "near");
+    throughput_is_a_number(&config, range_m);
+}
+
+/// A Bernoulli threshold never exceeds the number of draws.
+fn is_a_threshold(odds_against: f64) {
+    assert!(detection_threshold(odds_against) <= 1 << 32);
+}
+
+#[cfg_attr(kani, kani::proof)]
+pub fn thresholds_are_within_the_draws() {
+    let odds_against = real_between(0.0, f64::MAX);
+    kani::cover!(odds_against == 0.0, "certain");
+    kani::cover!(odds_against > 1e10, "as good as never");
+    is_a_threshold(odds_against);
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    tabulated_odds_are_positive: 4000 cases, 2 covers;
+    tabulated_throughput_is_a_number: 4000 cases, 2 covers;
+    thresholds_are_within_the_draws: 2000 cases, 2 covers;
+}
+
+/// The real functions on dense grids of what the stubs assume.
+#[cfg(test)]
+mod dense {
+    use super::*;
+
+    #[test]
+    fn exp_stays_within_its_stub() {
+        for step in -700_000..=700_000 {
+            let value = libm::exp(f64::from(step) / 1000.0);
+            assert!((EXP_MIN..=EXP_MAX).contains(&value), "exp({step}/1000) = {value}");
+        }
+    }
+
+    #[test]
+    fn log10_stays_within_its_stub() {
+        for step in -12_000..=18_000 {
+            let x = libm::pow(10.0, f64::from(step) / 1000.0);
+            // The ends of the grid may round to just beside the stub's domain.
+            if (1e-12..=1e18).contains(&x) {
+                let value = libm::log10(x);
+                assert!((-LOG10_MAX..=LOG10_MAX).contains(&value), "log10({x}) = {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn log2_stays_within_its_stub() {
+        for step in 0..=305_000 {
+            let x = 1.0 + libm::pow(10.0, f64::from(step) / 1000.0);
+            let value = libm::log2(x);
+            assert!((0.0..=LOG2_MAX).contains(&value), "log2({x}) = {value}");
+        }
+        assert_eq!(libm::log2(1.0), 0.0);
+    }
+}

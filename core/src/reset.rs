@@ -1,0 +1,106 @@
+//! The start of an episode.
+
+use crate::bits;
+use crate::config::Cell;
+use crate::energy::round_half_up;
+use crate::error::Error;
+use crate::header::Phase;
+use crate::model::Model;
+use crate::rng::{self, Purpose};
+use crate::scratch::Scratch;
+use crate::state::StateMut;
+use crate::{link, potential};
+
+impl Model<'_> {
+    /// Begins an episode in `words`, whatever they held before. Everything random follows from `seed`.
+    ///
+    /// # Errors
+    /// [`Error::Length`] unless `words` has [`Model::state_words`] elements.
+    pub fn reset(
+        &self,
+        words: &mut [u64],
+        scratch: &mut Scratch<'_>,
+        seed: u64,
+    ) -> Result<(), Error> {
+        self.check_len(words.len())?;
+        words.fill(0);
+        let mut state = StateMut::split(*self.layout(), words);
+        state.header.set_config_hash(self.config_hash());
+        state.header.set_seed(seed);
+        state
+            .header
+            .set_intensity(self.carbon().intensity_mg_per_kwh(seed, 0));
+        place_hotspots(self, &mut state, seed);
+        let depot = self.depots()[0];
+        for i in 0..self.uav_count() {
+            state.cells[i] = depot.to_word();
+            state.previous[i] = depot.to_word();
+            let charge_uj = initial_charge_uj(self, seed, i);
+            state.battery[i] = charge_uj;
+            state.initial[i] = charge_uj;
+            bits::assign(state.grounded, i, charge_uj == 0);
+            state.set_pilot_density(i, self.config().pilot_density_min);
+        }
+        bits::set(state.visited, self.cell_index(depot));
+        link::build_graph(self, &mut state, scratch);
+        potential::update(self, &mut state, scratch, false);
+        state.header.set_phase(Phase::Ready);
+        Ok(())
+    }
+}
+
+fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64 {
+    let config = model.config();
+    let draw = rng::unit(rng::bits64(seed, 0, uav as u32, 0, Purpose::InitialSoc));
+    let soc = config.initial_soc_min + (config.initial_soc_max - config.initial_soc_min) * draw;
+    let capacity_uj = model.energy().capacity_uj;
+    let charge_uj = round_half_up(soc * capacity_uj as f64);
+    if charge_uj > capacity_uj {
+        capacity_uj
+    } else {
+        charge_uj
+    }
+}
+
+/// Draws distinct cells without a depot: Floyd's sampling makes every set equally likely in n draws,
+/// a Fisher-Yates shuffle then makes every order so. (R. Floyd, J. Bentley, CACM 30(9), 1987.)
+fn place_hotspots(model: &Model<'_>, state: &mut StateMut<'_>, seed: u64) {
+    let count = model.hotspot_count();
+    let free = model.config().cell_count() - model.depots().len();
+    for pick in 0..count {
+        let top = free - count + pick;
+        let draw = rng::bits64(seed, 0, 0, pick as u32, Purpose::Hotspot);
+        let rank = rng::below(draw, top as u64 + 1) as usize;
+        let cell = free_cell(model, rank);
+        // The cells chosen so far are marked in the set of visited cells, which is cleared below.
+        let chosen = if bits::get(state.visited, model.cell_index(cell)) {
+            free_cell(model, top)
+        } else {
+            cell
+        };
+        bits::set(state.visited, model.cell_index(chosen));
+        state.hotspots[pick] = chosen.to_word();
+    }
+    state.visited.fill(0);
+    for last in (1..count).rev() {
+        let draw = rng::bits64(seed, 0, 0, last as u32, Purpose::Shuffle);
+        let other = rng::below(draw, last as u64 + 1) as usize;
+        state.hotspots.swap(last, other);
+    }
+}
+
+/// The cell with a rank among the cells without a depot, in row-major order.
+fn free_cell(model: &Model<'_>, rank: usize) -> Cell {
+    let mut index = rank;
+    // Each depot at or before the cell moves it on by one; ascending order makes one pass enough.
+    for depot in model.sorted_depots() {
+        if *depot as usize <= index {
+            index += 1;
+        }
+    }
+    let width = model.config().grid_width as usize;
+    Cell {
+        x: (index % width) as u32,
+        y: (index / width) as u32,
+    }
+}

@@ -1,0 +1,183 @@
+//! The team reward: a fixed vector of named components whose sum, left to right, is R_t.
+
+use crate::config::{Config, InformPayment};
+
+/// How many components there are.
+pub const COMPONENTS: usize = 12;
+
+/// The ten terms of the paper's reward and the two shaping terms.
+pub type Rewards = [f64; COMPONENTS];
+
+/// Their names, in order.
+pub const NAMES: [&str; COMPONENTS] = [
+    "detect",
+    "inform",
+    "complete",
+    "coverage",
+    "energy",
+    "carbon",
+    "revisit",
+    "truncation",
+    "throughput",
+    "spread",
+    "shaping_goal",
+    "shaping_charge",
+];
+
+/// The weights of a configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RewardPlan {
+    detect: f64,
+    inform: f64,
+    inform_once: bool,
+    complete: f64,
+    coverage_per_cell: f64,
+    energy_per_uj: f64,
+    carbon_per_ng: f64,
+    revisit: f64,
+    truncation: f64,
+    throughput: f64,
+    spread: f64,
+    discount: f64,
+}
+
+/// What happened in a step, as far as the reward is concerned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Happenings {
+    /// Hotspots confirmed in this step.
+    pub newly_confirmed: u64,
+    /// Hotspots informed in this step.
+    pub newly_informed: u64,
+    /// Hotspots informed in this step or before.
+    pub informed: u64,
+    /// Every hotspot is informed.
+    pub complete: bool,
+    /// This is step T_max.
+    pub at_horizon: bool,
+    /// Cells visited for the first time.
+    pub new_cells: u64,
+    /// UAVs that moved into a cell visited before this step.
+    pub revisits: u64,
+    /// Energy spent by the fleet.
+    pub spent_uj: u64,
+    /// Carbon emitted.
+    pub co2_ng: u64,
+    /// η̄(t).
+    pub mean_throughput: f64,
+    /// Mean over confirmed hotspots of the fraction of UAVs that know them.
+    pub knowledge_spread: f64,
+    /// Φ of the distance to hotspots, before the step.
+    pub goal_potential_before: f64,
+    /// The same after it; 0 in a terminal state.
+    pub goal_potential_after: f64,
+    /// Φ of carbon-aware charging, before the step.
+    pub charge_potential_before: f64,
+    /// The same after it; 0 in a terminal state.
+    pub charge_potential_after: f64,
+}
+
+impl RewardPlan {
+    /// Brings each weight to the unit in which its quantity is counted.
+    #[must_use]
+    pub fn new(config: &Config) -> Self {
+        Self {
+            detect: config.reward_detect,
+            inform: config.reward_inform,
+            inform_once: config.inform_payment == InformPayment::Once,
+            complete: config.reward_complete,
+            coverage_per_cell: config.reward_coverage / config.cell_count() as f64,
+            energy_per_uj: config.penalty_energy_per_kwh / crate::energy::MICROJOULES_PER_KWH,
+            carbon_per_ng: config.penalty_carbon_per_kg / 1e12,
+            revisit: config.penalty_revisit,
+            truncation: config.penalty_truncation,
+            throughput: config.reward_throughput,
+            spread: config.reward_spread,
+            discount: config.shaping_discount,
+        }
+    }
+
+    /// Every component of R_t, in the order of [`NAMES`].
+    #[must_use]
+    pub fn components(&self, step: &Happenings) -> Rewards {
+        let paid = if self.inform_once {
+            step.newly_informed
+        } else {
+            step.informed
+        };
+        [
+            self.detect * step.newly_confirmed as f64,
+            self.inform * paid as f64,
+            if step.complete { self.complete } else { 0.0 },
+            self.coverage_per_cell * step.new_cells as f64,
+            -(self.energy_per_uj * step.spent_uj as f64),
+            -(self.carbon_per_ng * step.co2_ng as f64),
+            -(self.revisit * step.revisits as f64),
+            if step.at_horizon {
+                -self.truncation
+            } else {
+                0.0
+            },
+            self.throughput * step.mean_throughput,
+            self.spread * step.knowledge_spread,
+            self.discount * step.goal_potential_after - step.goal_potential_before,
+            self.discount * step.charge_potential_after - step.charge_potential_before,
+        ]
+    }
+}
+
+/// R_t: the components summed left to right.
+#[must_use]
+pub fn total(rewards: &Rewards) -> f64 {
+    let mut sum = 0.0;
+    for component in rewards {
+        sum += component;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Preset;
+
+    #[test]
+    fn mission_pays_informing_once_and_paper_at_every_step() {
+        let step = Happenings {
+            newly_informed: 1,
+            informed: 3,
+            ..Happenings::default()
+        };
+        let inform = |preset| RewardPlan::new(&Config::preset(preset)).components(&step)[1];
+        assert_eq!(inform(Preset::Mission), 4.0);
+        assert_eq!(inform(Preset::Paper), 12.0);
+    }
+
+    #[test]
+    fn weights_are_the_papers() {
+        let step = Happenings {
+            newly_confirmed: 2,
+            complete: true,
+            at_horizon: true,
+            new_cells: 72,
+            revisits: 3,
+            spent_uj: 3_600_000_000_000,
+            co2_ng: 2_000_000_000_000,
+            mean_throughput: 2.0,
+            knowledge_spread: 0.5,
+            goal_potential_before: -1.0,
+            goal_potential_after: -0.5,
+            ..Happenings::default()
+        };
+        let rewards = RewardPlan::new(&Config::default()).components(&step);
+        let expected = [
+            14.0, 0.0, 10.0, 0.25, -0.2, -0.2, -0.03, -0.4, 1.0, 0.05, 0.525, 0.0,
+        ];
+        for (index, (got, want)) in rewards.iter().zip(expected).enumerate() {
+            assert!(
+                (got - want).abs() < 1e-12,
+                "{}: {got} is not {want}",
+                NAMES[index]
+            );
+        }
+    }
+}

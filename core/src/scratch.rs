@@ -1,0 +1,63 @@
+//! Working memory of a step: nothing in it outlives a call. One per thread serves any number of states.
+
+use crate::model::Model;
+
+/// Working memory for the states of one model.
+#[derive(Debug)]
+pub struct Scratch<'a> {
+    words: &'a mut [u64],
+}
+
+impl<'a> Scratch<'a> {
+    /// Words of memory that a model's steps need.
+    #[must_use]
+    pub fn words_for(model: &Model<'_>) -> usize {
+        let uavs = model.uav_count();
+        let sense = uavs * model.hotspot_words() + model.hotspot_count();
+        let graph = model.bucket_count() + 1 + uavs;
+        let consensus = uavs + model.uav_words() + model.hotspot_words();
+        let goals = model.hotspot_count();
+        sense.max(graph).max(consensus).max(goals).max(uavs)
+    }
+
+    /// Uses the caller's memory; `None` if it has fewer than [`Scratch::words_for`] words.
+    #[must_use]
+    pub fn new(model: &Model<'_>, words: &'a mut [u64]) -> Option<Self> {
+        (words.len() >= Self::words_for(model)).then_some(Self { words })
+    }
+
+    /// Detections: a row of hotspot bits per UAV, and the number of positives per hotspot.
+    pub(crate) fn detections(&mut self, model: &Model<'_>) -> (&mut [u64], &mut [u64]) {
+        self.two(
+            model.uav_count() * model.hotspot_words(),
+            model.hotspot_count(),
+        )
+    }
+
+    /// Bucket boundaries and the UAVs sorted by bucket.
+    pub(crate) fn buckets(&mut self, model: &Model<'_>) -> (&mut [u64], &mut [u64]) {
+        self.two(model.bucket_count() + 1, model.uav_count())
+    }
+
+    /// Order of a walk over the graph, UAVs not reached yet, and a component's knowledge.
+    pub(crate) fn consensus(
+        &mut self,
+        uavs: usize,
+        uav_words: usize,
+        hotspot_words: usize,
+    ) -> (&mut [u64], &mut [u64], &mut [u64]) {
+        let (order, rest) = self.words.split_at_mut(uavs);
+        let (unreached, rest) = rest.split_at_mut(uav_words);
+        (order, unreached, &mut rest[..hotspot_words])
+    }
+
+    /// Room for a list of at most `count` words.
+    pub(crate) fn list(&mut self, count: usize) -> &mut [u64] {
+        &mut self.words[..count]
+    }
+
+    fn two(&mut self, first: usize, second: usize) -> (&mut [u64], &mut [u64]) {
+        let (a, b) = self.words.split_at_mut(first);
+        (a, &mut b[..second])
+    }
+}

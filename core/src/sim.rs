@@ -1,0 +1,194 @@
+//! A simulation in memory of its own, for callers that have an allocator.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::config::Cell;
+use crate::error::Error;
+use crate::hash;
+use crate::model::Model;
+use crate::observation;
+use crate::scratch::Scratch;
+use crate::state::{StateMut, StateRef};
+use crate::step::StepOutcome;
+
+/// A model's state with its working memory. A clone is a fork: both go on alike.
+#[derive(Clone, Debug)]
+pub struct Sim<'m> {
+    model: &'m Model<'m>,
+    words: Vec<u64>,
+    scratch: Vec<u64>,
+}
+
+impl<'m> Sim<'m> {
+    /// A simulation at t = 0 of seed 0.
+    #[must_use]
+    pub fn new(model: &'m Model<'m>) -> Self {
+        let mut sim = Self {
+            model,
+            words: vec![0; model.state_words()],
+            scratch: vec![0; Scratch::words_for(model)],
+        };
+        sim.reset(0);
+        sim
+    }
+
+    /// The model.
+    #[must_use]
+    pub const fn model(&self) -> &'m Model<'m> {
+        self.model
+    }
+
+    /// Begins the episode of a seed.
+    pub fn reset(&mut self, seed: u64) {
+        let Self {
+            model,
+            words,
+            scratch,
+        } = self;
+        let reset = Scratch::new(model, scratch).map(|mut s| model.reset(words, &mut s, seed));
+        debug_assert_eq!(reset, Some(Ok(())), "the memory has the model's own size");
+    }
+
+    fn with<T>(
+        &mut self,
+        act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let mut state = self.model.state_mut(&mut self.words)?;
+        let mut scratch =
+            Scratch::new(self.model, &mut self.scratch).ok_or(Error::ModelMismatch)?;
+        act(self.model, &mut state, &mut scratch)
+    }
+
+    /// One whole step; see [`Model::step`].
+    ///
+    /// # Errors
+    /// As [`Model::step`].
+    pub fn step(&mut self, actions: &[f32]) -> Result<StepOutcome, Error> {
+        self.with(|model, state, scratch| model.step(state, scratch, actions))
+    }
+
+    /// Part 1 of a step; see [`Model::step_begin`].
+    ///
+    /// # Errors
+    /// As [`Model::step_begin`].
+    pub fn step_begin(&mut self, actions: &[f32]) -> Result<(), Error> {
+        self.with(|model, state, _| model.step_begin(state, actions))
+    }
+
+    /// The host's positions; see [`Model::set_positions`].
+    ///
+    /// # Errors
+    /// As [`Model::set_positions`].
+    pub fn set_positions(&mut self, cells: &[Cell]) -> Result<(), Error> {
+        self.with(|model, state, _| model.set_positions(state, cells))
+    }
+
+    /// Part 2 of a step; see [`Model::step_sense`].
+    ///
+    /// # Errors
+    /// As [`Model::step_sense`].
+    pub fn step_sense(&mut self) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.step_sense(state, scratch))
+    }
+
+    /// Part 3 of a step; see [`Model::step_communicate`].
+    ///
+    /// # Errors
+    /// As [`Model::step_communicate`].
+    pub fn step_communicate(&mut self) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.step_communicate(state, scratch))
+    }
+
+    /// Part 3 of a step over the host's links; see [`Model::step_communicate_over`].
+    ///
+    /// # Errors
+    /// As [`Model::step_communicate_over`].
+    pub fn step_communicate_over(
+        &mut self,
+        links: &[u8],
+        throughput: Option<&[f64]>,
+    ) -> Result<(), Error> {
+        self.with(|model, state, scratch| {
+            model.step_communicate_over(state, scratch, links, throughput)
+        })
+    }
+
+    /// Part 4 of a step; see [`Model::step_end`].
+    ///
+    /// # Errors
+    /// As [`Model::step_end`].
+    pub fn step_end(&mut self) -> Result<StepOutcome, Error> {
+        self.with(|model, state, scratch| model.step_end(state, scratch))
+    }
+
+    /// Places the hotspots; see [`Model::set_hotspots`].
+    ///
+    /// # Errors
+    /// As [`Model::set_hotspots`].
+    pub fn set_hotspots(&mut self, cells: &[Cell]) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.set_hotspots(state, scratch, cells))
+    }
+
+    /// Sets the batteries; see [`Model::set_batteries`].
+    ///
+    /// # Errors
+    /// As [`Model::set_batteries`].
+    pub fn set_batteries(&mut self, charges_uj: &[u64]) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.set_batteries(state, scratch, charges_uj))
+    }
+
+    /// Writes the observations; see [`observation::observe`].
+    ///
+    /// # Errors
+    /// As [`observation::observe`].
+    pub fn observe(&mut self, out: &mut [f32]) -> Result<(), Error> {
+        self.with(|model, state, scratch| {
+            observation::observe(model, &state.as_ref(), scratch, out)
+        })
+    }
+
+    /// Writes the global state; see [`observation::observe_global`].
+    ///
+    /// # Errors
+    /// As [`observation::observe_global`].
+    pub fn observe_global(&self, out: &mut [f32]) -> Result<(), Error> {
+        observation::observe_global(self.model, &self.state(), out)
+    }
+
+    /// The state to read.
+    #[must_use]
+    pub fn state(&self) -> StateRef<'_> {
+        StateRef::split(*self.model.layout(), &self.words)
+    }
+
+    /// The words of the state.
+    #[must_use]
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// Fingerprint of the state.
+    #[must_use]
+    pub fn state_hash(&self) -> u64 {
+        hash::words(&self.words)
+    }
+
+    /// The saved state.
+    #[must_use]
+    pub fn save(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.model.save_len()];
+        let saved = self.model.save(&self.words, &mut bytes);
+        debug_assert_eq!(saved, Ok(()), "the buffer has the snapshot's own size");
+        bytes
+    }
+
+    /// Loads a saved state; see [`Model::load`].
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let mut spare = vec![0; self.words.len()];
+        self.model.load(bytes, &mut self.words, &mut spare)
+    }
+}

@@ -1,0 +1,285 @@
+//! One step, in its order. Whole by [`Model::step`], or in parts between which a host simulator may
+//! set what it owns: positions before sensing, links in place of communication's own graph.
+
+use crate::bits;
+use crate::config::{Cell, ChargeBilling};
+use crate::energy::{Activity, settle};
+use crate::error::Error;
+use crate::header::Phase;
+use crate::model::Model;
+use crate::reward::{self, Happenings};
+use crate::scratch::Scratch;
+use crate::state::StateMut;
+use crate::{action, carbon, knowledge, link, motion, potential, sensing};
+
+/// What a step came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepOutcome {
+    /// R_t, the same for every UAV.
+    pub reward: f64,
+    /// Every hotspot is informed.
+    pub terminated: bool,
+    /// The horizon ended the episode before that.
+    pub truncated: bool,
+}
+
+impl Model<'_> {
+    /// One whole step with an action pair (u_dir, u_pilot) per UAV.
+    ///
+    /// # Errors
+    /// [`Error::EpisodeOver`], [`Error::OutOfOrder`], [`Error::Length`] or [`Error::ActionNan`]; the state
+    /// is then as it was.
+    pub fn step(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+    ) -> Result<StepOutcome, Error> {
+        self.step_begin(state, actions)?;
+        self.step_sense(state, scratch)?;
+        self.step_communicate(state, scratch)?;
+        self.step_end(state, scratch)
+    }
+
+    /// Part 1: actions, return to base, move.
+    ///
+    /// # Errors
+    /// As [`Model::step`].
+    pub fn step_begin(&self, state: &mut StateMut<'_>, actions: &[f32]) -> Result<(), Error> {
+        expect(state, Phase::Ready, "step_begin", "reset or step_end")?;
+        check_actions(self, actions)?;
+        let t = state.header.t() + 1;
+        state.header.set_t(t);
+        for i in 0..self.uav_count() {
+            act(self, state, i, actions[2 * i], actions[2 * i + 1]);
+        }
+        state.header.set_phase(Phase::Moved);
+        Ok(())
+    }
+
+    /// Part 2: sense and learn.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`] unless part 1 was the last.
+    pub fn step_sense(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+    ) -> Result<(), Error> {
+        expect(state, Phase::Moved, "step_sense", "step_begin")?;
+        sensing::sense_and_learn(self, state, scratch);
+        state.header.set_phase(Phase::Sensed);
+        Ok(())
+    }
+
+    /// Part 3: communicate over the graph that the link budget gives.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`] unless part 2 was the last.
+    pub fn step_communicate(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+    ) -> Result<(), Error> {
+        expect(state, Phase::Sensed, "step_communicate", "step_sense")?;
+        link::build_graph(self, state, scratch);
+        knowledge::communicate(self, state, scratch);
+        state.header.set_phase(Phase::Communicated);
+        Ok(())
+    }
+
+    /// Part 4: energy, charge, carbon, reward, termination.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`] unless part 3 was the last.
+    pub fn step_end(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+    ) -> Result<StepOutcome, Error> {
+        expect(state, Phase::Communicated, "step_end", "step_communicate")?;
+        let mut happened = Happenings {
+            goal_potential_before: state.header.goal_potential(),
+            charge_potential_before: state.header.charge_potential(),
+            mean_throughput: state.header.mean_throughput(),
+            ..Happenings::default()
+        };
+        settle_energy(self, state, &mut happened);
+        cover(self, state, &mut happened);
+        count_knowledge(self, state, &mut happened);
+        finish(self, state, scratch, &mut happened);
+
+        let rewards = self.reward().components(&happened);
+        let reward = reward::total(&rewards);
+        state.header.set_rewards(&rewards);
+        let return_sum = state.header.return_sum() + reward;
+        state.header.set_return_sum(return_sum);
+        let phase = state.header.phase();
+        Ok(StepOutcome {
+            reward,
+            terminated: phase == Some(Phase::Terminated),
+            truncated: phase == Some(Phase::Truncated),
+        })
+    }
+}
+
+/// Refuses what comes out of order.
+pub(crate) fn expect(
+    state: &StateMut<'_>,
+    phase: Phase,
+    called: &'static str,
+    after: &'static str,
+) -> Result<(), Error> {
+    match state.header.phase() {
+        Some(now) if now == phase => Ok(()),
+        Some(now) if now.is_over() => Err(Error::EpisodeOver),
+        Some(_) => Err(Error::OutOfOrder { called, after }),
+        None => Err(Error::ModelMismatch),
+    }
+}
+
+fn check_actions(model: &Model<'_>, actions: &[f32]) -> Result<(), Error> {
+    if actions.len() != model.action_len() {
+        return Err(Error::Length {
+            what: "actions",
+            expected: model.action_len(),
+            got: actions.len(),
+        });
+    }
+    for (index, value) in actions.iter().enumerate() {
+        if value.is_nan() {
+            return Err(Error::ActionNan {
+                uav: index / 2,
+                component: index % 2,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A UAV's action: pilot density, then its motion, unless its battery grounds it or sends it home.
+fn act(model: &Model<'_>, state: &mut StateMut<'_>, i: usize, u_dir: f32, u_pilot: f32) {
+    let config = model.config();
+    let density =
+        action::pilot_density(u_pilot, config.pilot_density_min, config.pilot_density_max);
+    state.set_pilot_density(i, density);
+
+    let grounded = state.battery[i] == 0;
+    let returning = !grounded && state.battery[i] < model.energy().rtb_uj;
+    bits::assign(state.grounded, i, grounded);
+    bits::assign(state.returning, i, returning);
+
+    let from = state.cell(i);
+    let motion = if grounded {
+        action::Motion::Stay
+    } else if returning {
+        motion::toward(from, model.nearest_depot(from).0)
+    } else {
+        action::motion(u_dir)
+    };
+    let to = motion::destination(from, motion, config.grid_width, config.grid_height);
+    state.previous[i] = from.to_word();
+    state.cells[i] = to.to_word();
+}
+
+/// Every battery, then the fleet's grid energy and carbon, each rounded once a step.
+fn settle_energy(model: &Model<'_>, state: &mut StateMut<'_>, happened: &mut Happenings) {
+    let (plan, words) = (model.energy(), model.uav_words());
+    let (mut billed_uj, mut moves, mut pilot) = (0, 0, 0.0);
+    for i in 0..model.uav_count() {
+        let density = state.pilot_density(i);
+        let activity = Activity {
+            grounded: bits::get(state.grounded, i),
+            moved: state.cells[i] != state.previous[i],
+            sensing: bits::get(state.sensing, i),
+            linked: !bits::is_empty(&state.links[i * words..(i + 1) * words]),
+        };
+        let on_depot = model.depot_distance(state.cell(i)) == 0;
+        let offered_uj = if on_depot { plan.charge_uj } else { 0 };
+        let settled = settle(
+            state.battery[i],
+            plan.asked_uj(activity, density),
+            offered_uj,
+            plan.capacity_uj,
+        );
+        state.battery[i] = settled.battery_uj;
+        state.spent[i] += settled.spent_uj;
+        state.accepted[i] += settled.accepted_uj;
+        state.shortfall[i] += settled.shortfall_uj;
+        happened.spent_uj += settled.spent_uj;
+        billed_uj += match model.carbon().billing {
+            ChargeBilling::Accepted => settled.accepted_uj,
+            ChargeBilling::Nameplate => offered_uj,
+        };
+        moves += u64::from(activity.moved);
+        pilot += density;
+    }
+
+    let intensity = state.header.intensity_mg_per_kwh();
+    let grid_uj = model.carbon().grid_uj(billed_uj);
+    happened.co2_ng = carbon::emitted_ng(grid_uj, intensity);
+    let header = &mut state.header;
+    header.set_grid(header.grid_uj() + grid_uj);
+    header.set_co2(header.co2_ng() + happened.co2_ng);
+    header.set_moves(header.moves() + moves);
+    header.set_pilot_sum(header.pilot_sum() + pilot / model.uav_count() as f64);
+    header.set_throughput_sum(header.throughput_sum() + header.mean_throughput());
+    header.set_billed_intensity(intensity);
+    let next = model
+        .carbon()
+        .intensity_mg_per_kwh(header.seed(), header.t());
+    header.set_intensity(next);
+}
+
+/// Cells visited for the first time, and moves into cells visited before this step.
+fn cover(model: &Model<'_>, state: &mut StateMut<'_>, happened: &mut Happenings) {
+    for i in 0..model.uav_count() {
+        if state.cells[i] != state.previous[i] {
+            let index = model.cell_index(Cell::from_word(state.cells[i]));
+            happened.revisits += u64::from(bits::get(state.visited, index));
+        }
+    }
+    for i in 0..model.uav_count() {
+        let index = model.cell_index(Cell::from_word(state.cells[i]));
+        happened.new_cells += u64::from(!bits::get(state.visited, index));
+        bits::set(state.visited, index);
+    }
+}
+
+/// Confirmations, informed hotspots and the spread of knowledge.
+fn count_knowledge(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happenings) {
+    let t = u64::from(state.header.t());
+    for j in 0..model.hotspot_count() {
+        happened.newly_confirmed += u64::from(state.detected_at[j] == t);
+        happened.newly_informed += u64::from(state.informed_at[j] == t);
+    }
+    happened.informed = bits::count(state.informed) as u64;
+    // Only confirmed hotspots are ever known, so that the bits known, over N times the hotspots
+    // confirmed, are the mean over these of the fraction that knows them.
+    let confirmed = bits::count(state.confirmed);
+    if confirmed > 0 {
+        let known = bits::count(state.knowledge);
+        happened.knowledge_spread = known as f64 / (confirmed * model.uav_count()) as f64;
+    }
+}
+
+/// Whether the episode ends here, and the potentials of the state it has come to.
+fn finish(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+    happened: &mut Happenings,
+) {
+    happened.complete = happened.informed == model.hotspot_count() as u64;
+    happened.at_horizon = state.header.t() >= model.config().horizon_steps;
+    potential::update(model, state, scratch, happened.complete);
+    happened.goal_potential_after = state.header.goal_potential();
+    happened.charge_potential_after = state.header.charge_potential();
+    state.header.set_phase(if happened.complete {
+        Phase::Terminated
+    } else if happened.at_horizon {
+        Phase::Truncated
+    } else {
+        Phase::Ready
+    });
+}

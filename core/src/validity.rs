@@ -1,0 +1,181 @@
+//! What every state holds that a run of the kernel can lead to.
+
+use crate::bits;
+use crate::config::Cell;
+use crate::header::Phase;
+use crate::model::Model;
+use crate::reward;
+use crate::state::StateRef;
+
+impl StateRef<'_> {
+    /// Whether this is a state of the model that keeps every invariant. True after each reset, each part
+    /// of a step and each load; what proofs assume of a state, tests check of every state reached.
+    #[must_use]
+    pub fn is_valid(&self, model: &Model<'_>) -> bool {
+        let Some(phase) = self.header.phase() else {
+            return false;
+        };
+        self.header.config_hash() == model.config_hash()
+            && self.time_is_bounded(model, phase)
+            && self.uavs_are_valid(model)
+            && self.hotspots_are_valid(model)
+            && self.knowledge_is_valid(model, phase)
+            && self.links_are_valid(model)
+            && self.visits_are_valid(model, phase)
+            && self.scalars_are_valid(model)
+    }
+
+    fn time_is_bounded(&self, model: &Model<'_>, phase: Phase) -> bool {
+        let (t, horizon) = (self.t(), model.config().horizon_steps);
+        // A word above 32 bits would survive a round trip through `t()` unnoticed.
+        self.header.0[2] == u64::from(t)
+            && match phase {
+                Phase::Ready => t < horizon,
+                Phase::Truncated => t == horizon,
+                _ => t >= 1 && t <= horizon,
+            }
+    }
+
+    fn uavs_are_valid(&self, model: &Model<'_>) -> bool {
+        let (config, plan) = (model.config(), model.energy());
+        let most_uj = u64::from(self.t()) * plan.charge_uj;
+        for i in 0..model.uav_count() {
+            let density = self.pilot_density(i);
+            let throughput = self.throughput(i);
+            if !model.contains(self.cell(i))
+                || !model.contains(Cell::from_word(self.previous[i]))
+                || self.battery[i] > plan.capacity_uj
+                || self.initial[i] > plan.capacity_uj
+                || self.accepted[i] > most_uj
+                || self.spent[i] > self.initial[i] + self.accepted[i]
+                || self.battery[i] != self.initial[i] + self.accepted[i] - self.spent[i]
+                || self.shortfall[i] > u64::from(self.t()) * plan.most_asked_uj()
+                || !(density >= config.pilot_density_min && density <= config.pilot_density_max)
+                || !(throughput >= 0.0 && throughput <= THROUGHPUT_MAX)
+                || throughput.to_bits() == (-0.0f64).to_bits()
+            {
+                return false;
+            }
+        }
+        bits::fits(self.grounded, model.uav_count())
+            && bits::fits(self.returning, model.uav_count())
+            && bits::fits(self.sensing, model.uav_count())
+    }
+
+    fn hotspots_are_valid(&self, model: &Model<'_>) -> bool {
+        for j in 0..model.hotspot_count() {
+            let cell = self.hotspot_cell(j);
+            if !model.contains(cell)
+                || model.depot_distance(cell) == 0
+                || self.detected_at[j] > u64::from(self.t())
+                || self.informed_at[j] > u64::from(self.t())
+                || (self.detected_at[j] != 0) != self.confirmed(j)
+                || (self.informed_at[j] != 0) != self.informed(j)
+                || (self.informed(j) && self.informed_at[j] < self.detected_at[j])
+            {
+                return false;
+            }
+        }
+        bits::fits(self.confirmed, model.hotspot_count())
+            && bits::is_subset(self.informed, self.confirmed)
+    }
+
+    /// Only confirmed hotspots are known; informed are those that all know (once knowledge has spread).
+    fn knowledge_is_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
+        let row = model.hotspot_words();
+        for word in 0..row {
+            let mut common = u64::MAX;
+            for i in 0..model.uav_count() {
+                common &= self.knowledge[i * row + word];
+            }
+            let behind = common & !self.informed[word];
+            if self.informed[word] & !common != 0 || (behind != 0 && phase != Phase::Sensed) {
+                return false;
+            }
+        }
+        for i in 0..model.uav_count() {
+            if !bits::is_subset(self.knowledge_of(i), self.confirmed) {
+                return false;
+            }
+        }
+        let all = self.informed_count() == model.hotspot_count();
+        match phase {
+            Phase::Terminated => all,
+            Phase::Communicated => true,
+            _ => !all,
+        }
+    }
+
+    /// Links are symmetric, join two UAVs, and no grounded one (while a step is under way, the links are
+    /// those of the step before).
+    fn links_are_valid(&self, model: &Model<'_>) -> bool {
+        let current = !matches!(self.header.phase(), Some(Phase::Moved | Phase::Sensed));
+        for i in 0..model.uav_count() {
+            let row = self.links_of(i);
+            if !bits::fits(row, model.uav_count())
+                || bits::get(row, i)
+                || (current && self.grounded(i) && !bits::is_empty(row))
+            {
+                return false;
+            }
+            for k in bits::iter(row) {
+                if !self.linked(k, i) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    fn visits_are_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
+        let between_steps = phase == Phase::Ready || phase.is_over();
+        for i in 0..model.uav_count() {
+            let settled = if between_steps {
+                self.cell(i)
+            } else {
+                Cell::from_word(self.previous[i])
+            };
+            if !self.visited(model.cell_index(settled)) {
+                return false;
+            }
+        }
+        bits::fits(self.visited, model.config().cell_count())
+    }
+
+    fn scalars_are_valid(&self, model: &Model<'_>) -> bool {
+        let header = &self.header;
+        let plan = model.carbon();
+        let steps = u64::from(self.t());
+        let in_range = |intensity: u64| {
+            intensity >= plan.intensity_min_mg_per_kwh && intensity <= plan.intensity_max_mg_per_kwh
+        };
+        let reals = [
+            header.mean_throughput(),
+            header.throughput_sum(),
+            header.pilot_sum(),
+            header.goal_potential(),
+            header.charge_potential(),
+            header.return_sum(),
+            reward::total(&header.rewards()),
+        ];
+        let mut finite = true;
+        for real in reals {
+            finite &= real.is_finite() && real.to_bits() != (-0.0f64).to_bits();
+        }
+        finite
+            && in_range(header.intensity_mg_per_kwh())
+            && (header.billed_intensity_mg_per_kwh() == 0
+                || in_range(header.billed_intensity_mg_per_kwh()))
+            && header.moves() <= steps * model.uav_count() as u64
+            && header.grid_uj() <= steps * model.uav_count() as u64 * model.energy().charge_uj
+            && header.co2_ng() <= LEDGER_MAX
+            && header.mean_throughput() >= 0.0
+            && header.goal_potential() <= 0.0
+            && header.charge_potential() >= 0.0
+    }
+}
+
+/// No throughput that a legal configuration or host can give exceeds this.
+pub(crate) const THROUGHPUT_MAX: f64 = 1e9;
+/// What a legal configuration keeps every ledger under.
+const LEDGER_MAX: u64 = 1 << 62;
