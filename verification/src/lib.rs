@@ -1,1 +1,11 @@
-//! See the package description.
+//! What the kernel is held against.
+//!
+//! [`specification`] is the model a second time, as plainly as it can be written;
+//! [`sampling`] draws configurations and actions that reach its corners;
+//! [`comparison`] says where a state of the kernel differs from the specification's
+//! world. `proofs.toml` beside this crate's sources lists what Kani proves, and
+//! `ASSUMPTIONS.md` what those proofs rest on.
+
+pub mod comparison;
+pub mod sampling;
+pub mod specification;

@@ -1,0 +1,297 @@
+//! Random configurations and actions that reach the corners of the model.
+
+use crate::specification::philox::{block, first_u64};
+use crate::specification::{Specification, World};
+use jcas_core::config::Depots;
+use jcas_core::{Cell, Config, Preset, TargetVisibility};
+
+/// A stream of random numbers of its own, apart from every draw of the model.
+#[derive(Clone, Debug)]
+pub struct Dice {
+    seed: u64,
+    rolls: u32,
+}
+
+impl Dice {
+    /// The stream of a seed.
+    pub fn new(seed: u64) -> Self {
+        Dice { seed, rolls: 0 }
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.rolls += 1;
+        first_u64(block(self.seed, [self.rolls, 0, 0, 0xD1CE]))
+    }
+
+    /// An integer in `low..=high`.
+    pub fn integer(&mut self, low: u32, high: u32) -> u32 {
+        low + (self.bits() % (u64::from(high - low) + 1)) as u32
+    }
+
+    /// A real in `low..high`.
+    pub fn real(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.bits() >> 11) as f64 / 9_007_199_254_740_992.0)
+    }
+
+    /// True one time in `n`.
+    pub fn one_in(&mut self, n: u32) -> bool {
+        self.integer(1, n) == 1
+    }
+}
+
+/// A legal configuration of a small mission, far from the defaults in many fields.
+pub fn configuration(dice: &mut Dice) -> Config {
+    let preset = if dice.one_in(2) {
+        Preset::Mission
+    } else {
+        Preset::Paper
+    };
+    let mut c = Config::preset(preset);
+    mission(dice, &mut c);
+    radio(dice, &mut c);
+    energy(dice, &mut c);
+    if dice.one_in(3) {
+        weights(dice, &mut c);
+    }
+    c
+}
+
+fn mission(dice: &mut Dice, c: &mut Config) {
+    loop {
+        c.grid_width = dice.integer(1, 14);
+        c.grid_height = dice.integer(1, 14);
+        if c.grid_width * c.grid_height > 1 {
+            break;
+        }
+    }
+    let cells = c.grid_width * c.grid_height;
+    c.uav_count = dice.integer(1, 12);
+    c.hotspot_count = dice.integer(1, 9.min(cells - 1));
+    c.horizon_steps = dice.integer(1, 40);
+    c.quorum = dice.integer(1, 4);
+    c.cell_size_m = dice.real(1.0, 120.0);
+    c.depots = depots(dice, c);
+    if dice.one_in(2) {
+        c.target_visibility = TargetVisibility::Hidden;
+    }
+    if dice.one_in(3) {
+        c.neighbour_slots = dice.integer(0, 12);
+    }
+}
+
+/// A legal configuration of a fleet so large, on a grid so wide, that the kernel
+/// sorts UAVs into buckets and a set of UAVs or hotspots takes two words.
+pub fn large_configuration(dice: &mut Dice) -> Config {
+    let mut c = configuration(dice);
+    c.grid_width = dice.integer(20, 30);
+    c.grid_height = dice.integer(20, 30);
+    c.depots = Depots::CENTRE;
+    c.uav_count = dice.integer(65, 75);
+    c.hotspot_count = dice.integer(60, 75);
+    c.horizon_steps = 10;
+    c.neighbour_slots = dice.integer(0, 4095);
+    c.cell_size_m = dice.real(30.0, 60.0);
+    c.range_min_m = None;
+    c.path_loss_exponent = 2.0;
+    c.link_throughput_min = dice.real(0.8, 1.3);
+    c.pilot_density_min = 0.01;
+    c.pilot_density_max = 0.30;
+    c
+}
+
+/// Up to four distinct cells that leave room for the hotspots; often none, the default.
+fn depots(dice: &mut Dice, c: &Config) -> Depots {
+    let room = c.grid_width * c.grid_height - c.hotspot_count;
+    let wanted = dice.integer(0, 4.min(room));
+    let mut cells: Vec<Cell> = Vec::new();
+    for _ in 0..wanted {
+        let x = dice.integer(0, c.grid_width - 1);
+        let y = dice.integer(0, c.grid_height - 1);
+        if !cells.contains(&Cell { x, y }) {
+            cells.push(Cell { x, y });
+        }
+    }
+    Depots::from_slice(&cells).unwrap_or(Depots::CENTRE)
+}
+
+fn radio(dice: &mut Dice, c: &mut Config) {
+    c.processing_gain_db = dice.real(0.0, 45.0);
+    c.comm_load_penalty_db = dice.real(0.0, 3.0);
+    c.detection_probability = dice.real(0.3, 0.9);
+    c.false_alarm_probability = dice.real(1e-6, 1e-3);
+    c.logistic_slope_per_db = dice.real(0.0, 1.0);
+    c.path_loss_exponent = dice.real(1.5, 3.5);
+    c.link_throughput_min = dice.real(0.0, 2.0);
+    c.pilot_density_min = dice.real(0.0, 0.5);
+    c.pilot_density_max = if dice.one_in(5) {
+        c.pilot_density_min.max(0.01)
+    } else {
+        dice.real(0.5, 1.0)
+    };
+    c.pilot_density_min = c.pilot_density_min.min(c.pilot_density_max);
+    if dice.one_in(3) {
+        c.detection_threshold_db = Some(dice.real(-10.0, 20.0));
+    }
+    if dice.one_in(3) {
+        c.range_min_m = Some(dice.real(0.1, 200.0));
+    }
+    if dice.one_in(3) {
+        c.range_resolution_m = Some(if dice.one_in(2) {
+            0.0
+        } else {
+            dice.real(0.0, 10.0)
+        });
+    }
+}
+
+/// Batteries from a few steps' worth to more than an episode's.
+fn energy(dice: &mut Dice, c: &mut Config) {
+    c.step_duration_s = dice.real(1.0, 60.0);
+    c.battery_capacity_kwh = dice.real(0.0005, 0.02);
+    c.rtb_threshold_kwh = if dice.one_in(3) {
+        0.0
+    } else {
+        dice.real(0.0, c.battery_capacity_kwh)
+    };
+    c.charge_power_kw = dice.real(0.0, 2.0);
+    c.move_energy_kwh = dice.real(0.0, 2e-3);
+    c.hover_energy_kwh = if dice.one_in(2) {
+        0.0
+    } else {
+        dice.real(0.0, 1e-3)
+    };
+    c.sense_energy_kwh = dice.real(0.0, 1e-3);
+    c.comm_energy_kwh = dice.real(0.0, 1e-3);
+    c.renewable_share = dice.real(0.0, 1.0);
+    c.initial_soc_min = if dice.one_in(3) {
+        0.0
+    } else {
+        dice.real(0.0, 1.0)
+    };
+    c.initial_soc_max = dice.real(c.initial_soc_min, 1.0);
+    if dice.one_in(4) {
+        (c.initial_soc_min, c.initial_soc_max) = (1.0, 1.0);
+    }
+    if dice.one_in(4) {
+        c.carbon_intensity_max_kg_per_kwh = c.carbon_intensity_min_kg_per_kwh;
+    } else {
+        c.carbon_intensity_min_kg_per_kwh = dice.real(0.0, 0.3);
+    }
+}
+
+fn weights(dice: &mut Dice, c: &mut Config) {
+    c.reward_detect = dice.real(-10.0, 10.0);
+    c.reward_inform = dice.real(-10.0, 10.0);
+    c.reward_complete = dice.real(-10.0, 10.0);
+    c.reward_coverage = dice.real(-10.0, 10.0);
+    c.penalty_energy_per_kwh = dice.real(-10.0, 10.0);
+    c.penalty_carbon_per_kg = dice.real(-10.0, 10.0);
+    c.penalty_revisit = dice.real(-1.0, 1.0);
+    c.penalty_truncation = dice.real(-1.0, 1.0);
+    c.reward_throughput = dice.real(-1.0, 1.0);
+    c.reward_spread = dice.real(-1.0, 1.0);
+    c.shaping_discount = dice.real(0.0, 1.0);
+    c.shaping_goal_weight = dice.real(0.0, 5.0);
+    c.shaping_charge_weight = dice.real(0.0, 5.0);
+}
+
+/// How a fleet is flown through an episode.
+#[derive(Clone, Copy, Debug)]
+pub enum Pilot {
+    /// Anything, within and outside of [-1, 1], infinities too.
+    Anything,
+    /// Each UAV to its nearest unconfirmed hotspot.
+    Greedy,
+    /// All UAVs to the first unconfirmed hotspot.
+    Swarm,
+    /// UAV i to hotspot i mod n, whatever is known: the fleet spreads.
+    Spread,
+}
+
+/// One of the ways to fly.
+pub fn pilot(dice: &mut Dice) -> Pilot {
+    match dice.integer(0, 2) {
+        0 => Pilot::Anything,
+        1 => Pilot::Greedy,
+        _ => Pilot::Swarm,
+    }
+}
+
+/// The fleet's actions for the coming step.
+pub fn actions(
+    dice: &mut Dice,
+    pilot: Pilot,
+    spec: &Specification,
+    world: &World,
+) -> Vec<(f32, f32)> {
+    let mut actions = Vec::new();
+    for i in 0..spec.config.uav_count as usize {
+        let u_dir = match (pilot, target(pilot, world, i)) {
+            (Pilot::Anything, _) | (_, None) => component(dice),
+            (_, Some(j)) => toward(world, i, j),
+        };
+        actions.push((u_dir, component(dice)));
+    }
+    actions
+}
+
+/// The hotspot that UAV i flies to.
+fn target(pilot: Pilot, world: &World, i: usize) -> Option<usize> {
+    if matches!(pilot, Pilot::Spread) {
+        return Some(i % world.hotspot.len());
+    }
+    let here = world.position[i];
+    let open = (0..world.hotspot.len()).filter(|&j| world.detected_at[j].is_none());
+    let mut choice: Option<(i64, usize)> = None;
+    for j in open {
+        let there = world.hotspot[j];
+        let distance = match pilot {
+            Pilot::Greedy => (here.x - there.x).abs() + (here.y - there.y).abs(),
+            _ => 0,
+        };
+        if choice.is_none_or(|(best, _)| distance < best) {
+            choice = Some((distance, j));
+        }
+    }
+    choice.map(|(_, j)| j)
+}
+
+/// The middle of the bin of the motion that brings UAV i nearer to hotspot j.
+fn toward(world: &World, i: usize, j: usize) -> f32 {
+    let (here, there) = (world.position[i], world.hotspot[j]);
+    if there.y > here.y {
+        -0.8
+    } else if there.y < here.y {
+        -0.4
+    } else if there.x < here.x {
+        0.0
+    } else if there.x > here.x {
+        0.4
+    } else {
+        0.8
+    }
+}
+
+/// One component of an action: mostly within [-1, 1], often on an edge.
+fn component(dice: &mut Dice) -> f32 {
+    const EDGES: [f32; 12] = [
+        -1.0,
+        1.0,
+        0.0,
+        -0.0,
+        -0.6,
+        -0.2,
+        0.2,
+        0.6,
+        1.5,
+        -7.0,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+    ];
+    if dice.one_in(4) {
+        EDGES[dice.integer(0, 11) as usize]
+    } else {
+        dice.real(-1.0, 1.0) as f32
+    }
+}

@@ -1,0 +1,127 @@
+//! Energy in whole microjoules, carbon in whole nanograms.
+
+use super::{Specification, World};
+use jcas_core::{ChargeBilling, Config};
+
+const MICROJOULES_PER_KWH: f64 = 3.6e12;
+
+/// The configuration's energies, each rounded once to microjoules.
+#[derive(Clone, Debug)]
+pub struct Ledger {
+    /// B_max.
+    pub capacity_uj: u64,
+    /// Below this a UAV flies home.
+    pub return_uj: u64,
+    /// r_ch, what a depot offers in one step.
+    pub charge_uj: u64,
+    /// e_move where the cell changed.
+    pub move_uj: u64,
+    /// e_move where it did not.
+    pub hover_uj: u64,
+    /// e_sense at the highest pilot density.
+    pub sense_uj: u64,
+    /// e_comm at a pilot density of zero.
+    pub comm_uj: u64,
+    /// 1 − ρ_RE in parts per billion.
+    pub grid_share_ppb: u64,
+    /// Lowest carbon intensity, in mg/kWh.
+    pub intensity_min_mg_per_kwh: u64,
+    /// Highest carbon intensity, in mg/kWh.
+    pub intensity_max_mg_per_kwh: u64,
+}
+
+impl Ledger {
+    /// Rounds every energy of the configuration half up.
+    pub fn new(c: &Config) -> Self {
+        let kwh = |x: f64| half_up(x * MICROJOULES_PER_KWH);
+        Ledger {
+            capacity_uj: kwh(c.battery_capacity_kwh),
+            return_uj: kwh(c.rtb_threshold_kwh),
+            // Kilowatts times seconds are kilojoules.
+            charge_uj: half_up(c.charge_power_kw * c.step_duration_s * 1e9),
+            move_uj: kwh(c.move_energy_kwh),
+            hover_uj: kwh(c.hover_energy_kwh),
+            sense_uj: kwh(c.sense_energy_kwh),
+            comm_uj: kwh(c.comm_energy_kwh),
+            grid_share_ppb: half_up((1.0 - c.renewable_share) * 1e9),
+            intensity_min_mg_per_kwh: half_up(c.carbon_intensity_min_kg_per_kwh * 1e6),
+            intensity_max_mg_per_kwh: half_up(c.carbon_intensity_max_kg_per_kwh * 1e6),
+        }
+    }
+}
+
+impl Specification {
+    /// Spends, charges and bills one step. `was_sensing` is the fleet's sensing
+    /// activity at the start of the sense phase. Returns what was spent in this
+    /// step and what carbon it was billed.
+    pub fn spend_and_charge(&self, world: &mut World, was_sensing: &[bool]) -> (u64, u64) {
+        let e = &self.energy;
+        let mut spent_now: u64 = 0;
+        let mut accepted_now: u64 = 0;
+        let mut charging: u64 = 0;
+        for (i, &sensing) in was_sensing.iter().enumerate() {
+            let asked = self.asked_uj(world, i, sensing);
+            let spent = if asked > world.battery_uj[i] {
+                world.battery_uj[i]
+            } else {
+                asked
+            };
+            world.battery_uj[i] -= spent;
+            world.spent_uj[i] += spent;
+            world.shortfall_uj[i] += asked - spent;
+            spent_now += spent;
+            if self.is_depot(world.position[i]) {
+                let room = e.capacity_uj - world.battery_uj[i];
+                let accepted = if e.charge_uj > room {
+                    room
+                } else {
+                    e.charge_uj
+                };
+                world.battery_uj[i] += accepted;
+                world.accepted_uj[i] += accepted;
+                accepted_now += accepted;
+                charging += 1;
+            }
+        }
+        let billed = match self.config.charge_billing {
+            ChargeBilling::Accepted => accepted_now,
+            ChargeBilling::Nameplate => charging * e.charge_uj,
+        };
+        let grid = divide_half_up(billed, e.grid_share_ppb, 1_000_000_000);
+        let carbon = divide_half_up(grid, world.billed_intensity_mg_per_kwh, 3_600_000);
+        world.grid_uj += grid;
+        world.co2_ng += carbon;
+        (spent_now, carbon)
+    }
+
+    fn asked_uj(&self, world: &World, i: usize, sensing: bool) -> u64 {
+        let e = &self.energy;
+        if world.grounded[i] {
+            return 0;
+        }
+        let mut asked = if world.moved[i] {
+            e.move_uj
+        } else {
+            e.hover_uj
+        };
+        if sensing {
+            let share = world.pilot[i] / self.config.pilot_density_max;
+            asked += half_up(e.sense_uj as f64 * share);
+        }
+        if world.linked[i].contains(&true) {
+            asked += half_up(e.comm_uj as f64 * (1.0 - world.pilot[i]));
+        }
+        asked
+    }
+}
+
+/// Rounds a non-negative number to the nearest integer, a half upward.
+pub fn half_up(x: f64) -> u64 {
+    libm::floor(x + 0.5) as u64
+}
+
+/// a · b / divisor to the nearest integer, a half upward.
+fn divide_half_up(a: u64, b: u64, divisor: u128) -> u64 {
+    let doubled = 2 * u128::from(a) * u128::from(b) + divisor;
+    (doubled / (2 * divisor)) as u64
+}

@@ -1,0 +1,199 @@
+//! The model of `docs/model.md`, written a second time.
+//!
+//! The kernel is fast: bit words, tables over cell offsets, caller memory. This
+//! module is the opposite on purpose. Every set is a `Vec<bool>`, every radar and
+//! link value is computed from its equation for the one pair that needs it,
+//! consensus is the paper's N literal iterations, and the random generator is
+//! written from its publication. It shares the kernel's [`Config`] and nothing
+//! else, so a mistake has to be made twice, in two different ways, to go unseen
+//! by `tests/differential.rs`.
+
+pub mod draws;
+mod energy;
+mod link;
+mod observation;
+pub mod philox;
+mod potential;
+mod radar;
+mod reset;
+mod reward;
+mod step;
+
+pub use energy::Ledger;
+pub use reward::Rewards;
+
+use jcas_core::Config;
+
+/// Metres a second, exact by the definition of the metre.
+const SPEED_OF_LIGHT_M_PER_S: f64 = 299_792_458.0;
+
+/// A cell of the grid, as plain signed numbers: differences may be negative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Position {
+    /// Column, 0 at the left.
+    pub x: i64,
+    /// Row, 0 at the bottom.
+    pub y: i64,
+}
+
+impl Position {
+    /// Manhattan distance in cells.
+    fn manhattan(self, other: Position) -> i64 {
+        (self.x - other.x).abs() + (self.y - other.y).abs()
+    }
+
+    /// Squared Euclidean distance in cells.
+    fn squared(self, other: Position) -> i64 {
+        let (dx, dy) = (self.x - other.x, self.y - other.y);
+        dx * dx + dy * dy
+    }
+}
+
+/// The rules of one mission: the configuration and what follows directly from it.
+#[derive(Clone, Debug)]
+pub struct Specification {
+    /// The configuration, as the kernel takes it.
+    pub config: Config,
+    /// Charging cells; never empty.
+    pub depots: Vec<Position>,
+    /// Energies in microjoules.
+    pub energy: Ledger,
+}
+
+/// Everything that changes during a mission.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The episode's seed.
+    pub seed: u64,
+    /// Steps made so far.
+    pub t: u32,
+    /// Cell of each UAV.
+    pub position: Vec<Position>,
+    /// Battery of each UAV at the start of the episode, in microjoules.
+    pub initial_uj: Vec<u64>,
+    /// Battery of each UAV, in microjoules.
+    pub battery_uj: Vec<u64>,
+    /// Energy that each UAV has used so far, in microjoules.
+    pub spent_uj: Vec<u64>,
+    /// Energy that each battery has taken at depots so far, in microjoules.
+    pub accepted_uj: Vec<u64>,
+    /// Energy asked for and not there, so far, in microjoules.
+    pub shortfall_uj: Vec<u64>,
+    /// Pilot density of each UAV.
+    pub pilot: Vec<f64>,
+    /// Mean normalised throughput of each UAV toward its neighbours.
+    pub throughput: Vec<f64>,
+    /// Whether each UAV was without charge at the start of the last step.
+    pub grounded: Vec<bool>,
+    /// Whether each UAV was sent home by a low battery then.
+    pub returning: Vec<bool>,
+    /// Whether each UAV changed its cell in the last step.
+    pub moved: Vec<bool>,
+    /// `linked[i][k]`: UAVs i and k hear each other in the last step.
+    pub linked: Vec<Vec<bool>>,
+    /// Cell of each hotspot.
+    pub hotspot: Vec<Position>,
+    /// `knows[i][j]`: the paper's k_ij.
+    pub knows: Vec<Vec<bool>>,
+    /// Step at which each hotspot was confirmed.
+    pub detected_at: Vec<Option<u32>>,
+    /// Step at which each hotspot became known to every UAV.
+    pub informed_at: Vec<Option<u32>>,
+    /// `visited[y][x]`: some UAV has been there.
+    pub visited: Vec<Vec<bool>>,
+    /// Carbon intensity that the coming step will be billed with, in mg/kWh.
+    pub coming_intensity_mg_per_kwh: u64,
+    /// Carbon intensity that the last step was billed with, in mg/kWh.
+    pub billed_intensity_mg_per_kwh: u64,
+    /// Grid energy so far, in microjoules.
+    pub grid_uj: u64,
+    /// Carbon dioxide so far, in nanograms.
+    pub co2_ng: u64,
+    /// Mean of `throughput` over all UAVs: the paper's η̄(t).
+    pub mean_throughput: f64,
+    /// The last step's reward, term by term.
+    pub rewards: Rewards,
+    /// Every hotspot is informed.
+    pub terminated: bool,
+    /// The horizon was reached without that.
+    pub truncated: bool,
+}
+
+impl Specification {
+    /// Reads the rules from a valid configuration.
+    pub fn new(config: &Config) -> Self {
+        let mut depots = Vec::new();
+        for cell in config.depots.as_slice() {
+            depots.push(Position {
+                x: i64::from(cell.x),
+                y: i64::from(cell.y),
+            });
+        }
+        if depots.is_empty() {
+            let x = i64::from(config.grid_width / 2);
+            let y = i64::from(config.grid_height / 2);
+            depots.push(Position { x, y });
+        }
+        Specification {
+            config: config.clone(),
+            depots,
+            energy: Ledger::new(config),
+        }
+    }
+
+    fn uavs(&self) -> usize {
+        self.config.uav_count as usize
+    }
+
+    fn hotspots(&self) -> usize {
+        self.config.hotspot_count as usize
+    }
+
+    fn width(&self) -> i64 {
+        i64::from(self.config.grid_width)
+    }
+
+    fn height(&self) -> i64 {
+        i64::from(self.config.grid_height)
+    }
+
+    /// Longest Manhattan distance on the grid, W + H − 2.
+    fn longest_path(&self) -> f64 {
+        (self.width() + self.height() - 2) as f64
+    }
+
+    fn is_depot(&self, position: Position) -> bool {
+        self.depots.contains(&position)
+    }
+
+    /// The nearest depot by Manhattan distance; the first listed one on a tie.
+    fn nearest_depot(&self, position: Position) -> Position {
+        let mut best = self.depots[0];
+        for &depot in &self.depots {
+            if position.manhattan(depot) < position.manhattan(best) {
+                best = depot;
+            }
+        }
+        best
+    }
+
+    /// λ = c / f_c.
+    fn wavelength_m(&self) -> f64 {
+        SPEED_OF_LIGHT_M_PER_S / self.config.carrier_frequency_hz
+    }
+
+    /// R = max(R_min, d·√(Δx² + Δy²)), R_min half a cell unless given.
+    fn range_m(&self, a: Position, b: Position) -> f64 {
+        let least = self
+            .config
+            .range_min_m
+            .unwrap_or(self.config.cell_size_m / 2.0);
+        let range = self.config.cell_size_m * libm::sqrt(a.squared(b) as f64);
+        if range < least { least } else { range }
+    }
+}
+
+/// a / b, and 0 where there is nothing to divide by.
+fn fraction(a: f64, b: f64) -> f64 {
+    if b == 0.0 { 0.0 } else { a / b }
+}

@@ -1,0 +1,75 @@
+//! The world at t = 0.
+
+use super::{Position, Rewards, Specification, World, draws, energy};
+
+impl Specification {
+    /// Starts the episode that belongs to `seed`.
+    pub fn reset(&self, seed: u64) -> World {
+        let (n, m) = (self.uavs(), self.hotspots());
+        let start = self.depots[0];
+        let mut visited = vec![vec![false; self.width() as usize]; self.height() as usize];
+        visited[start.y as usize][start.x as usize] = true;
+        let initial_uj: Vec<u64> = (0..n).map(|i| self.initial_battery_uj(seed, i)).collect();
+        let mut world = World {
+            seed,
+            t: 0,
+            position: vec![start; n],
+            initial_uj: initial_uj.clone(),
+            grounded: initial_uj.iter().map(|&battery| battery == 0).collect(),
+            battery_uj: initial_uj,
+            spent_uj: vec![0; n],
+            accepted_uj: vec![0; n],
+            shortfall_uj: vec![0; n],
+            pilot: vec![self.config.pilot_density_min; n],
+            throughput: vec![0.0; n],
+            returning: vec![false; n],
+            moved: vec![false; n],
+            linked: vec![vec![false; n]; n],
+            hotspot: self.place_hotspots(seed),
+            knows: vec![vec![false; m]; n],
+            detected_at: vec![None; m],
+            informed_at: vec![None; m],
+            visited,
+            coming_intensity_mg_per_kwh: self.draw_intensity(seed, 0),
+            billed_intensity_mg_per_kwh: 0,
+            grid_uj: 0,
+            co2_ng: 0,
+            mean_throughput: 0.0,
+            rewards: Rewards::default(),
+            terminated: false,
+            truncated: false,
+        };
+        // The fleet hears itself on its depot before the first step.
+        self.link_up(&mut world);
+        world
+    }
+
+    fn initial_battery_uj(&self, seed: u64, i: usize) -> u64 {
+        let (lo, hi) = (self.config.initial_soc_min, self.config.initial_soc_max);
+        let soc = draws::initial_soc(seed, i, lo, hi);
+        energy::half_up(self.energy.capacity_uj as f64 * soc)
+    }
+
+    /// Hotspots lie on distinct cells without a depot; ranks count those cells
+    /// row by row.
+    fn place_hotspots(&self, seed: u64) -> Vec<Position> {
+        let mut free = Vec::new();
+        for y in 0..self.height() {
+            for x in 0..self.width() {
+                let cell = Position { x, y };
+                if !self.is_depot(cell) {
+                    free.push(cell);
+                }
+            }
+        }
+        let ranks = draws::distinct_ranks(seed, self.hotspots(), free.len());
+        ranks.into_iter().map(|rank| free[rank as usize]).collect()
+    }
+
+    /// The intensity that the step after time t is billed with.
+    pub(super) fn draw_intensity(&self, seed: u64, t: u32) -> u64 {
+        let lo = self.energy.intensity_min_mg_per_kwh;
+        let hi = self.energy.intensity_max_mg_per_kwh;
+        draws::carbon_intensity(seed, t, lo, hi)
+    }
+}

@@ -1,0 +1,129 @@
+//! The team reward R_t, term by term.
+
+use super::{Specification, World, potential::Potentials};
+use jcas_core::InformPayment;
+
+const KWH_PER_MICROJOULE: f64 = 1.0 / 3.6e12;
+const KG_PER_NANOGRAM: f64 = 1e-12;
+
+/// The twelve terms, in the order in which they are added.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct Rewards {
+    pub detect: f64,
+    pub inform: f64,
+    pub complete: f64,
+    pub coverage: f64,
+    pub energy: f64,
+    pub carbon: f64,
+    pub revisit: f64,
+    pub truncation: f64,
+    pub throughput: f64,
+    pub spread: f64,
+    pub shaping_goal: f64,
+    pub shaping_charge: f64,
+}
+
+impl Rewards {
+    /// The terms in order.
+    pub fn terms(&self) -> [f64; 12] {
+        [
+            self.detect,
+            self.inform,
+            self.complete,
+            self.coverage,
+            self.energy,
+            self.carbon,
+            self.revisit,
+            self.truncation,
+            self.throughput,
+            self.spread,
+            self.shaping_goal,
+            self.shaping_charge,
+        ]
+    }
+
+    /// R_t.
+    pub fn sum(&self) -> f64 {
+        self.terms().iter().sum()
+    }
+}
+
+/// What a step did that the world after it no longer shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StepFacts {
+    /// Cells that no UAV had visited before.
+    pub first_visits: u32,
+    /// UAVs that moved into a cell visited before this step.
+    pub revisits: u32,
+    /// Energy spent by the fleet, in microjoules.
+    pub spent_uj: u64,
+    /// Carbon billed to the fleet, in nanograms.
+    pub carbon_ng: u64,
+}
+
+impl Specification {
+    pub(super) fn reward(
+        &self,
+        world: &World,
+        facts: &StepFacts,
+        before: Potentials,
+        after: Potentials,
+    ) -> Rewards {
+        let c = &self.config;
+        let now = Some(world.t);
+        let detected = world.detected_at.iter().filter(|&&at| at == now).count();
+        let informed = match c.inform_payment {
+            InformPayment::Once => world.informed_at.iter().filter(|&&at| at == now).count(),
+            InformPayment::EveryStep => world.informed_at.iter().flatten().count(),
+        };
+        let cells = (self.width() * self.height()) as f64;
+        let at_horizon = world.t == c.horizon_steps;
+        let gamma = c.shaping_discount;
+        Rewards {
+            detect: c.reward_detect * detected as f64,
+            inform: c.reward_inform * informed as f64,
+            complete: if world.terminated {
+                c.reward_complete
+            } else {
+                0.0
+            },
+            coverage: c.reward_coverage * f64::from(facts.first_visits) / cells,
+            energy: -c.penalty_energy_per_kwh * facts.spent_uj as f64 * KWH_PER_MICROJOULE,
+            carbon: -c.penalty_carbon_per_kg * facts.carbon_ng as f64 * KG_PER_NANOGRAM,
+            revisit: -c.penalty_revisit * f64::from(facts.revisits),
+            truncation: if at_horizon {
+                -c.penalty_truncation
+            } else {
+                0.0
+            },
+            throughput: c.reward_throughput * world.mean_throughput,
+            spread: c.reward_spread * self.knowledge_spread(world),
+            shaping_goal: gamma * after.goal - before.goal,
+            shaping_charge: gamma * after.charge - before.charge,
+        }
+    }
+
+    /// Mean over the confirmed hotspots of the share of UAVs that know each.
+    fn knowledge_spread(&self, world: &World) -> f64 {
+        let mut sum = 0.0;
+        let mut confirmed = 0;
+        for j in 0..self.hotspots() {
+            if world.detected_at[j].is_some() {
+                confirmed += 1;
+                sum += self.knowing_share(world, j);
+            }
+        }
+        if confirmed == 0 {
+            0.0
+        } else {
+            sum / f64::from(confirmed)
+        }
+    }
+
+    /// Share of the UAVs that know hotspot j.
+    pub(super) fn knowing_share(&self, world: &World, j: usize) -> f64 {
+        let knowing = world.knows.iter().filter(|row| row[j]).count();
+        knowing as f64 / self.uavs() as f64
+    }
+}

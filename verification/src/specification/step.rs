@@ -1,0 +1,157 @@
+//! One step, in the order of the model's list.
+
+use super::{Position, Specification, World, draws, potential::Potentials, reward::StepFacts};
+
+impl Specification {
+    /// Advances the world by one step. `actions[i]` is (u_dir, u_pilot) of UAV i
+    /// and must hold no NaN.
+    pub fn step(&self, world: &mut World, actions: &[(f32, f32)]) {
+        let before = self.potentials(world);
+        world.t += 1;
+        self.decide_pilot(world, actions);
+        let facts = self.fly(world, actions);
+        let was_sensing = self.sense_and_learn(world);
+        self.link_up(world);
+        self.consensus(world);
+        world.billed_intensity_mg_per_kwh = world.coming_intensity_mg_per_kwh;
+        let (spent_uj, carbon_ng) = self.spend_and_charge(world, &was_sensing);
+        self.inform(world);
+        world.coming_intensity_mg_per_kwh = self.draw_intensity(world.seed, world.t);
+        let facts = StepFacts {
+            spent_uj,
+            carbon_ng,
+            ..facts
+        };
+        let after = if world.terminated {
+            Potentials::ZERO
+        } else {
+            self.potentials(world)
+        };
+        world.rewards = self.reward(world, &facts, before, after);
+    }
+
+    fn decide_pilot(&self, world: &mut World, actions: &[(f32, f32)]) {
+        let (lo, hi) = (self.config.pilot_density_min, self.config.pilot_density_max);
+        for (i, &(_, u_pilot)) in actions.iter().enumerate() {
+            let u = clip(f64::from(u_pilot), -1.0, 1.0);
+            world.pilot[i] = clip(lo + (u + 1.0) / 2.0 * (hi - lo), lo, hi);
+        }
+    }
+
+    /// Return to base and motion; counts what the reward needs of it.
+    fn fly(&self, world: &mut World, actions: &[(f32, f32)]) -> StepFacts {
+        let visited_before = world.visited.clone();
+        let mut facts = StepFacts::default();
+        for (i, &(u_dir, _)) in actions.iter().enumerate() {
+            let battery = world.battery_uj[i];
+            world.grounded[i] = battery == 0;
+            world.returning[i] = battery > 0 && battery < self.energy.return_uj;
+            let here = world.position[i];
+            let there = if world.grounded[i] {
+                here
+            } else if world.returning[i] {
+                self.homeward(here)
+            } else {
+                self.moved_by(here, motion(u_dir))
+            };
+            world.moved[i] = there != here;
+            world.position[i] = there;
+            let (x, y) = (there.x as usize, there.y as usize);
+            if world.moved[i] && visited_before[y][x] {
+                facts.revisits += 1;
+            }
+            if !world.visited[y][x] {
+                facts.first_visits += 1;
+                world.visited[y][x] = true;
+            }
+        }
+        facts
+    }
+
+    /// One cell toward the nearest depot, x before y.
+    fn homeward(&self, here: Position) -> Position {
+        let home = self.nearest_depot(here);
+        if here.x != home.x {
+            Position {
+                x: here.x + (home.x - here.x).signum(),
+                y: here.y,
+            }
+        } else {
+            Position {
+                x: here.x,
+                y: here.y + (home.y - here.y).signum(),
+            }
+        }
+    }
+
+    fn moved_by(&self, here: Position, (dx, dy): (i64, i64)) -> Position {
+        let (x, y) = (here.x + dx, here.y + dy);
+        let on_grid = x >= 0 && y >= 0 && x < self.width() && y < self.height();
+        if on_grid { Position { x, y } } else { here }
+    }
+
+    /// Draws, confirms, learns. Returns which UAVs were sensing, for their energy.
+    fn sense_and_learn(&self, world: &mut World) -> Vec<bool> {
+        let (n, m) = (self.uavs(), self.hotspots());
+        let mut was_sensing = vec![false; n];
+        let mut positive = vec![vec![false; m]; n];
+        for i in 0..n {
+            for j in 0..m {
+                if world.knows[i][j] || world.grounded[i] {
+                    continue;
+                }
+                was_sensing[i] = true;
+                let (uav, hotspot) = (world.position[i], world.hotspot[j]);
+                let p = self.detection_probability(uav, hotspot, world.pilot[i]);
+                positive[i][j] = draws::detects(world.seed, world.t, i, j, p);
+            }
+        }
+        for j in 0..m {
+            let count = (0..n).filter(|&i| positive[i][j]).count();
+            if world.detected_at[j].is_none() && count >= self.config.quorum as usize {
+                world.detected_at[j] = Some(world.t);
+            }
+            for i in 0..n {
+                if positive[i][j] && world.detected_at[j].is_some() {
+                    world.knows[i][j] = true;
+                }
+            }
+        }
+        was_sensing
+    }
+
+    /// Informed hotspots, and whether the mission is over.
+    fn inform(&self, world: &mut World) {
+        for j in 0..self.hotspots() {
+            let everybody = (0..self.uavs()).all(|i| world.knows[i][j]);
+            if world.informed_at[j].is_none() && everybody {
+                world.informed_at[j] = Some(world.t);
+            }
+        }
+        world.terminated = world.informed_at.iter().all(|at| at.is_some());
+        world.truncated = !world.terminated && world.t == self.config.horizon_steps;
+    }
+}
+
+/// k = min(4, floor((u + 1)/2 · 5)) over up, down, left, right, stay.
+fn motion(u_dir: f32) -> (i64, i64) {
+    let u = clip(f64::from(u_dir), -1.0, 1.0);
+    let index = libm::floor((u + 1.0) / 2.0 * 5.0) as u32;
+    match index {
+        0 => (0, 1),
+        1 => (0, -1),
+        2 => (-1, 0),
+        3 => (1, 0),
+        _ => (0, 0),
+    }
+}
+
+fn clip(x: f64, lo: f64, hi: f64) -> f64 {
+    if x < lo {
+        lo
+    } else if x > hi {
+        hi
+    } else {
+        x
+    }
+}

@@ -1,0 +1,139 @@
+//! The kernel against the specification, step by step, on random missions.
+//!
+//! Catches any disagreement between the fast kernel and the model as it is written
+//! down: every integer, set and flag of every state, every reward component, every
+//! entry of every observation.
+
+use jcas_core::{Config, Model, Sim};
+use jcas_verification::comparison::{self, Outcome};
+use jcas_verification::sampling::{self, Dice, Pilot};
+use jcas_verification::specification::{Specification, World};
+
+/// Missions flown in one run of the test, each with a configuration of its own;
+/// the environment variable `JCAS_MISSIONS` asks for more.
+const MISSIONS: u64 = 3000;
+
+/// How often each corner of the model was reached; none may stay at zero.
+#[derive(Debug, Default)]
+struct Reached {
+    confirmed: u32,
+    informed: u32,
+    terminated: u32,
+    truncated: u32,
+    grounded: u32,
+    returning: u32,
+    shortfall: u32,
+    charged_full: u32,
+    partly_linked: u32,
+    revisited: u32,
+    hidden: u32,
+    alone: u32,
+}
+
+#[test]
+fn the_kernel_agrees_with_the_specification() {
+    let mut reached = Reached::default();
+    let asked = std::env::var("JCAS_MISSIONS")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    for mission in 0..asked.unwrap_or(MISSIONS) {
+        let mut dice = Dice::new(mission);
+        let config = sampling::configuration(&mut dice);
+        let pilot = sampling::pilot(&mut dice);
+        fly(config, pilot, &mut dice, &mut reached)
+            .unwrap_or_else(|why| panic!("mission {mission}: {why}"));
+    }
+    println!("{reached:?}");
+    let counts = [
+        reached.confirmed,
+        reached.informed,
+        reached.terminated,
+        reached.truncated,
+        reached.grounded,
+        reached.returning,
+        reached.shortfall,
+        reached.charged_full,
+        reached.partly_linked,
+        reached.revisited,
+        reached.hidden,
+        reached.alone,
+    ];
+    assert!(counts.iter().all(|&count| count > 50), "{reached:?}");
+}
+
+/// Catches a neighbour search that loses a link between buckets, and sets of more
+/// than 64 members.
+#[test]
+fn large_fleets_agree_too() {
+    let mut reached = Reached::default();
+    for mission in 0..4 {
+        let mut dice = Dice::new(mission);
+        let config = sampling::large_configuration(&mut dice);
+        fly(config, Pilot::Spread, &mut dice, &mut reached)
+            .unwrap_or_else(|why| panic!("mission {mission}: {why}"));
+    }
+    assert!(reached.partly_linked > 500, "{reached:?}");
+}
+
+fn fly(config: Config, pilot: Pilot, dice: &mut Dice, reached: &mut Reached) -> Outcome {
+    let model = Model::new(config).map_err(|error| format!("refused: {error}"))?;
+    let spec = Specification::new(&config);
+    let seed = dice.bits();
+
+    let mut world = spec.reset(seed);
+    let mut sim = Sim::new(&model);
+    sim.reset(seed);
+    compare(&spec, &world, &mut sim).map_err(|why| format!("at reset: {why}\n{config:?}"))?;
+    while !world.terminated && !world.truncated {
+        let actions = sampling::actions(dice, pilot, &spec, &world);
+        let flat: Vec<f32> = actions
+            .iter()
+            .flat_map(|&(dir, pilot)| [dir, pilot])
+            .collect();
+        spec.step(&mut world, &actions);
+        let outcome = sim.step(&flat).map_err(|error| error.to_string())?;
+        comparison::real("reward", world.rewards.sum(), outcome.reward)
+            .and_then(|()| compare(&spec, &world, &mut sim))
+            .map_err(|why| format!("t = {}: {why}\n{actions:?}\n{config:?}", world.t))?;
+        note(&spec, &world, reached);
+    }
+    Ok(())
+}
+
+fn compare(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
+    comparison::states(spec, world, &sim.state())?;
+    let model = sim.model();
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    sim.observe(&mut observations)
+        .map_err(|error| error.to_string())?;
+    for (i, theirs) in observations.chunks(model.observation_len()).enumerate() {
+        comparison::observations(&format!("observation {i}"), &spec.observe(world, i), theirs)?;
+    }
+    let mut global = vec![0.0; model.global_len()];
+    sim.observe_global(&mut global)
+        .map_err(|error| error.to_string())?;
+    comparison::observations("global state", &spec.observe_global(world), &global)
+}
+
+fn note(spec: &Specification, world: &World, reached: &mut Reached) {
+    let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u32;
+    let at_now = |times: &[Option<u32>]| times.iter().filter(|&&at| at == Some(world.t)).count();
+    reached.confirmed += at_now(&world.detected_at) as u32;
+    reached.informed += at_now(&world.informed_at) as u32;
+    reached.terminated += u32::from(world.terminated);
+    reached.truncated += u32::from(world.truncated);
+    reached.grounded += count(&world.grounded);
+    reached.returning += count(&world.returning);
+    reached.shortfall += world.shortfall_uj.iter().filter(|&&uj| uj > 0).count() as u32;
+    for (i, &battery) in world.battery_uj.iter().enumerate() {
+        let full = battery == spec.energy.capacity_uj;
+        reached.charged_full += u32::from(full && world.accepted_uj[i] > 0);
+        let degree = count(&world.linked[i]);
+        let partly = degree > 0 && degree + 1 < spec.config.uav_count;
+        reached.partly_linked += u32::from(partly);
+    }
+    reached.revisited += u32::from(world.rewards.revisit != 0.0);
+    let hidden = spec.config.target_visibility == jcas_core::TargetVisibility::Hidden;
+    reached.hidden += u32::from(hidden);
+    reached.alone += u32::from(spec.config.uav_count == 1);
+}

@@ -1,0 +1,340 @@
+//! Reads what `cargo kani` prints for one harness (regular output format).
+//!
+//! Kani's own verdict is not enough: it also says SUCCESSFUL when a cover property
+//! is unsatisfiable or when every assertion is unreachable. So the verdict here is
+//! drawn from the single checks.
+
+/// One `Check n: name` entry.
+#[derive(Debug, PartialEq)]
+pub struct Check {
+    /// `function.class.number`.
+    pub name: String,
+    pub status: String,
+    pub description: String,
+    pub location: String,
+}
+
+impl Check {
+    fn is_cover(&self) -> bool {
+        self.class() == "cover"
+    }
+
+    /// The second part from the end of the name.
+    fn class(&self) -> &str {
+        self.name.rsplit('.').nth(1).unwrap_or("")
+    }
+
+    /// An assertion written in a harness or in a property that it checks.
+    fn is_claim(&self) -> bool {
+        self.class() == "assertion" && self.location.contains("proofs")
+    }
+}
+
+/// Everything read from one run.
+#[derive(Debug, Default)]
+pub struct Report {
+    pub harnesses: Vec<String>,
+    pub checks: Vec<Check>,
+    pub verdicts: Vec<String>,
+    pub complete: Option<(u32, u32, u32)>,
+    pub seconds: Option<f64>,
+}
+
+/// What a run amounts to.
+#[derive(Debug, PartialEq)]
+pub struct Proven {
+    pub checks: usize,
+    /// Checks in library code that the harness's inputs never reach.
+    pub unreachable: usize,
+    pub covers: usize,
+    pub seconds: f64,
+}
+
+impl Report {
+    pub fn parse(output: &str) -> Self {
+        let mut report = Report::default();
+        for line in output.lines() {
+            report.read_line(line.trim());
+        }
+        report
+    }
+
+    fn read_line(&mut self, line: &str) {
+        if let Some(rest) = line.strip_prefix("Checking harness ") {
+            self.harnesses.push(rest.trim_end_matches("...").to_owned());
+        } else if let Some(rest) = line.strip_prefix("Check ") {
+            if let Some((number, name)) = rest.split_once(": ")
+                && number.bytes().all(|byte| byte.is_ascii_digit())
+            {
+                self.checks.push(Check {
+                    name: name.to_owned(),
+                    status: String::new(),
+                    description: String::new(),
+                    location: String::new(),
+                });
+            }
+        } else if let Some(verdict) = line.strip_prefix("VERIFICATION:- ") {
+            self.verdicts.push(without_colour(verdict));
+        } else if let Some(time) = line.strip_prefix("Verification Time: ") {
+            self.seconds = time.trim_end_matches('s').parse().ok();
+        } else if line.starts_with("Complete - ") {
+            self.complete = completion(line);
+        } else if let Some(check) = self.checks.last_mut() {
+            if let Some(status) = line.strip_prefix("- Status: ") {
+                check.status = without_colour(status);
+            } else if let Some(description) = line.strip_prefix("- Description: ") {
+                check.description = description.trim_matches('"').to_owned();
+            } else if let Some(location) = line.strip_prefix("- Location: ") {
+                check.location = location.to_owned();
+            }
+        }
+    }
+
+    /// Accepts the run as a proof of `harness` with `covers` witnesses, or says why not.
+    pub fn accept(&self, harness: &str, covers: u32) -> Result<Proven, String> {
+        self.is_the_run_of(harness)?;
+        let (witnesses, checks): (Vec<_>, Vec<_>) = self.checks.iter().partition(|c| c.is_cover());
+        if checks.is_empty() {
+            return Err("no check was made".to_owned());
+        }
+        for check in &checks {
+            match check.status.as_str() {
+                "SUCCESS" => {}
+                "UNREACHABLE" if !check.is_claim() => {}
+                status => return Err(format!("{status}: {} ({})", check.description, check.name)),
+            }
+        }
+        if !checks.iter().any(|check| check.is_claim()) {
+            return Err("no assertion of the harness was checked".to_owned());
+        }
+        for witness in &witnesses {
+            if witness.status != "SATISFIED" {
+                return Err(format!("cover {}: {}", witness.status, witness.description));
+            }
+        }
+        if witnesses.len() != covers as usize {
+            return Err(format!(
+                "{} cover properties, the ledger says {covers}",
+                witnesses.len()
+            ));
+        }
+        let unreachable = checks
+            .iter()
+            .filter(|check| check.status == "UNREACHABLE")
+            .count();
+        Ok(Proven {
+            checks: checks.len(),
+            unreachable,
+            covers: witnesses.len(),
+            seconds: self.seconds.unwrap_or(0.0),
+        })
+    }
+
+    /// Whether this is exactly one successful run of the harness that was asked for.
+    fn is_the_run_of(&self, harness: &str) -> Result<(), String> {
+        if self.harnesses != [harness] {
+            return Err(format!(
+                "expected the harness {harness}, Kani ran {:?}",
+                self.harnesses
+            ));
+        }
+        if self.verdicts != ["SUCCESSFUL"] {
+            let failed = self.checks.iter().find(|check| check.status == "FAILURE");
+            return Err(match failed {
+                Some(check) => format!("FAILURE: {} ({})", check.description, check.name),
+                None => format!("verdict {:?}", self.verdicts),
+            });
+        }
+        if self.complete != Some((1, 0, 1)) {
+            return Err(format!("summary {:?} is not 1 success of 1", self.complete));
+        }
+        Ok(())
+    }
+}
+
+/// "Complete - 1 successfully verified harnesses, 0 failures, 1 total."
+fn completion(line: &str) -> Option<(u32, u32, u32)> {
+    let numbers: Vec<u32> = line
+        .split(|c: char| !c.is_ascii_digit())
+        .filter_map(|digits| digits.parse().ok())
+        .collect();
+    match numbers[..] {
+        [successes, failures, total] => Some((successes, failures, total)),
+        _ => None,
+    }
+}
+
+/// Drops the escape sequences with which Kani colours a verdict.
+fn without_colour(text: &str) -> String {
+    let mut plain = String::new();
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        if c == '\u{1b}' {
+            for escaped in rest.by_ref() {
+                if escaped == 'm' {
+                    break;
+                }
+            }
+        } else {
+            plain.push(c);
+        }
+    }
+    plain.trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HARNESS: &str = "proofs::energy::the_ledger_balances";
+
+    const PROVEN: &str = r#"
+Kani Rust Verifier 0.68.0 (cargo plugin)
+   Compiling jcas-core v0.1.0
+    Finished `dev` profile [unoptimized + debuginfo] target(s) in 1.20s
+Checking harness proofs::energy::the_ledger_balances...
+CBMC version 6.8.0 (cbmc-6.8.0) 64-bit x86_64 linux
+
+RESULTS:
+Check 1: energy::spend.arithmetic_overflow.1
+	 - Status: SUCCESS
+	 - Description: "attempt to subtract with overflow"
+	 - Location: core/src/energy.rs:40:5 in function energy::spend
+
+Check 2: proofs::energy::the_ledger_balances.assertion.1
+	 - Status: SUCCESS
+	 - Description: "assertion failed: after <= capacity"
+	 - Location: core/src/proofs/energy.rs:20:5 in function proofs::energy::the_ledger_balances
+
+Check 3: energy::spend.assertion.1
+	 - Status: UNREACHABLE
+	 - Description: "attempt to divide by zero"
+	 - Location: core/src/energy.rs:44:9 in function energy::spend
+
+Check 4: proofs::energy::the_ledger_balances.cover.1
+	 - Status: SATISFIED
+	 - Description: "the battery runs empty"
+	 - Location: core/src/proofs/energy.rs:22:5 in function proofs::energy::the_ledger_balances
+
+
+SUMMARY:
+ ** 0 of 3 failed (1 unreachable)
+
+ ** 1 of 1 cover properties satisfied
+
+
+VERIFICATION:- SUCCESSFUL
+Verification Time: 0.8153s
+
+Manual Harness Summary:
+Complete - 1 successfully verified harnesses, 0 failures, 1 total.
+"#;
+
+    fn verdict(output: &str) -> Result<Proven, String> {
+        Report::parse(output).accept(HARNESS, 1)
+    }
+
+    #[test]
+    fn a_proof_with_its_witness_is_accepted() {
+        let proven = verdict(PROVEN).unwrap();
+        assert_eq!(
+            proven,
+            Proven {
+                checks: 3,
+                unreachable: 1,
+                covers: 1,
+                seconds: 0.8153
+            }
+        );
+    }
+
+    #[test]
+    fn colours_do_not_matter() {
+        let coloured = PROVEN
+            .replace("Status: SUCCESS", "Status: \u{1b}[32mSUCCESS\u{1b}[0m")
+            .replace(":- SUCCESSFUL", ":- \u{1b}[32mSUCCESSFUL\u{1b}[0m");
+        assert!(verdict(&coloured).is_ok());
+    }
+
+    #[test]
+    fn a_missing_or_other_harness_is_rejected() {
+        let none = "error: no harnesses matched the name: `proofs::x`\n";
+        assert!(verdict(none).unwrap_err().contains("expected the harness"));
+        let other = PROVEN.replace(
+            "Checking harness proofs::energy",
+            "Checking harness proofs::x",
+        );
+        assert!(
+            verdict(&other)
+                .unwrap_err()
+                .contains("expected the harness")
+        );
+    }
+
+    #[test]
+    fn an_unsatisfied_cover_is_rejected_though_kani_says_successful() {
+        for status in ["UNSATISFIABLE", "UNREACHABLE", "UNDETERMINED"] {
+            let output = PROVEN.replace("SATISFIED", status);
+            assert!(verdict(&output).unwrap_err().contains(status), "{status}");
+        }
+    }
+
+    #[test]
+    fn a_lost_cover_is_rejected() {
+        assert!(
+            Report::parse(PROVEN)
+                .accept(HARNESS, 2)
+                .unwrap_err()
+                .contains("ledger says 2")
+        );
+    }
+
+    #[test]
+    fn an_unreachable_claim_is_rejected_though_kani_says_successful() {
+        let claim = "Status: SUCCESS\n\t - Description: \"assertion failed: after";
+        assert!(PROVEN.contains(claim));
+        let output = PROVEN.replace(claim, &claim.replace("SUCCESS", "UNREACHABLE"));
+        assert!(verdict(&output).unwrap_err().contains("UNREACHABLE"));
+    }
+
+    #[test]
+    fn a_run_without_checks_or_without_claims_is_rejected() {
+        let empty = PROVEN.replace("Check ", "Chuck ");
+        assert_eq!(verdict(&empty).unwrap_err(), "no check was made");
+        let foreign = PROVEN
+            .replace("core/src/proofs", "core/src")
+            .replace("proofs::", "x::");
+        let foreign = foreign.replace("Checking harness x::", "Checking harness proofs::");
+        assert!(
+            verdict(&foreign)
+                .unwrap_err()
+                .contains("no assertion of the harness")
+        );
+    }
+
+    #[test]
+    fn failures_undetermined_checks_and_time_outs_are_rejected() {
+        let failed = PROVEN
+            .replace("Status: SUCCESS", "Status: FAILURE")
+            .replace(":- SUCCESSFUL", ":- FAILED")
+            .replace(
+                "1 successfully verified harnesses, 0",
+                "0 successfully verified harnesses, 1",
+            );
+        assert!(
+            verdict(&failed)
+                .unwrap_err()
+                .starts_with("FAILURE: attempt to subtract")
+        );
+
+        let undetermined = PROVEN.replace("Status: SUCCESS", "Status: UNDETERMINED");
+        assert!(verdict(&undetermined).unwrap_err().contains("UNDETERMINED"));
+
+        let timed_out = "Checking harness proofs::energy::the_ledger_balances...\n\
+            CBMC failed\nVERIFICATION:- FAILED\nCBMC timed out. You may want to rerun your proof\n";
+        assert!(verdict(timed_out).unwrap_err().contains("FAILED"));
+
+        let cut = PROVEN.split("Manual Harness Summary").next().unwrap();
+        assert!(verdict(cut).unwrap_err().contains("summary"));
+    }
+}
