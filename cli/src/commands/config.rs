@@ -1,0 +1,205 @@
+//! `jcas config`: what is configured, and whether a file is right.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+use comfy_table::presets::NOTHING;
+use comfy_table::{ContentArrangement, Table};
+use jcas_core::config::{FieldInfo, FieldValue};
+use jcas_core::{Config, Model};
+
+use crate::config_source::{ConfigSource, PresetName};
+use crate::error::{CliError, Outcome};
+use crate::files;
+use crate::options::MissionOptions;
+
+const SHOW_EXAMPLES: &str = "\
+Examples:
+  jcas config show
+  jcas config show --preset paper --set uav_count=15
+  jcas config show --format toml > mine.toml";
+const CHECK_EXAMPLES: &str = "\
+Examples:
+  jcas config check mine.toml";
+
+/// Show the effective configuration, check a file, list the presets
+#[derive(Subcommand)]
+pub enum ConfigCommand {
+    Show(Show),
+    Check(Check),
+    Presets(Presets),
+}
+
+/// Show every field of the effective configuration with its unit, legal range and meaning
+#[derive(Args)]
+#[command(after_help = SHOW_EXAMPLES)]
+pub struct Show {
+    #[command(flatten)]
+    mission: MissionOptions,
+    /// How to print it; toml and json can be read back with --config
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// The same as --format json
+    #[arg(long, conflicts_with = "format")]
+    json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Table,
+    Toml,
+    Json,
+}
+
+/// Check files: unknown fields, types, ranges, and fields that contradict each other
+#[derive(Args)]
+#[command(after_help = CHECK_EXAMPLES)]
+pub struct Check {
+    /// TOML or JSON files
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Values for the fields that a file does not name
+    #[arg(long, value_enum, default_value_t = PresetName::Mission)]
+    preset: PresetName,
+}
+
+/// List the presets and the fields in which they differ
+#[derive(Args)]
+pub struct Presets {
+    /// Print JSON: every field of every preset
+    #[arg(long)]
+    json: bool,
+}
+
+impl ConfigCommand {
+    /// Does what was asked.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        match self {
+            Self::Show(command) => command.run(),
+            Self::Check(command) => command.run(),
+            Self::Presets(command) => command.run(),
+        }
+    }
+}
+
+impl Show {
+    fn run(self) -> Result<Outcome, CliError> {
+        let config = self.mission.load()?;
+        match if self.json { Format::Json } else { self.format } {
+            Format::Json => files::print_json(&config)?,
+            Format::Toml => {
+                files::print(&toml::to_string(&config).map_err(CliError::input)?)?;
+            }
+            Format::Table => files::print(&table(&config)?)?,
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// Fields that may be derived are shown with the value that is in force.
+fn table(config: &Config) -> Result<String, CliError> {
+    let model = Model::new(*config)?;
+    let mut table = Table::new();
+    table
+        .load_preset(NOTHING)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_header(["field", "value", "unit", "legal", "meaning"]);
+    for (info, value) in Config::FIELDS.iter().zip(config.values()) {
+        let legal = match value {
+            FieldValue::Choice(..) => String::new(),
+            _ => format!("{} to {}", info.low, info.high),
+        };
+        table.add_row([
+            info.name.to_owned(),
+            shown(info, &value, &model),
+            info.unit.to_owned(),
+            legal,
+            info.doc.trim().to_owned(),
+        ]);
+    }
+    Ok(format!(
+        "{table}\n\nconfiguration hash 0x{:016x}\n",
+        config.hash()
+    ))
+}
+
+fn shown(info: &FieldInfo, value: &FieldValue, model: &Model<'_>) -> String {
+    match value {
+        FieldValue::Integer(number) => number.to_string(),
+        FieldValue::Real(number) | FieldValue::Optional(Some(number)) => number.to_string(),
+        FieldValue::Choice(name, _) => (*name).to_owned(),
+        FieldValue::Optional(None) => format!("{} (derived)", derived(info.name, model)),
+        FieldValue::Cells(_) => {
+            let cells: Vec<String> = model
+                .depots()
+                .iter()
+                .map(|cell| format!("[{}, {}]", cell.x, cell.y))
+                .collect();
+            cells.join(" ")
+        }
+    }
+}
+
+fn derived(field: &str, model: &Model<'_>) -> f64 {
+    let config = model.config();
+    match field {
+        "detection_threshold_db" => model.detection_threshold_db(),
+        "range_min_m" => config.cell_size_m / 2.0,
+        _ => SPEED_OF_LIGHT_M_PER_S / (2.0 * config.bandwidth_hz),
+    }
+}
+
+const SPEED_OF_LIGHT_M_PER_S: f64 = 299_792_458.0;
+
+impl Check {
+    fn run(self) -> Result<Outcome, CliError> {
+        for path in &self.files {
+            let mut source = ConfigSource::preset(self.preset);
+            source.overlay_file(path)?;
+            let config = source
+                .resolve()
+                .map_err(|error| CliError::file(path, error))?;
+            files::print(&format!(
+                "{}: valid, configuration hash 0x{:016x}\n",
+                path.display(),
+                config.hash()
+            ))?;
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+impl Presets {
+    fn run(self) -> Result<Outcome, CliError> {
+        let mission = Config::preset(PresetName::Mission.into());
+        let paper = Config::preset(PresetName::Paper.into());
+        if self.json {
+            files::print_json(&serde_json::json!({ "mission": mission, "paper": paper }))?;
+            return Ok(Outcome::Done);
+        }
+        let mut table = Table::new();
+        table
+            .load_preset(NOTHING)
+            .set_header(["field", "mission", "paper"]);
+        let model = Model::new(mission)?;
+        for ((info, a), b) in Config::FIELDS
+            .iter()
+            .zip(mission.values())
+            .zip(paper.values())
+        {
+            if a != b {
+                table.add_row([
+                    info.name.to_owned(),
+                    shown(info, &a, &model),
+                    shown(info, &b, &model),
+                ]);
+            }
+        }
+        files::print(&format!(
+            "mission  the paper with its billing and payment corrected (the default)\n\
+             paper    the letter of every equation of the paper\n\n\
+             They differ in:\n{table}\n"
+        ))?;
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,39 @@
+//! One file for each command.
+
+mod bench;
+mod config;
+mod replay;
+mod simulate;
+mod sweep;
+mod trace;
+
+use clap::Subcommand;
+
+use crate::error::{CliError, Outcome};
+
+/// The commands.
+#[derive(Subcommand)]
+pub enum Command {
+    Simulate(simulate::Simulate),
+    Sweep(sweep::Sweep),
+    #[command(subcommand)]
+    Trace(trace::Trace),
+    Replay(replay::Replay),
+    #[command(subcommand)]
+    Config(config::ConfigCommand),
+    Bench(bench::Bench),
+}
+
+impl Command {
+    /// Does what was asked.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        match self {
+            Self::Simulate(command) => command.run(),
+            Self::Sweep(command) => command.run(),
+            Self::Trace(command) => command.run(),
+            Self::Replay(command) => command.run(),
+            Self::Config(command) => command.run(),
+            Self::Bench(command) => command.run(),
+        }
+    }
+}

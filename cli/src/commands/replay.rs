@@ -1,0 +1,77 @@
+//! `jcas replay`: watch an episode.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jcas_core::Model;
+use jcas_evaluate::{replay, trace};
+
+use super::trace::read_from;
+use crate::error::{CliError, Outcome};
+use crate::files;
+use crate::options::{EpisodeOptions, MissionOptions, PolicyFactory, PolicyOptions};
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas replay -o page.html
+  jcas replay flight.jsonl -o page.html
+  jcas replay --uavs 20 --hotspots 11 --policy teams --seed 7 --episode 3 -o page.html";
+
+/// Write one self-contained HTML page that plays an episode
+///
+/// Plays the trace that is given; without one, flies an episode with the options below.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Replay {
+    /// Trace to play
+    #[arg(value_name = "TRACE")]
+    trace: Option<PathBuf>,
+    /// Page to write
+    #[arg(short, long, value_name = "FILE", default_value = "replay.html")]
+    out: PathBuf,
+    #[command(flatten)]
+    mission: MissionOptions,
+    #[command(flatten)]
+    policy: PolicyOptions,
+    #[command(flatten)]
+    episode: EpisodeOptions,
+}
+
+impl Replay {
+    /// Writes the page.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        match &self.trace {
+            Some(path) => {
+                // Read strictly first, for messages that name what is wrong with the file.
+                read_from(path)?;
+                let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
+                write_page(&self.out, &text)?;
+            }
+            None => {
+                let model = Model::new(self.mission.load()?)?;
+                let factory = self.policy.factory(&model)?;
+                fly_page(&self.out, &model, &factory, self.episode.seed())?;
+            }
+        }
+        files::print(&format!("{}\n", self.out.display()))?;
+        Ok(Outcome::Done)
+    }
+}
+
+/// Flies an episode and writes its page.
+pub fn fly_page(
+    path: &Path,
+    model: &Model<'_>,
+    factory: &PolicyFactory,
+    seed: u64,
+) -> Result<(), CliError> {
+    let mut text = Vec::new();
+    trace::record(model, factory().as_mut(), seed, &mut text)
+        .map_err(|error| CliError::trace(path, error))?;
+    write_page(path, &String::from_utf8_lossy(&text))
+}
+
+fn write_page(path: &Path, trace: &str) -> Result<(), CliError> {
+    let page = replay::page(trace).map_err(CliError::input)?;
+    files::write_bytes(path, page.as_bytes())
+}

@@ -1,0 +1,256 @@
+//! `jcas sweep`: missions over a grid of settings.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+use jcas_core::Model;
+use jcas_evaluate::mission::{self, Campaign};
+use jcas_evaluate::statistics::Summary;
+use serde::Serialize;
+
+use super::replay::fly_page;
+use super::simulate::decimals;
+use crate::error::{CliError, Outcome};
+use crate::options::{
+    ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory,
+};
+use crate::sweep::charts;
+use crate::sweep::plan::{self, Axis, Cell};
+use crate::sweep::store::Store;
+use crate::{files, interrupt, progress};
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas sweep
+  jcas sweep --policy greedy,swarm,teams --pilot max,adaptive --hotspots 7 --out baselines
+  jcas sweep --uavs 10 --hotspots 5 --vary pilot_density_max=0.05,0.1,0.2,0.3 --pilot max --out pilot
+  jcas sweep --uavs 4,6,8 --vary battery_capacity_kwh=0.02,0.05,0.2 --episodes 500 --out battery
+
+Every option with a list flies every combination. Ctrl-C keeps the finished cells; the same command goes
+on with the others.";
+
+/// Fly every combination of the listed values; write a table, figures and a replay page
+///
+/// Without options: the paper's grid of fleets and hotspots with the best baseline. Writes into the
+/// folder of --out: results.csv (every quantity with its 95 % interval), figures of success, mission
+/// time, energy and throughput as SVG and PNG, and replay.html, which plays one of the missions.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Sweep {
+    #[command(flatten)]
+    config: ConfigOptions,
+    /// Fleets
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5, 10, 15, 20], help_heading = "Lists")]
+    uavs: Vec<u32>,
+    /// Numbers of hotspots
+    #[arg(long, value_name = "n,n", value_delimiter = ',', default_values_t = [3, 5, 7, 9, 11], help_heading = "Lists")]
+    hotspots: Vec<u32>,
+    /// Policies: random, greedy, swarm, teams, sweep
+    #[arg(long, value_name = "POLICY,POLICY", value_delimiter = ',', default_value = DEFAULT_POLICY, help_heading = "Lists")]
+    policy: Vec<String>,
+    /// Pilot densities: min, mid, max, adaptive
+    #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
+    pilot: Vec<String>,
+    /// Values of any field; may be repeated
+    #[arg(long, value_name = "FIELD=VALUE,VALUE", help_heading = "Lists")]
+    vary: Vec<String>,
+    /// Missions in each cell
+    #[arg(long, value_name = "M", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
+    episodes: u64,
+    /// Seed; every cell flies the same missions' seeds
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Folder for the results
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Replace the results of another sweep in that folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Write the table alone
+    #[arg(long)]
+    no_figures: bool,
+    #[command(flatten)]
+    threads: ThreadOptions,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Sweep {
+    /// Flies what is not on file yet and writes everything.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        let base = self.config.source()?;
+        let axes = self.axes()?;
+        let cells = plan::cells(&base, &axes)?;
+        files::prepare_folder(&self.out)?;
+        let table = self.out.join("results.csv");
+        let mut store = Store::open(
+            &table,
+            &axes,
+            &cells,
+            self.seed,
+            self.episodes,
+            self.overwrite,
+        )?;
+        self.fly(&cells, &mut store)?;
+
+        let mut written = vec![table];
+        if !self.no_figures {
+            written.extend(charts::draw(&self.out, &axes, &cells, &store)?);
+            let page = self.out.join("replay.html");
+            self.replay(&cells, &page)?;
+            written.push(page);
+        }
+        if self.json {
+            files::print_json(&report(&axes, &cells, &store, &written))?;
+        } else {
+            let list: Vec<String> = written
+                .iter()
+                .map(|path| format!("  {}\n", path.display()))
+                .collect();
+            files::print(&format!(
+                "{}\n{} missions a cell; in brackets 95 % intervals; a mission without success counts \
+                 with its horizon\n\nwritten:\n{}",
+                text_table(&axes, &cells, &store),
+                self.episodes,
+                list.concat()
+            ))?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    fn axes(&self) -> Result<Vec<Axis>, CliError> {
+        let mut axes = vec![
+            Axis::new("policy", &self.policy),
+            Axis::new("pilot", &self.pilot),
+            Axis::new("uav_count", &self.uavs),
+            Axis::new("hotspot_count", &self.hotspots),
+        ];
+        for list in &self.vary {
+            axes.push(Axis::parse(list)?);
+        }
+        Ok(axes)
+    }
+
+    /// Cell after cell, the missions of one over all cores. Finished cells are on file when it stops.
+    fn fly(&self, cells: &[Cell], store: &mut Store) -> Result<(), CliError> {
+        let bar = progress::bar(cells.len() as u64 * self.episodes, "missions");
+        bar.inc(store.len() as u64 * self.episodes);
+        bar.reset_eta();
+        let flown = self.threads.run(|| {
+            for (index, cell) in cells.iter().enumerate() {
+                if store.has(index) {
+                    continue;
+                }
+                let summary = self.fly_cell(cell, &bar)?;
+                store.add(index, &summary)?;
+            }
+            Ok(())
+        })?;
+        bar.finish_and_clear();
+        store.write()?;
+        match flown {
+            Err(CliError::Interrupted(_)) => Err(CliError::Interrupted(format!(
+                "interrupted: {} of {} cells are in {}; the same command goes on from there",
+                store.len(),
+                cells.len(),
+                self.out.join("results.csv").display()
+            ))),
+            other => other,
+        }
+    }
+
+    fn fly_cell(&self, cell: &Cell, bar: &indicatif::ProgressBar) -> Result<Summary, CliError> {
+        let model = Model::new(cell.config)?;
+        let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
+        let campaign = Campaign {
+            episodes: self.episodes,
+            seed: self.seed,
+        };
+        let missions = mission::fly(&model, campaign, &factory, &|| {
+            bar.inc(1);
+            interrupt::check()
+        })?;
+        Ok(Summary::of(&missions, cell.config.horizon_steps))
+    }
+
+    /// Plays the first mission of the middle cell: neither trivial nor hopeless in most sweeps.
+    fn replay(&self, cells: &[Cell], path: &std::path::Path) -> Result<(), CliError> {
+        let cell = &cells[cells.len() / 2];
+        let model = Model::new(cell.config)?;
+        let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
+        let campaign = Campaign {
+            episodes: self.episodes,
+            seed: self.seed,
+        };
+        fly_page(path, &model, &factory, campaign.episode_seed(0))
+    }
+}
+
+/// Columns of the printed table, by their names in the file.
+const SHOWN: [(&str, &str); 5] = [
+    ("success_rate", "success"),
+    ("mission_steps_mean", "steps"),
+    ("energy_kwh_mean", "energy kWh"),
+    ("co2_kg_mean", "CO2 kg"),
+    ("throughput_mean", "throughput"),
+];
+
+fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
+    let mut table = Table::new();
+    table.load_preset(UTF8_HORIZONTAL_ONLY);
+    let mut header: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
+    header.extend(SHOWN.map(|(_, title)| title.to_owned()));
+    table.set_header(header);
+    for (index, cell) in cells.iter().enumerate() {
+        let mut row = cell.values.clone();
+        row.extend(SHOWN.map(|(name, _)| {
+            store.estimate(index, name).map_or_else(String::new, |e| {
+                let digits = decimals(e.value.max(0.1));
+                format!(
+                    "{:.digits$} [{:.digits$}, {:.digits$}]",
+                    e.value, e.low, e.high
+                )
+            })
+        }));
+        table.add_row(row);
+    }
+    for column in table.column_iter_mut().skip(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!("{table}\n")
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    cells: Vec<serde_json::Map<String, serde_json::Value>>,
+    written: Vec<PathBuf>,
+}
+
+fn report(axes: &[Axis], cells: &[Cell], store: &Store, written: &[PathBuf]) -> Report {
+    let cells = cells
+        .iter()
+        .enumerate()
+        .map(|(index, cell)| {
+            let mut object = serde_json::Map::new();
+            for (axis, value) in axes.iter().zip(&cell.values) {
+                object.insert(axis.name.clone(), value.as_str().into());
+            }
+            for quantity in Summary::of(&[], 0).quantities() {
+                if let Some(e) = store.estimate(index, quantity.name) {
+                    object.insert(quantity.name.to_owned(), e.value.into());
+                    object.insert(format!("{}_low", quantity.name), e.low.into());
+                    object.insert(format!("{}_high", quantity.name), e.high.into());
+                }
+            }
+            object
+        })
+        .collect();
+    Report {
+        cells,
+        written: written.to_vec(),
+    }
+}

@@ -1,0 +1,102 @@
+//! What goes wrong, and the exit code that says so.
+
+use core::fmt;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use jcas_evaluate::mission::FlightError;
+use jcas_evaluate::policy::PolicyError;
+use jcas_evaluate::trace::TraceError;
+
+/// How a command ended that did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// As asked.
+    Done,
+    /// A verification or comparison found a difference.
+    Different,
+}
+
+/// Why a command failed.
+#[derive(Debug)]
+pub enum CliError {
+    /// Something given is not acceptable; the message names it.
+    Input(String),
+    /// A file could not be read or written.
+    Io(PathBuf, std::io::Error),
+    /// Ctrl-C; the message says how to go on.
+    Interrupted(String),
+}
+
+/// Exit codes, as documented in `jcas --help`.
+pub const EXIT_DIFFERENT: u8 = 1;
+const EXIT_INPUT: u8 = 2;
+const EXIT_IO: u8 = 3;
+const EXIT_INTERRUPTED: u8 = 130;
+
+impl CliError {
+    /// An unacceptable input.
+    pub fn input(message: impl fmt::Display) -> Self {
+        Self::Input(message.to_string())
+    }
+
+    /// An unacceptable file.
+    pub fn file(path: &Path, message: impl fmt::Display) -> Self {
+        Self::Input(format!("{}: {message}", path.display()))
+    }
+
+    /// For `map_err` on file operations.
+    pub fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |error| Self::Io(path, error)
+    }
+
+    /// What went wrong with a trace file.
+    pub fn trace(path: &Path, error: TraceError) -> Self {
+        match error {
+            TraceError::Io(error) => Self::Io(path.to_owned(), error),
+            other => Self::file(path, other),
+        }
+    }
+
+    /// What the process returns.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Input(_) => EXIT_INPUT,
+            Self::Io(..) => EXIT_IO,
+            Self::Interrupted(_) => EXIT_INTERRUPTED,
+        })
+    }
+}
+
+impl fmt::Display for CliError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(message) | Self::Interrupted(message) => out.write_str(message),
+            Self::Io(path, error) => write!(out, "{}: {error}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for CliError {}
+
+impl From<jcas_core::Error> for CliError {
+    fn from(error: jcas_core::Error) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<PolicyError> for CliError {
+    fn from(error: PolicyError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<FlightError> for CliError {
+    fn from(error: FlightError) -> Self {
+        match error {
+            FlightError::Stopped => Self::Interrupted("interrupted".to_owned()),
+            refused @ FlightError::Kernel { .. } => Self::input(refused),
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Files appear whole or not at all.
+
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::error::CliError;
+
+/// Writes a file under a temporary name in its folder and renames it, so that a reader, a crash or a
+/// full disk never meets half a file.
+pub fn write_atomically<T>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, CliError>,
+) -> Result<T, CliError> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".jcas-").suffix(".part");
+    // The default is private to the user; results are ordinary files, as far as the umask allows.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let file = builder.tempfile_in(folder).map_err(CliError::io(path))?;
+    let mut out = BufWriter::new(file);
+    let result = write(&mut out)?;
+    let file = out
+        .into_inner()
+        .map_err(|error| CliError::Io(path.to_owned(), error.into_error()))?;
+    file.persist(path)
+        .map_err(|error| CliError::Io(path.to_owned(), error.error))?;
+    Ok(result)
+}
+
+/// Writes bytes as a whole file.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    write_atomically(path, |out| {
+        out.write_all(bytes).map_err(CliError::io(path))
+    })
+}
+
+/// Creates a folder with its parents and makes sure that it can be written to, before hours of work.
+pub fn prepare_folder(path: &Path) -> Result<(), CliError> {
+    fs::create_dir_all(path).map_err(CliError::io(path))?;
+    tempfile::tempfile_in(path).map_err(CliError::io(path))?;
+    Ok(())
+}
+
+/// Prints to standard output; a reader that has gone away (`| head`) is no error.
+pub fn print(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(CliError::Io("standard output".into(), error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a value as indented JSON.
+pub fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(value).map_err(CliError::input)?;
+    print(&format!("{text}\n"))
+}

@@ -1,0 +1,157 @@
+//! Options that several commands share.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use jcas_core::rng::derive_seed;
+use jcas_core::{Config, Model};
+use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
+
+use crate::config_source::{ConfigSource, PresetName};
+use crate::error::CliError;
+
+/// Where the configuration comes from.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Configuration")]
+pub struct ConfigOptions {
+    /// Values to start from: the corrected mission, or the letter of the paper
+    #[arg(long, value_enum, default_value_t = PresetName::Mission)]
+    pub preset: PresetName,
+    /// TOML or JSON file whose fields replace those of the preset
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// One field; may be repeated; comes after the file (`jcas config show` lists the fields)
+    #[arg(long, value_name = "FIELD=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl ConfigOptions {
+    /// The values before they are checked.
+    pub fn source(&self) -> Result<ConfigSource, CliError> {
+        let mut source = ConfigSource::preset(self.preset);
+        if let Some(path) = &self.config {
+            source.overlay_file(path)?;
+        }
+        for assignment in &self.set {
+            source.assign(assignment)?;
+        }
+        Ok(source)
+    }
+}
+
+/// A configuration with the two sizes that are changed most.
+#[derive(Args, Clone, Debug)]
+pub struct MissionOptions {
+    #[command(flatten)]
+    pub config: ConfigOptions,
+    /// UAVs in the fleet [default: as configured, 10]
+    #[arg(long, value_name = "N", help_heading = "Configuration")]
+    pub uavs: Option<u32>,
+    /// Hotspots to find [default: as configured, 5]
+    #[arg(long, value_name = "n", help_heading = "Configuration")]
+    pub hotspots: Option<u32>,
+}
+
+impl MissionOptions {
+    /// The configuration, checked.
+    pub fn load(&self) -> Result<Config, CliError> {
+        let mut source = self.config.source()?;
+        if let Some(uavs) = self.uavs {
+            source.set("uav_count", i64::from(uavs));
+        }
+        if let Some(hotspots) = self.hotspots {
+            source.set("hotspot_count", i64::from(hotspots));
+        }
+        source.resolve()
+    }
+}
+
+/// Who flies.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Policy")]
+pub struct PolicyOptions {
+    /// random, greedy, swarm, teams or sweep
+    #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY)]
+    pub policy: String,
+    /// Pilot density: min, mid, max, or adaptive (max near an unconfirmed hotspot, min elsewhere)
+    #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT)]
+    pub pilot: String,
+}
+
+/// The best baseline over the paper's grid of fleets and hotspots.
+pub const DEFAULT_POLICY: &str = "teams";
+/// Senses as well as `max` and communicates better.
+pub const DEFAULT_PILOT: &str = "adaptive";
+
+/// Makes policies for one model; one for each worker.
+pub type PolicyFactory = Box<dyn Fn() -> Box<dyn Policy> + Sync>;
+
+/// Finds a policy by what was typed.
+pub fn policy_factory(
+    policy: &str,
+    pilot: &str,
+    model: &Model<'_>,
+) -> Result<PolicyFactory, CliError> {
+    let kind: BaselineKind = policy.parse()?;
+    let pilot: PilotMode = pilot.parse()?;
+    // Refused here, once, where the model withholds what the baseline reads.
+    kind.build(model, pilot)?;
+    Ok(Box::new(move || Box::new(kind.build_privileged(pilot))))
+}
+
+impl PolicyOptions {
+    /// The policies that were asked for.
+    pub fn factory(&self, model: &Model<'_>) -> Result<PolicyFactory, CliError> {
+        policy_factory(&self.policy, &self.pilot, model)
+    }
+}
+
+/// One episode out of a campaign.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Episode")]
+pub struct EpisodeOptions {
+    /// Seed of the campaign, as in `jcas simulate`
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Which of its episodes, from 0
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    pub episode: u64,
+    /// Seed of the episode itself, as in a trace's header (0x and hexadecimal digits, or decimal)
+    #[arg(long, value_name = "S", value_parser = parse_seed, conflicts_with_all = ["seed", "episode"])]
+    pub episode_seed: Option<u64>,
+}
+
+impl EpisodeOptions {
+    /// The seed of the episode.
+    pub fn seed(&self) -> u64 {
+        self.episode_seed
+            .unwrap_or_else(|| derive_seed(self.seed, self.episode))
+    }
+}
+
+fn parse_seed(text: &str) -> Result<u64, String> {
+    match text.strip_prefix("0x") {
+        Some(digits) => u64::from_str_radix(digits, 16),
+        None => text.parse(),
+    }
+    .map_err(|_| "must be 0x and up to sixteen hexadecimal digits, or a decimal number".to_owned())
+}
+
+/// How many threads.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct ThreadOptions {
+    /// Threads; 0 for one on each core. Results do not depend on it
+    #[arg(long, value_name = "COUNT", default_value_t = 0)]
+    pub threads: usize,
+}
+
+impl ThreadOptions {
+    /// Runs something in a pool of that many threads.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, CliError> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .build()
+            .map_err(|error| CliError::input(format!("threads = {}: {error}", self.threads)))?;
+        Ok(pool.install(work))
+    }
+}
