@@ -4,14 +4,17 @@
 //! - [`mission`]: one episode, or many over all cores;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
-//! - [`replay`]: a page that plays such an episode.
+//! - [`replay`]: a page that plays such an episode;
+//! - `figures`: figures and reports (feature `figures`).
 //!
 //! With the feature `parallel` (default) campaigns use all cores through rayon; results do not depend
-//! on how many there are. The feature `figures` (default) draws. Without default features everything
+//! on how many there are. Without default features everything
 //! runs on one thread and on any target that has the standard library.
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "figures")]
+pub mod figures;
 pub mod mission;
 pub mod policy;
 pub mod replay;

@@ -1,6 +1,214 @@
-//! Figures of a sweep.
+//! Figures of a sweep: every quantity over every listed number.
+
 use std::path::{Path, PathBuf};
+
+use jcas_core::Config;
+use jcas_evaluate::figures::{self, Draw, Figure, Panels, Point, Series};
+
 use super::plan::{Axis, Cell};
 use super::store::Store;
 use crate::error::CliError;
-pub fn draw(_out: &Path, _axes: &[Axis], _cells: &[Cell], _store: &Store) -> Result<Vec<PathBuf>, CliError> { Ok(Vec::new()) }
+use crate::files;
+
+/// What is drawn: column of the table, name of the file, label, unit, and whether it is a share.
+const QUANTITIES: [(&str, &str, &str, &str, bool); 4] = [
+    ("success_rate", "success", "success rate", "", true),
+    ("mission_steps_mean", "mission_time", "mission time", "steps", false),
+    ("energy_kwh_mean", "energy", "energy spent", "kWh", false),
+    ("throughput_mean", "throughput", "normalised throughput", "", false),
+];
+/// More panels than this in one figure cannot be read.
+const PANELS_MAX: usize = 12;
+const PANEL_COLUMNS: usize = 3;
+
+/// Draws each quantity over each axis with several numbers, as SVG and PNG. Returns the files.
+pub fn draw(
+    out: &Path,
+    axes: &[Axis],
+    cells: &[Cell],
+    store: &Store,
+) -> Result<Vec<PathBuf>, CliError> {
+    let mut written = Vec::new();
+    for x_axis in (0..axes.len()).filter(|&index| numbers(&axes[index]).is_some()) {
+        let layout = Layout::new(axes, x_axis);
+        for quantity in QUANTITIES {
+            let name = format!("{}_over_{}", quantity.1, axes[x_axis].name);
+            let panels: Vec<Figure> = layout
+                .facets(cells)
+                .into_iter()
+                .take(PANELS_MAX)
+                .map(|facet| layout.figure(quantity, &facet, cells, store))
+                .collect();
+            if let [single] = panels.as_slice() {
+                written.extend(write(out, &name, single)?);
+            } else {
+                let figure = Panels {
+                    title: panels_title(quantity.2, &axes[x_axis].name),
+                    note: INTERVALS.to_owned(),
+                    columns: PANEL_COLUMNS.min(panels.len()),
+                    figures: panels,
+                };
+                written.extend(write(out, &name, &figure)?);
+            }
+        }
+    }
+    Ok(written)
+}
+
+const INTERVALS: &str = "Whiskers: 95 % intervals. A mission without success counts with its horizon.";
+
+fn panels_title(quantity: &str, axis: &str) -> String {
+    let mut title = format!("{quantity} over {}", label(axis).0);
+    title[..1].make_ascii_uppercase();
+    title
+}
+
+fn write(out: &Path, name: &str, figure: &impl Draw) -> Result<[PathBuf; 2], CliError> {
+    let (svg, png) = (
+        out.join(format!("{name}.svg")),
+        out.join(format!("{name}.png")),
+    );
+    files::write_bytes(&svg, figure.svg().map_err(CliError::input)?.as_bytes())?;
+    files::write_bytes(&png, &figure.png().map_err(CliError::input)?)?;
+    Ok([svg, png])
+}
+
+/// The values of an axis, if they are several numbers.
+fn numbers(axis: &Axis) -> Option<Vec<f64>> {
+    let values: Option<Vec<f64>> = axis.values.iter().map(|text| text.parse().ok()).collect();
+    values.filter(|values| values.len() > 1)
+}
+
+/// Which axis runs where: one from left to right, some tell series apart, the rest panels.
+struct Layout<'a> {
+    axes: &'a [Axis],
+    x_axis: usize,
+    series_axes: Vec<usize>,
+    facet_axes: Vec<usize>,
+}
+
+impl<'a> Layout<'a> {
+    /// Policies and pilots are compared in one panel; without a choice of them, the next list is.
+    fn new(axes: &'a [Axis], x_axis: usize) -> Self {
+        let others: Vec<usize> = (0..axes.len())
+            .filter(|&index| index != x_axis && axes[index].values.len() > 1)
+            .collect();
+        let who = |index: &usize| matches!(axes[*index].name.as_str(), "policy" | "pilot");
+        let mut series_axes: Vec<usize> = others.iter().copied().filter(who).collect();
+        if series_axes.is_empty() {
+            series_axes.extend(others.first());
+        }
+        let facet_axes = others
+            .into_iter()
+            .filter(|index| !series_axes.contains(index))
+            .collect();
+        Self {
+            axes,
+            x_axis,
+            series_axes,
+            facet_axes,
+        }
+    }
+
+    /// The combinations of values on some axes, in the order of the cells.
+    fn combinations(axes: &[usize], cells: &[Cell]) -> Vec<Vec<String>> {
+        let mut combinations: Vec<Vec<String>> = Vec::new();
+        for cell in cells {
+            let values = Self::values(axes, cell);
+            if !combinations.contains(&values) {
+                combinations.push(values);
+            }
+        }
+        combinations
+    }
+
+    fn values(axes: &[usize], cell: &Cell) -> Vec<String> {
+        axes.iter().map(|&axis| cell.values[axis].clone()).collect()
+    }
+
+    fn facets(&self, cells: &[Cell]) -> Vec<Vec<String>> {
+        Self::combinations(&self.facet_axes, cells)
+    }
+
+    fn figure(
+        &self,
+        (column, _, title, unit, share): (&str, &str, &str, &str, bool),
+        facet: &[String],
+        cells: &[Cell],
+        store: &Store,
+    ) -> Figure {
+        let (x_label, x_unit) = label(&self.axes[self.x_axis].name);
+        let x_axis = figures::Axis::new(x_label, x_unit);
+        let mut y_axis = figures::Axis::new(title, unit);
+        if share {
+            y_axis = y_axis.span(0.0, 1.0);
+        }
+        let title = if facet.is_empty() {
+            panels_title(title, &self.axes[self.x_axis].name)
+        } else {
+            self.names(&self.facet_axes, facet)
+        };
+        let mut figure = Figure::new(title, x_axis, y_axis).note(self.note());
+        for values in Self::combinations(&self.series_axes, cells) {
+            let points = cells
+                .iter()
+                .enumerate()
+                .filter(|(_, cell)| {
+                    Self::values(&self.facet_axes, cell) == facet
+                        && Self::values(&self.series_axes, cell) == values
+                })
+                .filter_map(|(index, cell)| {
+                    let x = cell.values[self.x_axis].parse().ok()?;
+                    let estimate = store.estimate(index, column)?;
+                    Some(Point::interval(x, estimate.value, estimate.low, estimate.high))
+                })
+                .collect();
+            figure = figure.with(Series::line(self.names(&self.series_axes, &values), points));
+        }
+        figure
+    }
+
+    /// What all series have in common, and what the whiskers are.
+    fn note(&self) -> String {
+        let common: Vec<String> = (0..self.axes.len())
+            .filter(|&index| self.axes[index].values.len() == 1)
+            .map(|index| name(&self.axes[index].name, &self.axes[index].values[0]))
+            .collect();
+        format!("{}. {INTERVALS}", common.join(", "))
+    }
+
+    fn names(&self, axes: &[usize], values: &[String]) -> String {
+        let names: Vec<String> = axes
+            .iter()
+            .zip(values)
+            .map(|(&axis, value)| name(&self.axes[axis].name, value))
+            .collect();
+        names.join(", ")
+    }
+}
+
+/// How people call a setting with a value.
+fn name(axis: &str, value: &str) -> String {
+    match axis {
+        "policy" => value.to_owned(),
+        "pilot" => format!("{value} pilot density"),
+        "uav_count" => format!("{value} UAVs"),
+        "hotspot_count" => format!("{value} hotspots"),
+        field => format!("{field} = {value}"),
+    }
+}
+
+/// How people call an axis, and its unit.
+fn label(axis: &str) -> (String, String) {
+    match axis {
+        "uav_count" => ("UAVs".to_owned(), String::new()),
+        "hotspot_count" => ("hotspots".to_owned(), String::new()),
+        field => {
+            let unit = Config::FIELDS
+                .iter()
+                .find(|info| info.name == field)
+                .map_or("", |info| info.unit);
+            (field.replace('_', " "), unit.to_owned())
+        }
+    }
+}
