@@ -1,0 +1,5 @@
+#!/usr/bin/env bash
+# Every Rust test in a debug build: overflow checks and debug assertions on.
+set -euo pipefail
+
+cargo test --locked --workspace

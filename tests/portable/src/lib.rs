@@ -1,0 +1,47 @@
+//! Flies every golden trace again and compares each field of each step, state and observation hashes
+//! included: the same bits on x86-64, AArch64 and wasm32.
+
+#[cfg(target_family = "wasm")]
+mod wasm;
+
+use jcas_evaluate::trace;
+
+/// Name and text of each trace in `tests/golden`.
+const GOLDEN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/golden.rs"));
+
+/// What came of all of them.
+pub struct Report {
+    /// One line a trace.
+    pub text: String,
+    /// Traces that did not come out the same.
+    pub failures: u32,
+}
+
+/// Verifies all traces, in the order of their names.
+#[must_use]
+pub fn verify_all() -> Report {
+    let mut report = Report {
+        text: String::new(),
+        failures: 0,
+    };
+    for (name, text) in GOLDEN {
+        let line = match verify(text) {
+            Ok(steps) => format!("ok    {name}: {steps} steps\n"),
+            Err(problem) => {
+                report.failures += 1;
+                format!("FAIL  {name}: {problem}\n")
+            }
+        };
+        report.text.push_str(&line);
+    }
+    report
+}
+
+/// The number of steps of a trace that this build reproduces, or how it differs.
+fn verify(text: &str) -> Result<usize, String> {
+    let trace = trace::read(text.as_bytes()).map_err(|error| error.to_string())?;
+    match trace::verify(&trace).map_err(|error| error.to_string())? {
+        None => Ok(trace.steps.len()),
+        Some(difference) => Err(difference.to_string()),
+    }
+}
