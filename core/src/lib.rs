@@ -45,6 +45,8 @@ pub mod model;
 pub mod motion;
 pub mod observation;
 mod potential;
+#[cfg(any(kani, test))]
+mod proofs;
 pub mod radar;
 mod reset;
 pub mod reward;

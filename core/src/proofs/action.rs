@@ -53,7 +53,10 @@ pub fn motions_follow_their_bins() {
     let low: f32 = kani::any();
     let high: f32 = kani::any();
     kani::assume(low <= high);
-    kani::cover!(motion(low) as u32 == 0 && motion(high) as u32 == 4, "first and last bin");
+    kani::cover!(
+        motion(low) as u32 == 0 && motion(high) as u32 == 4,
+        "first and last bin"
+    );
     kani::cover!(motion(low) as u32 == 2, "the middle bin");
     bins_ascend(low, high);
 }

@@ -1,10 +1,10 @@
 //! P4: carbon never falls and never overflows.
 
 use super::inputs::between;
-use crate::carbon::{CarbonPlan, emitted_ng};
-use crate::config::Config;
 #[cfg(not(kani))]
 use super::standin as kani;
+use crate::carbon::{CarbonPlan, emitted_ng};
+use crate::config::Config;
 
 /// Largest legal carbon intensity: 10 kg/kWh.
 const INTENSITY_MAX_MG_PER_KWH: u64 = 10_000_000;
@@ -29,7 +29,10 @@ pub fn carbon_never_falls() {
     let grid_uj = between(0, 1 << 40);
     let intensity = between(0, INTENSITY_MAX_MG_PER_KWH);
     kani::cover!(emitted_ng(grid_uj, intensity) > 0, "something is emitted");
-    kani::cover!(grid_uj > 0 && emitted_ng(grid_uj, intensity) == 0, "rounded to nothing");
+    kani::cover!(
+        grid_uj > 0 && emitted_ng(grid_uj, intensity) == 0,
+        "rounded to nothing"
+    );
     adds_up(co2_ng, grid_uj, intensity);
 }
 
@@ -43,7 +46,10 @@ fn is_a_share(plan: &CarbonPlan, billed_uj: u64) {
 pub fn grid_energy_is_a_share_of_what_is_billed() {
     let plan = CarbonPlan::new(&Config::default());
     let billed_uj = between(0, 1 << 50);
-    kani::cover!(plan.grid_uj(billed_uj) < billed_uj, "some of it is renewable");
+    kani::cover!(
+        plan.grid_uj(billed_uj) < billed_uj,
+        "some of it is renewable"
+    );
     kani::cover!(plan.grid_uj(billed_uj) == billed_uj, "too little to divide");
     is_a_share(&plan, billed_uj);
 }

@@ -1,10 +1,10 @@
 //! P3: a battery stays in [0, B_max], and its ledger balances to the last microjoule.
 
 use super::inputs::{between, real_between};
-use crate::config::Config;
-use crate::energy::{Activity, EnergyPlan, settle};
 #[cfg(not(kani))]
 use super::standin as kani;
+use crate::config::Config;
+use crate::energy::{Activity, EnergyPlan, settle};
 
 /// A legal configuration's ledgers stay below this (`Config::validate`).
 const ROOM_UJ: u64 = 1 << 62;
@@ -28,7 +28,10 @@ pub fn battery_ledger_balances() {
     let offered = between(0, ROOM_UJ);
     let after = settle(battery, asked, offered, capacity);
     kani::cover!(after.battery_uj == 0 && battery > 0, "runs empty");
-    kani::cover!(after.battery_uj == capacity && battery < capacity, "charges to full");
+    kani::cover!(
+        after.battery_uj == capacity && battery < capacity,
+        "charges to full"
+    );
     kani::cover!(after.shortfall_uj > 0, "asks for more than there is");
     balances(battery, asked, offered, capacity);
 }

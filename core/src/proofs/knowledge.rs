@@ -74,8 +74,14 @@ fn equals_the_papers_iterations<const N: usize>(links: &[u64; N], knowledge: &[u
 pub fn consensus_equals_the_papers_iterations() {
     let links = any_graph::<UAVS>();
     let knowledge = any_knowledge::<UAVS>();
-    kani::cover!(links[0] == 0b10 && links[2] == 0b1000, "two components of two");
-    kani::cover!(links[0] == 0b10 && links[1] == 0b101 && links[2] == 0b1010, "a chain of four");
+    kani::cover!(
+        links[0] == 0b10 && links[2] == 0b1000,
+        "two components of two"
+    );
+    kani::cover!(
+        links[0] == 0b10 && links[1] == 0b101 && links[2] == 0b1010,
+        "a chain of four"
+    );
     kani::cover!(knowledge[0] == 1 && knowledge[3] == 0, "unequal knowledge");
     equals_the_papers_iterations(&links, &knowledge);
 }
@@ -156,7 +162,10 @@ pub fn knowledge_never_falls() {
     let detected: u64 = kani::any();
     let confirmed: u64 = kani::any();
     kani::cover!(detected & confirmed & !before != 0, "something is learnt");
-    kani::cover!(detected & !confirmed != 0, "something detected is not confirmed");
+    kani::cover!(
+        detected & !confirmed != 0,
+        "something detected is not confirmed"
+    );
     learns_what_is_confirmed(before, detected, confirmed);
 }
 

@@ -12,5 +12,8 @@ pub(crate) mod standin;
 mod action;
 mod carbon;
 mod energy;
+mod knowledge;
 mod motion;
+mod reward;
 mod rng;
+mod tables;

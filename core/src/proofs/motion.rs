@@ -1,11 +1,11 @@
 //! P5: a position stays on the grid.
 
 use super::inputs::between;
+#[cfg(not(kani))]
+use super::standin as kani;
 use crate::action::Motion;
 use crate::config::Cell;
 use crate::motion::{destination, toward};
-#[cfg(not(kani))]
-use super::standin as kani;
 
 /// Longest side of a legal grid.
 const SIDE_MAX: u64 = 1024;
@@ -35,8 +35,14 @@ pub fn every_motion_ends_on_the_grid() {
     let from = any_cell(width, height);
     let motion = any_motion();
     let to = destination(from, motion, width, height);
-    kani::cover!(to.x + 1 == width && to.x != from.x, "reaches the last column");
-    kani::cover!(motion as u32 == 1 && from.y == 0, "held back at the first row");
+    kani::cover!(
+        to.x + 1 == width && to.x != from.x,
+        "reaches the last column"
+    );
+    kani::cover!(
+        motion as u32 == 1 && from.y == 0,
+        "held back at the first row"
+    );
     kani::cover!(width == 1 && height == 1, "a grid of one cell");
     ends_on_the_grid(from, motion, width, height);
 }

@@ -46,7 +46,10 @@ fn is_bounded(plan: &RewardPlan, step: &Happenings) {
 pub fn rewards_are_bounded() {
     let plan = RewardPlan::new(&Config::default());
     let step = any_happenings();
-    kani::cover!(step.complete && step.newly_informed > 0, "the mission is completed");
+    kani::cover!(
+        step.complete && step.newly_informed > 0,
+        "the mission is completed"
+    );
     kani::cover!(step.at_horizon && !step.complete, "the horizon ends it");
     is_bounded(&plan, &step);
 }

@@ -1,9 +1,9 @@
 //! P9: no counter is used twice, and uniform draws stay in their range.
 
 use super::inputs::between;
-use crate::rng::{Purpose, below, counter, unit};
 #[cfg(not(kani))]
 use super::standin as kani;
+use crate::rng::{Purpose, below, counter, unit};
 
 fn any_purpose() -> Purpose {
     match between(1, 7) {
@@ -22,10 +22,8 @@ fn is_injective(a: (u32, u32, u32, Purpose), b: (u32, u32, u32, Purpose)) {
     let one = counter(a.0, a.1, a.2, a.3);
     let other = counter(b.0, b.1, b.2, b.3);
     let same_draw = a.0 == b.0 && a.1 == b.1 && a.2 == b.2 && a.3 as u32 == b.3 as u32;
-    let same_counter = one[0] == other[0]
-        && one[1] == other[1]
-        && one[2] == other[2]
-        && one[3] == other[3];
+    let same_counter =
+        one[0] == other[0] && one[1] == other[1] && one[2] == other[2] && one[3] == other[3];
     assert!(same_draw == same_counter);
 }
 
@@ -39,8 +37,14 @@ pub fn no_counter_is_used_twice() {
         if kani::any() { a.2 } else { kani::any() },
         if kani::any() { a.3 } else { any_purpose() },
     );
-    kani::cover!(a.0 == b.0 && a.1 == b.1 && a.2 == b.2 && a.3 != b.3, "differ in purpose only");
-    kani::cover!(a.0 != b.0 && a.1 == b.1 && a.2 == b.2 && a.3 == b.3, "differ in step only");
+    kani::cover!(
+        a.0 == b.0 && a.1 == b.1 && a.2 == b.2 && a.3 != b.3,
+        "differ in purpose only"
+    );
+    kani::cover!(
+        a.0 != b.0 && a.1 == b.1 && a.2 == b.2 && a.3 == b.3,
+        "differ in step only"
+    );
     is_injective(a, b);
 }
 
@@ -71,7 +75,10 @@ const COUNT_MAX: u64 = 4096;
 pub fn uniform_integers_are_below_their_count() {
     let bits: u64 = kani::any();
     let count = between(1, COUNT_MAX);
-    kani::cover!(below(bits, count) + 1 == count && count > 1, "the largest value");
+    kani::cover!(
+        below(bits, count) + 1 == count && count > 1,
+        "the largest value"
+    );
     kani::cover!(below(bits, count) == 0 && count > 1, "the smallest value");
     is_below(bits, count);
 }

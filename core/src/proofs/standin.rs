@@ -18,11 +18,19 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::string::String;
 use std::vec::Vec;
 
-/// Words of a tape; a harness that reads further reads zeros.
-const TAPE_WORDS: usize = 512;
+/// Words of a tape that proptest chooses, with edge values, and shrinks.
+const TAPE_WORDS: usize = 16;
+
+/// What a harness reads: the chosen words, then a random stream.
+struct Tape {
+    words: Vec<u64>,
+    next: usize,
+    stream: u64,
+}
 
 std::thread_local! {
-    static TAPE: RefCell<(Vec<u64>, usize)> = const { RefCell::new((Vec::new(), 0)) };
+    static TAPE: RefCell<Tape> =
+        const { RefCell::new(Tape { words: Vec::new(), next: 0, stream: 0 }) };
     static COVERS: RefCell<BTreeMap<&'static str, bool>> = const { RefCell::new(BTreeMap::new()) };
 }
 
@@ -31,11 +39,20 @@ struct Rejected;
 
 /// The next word of the tape.
 fn next_word() -> u64 {
-    TAPE.with_borrow_mut(|(words, next)| {
-        let word = words.get(*next).copied().unwrap_or(0);
-        *next += 1;
-        word
+    TAPE.with_borrow_mut(|tape| {
+        let word = tape.words.get(tape.next).copied();
+        tape.next += 1;
+        word.unwrap_or_else(|| split_mix(&mut tape.stream))
     })
+}
+
+/// The next number of SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014).
+fn split_mix(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut word = *state;
+    word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    word ^ (word >> 31)
 }
 
 /// A type of which the tape can give any value.
@@ -67,8 +84,13 @@ impl Arbitrary for f64 {
         let word = next_word();
         match word % 8 {
             0 => f64::from_bits(next_word()),
-            1 => [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, f64::MIN_POSITIVE]
-                [(word / 8 % 5) as usize],
+            1 => [
+                f64::NAN,
+                f64::INFINITY,
+                f64::NEG_INFINITY,
+                -0.0,
+                f64::MIN_POSITIVE,
+            ][(word / 8 % 5) as usize],
             _ => (word >> 11) as f64 / (1u64 << 51) as f64 - 2.0,
         }
     }
@@ -79,8 +101,13 @@ impl Arbitrary for f32 {
         let word = next_word();
         match word % 8 {
             0 => f32::from_bits(next_word() as u32),
-            1 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, f32::MIN_POSITIVE]
-                [(word / 8 % 5) as usize],
+            1 => [
+                f32::NAN,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+                -0.0,
+                f32::MIN_POSITIVE,
+            ][(word / 8 % 5) as usize],
             _ => (word >> 40) as f32 / (1u32 << 22) as f32 - 2.0,
         }
     }
@@ -126,28 +153,39 @@ pub fn check(harness: fn(), cases: u32, covers: usize) {
         ..Config::default()
     });
     let word = prop_oneof![
-        4 => any_word(),
+        4 => proptest::num::u64::ANY,
         1 => 0..20u64,
         1 => (0..64u32).prop_map(|bit| 1u64 << bit),
         1 => Just(u64::MAX),
     ];
     COVERS.take();
-    let outcome = runner.run(&vec(word, TAPE_WORDS), |tape| run_once(harness, tape));
+    let outcome = runner.run(
+        &(vec(word, TAPE_WORDS), proptest::num::u64::ANY),
+        |(words, stream)| {
+            run_once(
+                harness,
+                Tape {
+                    words,
+                    next: 0,
+                    stream,
+                },
+            )
+        },
+    );
     if let Err(failure) = outcome {
         panic!("{failure}");
     }
     let reached = COVERS.take();
     let missed: Vec<_> = reached.iter().filter(|(_, hit)| !**hit).collect();
-    assert!(missed.is_empty(), "never reached in {cases} cases: {missed:?}");
+    assert!(
+        missed.is_empty(),
+        "never reached in {cases} cases: {missed:?}"
+    );
     assert_eq!(reached.len(), covers, "covers seen: {reached:?}");
 }
 
-fn any_word() -> impl Strategy<Value = u64> {
-    proptest::num::u64::ANY
-}
-
-fn run_once(harness: fn(), tape: Vec<u64>) -> Result<(), TestCaseError> {
-    TAPE.set((tape, 0));
+fn run_once(harness: fn(), tape: Tape) -> Result<(), TestCaseError> {
+    TAPE.set(tape);
     match catch_unwind(AssertUnwindSafe(harness)) {
         Ok(()) => Ok(()),
         Err(payload) if payload.is::<Rejected>() => {

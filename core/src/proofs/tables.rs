@@ -105,7 +105,10 @@ mod dense {
     fn exp_stays_within_its_stub() {
         for step in -700_000..=700_000 {
             let value = libm::exp(f64::from(step) / 1000.0);
-            assert!((EXP_MIN..=EXP_MAX).contains(&value), "exp({step}/1000) = {value}");
+            assert!(
+                (EXP_MIN..=EXP_MAX).contains(&value),
+                "exp({step}/1000) = {value}"
+            );
         }
     }
 
@@ -116,7 +119,10 @@ mod dense {
             // The ends of the grid may round to just beside the stub's domain.
             if (1e-12..=1e18).contains(&x) {
                 let value = libm::log10(x);
-                assert!((-LOG10_MAX..=LOG10_MAX).contains(&value), "log10({x}) = {value}");
+                assert!(
+                    (-LOG10_MAX..=LOG10_MAX).contains(&value),
+                    "log10({x}) = {value}"
+                );
             }
         }
     }
