@@ -1,0 +1,302 @@
+//! A list of shapes in CSS pixels, and how plotters draws it on any of its backends.
+
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
+use plotters::prelude::DrawingBackend;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontTransform, RGBAColor, ShapeStyle, TextStyle};
+
+use super::font::font;
+use super::palette::{Marker, PAPER};
+
+/// Red, green, blue, opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Colour(pub u8, pub u8, pub u8, pub f64);
+
+impl Colour {
+    pub(super) fn opacity(self, opacity: f64) -> Self {
+        Self(self.0, self.1, self.2, opacity)
+    }
+
+    fn rgba(self) -> RGBAColor {
+        RGBAColor(self.0, self.1, self.2, self.3)
+    }
+}
+
+pub(super) type Place = (f64, f64);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Align {
+    Left,
+    Centre,
+    Right,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Type {
+    pub size: f64,
+    pub bold: bool,
+    pub colour: Colour,
+}
+
+#[derive(Debug)]
+enum Shape {
+    Line {
+        points: Vec<Place>,
+        colour: Colour,
+        width: f64,
+    },
+    Fill {
+        points: Vec<Place>,
+        colour: Colour,
+    },
+    Box {
+        from: Place,
+        to: Place,
+        colour: Colour,
+    },
+    Disc {
+        at: Place,
+        radius: f64,
+        colour: Colour,
+    },
+    Text {
+        at: Place,
+        text: String,
+        font: Type,
+        align: Align,
+        upward: bool,
+    },
+}
+
+/// What a figure draws on.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    shapes: Vec<Shape>,
+}
+
+impl Canvas {
+    pub(super) fn line(&mut self, points: &[Place], colour: Colour, width: f64, dash: &[f64]) {
+        for part in dashes(points, dash) {
+            self.shapes.push(Shape::Line {
+                points: part,
+                colour,
+                width,
+            });
+        }
+    }
+
+    pub(super) fn fill(&mut self, points: Vec<Place>, colour: Colour) {
+        self.shapes.push(Shape::Fill { points, colour });
+    }
+
+    pub(super) fn rectangle(&mut self, from: Place, to: Place, colour: Colour) {
+        self.shapes.push(Shape::Box { from, to, colour });
+    }
+
+    pub(super) fn disc(&mut self, at: Place, radius: f64, colour: Colour) {
+        self.shapes.push(Shape::Disc { at, radius, colour });
+    }
+
+    /// `at` is the middle of the text's height.
+    pub(super) fn text(&mut self, at: Place, text: impl Into<String>, font: Type, align: Align) {
+        let text = text.into();
+        self.shapes.push(Shape::Text {
+            at,
+            text,
+            font,
+            align,
+            upward: false,
+        });
+    }
+
+    /// Reads from bottom to top.
+    pub(super) fn upward_text(&mut self, at: Place, text: impl Into<String>, font: Type) {
+        let text = text.into();
+        self.shapes.push(Shape::Text {
+            at,
+            text,
+            font,
+            align: Align::Centre,
+            upward: true,
+        });
+    }
+
+    pub(super) fn marker(&mut self, (x, y): Place, marker: Marker, colour: Colour) {
+        let polygon = |canvas: &mut Self, corners: &[Place]| {
+            canvas.fill(
+                corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect(),
+                colour,
+            );
+        };
+        let strokes = |canvas: &mut Self, ends: [(Place, Place); 2]| {
+            for ((ax, ay), (bx, by)) in ends {
+                canvas.line(&[(x + ax, y + ay), (x + bx, y + by)], colour, 2.0, &[]);
+            }
+        };
+        match marker {
+            Marker::Disc => self.disc((x, y), 4.0, colour),
+            Marker::Ring => {
+                self.disc((x, y), 4.4, colour);
+                self.disc((x, y), 2.4, PAPER);
+            }
+            Marker::Square => self.rectangle((x - 3.6, y - 3.6), (x + 3.6, y + 3.6), colour),
+            Marker::Triangle => polygon(self, &[(-4.6, 3.8), (4.6, 3.8), (0.0, -4.6)]),
+            Marker::Downward => polygon(self, &[(-4.6, -3.8), (4.6, -3.8), (0.0, 4.6)]),
+            Marker::Diamond => polygon(self, &[(-5.0, 0.0), (0.0, -5.0), (5.0, 0.0), (0.0, 5.0)]),
+            Marker::Cross => strokes(
+                self,
+                [((-3.6, -3.6), (3.6, 3.6)), ((-3.6, 3.6), (3.6, -3.6))],
+            ),
+            Marker::Plus => strokes(self, [((-4.6, 0.0), (4.6, 0.0)), ((0.0, -4.6), (0.0, 4.6))]),
+        }
+    }
+
+    /// Draws everything with `scale` device pixels to a CSS pixel. `sink` moves text down by a share of its
+    /// size: backends differ in what they take for the middle of a line.
+    pub(super) fn render<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        scale: f64,
+        sink: f64,
+    ) -> Result<(), DrawingAreaErrorKind<DB::ErrorType>> {
+        let pixel = |(x, y): Place| ((x * scale).round() as i32, (y * scale).round() as i32);
+        for shape in &self.shapes {
+            match shape {
+                Shape::Line {
+                    points,
+                    colour,
+                    width,
+                } => {
+                    let style = ShapeStyle {
+                        color: colour.rgba(),
+                        filled: false,
+                        stroke_width: (width * scale).round().max(1.0) as u32,
+                    };
+                    area.draw(&PathElement::new(
+                        points.iter().copied().map(pixel).collect::<Vec<_>>(),
+                        style,
+                    ))?;
+                }
+                Shape::Fill { points, colour } => {
+                    let corners: Vec<_> = points.iter().copied().map(pixel).collect();
+                    area.draw(&Polygon::new(corners, colour.rgba()))?;
+                }
+                Shape::Box { from, to, colour } => {
+                    let style = ShapeStyle::from(colour.rgba()).filled();
+                    area.draw(&Rectangle::new([pixel(*from), pixel(*to)], style))?;
+                }
+                Shape::Disc { at, radius, colour } => {
+                    let style = ShapeStyle::from(colour.rgba()).filled();
+                    area.draw(&Circle::new(
+                        pixel(*at),
+                        (radius * scale).round() as i32,
+                        style,
+                    ))?;
+                }
+                Shape::Text {
+                    at,
+                    text,
+                    font: kind,
+                    align,
+                    upward,
+                } => {
+                    let horizontal = match align {
+                        Align::Left => HPos::Left,
+                        Align::Centre => HPos::Center,
+                        Align::Right => HPos::Right,
+                    };
+                    let turned = if *upward {
+                        FontTransform::Rotate270
+                    } else {
+                        FontTransform::None
+                    };
+                    let colour = kind.colour.rgba();
+                    let style =
+                        TextStyle::from(font(kind.size * scale, kind.bold).transform(turned))
+                            .color(&colour)
+                            .pos(Pos::new(horizontal, VPos::Center));
+                    let sunk = kind.size * sink;
+                    let at = if *upward {
+                        (at.0 + sunk, at.1)
+                    } else {
+                        (at.0, at.1 + sunk)
+                    };
+                    area.draw(&Text::new(text.clone(), pixel(at), style))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Cuts a polyline into the strokes of a dash pattern (on, off, on, off, …); an empty pattern leaves it whole.
+fn dashes(points: &[Place], pattern: &[f64]) -> Vec<Vec<Place>> {
+    if pattern.is_empty() {
+        return vec![points.to_vec()];
+    }
+    let mut strokes = Vec::new();
+    let mut stroke: Vec<Place> = points.first().copied().into_iter().collect();
+    let (mut phase, mut left) = (0, pattern[0]);
+    for ends in points.windows(2) {
+        let [(ax, ay), (bx, by)] = [ends[0], ends[1]];
+        let length = (bx - ax).hypot(by - ay);
+        let mut done = 0.0;
+        while length - done > left {
+            done += left;
+            let at = (
+                ax + (bx - ax) * done / length,
+                ay + (by - ay) * done / length,
+            );
+            if phase % 2 == 0 {
+                stroke.push(at);
+                strokes.push(std::mem::take(&mut stroke));
+            } else {
+                stroke = vec![at];
+            }
+            phase = (phase + 1) % pattern.len();
+            left = pattern[phase];
+        }
+        left -= length - done;
+        if phase % 2 == 0 {
+            stroke.push((bx, by));
+        }
+    }
+    if stroke.len() > 1 {
+        strokes.push(stroke);
+    }
+    strokes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(stroke: &[Place]) -> f64 {
+        stroke
+            .windows(2)
+            .map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1))
+            .sum()
+    }
+
+    #[test]
+    fn dashes_follow_the_pattern_around_corners() {
+        let strokes = dashes(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)], &[8.0, 4.0]);
+        let lengths: Vec<f64> = strokes.iter().map(|stroke| length(stroke)).collect();
+        assert_eq!(lengths, [8.0, 8.0]);
+        assert_eq!(strokes[1], [(10.0, 2.0), (10.0, 10.0)]);
+    }
+
+    #[test]
+    fn a_dash_bends_where_the_line_does() {
+        let strokes = dashes(&[(0.0, 0.0), (5.0, 0.0), (5.0, 5.0)], &[8.0, 4.0]);
+        assert_eq!(strokes, [vec![(0.0, 0.0), (5.0, 0.0), (5.0, 3.0)]]);
+    }
+
+    #[test]
+    fn without_a_pattern_the_line_is_whole() {
+        let points = [(0.0, 0.0), (1.0, 2.0), (3.0, 4.0)];
+        assert_eq!(dashes(&points, &[]), [points.to_vec()]);
+    }
+}

@@ -1,0 +1,179 @@
+//! A table of numbers, each on a colour that grows darker with it.
+
+use super::Axis;
+use super::canvas::{Align, Canvas, Colour, Type};
+use super::chart::{CAPTION, LABEL, MARGIN, NOTE, header};
+use super::font::text_width;
+use super::output::Draw;
+use super::palette::{GRID, PAPER, TEXT, heat};
+use super::scale::{Extent, number, short_number};
+
+/// A heat table: categories across and down, one value for each pair.
+#[derive(Clone, Debug)]
+pub struct HeatTable {
+    /// What the table shows.
+    pub title: String,
+    /// A line under the title.
+    pub note: String,
+    /// The quantity and unit of the values; its span, if given, is that of the colours.
+    pub value: Axis,
+    /// Across: `categories` are the heads of the columns.
+    pub columns: Axis,
+    /// Down: `categories` are the heads of the rows.
+    pub rows: Axis,
+    /// By row, then column; what is missing or not finite is left blank.
+    pub cells: Vec<Vec<Option<f64>>>,
+    /// Digits after the point; without it, three digits in all.
+    pub decimals: Option<usize>,
+}
+
+const CELL_HEIGHT: f64 = 40.0;
+const CELL_WIDTH: f64 = 84.0;
+const KEY_HEIGHT: f64 = 46.0;
+
+impl HeatTable {
+    fn head_width(&self) -> f64 {
+        let heads = self
+            .rows
+            .categories
+            .iter()
+            .map(|head| text_width(head, LABEL.size, false));
+        heads.fold(0.0, f64::max) + 40.0
+    }
+
+    fn extent(&self) -> Extent {
+        let span = self
+            .value
+            .span
+            .into_iter()
+            .flat_map(|(low, high)| [low, high]);
+        Extent::of(self.cells.iter().flatten().flatten().copied().chain(span))
+    }
+
+    fn text(&self, value: f64) -> String {
+        self.decimals
+            .map_or_else(|| short_number(value), |decimals| number(value, decimals))
+    }
+
+    fn draw_key(&self, canvas: &mut Canvas, extent: &Extent, left: f64, y: f64) {
+        const STEPS: usize = 80;
+        const WIDTH: f64 = 160.0;
+        let caption = self.value.caption();
+        canvas.text((left, y), caption.as_str(), CAPTION, Align::Left);
+        let low = self.text(extent.low);
+        let start = left + text_width(&caption, CAPTION.size, true) + 14.0;
+        canvas.text((start, y), low.as_str(), LABEL, Align::Left);
+        let bar = start + text_width(&low, LABEL.size, false) + 6.0;
+        for k in 0..STEPS {
+            let edge = |k: usize| (bar + WIDTH * k as f64 / STEPS as f64).round();
+            let colour = heat(k as f64 / (STEPS - 1) as f64);
+            canvas.rectangle((edge(k), y - 6.0), (edge(k + 1), y + 6.0), colour);
+        }
+        canvas.text(
+            (bar + WIDTH + 6.0, y),
+            self.text(extent.high),
+            LABEL,
+            Align::Left,
+        );
+    }
+}
+
+impl Draw for HeatTable {
+    fn size(&self) -> (u32, u32) {
+        let (columns, rows) = (self.columns.categories.len(), self.rows.categories.len());
+        let width = 2.0 * MARGIN + self.head_width() + CELL_WIDTH * columns as f64;
+        let height = 66.0 + 52.0 + CELL_HEIGHT * rows as f64 + KEY_HEIGHT + 10.0;
+        (width.max(480.0) as u32, height as u32)
+    }
+
+    fn description(&self) -> String {
+        let [value, rows, columns] = [&self.value, &self.rows, &self.columns].map(Axis::caption);
+        format!("{}: {value} by {rows} and {columns}", self.title)
+    }
+
+    fn draw(&self, canvas: &mut Canvas) {
+        let (width, _) = self.size();
+        let top = header(canvas, &self.title, &self.note, f64::from(width)) + 44.0;
+        let left = MARGIN + self.head_width();
+        let extent = self.extent();
+        let (columns, rows) = (
+            self.columns.categories.len() as f64,
+            self.rows.categories.len() as f64,
+        );
+        canvas.text(
+            (left + columns * CELL_WIDTH / 2.0, top - 32.0),
+            self.columns.caption(),
+            CAPTION,
+            Align::Centre,
+        );
+        canvas.upward_text(
+            (MARGIN + 6.0, top + rows * CELL_HEIGHT / 2.0),
+            self.rows.caption(),
+            CAPTION,
+        );
+        for (k, head) in self.columns.categories.iter().enumerate() {
+            canvas.text(
+                (left + CELL_WIDTH * (k as f64 + 0.5), top - 10.0),
+                head.as_str(),
+                LABEL,
+                Align::Centre,
+            );
+        }
+        for (row, head) in self.rows.categories.iter().enumerate() {
+            let y = top + CELL_HEIGHT * row as f64;
+            canvas.text(
+                (left - 8.0, y + CELL_HEIGHT / 2.0),
+                head.as_str(),
+                LABEL,
+                Align::Right,
+            );
+            for column in 0..self.columns.categories.len() {
+                let value = self
+                    .cells
+                    .get(row)
+                    .and_then(|cells| cells.get(column))
+                    .copied()
+                    .flatten();
+                let x = left + CELL_WIDTH * column as f64;
+                self.draw_cell(
+                    canvas,
+                    (x, y),
+                    value.filter(|value| value.is_finite()),
+                    &extent,
+                );
+            }
+        }
+        self.draw_key(canvas, &extent, left, top + rows * CELL_HEIGHT + 26.0);
+    }
+}
+
+impl HeatTable {
+    fn draw_cell(
+        &self,
+        canvas: &mut Canvas,
+        (x, y): (f64, f64),
+        value: Option<f64>,
+        extent: &Extent,
+    ) {
+        let (right, bottom) = (x + CELL_WIDTH - 2.0, y + CELL_HEIGHT - 2.0);
+        let middle = ((x + right) / 2.0, (y + bottom) / 2.0);
+        let Some(value) = value else {
+            canvas.rectangle((x, y), (right, bottom), GRID.opacity(0.5));
+            return canvas.text(middle, "–", NOTE, Align::Centre);
+        };
+        let range = extent.high - extent.low;
+        let share = if range > 0.0 {
+            (value - extent.low) / range
+        } else {
+            0.5
+        };
+        canvas.rectangle((x, y), (right, bottom), heat(share));
+        let colour: Colour = if share > 0.55 { PAPER } else { TEXT };
+        canvas.text(
+            middle,
+            self.text(value),
+            Type { colour, ..LABEL },
+            Align::Centre,
+        );
+    }
+}

@@ -1,0 +1,173 @@
+//! The legend, to the right of the data. Where every series is a line, each name stands beside the line's
+//! end; else the names are a list.
+
+use super::canvas::{Align, Canvas};
+use super::chart::{LABEL, MARGIN, Plot};
+use super::font::{text_width, wrap};
+use super::palette::look;
+use super::{Figure, Mark, Series};
+
+/// A stroke and a marker as the series has them.
+const SAMPLE: f64 = 26.0;
+/// From the data to the samples: room for the lines that lead to the names.
+const LEAD: f64 = 20.0;
+const LINE_HEIGHT: f64 = 17.0;
+const GAP: f64 = 6.0;
+const WIDEST_NAME: f64 = 165.0;
+
+/// Room that the legend takes, 0 when there is nothing to tell apart.
+pub(super) fn width(series: &[Series]) -> f64 {
+    if series.len() < 2 {
+        return 0.0;
+    }
+    let lines = series
+        .iter()
+        .flat_map(|series| wrap(&series.name, LABEL.size, WIDEST_NAME));
+    let widest = lines
+        .map(|line| text_width(&line, LABEL.size, false))
+        .fold(0.0, f64::max);
+    LEAD + SAMPLE + 6.0 + widest
+}
+
+struct Entry {
+    index: usize,
+    mark: Mark,
+    lines: Vec<String>,
+    /// Where the line ends, if the name stands beside it.
+    end: Option<f64>,
+    /// Middle of the entry.
+    y: f64,
+}
+
+impl Entry {
+    fn height(&self) -> f64 {
+        LINE_HEIGHT * self.lines.len() as f64
+    }
+}
+
+pub(super) fn draw(canvas: &mut Canvas, figure: &Figure, looks: &[usize], plot: &Plot) {
+    let direct = figure.series.iter().all(|series| {
+        matches!(series.style.mark, Mark::Line | Mark::PlainLine) && series.labels.is_empty()
+    });
+    let mut entries: Vec<Entry> = figure
+        .series
+        .iter()
+        .zip(looks)
+        .map(|(series, look)| {
+            let last = series.points.iter().rev().find(|point| point.is_drawn());
+            let end = last.filter(|_| direct).map(|point| plot.at(point).1);
+            Entry {
+                index: *look,
+                mark: series.style.mark,
+                lines: wrap(&series.name, LABEL.size, WIDEST_NAME),
+                end,
+                y: end.unwrap_or(plot.frame.top),
+            }
+        })
+        .collect();
+    if direct {
+        entries.sort_by(|a, b| a.y.total_cmp(&b.y));
+    }
+    spread(&mut entries, plot.frame.top, plot.frame.bottom);
+    for entry in &entries {
+        draw_entry(canvas, entry, plot.frame.right);
+    }
+}
+
+/// A row of samples and names, centred: for several plots with the same series.
+pub(super) fn draw_row(canvas: &mut Canvas, names: &[(String, usize, Mark)], y: f64, width: f64) {
+    const BETWEEN: f64 = 22.0;
+    let widths: Vec<f64> = names
+        .iter()
+        .map(|(name, ..)| SAMPLE + 6.0 + text_width(name, LABEL.size, false) + BETWEEN)
+        .collect();
+    let mut x = MARGIN.max((width - widths.iter().sum::<f64>() + BETWEEN) / 2.0);
+    for ((name, index, mark), taken) in names.iter().zip(&widths) {
+        draw_sample(canvas, *index, *mark, x, y);
+        canvas.text((x + SAMPLE + 6.0, y), name.as_str(), LABEL, Align::Left);
+        x += taken;
+    }
+}
+
+/// Moves entries apart until none covers another, first downwards, then up from the bottom.
+fn spread(entries: &mut [Entry], top: f64, bottom: f64) {
+    let mut free_from = top - LINE_HEIGHT / 2.0;
+    for entry in entries.iter_mut() {
+        let half = entry.height() / 2.0;
+        entry.y = entry.y.max(free_from + half);
+        free_from = entry.y + half + GAP;
+    }
+    let mut free_to = bottom + LINE_HEIGHT / 2.0;
+    for entry in entries.iter_mut().rev() {
+        let half = entry.height() / 2.0;
+        entry.y = entry.y.min(free_to - half);
+        free_to = entry.y - half - GAP;
+    }
+}
+
+fn draw_entry(canvas: &mut Canvas, entry: &Entry, right: f64) {
+    let x = right + LEAD;
+    if let Some(end) = entry.end {
+        let (colour, ..) = look(entry.index);
+        canvas.line(
+            &[(right + 3.0, end), (x - 3.0, entry.y)],
+            colour.opacity(0.45),
+            1.0,
+            &[],
+        );
+    }
+    draw_sample(canvas, entry.index, entry.mark, x, entry.y);
+    let first = entry.y - LINE_HEIGHT * (entry.lines.len() as f64 - 1.0) / 2.0;
+    for (k, line) in entry.lines.iter().enumerate() {
+        let y = first + LINE_HEIGHT * k as f64;
+        canvas.text((x + SAMPLE + 6.0, y), line.as_str(), LABEL, Align::Left);
+    }
+}
+
+fn draw_sample(canvas: &mut Canvas, index: usize, mark: Mark, x: f64, y: f64) {
+    let (colour, marker, dash) = look(index);
+    let middle = (x + SAMPLE / 2.0, y);
+    match mark {
+        Mark::Bars => canvas.rectangle((x + 6.0, y - 6.0), (x + SAMPLE, y + 6.0), colour),
+        Mark::Points => canvas.marker(middle, marker, colour),
+        Mark::Line | Mark::PlainLine => {
+            canvas.line(&[(x, y), (x + SAMPLE, y)], colour, 2.0, dash);
+            if mark == Mark::Line {
+                canvas.marker(middle, marker, colour);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_never_cover_each_other() {
+        let entry = |y: f64, lines: usize| Entry {
+            index: 0,
+            mark: Mark::Line,
+            lines: vec![String::new(); lines],
+            end: Some(y),
+            y,
+        };
+        let mut entries = vec![
+            entry(50.0, 1),
+            entry(50.0, 2),
+            entry(51.0, 1),
+            entry(99.0, 1),
+        ];
+        spread(&mut entries, 0.0, 100.0);
+        for pair in entries.windows(2) {
+            let needed = (pair[0].height() + pair[1].height()) / 2.0;
+            assert!(
+                pair[1].y - pair[0].y >= needed,
+                "{} {}",
+                pair[0].y,
+                pair[1].y
+            );
+        }
+        assert!(entries[3].y <= 100.0);
+    }
+}

@@ -1,0 +1,114 @@
+//! What tells series apart: colour (after Okabe and Ito, darkened where white paper asks for it), marker and dash.
+
+use super::canvas::Colour;
+
+pub(super) const TEXT: Colour = Colour(0x1f, 0x27, 0x33, 1.0);
+pub(super) const MUTED: Colour = Colour(0x5a, 0x66, 0x7b, 1.0);
+pub(super) const AXIS: Colour = Colour(0x8a, 0x94, 0xa6, 1.0);
+pub(super) const GRID: Colour = Colour(0xe4, 0xe8, 0xef, 1.0);
+pub(super) const PAPER: Colour = Colour(0xff, 0xff, 0xff, 1.0);
+
+const COLOURS: [Colour; 8] = [
+    Colour(0x00, 0x72, 0xb2, 1.0),
+    Colour(0xd5, 0x5e, 0x00, 1.0),
+    Colour(0x00, 0x8f, 0x68, 1.0),
+    Colour(0xb8, 0x5a, 0x94, 1.0),
+    Colour(0xd0, 0x8c, 0x00, 1.0),
+    Colour(0x38, 0xa0, 0xd8, 1.0),
+    Colour(0x33, 0x3b, 0x49, 1.0),
+    Colour(0x8a, 0x2b, 0x2b, 1.0),
+];
+
+const DASHES: [&[f64]; 5] = [
+    &[],
+    &[8.0, 4.0],
+    &[2.0, 3.0],
+    &[9.0, 3.0, 2.0, 3.0],
+    &[14.0, 4.0],
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Marker {
+    Disc,
+    Square,
+    Triangle,
+    Diamond,
+    Cross,
+    Downward,
+    Ring,
+    Plus,
+}
+
+const MARKERS: [Marker; 8] = [
+    Marker::Disc,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+    Marker::Cross,
+    Marker::Downward,
+    Marker::Ring,
+    Marker::Plus,
+];
+
+/// Colour, marker and dash of the series at a place in the palette. Markers shift by one on each round
+/// through the colours, so that the first 64 places all differ.
+pub(super) fn look(index: usize) -> (Colour, Marker, &'static [f64]) {
+    let round = index / COLOURS.len();
+    (
+        COLOURS[index % COLOURS.len()],
+        MARKERS[(index + round) % MARKERS.len()],
+        DASHES[(index + round) % DASHES.len()],
+    )
+}
+
+/// From light to dark blue; the share is in [0, 1].
+pub(super) fn heat(share: f64) -> Colour {
+    const STOPS: [[f64; 3]; 5] = [
+        [247.0, 250.0, 253.0],
+        [200.0, 220.0, 240.0],
+        [115.0, 178.0, 216.0],
+        [35.0, 113.0, 180.0],
+        [8.0, 48.0, 107.0],
+    ];
+    let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let stop = (place as usize).min(STOPS.len() - 2);
+    let part = place - stop as f64;
+    let channel = |k: usize| {
+        let (low, high) = (STOPS[stop][k], STOPS[stop + 1][k]);
+        (low + (high - low) * part).round() as u8
+    };
+    Colour(channel(0), channel(1), channel(2), 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_places_look_the_same() {
+        let looks: Vec<_> = (0..64).map(look).collect();
+        for (i, a) in looks.iter().enumerate() {
+            for b in &looks[..i] {
+                assert!((a.0, a.1) != (b.0, b.1), "place {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_series_differ_without_colour() {
+        for i in 0..8 {
+            for k in 0..i {
+                assert_ne!(look(i).1, look(k).1);
+            }
+        }
+    }
+
+    #[test]
+    fn heat_darkens_steadily() {
+        let brightness = |Colour(r, g, b, _): Colour| u32::from(r) + u32::from(g) + u32::from(b);
+        let steps: Vec<u32> = (0..=20)
+            .map(|k| brightness(heat(f64::from(k) / 20.0)))
+            .collect();
+        assert!(steps.is_sorted_by(|a, b| a > b), "{steps:?}");
+    }
+}

@@ -1,0 +1,100 @@
+//! Several figures side by side over one legend, to be compared at a glance.
+
+use super::canvas::{Align, Canvas};
+use super::chart::{CAPTION, Plot, Rect, header};
+use super::legend;
+use super::output::Draw;
+use super::scale::Extent;
+use super::{Figure, Mark};
+
+/// Figures that share their vertical axis, their names and colours.
+#[derive(Clone, Debug)]
+pub struct Panels {
+    /// What the whole shows.
+    pub title: String,
+    /// A line under the title.
+    pub note: String,
+    /// How many stand in a row.
+    pub columns: usize,
+    /// The panels, row by row; the title of each stands above it. Series of the same name look the same.
+    pub figures: Vec<Figure>,
+}
+
+const PANEL_WIDTH: f64 = 280.0;
+const PANEL_HEIGHT: f64 = 250.0;
+const MARGIN: f64 = super::chart::MARGIN;
+const LEGEND_HEIGHT: f64 = 34.0;
+
+impl Panels {
+    fn rows(&self) -> usize {
+        self.figures.len().div_ceil(self.columns.max(1))
+    }
+
+    /// Name, place in the palette and mark of each series, in the order of first appearance.
+    fn names(&self) -> Vec<(String, usize, Mark)> {
+        let mut names: Vec<(String, usize, Mark)> = Vec::new();
+        for series in self.figures.iter().flat_map(|figure| &figure.series) {
+            if names.iter().all(|(name, ..)| *name != series.name) {
+                let index = series.style.palette.unwrap_or(names.len());
+                names.push((series.name.clone(), index, series.style.mark));
+            }
+        }
+        names
+    }
+}
+
+impl Draw for Panels {
+    fn size(&self) -> (u32, u32) {
+        let width = 2.0 * MARGIN + PANEL_WIDTH * self.columns.max(1) as f64;
+        let height = 70.0 + LEGEND_HEIGHT + PANEL_HEIGHT * self.rows() as f64;
+        (width as u32, height as u32)
+    }
+
+    fn description(&self) -> String {
+        let panels: Vec<String> = self.figures.iter().map(Draw::description).collect();
+        format!("{}: {}", self.title, panels.join("; "))
+    }
+
+    fn draw(&self, canvas: &mut Canvas) {
+        let (width, height) = self.size();
+        let top = header(canvas, &self.title, &self.note, f64::from(width));
+        let names = self.names();
+        let y_extent = Extent::of(self.figures.iter().flat_map(Figure::y_values));
+        for (k, figure) in self.figures.iter().enumerate() {
+            let (row, column) = (k / self.columns.max(1), k % self.columns.max(1));
+            let left = MARGIN + PANEL_WIDTH * column as f64;
+            let above = top + PANEL_HEIGHT * row as f64;
+            let page = Rect {
+                left,
+                top: above + 16.0,
+                right: left + PANEL_WIDTH - 18.0,
+                bottom: above + PANEL_HEIGHT - 4.0,
+            };
+            let mut figure = figure.clone();
+            if column > 0 {
+                (figure.y_axis.label, figure.y_axis.unit) = (String::new(), String::new());
+            }
+            let plot = Plot::new(&figure, page, Some(&y_extent));
+            canvas.text(
+                ((plot.frame.left + plot.frame.right) / 2.0, above + 10.0),
+                figure.title.as_str(),
+                CAPTION,
+                Align::Centre,
+            );
+            let looks: Vec<usize> = figure
+                .series
+                .iter()
+                .map(|series| {
+                    names
+                        .iter()
+                        .find(|(name, ..)| *name == series.name)
+                        .map_or(0, |found| found.1)
+                })
+                .collect();
+            plot.draw(canvas, &figure, &looks);
+        }
+        if names.len() > 1 {
+            legend::draw_row(canvas, &names, f64::from(height) - 16.0, f64::from(width));
+        }
+    }
+}
