@@ -23,6 +23,16 @@ pub(crate) fn update(
     state.header.set_charge_potential(charge);
 }
 
+/// Whether two potentials can be those of a state: each within its weight, but for rounding.
+pub(crate) fn is_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
+    let config = model.config();
+    let slack = 1.000_001;
+    goal >= -config.shaping_goal_weight * slack
+        && goal <= 0.0
+        && charge >= 0.0
+        && charge <= config.shaping_charge_weight * slack
+}
+
 /// Longest Manhattan distance on the grid, W + H - 2, at least 1.
 fn span(model: &Model<'_>) -> f64 {
     let config = model.config();

@@ -1,9 +1,11 @@
 //! What every state holds that a run of the kernel can lead to.
 
 use crate::bits;
+use crate::carbon;
 use crate::config::Cell;
 use crate::header::Phase;
 use crate::model::Model;
+use crate::potential;
 use crate::reward;
 use crate::state::StateRef;
 
@@ -36,9 +38,19 @@ impl StateRef<'_> {
             }
     }
 
+    /// Steps whose energy is settled: while a step is under way, those before it.
+    fn settled_steps(&self) -> u64 {
+        let under_way = matches!(
+            self.header.phase(),
+            Some(Phase::Moved | Phase::Sensed | Phase::Communicated)
+        );
+        u64::from(self.t()).saturating_sub(u64::from(under_way))
+    }
+
     fn uavs_are_valid(&self, model: &Model<'_>) -> bool {
         let (config, plan) = (model.config(), model.energy());
-        let most_uj = u64::from(self.t()) * plan.charge_uj;
+        let steps = self.settled_steps();
+        let most_uj = steps * plan.charge_uj;
         for i in 0..model.uav_count() {
             let density = self.pilot_density(i);
             let throughput = self.throughput(i);
@@ -49,7 +61,7 @@ impl StateRef<'_> {
                 || self.accepted[i] > most_uj
                 || self.spent[i] > self.initial[i] + self.accepted[i]
                 || self.battery[i] != self.initial[i] + self.accepted[i] - self.spent[i]
-                || self.shortfall[i] > u64::from(self.t()) * plan.most_asked_uj()
+                || self.shortfall[i] > steps * plan.most_asked_uj()
                 || !(density >= config.pilot_density_min && density <= config.pilot_density_max)
                 || !(throughput >= 0.0 && throughput <= THROUGHPUT_MAX)
                 || throughput.to_bits() == (-0.0f64).to_bits()
@@ -118,8 +130,8 @@ impl StateRef<'_> {
             {
                 return false;
             }
-            for k in bits::iter(row) {
-                if !self.linked(k, i) {
+            for k in 0..i {
+                if self.linked(i, k) != self.linked(k, i) {
                     return false;
                 }
             }
@@ -145,7 +157,9 @@ impl StateRef<'_> {
     fn scalars_are_valid(&self, model: &Model<'_>) -> bool {
         let header = &self.header;
         let plan = model.carbon();
-        let steps = u64::from(self.t());
+        let steps = self.settled_steps();
+        let fleet_uj = model.uav_count() as u64 * model.energy().charge_uj;
+        let step_ng = carbon::emitted_ng(fleet_uj, plan.intensity_max_mg_per_kwh);
         let in_range = |intensity: u64| {
             intensity >= plan.intensity_min_mg_per_kwh && intensity <= plan.intensity_max_mg_per_kwh
         };
@@ -167,15 +181,13 @@ impl StateRef<'_> {
             && (header.billed_intensity_mg_per_kwh() == 0
                 || in_range(header.billed_intensity_mg_per_kwh()))
             && header.moves() <= steps * model.uav_count() as u64
-            && header.grid_uj() <= steps * model.uav_count() as u64 * model.energy().charge_uj
-            && header.co2_ng() <= LEDGER_MAX
+            && header.grid_uj() <= steps * fleet_uj
+            && header.co2_ng() <= steps * step_ng
             && header.mean_throughput() >= 0.0
-            && header.goal_potential() <= 0.0
-            && header.charge_potential() >= 0.0
+            && header.mean_throughput() <= THROUGHPUT_MAX
+            && potential::is_in_range(model, header.goal_potential(), header.charge_potential())
     }
 }
 
 /// No throughput that a legal configuration or host can give exceeds this.
 pub(crate) const THROUGHPUT_MAX: f64 = 1e9;
-/// What a legal configuration keeps every ledger under.
-const LEDGER_MAX: u64 = 1 << 62;
