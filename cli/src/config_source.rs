@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use clap::ValueEnum;
+use jcas_core::config::{FieldInfo, FieldValue};
 use jcas_core::{Config, Preset};
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -59,11 +60,14 @@ impl ConfigSource {
     /// Replaces the field of `field=value`.
     pub fn assign(&mut self, assignment: &str) -> Result<(), CliError> {
         let (field, text) = assignment.split_once('=').ok_or_else(|| {
-            CliError::input(format!("--set {assignment}: must be of the form field=value"))
+            CliError::input(format!(
+                "--set {assignment}: must be of the form field=value"
+            ))
         })?;
         let (field, text) = (field.trim(), text.trim());
         check_name(field)?;
         if text == "none" {
+            // Derived from other fields.
             self.fields.remove(field);
         } else {
             self.fields.insert(field.to_owned(), parse_value(text));
@@ -73,13 +77,48 @@ impl ConfigSource {
 
     /// The configuration, with every field checked.
     pub fn resolve(&self) -> Result<Config, CliError> {
-        let config = Config::deserialize(self.fields.clone()).map_err(|error| CliError::input(tidy(&error)))?;
+        let config =
+            Config::deserialize(self.fields.clone()).map_err(|error| self.explain(&error))?;
         config.validate().map_err(CliError::input)?;
         Ok(config)
     }
+
+    /// Names the field whose value is of the wrong type; serde's own message does not.
+    fn explain(&self, error: &toml::de::Error) -> CliError {
+        let culprit = self.fields.iter().find_map(|(field, value)| {
+            let alone = Table::from_iter([(field.clone(), value.clone())]);
+            let refused = Config::deserialize(alone).is_err();
+            let info = Config::FIELDS.iter().find(|info| info.name == field)?;
+            refused.then_some((info, value))
+        });
+        match culprit {
+            Some((info, value)) => CliError::input(format!(
+                "{} = {value}: must be {}",
+                info.name,
+                allowed(info)
+            )),
+            None => CliError::input(error.message()),
+        }
+    }
 }
 
-/// The fields of a file. Names and types are checked here, so that messages point into the file.
+/// What a field accepts, in words.
+fn allowed(info: &FieldInfo) -> String {
+    let default = Config::default().values();
+    let position = Config::FIELDS
+        .iter()
+        .position(|field| field.name == info.name);
+    match position.map(|index| default[index]) {
+        Some(FieldValue::Choice(..)) => format!("one of {}", info.unit.replace(" | ", ", ")),
+        Some(FieldValue::Cells(_)) => format!("a list of at most {} cells [x, y]", info.high),
+        Some(FieldValue::Integer(_)) => {
+            format!("a whole number from {} to {}", info.low, info.high)
+        }
+        _ => format!("a number from {} to {}", info.low, info.high),
+    }
+}
+
+/// The fields of a file. Names are checked here, values with those of the other sources.
 fn read_fields(path: &Path) -> Result<Table, CliError> {
     let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::InvalidData => CliError::file(path, "is not UTF-8 text"),
@@ -89,7 +128,6 @@ fn read_fields(path: &Path) -> Result<Table, CliError> {
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let fields: Table = if json {
-        serde_json::from_str::<Config>(&text).map_err(|error| CliError::file(path, error))?;
         let mut fields: serde_json::Map<String, serde_json::Value> =
             serde_json::from_str(&text).map_err(|error| CliError::file(path, error))?;
         // TOML has no null; an absent field means the same.
@@ -143,9 +181,4 @@ fn edit_distance(a: &str, b: &str) -> usize {
         }
     }
     row[b.len()]
-}
-
-/// Errors of the TOML reader speak in several lines.
-fn tidy(error: &toml::de::Error) -> String {
-    error.message().to_owned()
 }

@@ -34,9 +34,7 @@ pub fn write_atomically<T>(
 
 /// Writes bytes as a whole file.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    write_atomically(path, |out| {
-        out.write_all(bytes).map_err(CliError::io(path))
-    })
+    write_atomically(path, |out| out.write_all(bytes).map_err(CliError::io(path)))
 }
 
 /// Creates a folder with its parents and makes sure that it can be written to, before hours of work.

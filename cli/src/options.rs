@@ -12,16 +12,15 @@ use crate::error::CliError;
 
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Configuration")]
 pub struct ConfigOptions {
     /// Values to start from: the corrected mission, or the letter of the paper
-    #[arg(long, value_enum, default_value_t = PresetName::Mission)]
+    #[arg(long, value_enum, default_value_t = PresetName::Mission, help_heading = "Configuration")]
     pub preset: PresetName,
     /// TOML or JSON file whose fields replace those of the preset
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Configuration")]
     pub config: Option<PathBuf>,
     /// One field; may be repeated; comes after the file (`jcas config show` lists the fields)
-    #[arg(long, value_name = "FIELD=VALUE")]
+    #[arg(long, value_name = "FIELD=VALUE", help_heading = "Configuration")]
     pub set: Vec<String>,
 }
 
@@ -68,13 +67,12 @@ impl MissionOptions {
 
 /// Who flies.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Policy")]
 pub struct PolicyOptions {
     /// random, greedy, swarm, teams or sweep
-    #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY)]
+    #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
     /// Pilot density: min, mid, max, or adaptive (max near an unconfirmed hotspot, min elsewhere)
-    #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT)]
+    #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }
 
@@ -108,16 +106,15 @@ impl PolicyOptions {
 
 /// One episode out of a campaign.
 #[derive(Args, Clone, Copy, Debug)]
-#[command(next_help_heading = "Episode")]
 pub struct EpisodeOptions {
     /// Seed of the campaign, as in `jcas simulate`
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Episode")]
     pub seed: u64,
     /// Which of its episodes, from 0
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(long, value_name = "K", default_value_t = 0, help_heading = "Episode")]
     pub episode: u64,
     /// Seed of the episode itself, as in a trace's header (0x and hexadecimal digits, or decimal)
-    #[arg(long, value_name = "S", value_parser = parse_seed, conflicts_with_all = ["seed", "episode"])]
+    #[arg(long, value_name = "S", value_parser = parse_seed, conflicts_with_all = ["seed", "episode"], help_heading = "Episode")]
     pub episode_seed: Option<u64>,
 }
 

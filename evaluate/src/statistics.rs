@@ -202,12 +202,7 @@ impl Summary {
             quantity("energy_kwh_mean", "energy spent", "kWh", self.energy_kwh),
             quantity("co2_kg_mean", "CO2", "kg", self.co2_kg),
             quantity("throughput_mean", "throughput", "", self.throughput),
-            quantity(
-                "confirmed_mean",
-                "hotspots confirmed",
-                "",
-                self.confirmed,
-            ),
+            quantity("confirmed_mean", "hotspots confirmed", "", self.confirmed),
             quantity(
                 "pilot_density_mean",
                 "pilot density",

@@ -195,11 +195,7 @@ fn measure_batch(
 }
 
 /// The share of each phase: a clock around each, less what the clock itself takes.
-fn measure_phases(
-    model: &Model<'_>,
-    actions: &[f32],
-    time: Duration,
-) -> Result<[f64; 5], Error> {
+fn measure_phases(model: &Model<'_>, actions: &[f32], time: Duration) -> Result<[f64; 5], Error> {
     let mut sim = Sim::new(model);
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     let mut spent = [0.0; 5];

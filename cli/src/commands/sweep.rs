@@ -13,9 +13,7 @@ use serde::Serialize;
 use super::replay::fly_page;
 use super::simulate::decimals;
 use crate::error::{CliError, Outcome};
-use crate::options::{
-    ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory,
-};
+use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
 use crate::sweep::charts;
 use crate::sweep::plan::{self, Axis, Cell};
 use crate::sweep::store::Store;

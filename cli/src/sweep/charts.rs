@@ -13,9 +13,21 @@ use crate::files;
 /// What is drawn: column of the table, name of the file, label, unit, and whether it is a share.
 const QUANTITIES: [(&str, &str, &str, &str, bool); 4] = [
     ("success_rate", "success", "success rate", "", true),
-    ("mission_steps_mean", "mission_time", "mission time", "steps", false),
+    (
+        "mission_steps_mean",
+        "mission_time",
+        "mission time",
+        "steps",
+        false,
+    ),
     ("energy_kwh_mean", "energy", "energy spent", "kWh", false),
-    ("throughput_mean", "throughput", "normalised throughput", "", false),
+    (
+        "throughput_mean",
+        "throughput",
+        "normalised throughput",
+        "",
+        false,
+    ),
 ];
 /// More panels than this in one figure cannot be read.
 const PANELS_MAX: usize = 12;
@@ -55,7 +67,8 @@ pub fn draw(
     Ok(written)
 }
 
-const INTERVALS: &str = "Whiskers: 95 % intervals. A mission without success counts with its horizon.";
+const INTERVALS: &str =
+    "Whiskers: 95 % intervals. A mission without success counts with its horizon.";
 
 fn panels_title(quantity: &str, axis: &str) -> String {
     let mut title = format!("{quantity} over {}", label(axis).0);
@@ -160,7 +173,12 @@ impl<'a> Layout<'a> {
                 .filter_map(|(index, cell)| {
                     let x = cell.values[self.x_axis].parse().ok()?;
                     let estimate = store.estimate(index, column)?;
-                    Some(Point::interval(x, estimate.value, estimate.low, estimate.high))
+                    Some(Point::interval(
+                        x,
+                        estimate.value,
+                        estimate.low,
+                        estimate.high,
+                    ))
                 })
                 .collect();
             figure = figure.with(Series::line(self.names(&self.series_axes, &values), points));

@@ -71,7 +71,9 @@ impl Store {
         };
         let bytes = std::fs::read(&self.path).map_err(CliError::io(&self.path))?;
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
-        let header = reader.headers().map_err(|error| refuse(&error.to_string()))?;
+        let header = reader
+            .headers()
+            .map_err(|error| refuse(&error.to_string()))?;
         if header.iter().ne(self.header.iter().map(String::as_str)) {
             return Err(refuse("holds the table of another sweep: other columns"));
         }
@@ -88,8 +90,14 @@ impl Store {
                         row[..self.key_len].join(",")
                     ))
                 })?;
-            if row[self.key_len..].iter().any(|text| text.parse::<f64>().is_err()) {
-                return Err(refuse(&format!("row {}: not a number", self.rows.len() + 1)));
+            if row[self.key_len..]
+                .iter()
+                .any(|text| text.parse::<f64>().is_err())
+            {
+                return Err(refuse(&format!(
+                    "row {}: not a number",
+                    self.rows.len() + 1
+                )));
             }
             self.rows.insert(cell, row);
         }

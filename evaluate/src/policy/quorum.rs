@@ -39,7 +39,10 @@ mod tests {
             })
             .sum();
         let got = quorum_probability(team, quorum, detection);
-        assert!((got - by_enumeration).abs() < 1e-12, "{got} {by_enumeration}");
+        assert!(
+            (got - by_enumeration).abs() < 1e-12,
+            "{got} {by_enumeration}"
+        );
     }
 
     #[test]

@@ -53,8 +53,8 @@ impl Steering for Sweep {
         let uavs = model.uav_count();
         self.teams = (0..teams)
             .map(|team| {
-                let band = team as u32 * across / teams as u32
-                    ..(team as u32 + 1) * across / teams as u32;
+                let band =
+                    team as u32 * across / teams as u32..(team as u32 + 1) * across / teams as u32;
                 Team {
                     uavs: team * uavs / teams..(team + 1) * uavs / teams,
                     path: lanes(band, spacing, along, config.grid_width > config.grid_height),
@@ -144,8 +144,8 @@ fn lanes(band: core::ops::Range<u32>, spacing: u32, along: u32, transposed: bool
 
 /// The number of teams and the spacing of lanes with the best chance; the fewest teams among equals.
 fn choose(model: &Model<'_>, density: f64, across: u32, along: u32) -> (usize, u32) {
-    let teams_max = (model.uav_count() / (model.config().quorum as usize).max(1))
-        .clamp(1, across as usize);
+    let teams_max =
+        (model.uav_count() / (model.config().quorum as usize).max(1)).clamp(1, across as usize);
     let spacing_max = (2 * REACH_CELLS + 1).min(across);
     let mut best = (1, 1);
     let mut best_chance = -1.0;

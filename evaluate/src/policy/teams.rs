@@ -8,6 +8,7 @@ use pathfinding::prelude::kuhn_munkres_min;
 use super::baseline::{Steering, can_fly};
 use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
+use super::route::route;
 
 /// Above this many UAVs the assignment keeps the teams as they were formed, nearest first: the optimal
 /// one costs the cube of their number.
@@ -16,8 +17,9 @@ const OPTIMAL_ASSIGNMENT_UAVS_MAX: usize = 256;
 /// Divides the fleet over several hotspots where that is quicker than flying together.
 ///
 /// Planned anew whenever a hotspot is confirmed or a UAV begins or ceases to fly:
-/// 1. how many teams: see [`team_count`];
-/// 2. which hotspots: one after the other the one whose nearest team is nearest;
+/// 1. one team is forecast along the shortest way through all hotspots left ([`route()`]), several along
+///    the nearest next, each with its mean wait for a quorum; the division that finishes first is taken;
+/// 2. teams take the hotspots in reach: one after the other the one whose nearest team is nearest;
 /// 3. who flies where: least total distance over all UAVs (Kuhn and Munkres).
 #[derive(Clone, Debug)]
 pub struct Teams {
@@ -63,8 +65,7 @@ impl Teams {
         if uavs.is_empty() || left.is_empty() {
             return;
         }
-        let teams = team_count(model, self.pilot, uavs.len(), left.len());
-        let (errands, formed) = choose_errands(&cells, &left, teams);
+        let (errands, formed) = best_errands(model, self.pilot, &cells, &left);
         let assigned = if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
             assign(&cells, &errands)
         } else {
@@ -107,26 +108,95 @@ fn indices(flags: &[bool], wanted: bool) -> Vec<usize> {
         .collect()
 }
 
-/// How many teams finish first, if each flies to its share of the hotspots one after the other.
-///
-/// A visit costs a hop and the wait for a quorum, whose mean is one over its probability in a step.
-/// The hop is the mean distance between neighbours when `left` hotspots lie on the grid at random.
-/// More than one team also has to meet the others in the end: half the grid.
-fn team_count(model: &Model<'_>, pilot: PilotMode, uavs: usize, left: usize) -> usize {
-    let config = model.config();
-    let quorum = config.quorum as usize;
+/// The errands of the division into teams that is forecast to finish first, and each UAV's.
+fn best_errands(
+    model: &Model<'_>,
+    pilot: PilotMode,
+    uavs: &[Cell],
+    left: &[Cell],
+) -> (Vec<Errand>, Vec<usize>) {
+    let quorum = model.config().quorum as usize;
     let detection = model.detection_probability(0, 0, pilot.sensing_density(model));
-    let area = f64::from(config.grid_width) * f64::from(config.grid_height);
-    let hop = (area / left as f64).sqrt();
-    let meeting = f64::from(config.grid_width + config.grid_height) / 4.0;
-    let steps = |teams: usize| {
-        let wait = 1.0 / quorum_probability(uavs / teams, quorum, detection).max(1e-9);
-        let visits = left.div_ceil(teams) as f64;
-        visits * (hop + wait) + if teams > 1 { meeting } else { 0.0 }
+    let wait = |team: usize| 1.0 / quorum_probability(team, quorum, detection).max(1e-9);
+
+    // One team: the shortest way through all.
+    let (order, steps) = route(centroid(uavs), left);
+    let together = Errand {
+        target: left[order[0]],
+        team: uavs.len(),
     };
-    (1..=left.min(uavs / quorum.max(1)))
-        .min_by(|&a, &b| steps(a).total_cmp(&steps(b)))
-        .unwrap_or(1)
+    let mut best = (vec![together], vec![0; uavs.len()]);
+    let mut best_steps = f64::from(steps) + left.len() as f64 * wait(uavs.len());
+    for teams in 2..=left.len().min(uavs.len() / quorum.max(1)) {
+        let (errands, formed) = choose_errands(uavs, left, teams);
+        let steps = forecast(uavs, left, &errands, &formed, &wait);
+        if steps < best_steps {
+            (best, best_steps) = ((errands, formed), steps);
+        }
+    }
+    best
+}
+
+/// When several teams would have confirmed everything and met, if every wait for a quorum took its mean
+/// and every team went on to the nearest hotspot that nobody has taken.
+fn forecast(
+    uavs: &[Cell],
+    left: &[Cell],
+    errands: &[Errand],
+    errand_of: &[usize],
+    wait: &impl Fn(usize) -> f64,
+) -> f64 {
+    let mut free: Vec<Cell> = left
+        .iter()
+        .copied()
+        .filter(|&cell| errands.iter().all(|errand| errand.target != cell))
+        .collect();
+    let mut done: Vec<(f64, Cell)> = errands
+        .iter()
+        .enumerate()
+        .map(|(number, errand)| {
+            let members = (0..uavs.len()).filter(|&uav| errand_of[uav] == number);
+            let farthest = members.map(|uav| uavs[uav].manhattan(errand.target)).max();
+            let steps = f64::from(farthest.unwrap_or(0)) + wait(errand.team);
+            (steps, errand.target)
+        })
+        .collect();
+    while !free.is_empty() {
+        let soonest = (0..done.len())
+            .min_by(|&a, &b| done[a].0.total_cmp(&done[b].0))
+            .unwrap_or(0);
+        let (steps, here) = done[soonest];
+        let nearest = (0..free.len())
+            .min_by_key(|&index| here.manhattan(free[index]))
+            .unwrap_or(0);
+        let target = free.swap_remove(nearest);
+        let team = errands[soonest].team;
+        done[soonest] = (
+            steps + f64::from(here.manhattan(target)) + wait(team),
+            target,
+        );
+    }
+    // The others fly to the team that is last.
+    let (last_steps, last) = done
+        .iter()
+        .copied()
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or_default();
+    done.iter()
+        .map(|&(steps, here)| steps + f64::from(here.manhattan(last)))
+        .fold(last_steps, f64::max)
+}
+
+/// The cell nearest to the mean position.
+fn centroid(uavs: &[Cell]) -> Cell {
+    let mean = |of: fn(&Cell) -> u32| {
+        let sum: u64 = uavs.iter().map(|cell| u64::from(of(cell))).sum();
+        ((sum + uavs.len() as u64 / 2) / uavs.len() as u64) as u32
+    };
+    Cell {
+        x: mean(|cell| cell.x),
+        y: mean(|cell| cell.y),
+    }
 }
 
 /// Forms teams of equal size, one after the other: of all hotspots left the one whose nearest free UAVs
@@ -189,8 +259,20 @@ mod tests {
         let uavs = [cell(0, 0), cell(9, 9), cell(0, 1), cell(9, 8), cell(1, 0)];
         let left = [cell(5, 5), cell(9, 9), cell(0, 0)];
         let (errands, errand_of) = choose_errands(&uavs, &left, 2);
-        assert_eq!(errands[0], Errand { target: cell(0, 0), team: 3 });
-        assert_eq!(errands[1], Errand { target: cell(9, 9), team: 2 });
+        assert_eq!(
+            errands[0],
+            Errand {
+                target: cell(0, 0),
+                team: 3
+            }
+        );
+        assert_eq!(
+            errands[1],
+            Errand {
+                target: cell(9, 9),
+                team: 2
+            }
+        );
         assert_eq!(errand_of, [0, 1, 0, 1, 0]);
     }
 
@@ -198,8 +280,14 @@ mod tests {
     fn the_assignment_has_the_least_total_distance() {
         let uavs = [cell(0, 0), cell(2, 0), cell(4, 0), cell(6, 0)];
         let errands = [
-            Errand { target: cell(6, 0), team: 2 },
-            Errand { target: cell(1, 0), team: 2 },
+            Errand {
+                target: cell(6, 0),
+                team: 2,
+            },
+            Errand {
+                target: cell(1, 0),
+                team: 2,
+            },
         ];
         assert_eq!(assign(&uavs, &errands), [1, 1, 0, 0]);
     }

@@ -7,9 +7,7 @@ use jcas_core::{Config, Error, Model, Sim, hash};
 
 use super::compare::{Difference, diff};
 use super::error::TraceError;
-use super::format::{
-    End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace,
-};
+use super::format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace};
 use super::write::Writer;
 use crate::policy::Policy;
 

@@ -61,7 +61,11 @@ impl fmt::Display for Difference {
             0 => out.write_str("header")?,
             step => write!(out, "step {step}")?,
         }
-        write!(out, ", {}: {} against {}", self.field, self.left, self.right)
+        write!(
+            out,
+            ", {}: {} against {}",
+            self.field, self.left, self.right
+        )
     }
 }
 
@@ -124,8 +128,9 @@ fn first_difference(path: &str, left: &Value, right: &Value) -> Option<(String, 
         return None;
     }
     match (left, right) {
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => (0..a.len())
-            .find_map(|k| first_difference(&format!("{path}[{k}]"), &a[k], &b[k])),
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            (0..a.len()).find_map(|k| first_difference(&format!("{path}[{k}]"), &a[k], &b[k]))
+        }
         (Value::Object(a), Value::Object(b)) => a.keys().chain(b.keys()).find_map(|key| {
             let of = |object: &serde_json::Map<String, Value>| {
                 object.get(key).cloned().unwrap_or(Value::Null)

@@ -50,7 +50,10 @@ impl fmt::Display for TraceError {
             Self::Io(error) => error.fmt(out),
             Self::Empty => out.write_str("the trace is empty: must begin with a header line"),
             Self::NotATrace(problem) => {
-                write!(out, "line 1: {problem}: must be the header of a {FORMAT} file")
+                write!(
+                    out,
+                    "line 1: {problem}: must be the header of a {FORMAT} file"
+                )
             }
             Self::Version(found) => write!(
                 out,

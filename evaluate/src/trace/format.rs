@@ -192,8 +192,7 @@ impl<'de> Deserialize<'de> for Rewards {
                 }
                 let mut values = [0.0; COMPONENTS];
                 for (index, value) in found.into_iter().enumerate() {
-                    values[index] =
-                        value.ok_or_else(|| A::Error::missing_field(NAMES[index]))?;
+                    values[index] = value.ok_or_else(|| A::Error::missing_field(NAMES[index]))?;
                 }
                 Ok(Rewards(values))
             }
@@ -210,7 +209,10 @@ mod tests {
     fn hex_reads_back_and_refuses_anything_else() {
         let text = serde_json::to_string(&Hex(0xdead_beef)).unwrap();
         assert_eq!(text, "\"0x00000000deadbeef\"");
-        assert_eq!(serde_json::from_str::<Hex>(&text).unwrap(), Hex(0xdead_beef));
+        assert_eq!(
+            serde_json::from_str::<Hex>(&text).unwrap(),
+            Hex(0xdead_beef)
+        );
         for bad in ["\"deadbeef\"", "\"0x12\"", "\"0x+000000000000001\"", "12"] {
             assert!(serde_json::from_str::<Hex>(bad).is_err(), "{bad}");
         }

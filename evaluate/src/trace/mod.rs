@@ -21,8 +21,6 @@ mod write;
 pub use capture::{record, verify};
 pub use compare::{Difference, diff};
 pub use error::TraceError;
-pub use format::{
-    End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace,
-};
+pub use format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace};
 pub use read::read;
 pub use write::Writer;

@@ -63,7 +63,12 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
                 hash.write(&text.as_bytes()[..covered]);
                 end = Some(parsed);
             }
-            other => return Err(malformed(line, &format!("kind = \"{other}\": must be step or end"))),
+            other => {
+                return Err(malformed(
+                    line,
+                    &format!("kind = \"{other}\": must be step or end"),
+                ));
+            }
         }
     }
     let header = header.ok_or(TraceError::Empty)?;
@@ -80,8 +85,8 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
 
 /// The version is looked at first: another version may have other fields.
 fn read_header(text: &str) -> Result<Header, TraceError> {
-    let probe: Probe = serde_json::from_str(text)
-        .map_err(|error| TraceError::NotATrace(explain(&error)))?;
+    let probe: Probe =
+        serde_json::from_str(text).map_err(|error| TraceError::NotATrace(explain(&error)))?;
     match probe {
         Probe {
             kind,

@@ -1,0 +1,344 @@
+//! Whatever is wrong is named, with its value and what is allowed, and the exit code tells its kind.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{jcas, succeed};
+
+const INPUT: i32 = 2;
+const IO: i32 = 3;
+
+/// Runs `jcas`, which has to fail with a code and a message that holds every part.
+fn refuses(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
+    let output = jcas(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
+    for part in parts {
+        assert!(
+            message.contains(part),
+            "{arguments:?}: no {part:?} in {message}"
+        );
+    }
+}
+
+#[test]
+fn fields_out_of_range() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, parts) in [
+        (["--uavs", "0"], ["uav_count = 0", "1 to 4096"]),
+        (
+            ["--hotspots", "144"],
+            ["hotspot_count = 144", "at most 143"],
+        ),
+        (
+            ["--set", "pilot_density_min=0.5"],
+            ["pilot_density_min = 0.5", "at most 0.3"],
+        ),
+        (
+            ["--set", "move_energy_kwh=-0.001"],
+            ["move_energy_kwh = -0.001", "from 0 to 1"],
+        ),
+        (
+            ["--set", "cell_size_m=nan"],
+            ["cell_size_m = NaN", "0.001 to 1000000"],
+        ),
+        (
+            ["--set", "cell_size_m=inf"],
+            ["cell_size_m = inf", "0.001 to 1000000"],
+        ),
+        (
+            ["--set", "uav_count=2.5"],
+            ["uav_count = 2.5", "a whole number from 1 to 4096"],
+        ),
+        (
+            ["--set", "uav_count=-5"],
+            ["uav_count = -5", "a whole number from 1 to 4096"],
+        ),
+        (
+            ["--set", "target_visibility=seen"],
+            ["target_visibility = \"seen\"", "one of known, hidden"],
+        ),
+        (
+            ["--set", "uav_cout=5"],
+            ["uav_cout: no such field", "did you mean uav_count?"],
+        ),
+        (["--set", "uav_count"], ["--set uav_count", "field=value"]),
+    ] {
+        let arguments = [&["simulate", "--episodes", "1"], arguments.as_slice()].concat();
+        refuses(folder.path(), &arguments, INPUT, &parts);
+    }
+}
+
+#[test]
+fn unknown_names() {
+    let folder = tempfile::tempdir().unwrap();
+    refuses(
+        folder.path(),
+        &["simulate", "--preset", "letter"],
+        INPUT,
+        &["'letter'", "mission, paper"],
+    );
+    refuses(
+        folder.path(),
+        &["simulate", "--policy", "clever"],
+        INPUT,
+        &["policy = clever", "random, greedy, swarm, teams, sweep"],
+    );
+    refuses(
+        folder.path(),
+        &["simulate", "--pilot", "most"],
+        INPUT,
+        &["pilot = most", "min, mid, max, adaptive"],
+    );
+    refuses(
+        folder.path(),
+        &[
+            "simulate",
+            "--policy",
+            "swarm",
+            "--set",
+            "target_visibility=hidden",
+        ],
+        INPUT,
+        &[
+            "policy = swarm",
+            "target_visibility = hidden",
+            "random, sweep",
+        ],
+    );
+}
+
+#[test]
+fn configuration_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, parts) in [
+        (
+            "nan.toml",
+            "cell_size_m = nan\n",
+            ["cell_size_m = NaN", "0.001 to 1000000"],
+        ),
+        (
+            "nan.json",
+            "{\"cell_size_m\": NaN}",
+            ["nan.json", "line 1 column"],
+        ),
+        (
+            "negative.toml",
+            "battery_capacity_kwh = -0.2\n",
+            ["battery_capacity_kwh = -0.2", "0.000001"],
+        ),
+        (
+            "type.json",
+            "{\"uav_count\": \"many\"}",
+            ["uav_count = \"many\"", "a whole number"],
+        ),
+        (
+            "unknown.toml",
+            "uavs = 5\n",
+            ["unknown.toml", "uavs: no such field"],
+        ),
+        (
+            "broken.toml",
+            "uav_count = = 5\n",
+            ["broken.toml", "line 1"],
+        ),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+        refuses(folder.path(), &["config", "check", name], INPUT, &parts);
+        refuses(
+            folder.path(),
+            &["simulate", "--config", name],
+            INPUT,
+            &parts,
+        );
+    }
+    refuses(
+        folder.path(),
+        &["config", "check", "absent.toml"],
+        IO,
+        &["absent.toml", "No such file"],
+    );
+}
+
+#[test]
+fn traces() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    succeed(
+        folder.path(),
+        &["trace", "record", "--uavs", "4", "-o", "good.jsonl"],
+    );
+    let good = fs::read_to_string(path("good.jsonl")).unwrap();
+    let lines: Vec<&str> = good.lines().collect();
+
+    let cut_lines = lines[..lines.len() - 1].join("\n") + "\n";
+    let cut_middle = &good[..good.len() / 2];
+    let other_version = good.replacen("\"format_version\":1", "\"format_version\":2", 1);
+    let changed = good.replacen("\"co2_ng\":0", "\"co2_ng\":1", 1);
+    let no_number = good.replacen("\"t\":2,", "\"t\":\"two\",", 1);
+    let skipped = good.replacen("\"t\":2,", "\"t\":3,", 1);
+    let extended = good.clone() + lines[1] + "\n";
+    for (name, text, part) in [
+        ("empty.jsonl", "", "is empty"),
+        (
+            "cut.jsonl",
+            cut_lines.as_str(),
+            "truncated: it stops after 100 whole steps",
+        ),
+        ("middle.jsonl", cut_middle, "truncated: it stops after"),
+        (
+            "version.jsonl",
+            &other_version,
+            "format_version = 2: this build reads version 1",
+        ),
+        ("changed.jsonl", &changed, "was changed after recording"),
+        (
+            "number.jsonl",
+            &no_number,
+            "line 3: invalid type: string \"two\"",
+        ),
+        ("skipped.jsonl", &skipped, "line 3: t = 3: must be 2"),
+        ("extended.jsonl", &extended, "the end line must be the last"),
+        (
+            "other.jsonl",
+            "{\"kind\":\"header\",\"format\":\"xyz\"}\n",
+            "must be the header of a jcas-trace file",
+        ),
+        (
+            "text.jsonl",
+            "hello\n",
+            "must be the header of a jcas-trace file",
+        ),
+    ] {
+        fs::write(path(name), text).unwrap();
+        refuses(
+            folder.path(),
+            &["trace", "verify", name],
+            INPUT,
+            &[name, part],
+        );
+        refuses(
+            folder.path(),
+            &["trace", "diff", "good.jsonl", name],
+            INPUT,
+            &[name, part],
+        );
+        refuses(folder.path(), &["replay", name], INPUT, &[name, part]);
+        assert!(!path("replay.html").exists(), "{name} left a page behind");
+    }
+    refuses(
+        folder.path(),
+        &["trace", "verify", "absent.jsonl"],
+        IO,
+        &["absent.jsonl", "No such file"],
+    );
+}
+
+#[test]
+fn folders_that_cannot_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    // A file where a folder is wanted: cannot be written even by root.
+    fs::write(folder.path().join("file"), "").unwrap();
+    refuses(
+        folder.path(),
+        &[
+            "sweep",
+            "--uavs",
+            "5",
+            "--hotspots",
+            "3",
+            "--out",
+            "file/out",
+        ],
+        IO,
+        &["file/out"],
+    );
+    refuses(
+        folder.path(),
+        &["trace", "record", "-o", "file/trace.jsonl"],
+        IO,
+        &["file/trace.jsonl"],
+    );
+    refuses(
+        folder.path(),
+        &[
+            "simulate",
+            "--episodes",
+            "1",
+            "--trace",
+            "absent/trace.jsonl",
+        ],
+        IO,
+        &["absent/trace.jsonl", "No such file"],
+    );
+    refuses(
+        folder.path(),
+        &["replay", "-o", "absent/page.html"],
+        IO,
+        &["absent/page.html"],
+    );
+}
+
+#[test]
+fn results_of_another_sweep_are_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = [
+        "sweep",
+        "--uavs",
+        "5",
+        "--hotspots",
+        "3",
+        "--episodes",
+        "2",
+        "--no-figures",
+    ];
+    succeed(folder.path(), &sweep);
+    let before = fs::read(folder.path().join("out/results.csv")).unwrap();
+    for other in [
+        ["--seed", "2"].as_slice(),
+        &["--set", "horizon_steps=50"],
+        &["--vary", "quorum=2,3"],
+    ] {
+        let arguments = [&sweep, other].concat();
+        refuses(
+            folder.path(),
+            &arguments,
+            INPUT,
+            &["results.csv", "another sweep", "--overwrite"],
+        );
+        assert_eq!(
+            fs::read(folder.path().join("out/results.csv")).unwrap(),
+            before
+        );
+    }
+    succeed(
+        folder.path(),
+        &[&sweep, ["--seed", "2", "--overwrite"].as_slice()].concat(),
+    );
+    assert_ne!(
+        fs::read(folder.path().join("out/results.csv")).unwrap(),
+        before
+    );
+}
+
+#[test]
+fn lists_of_a_sweep() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, parts) in [
+        (["--vary", "quorum"], ["--vary quorum", "field=value,value"]),
+        (["--vary", "uav_count=3,4"], ["uav_count", "listed twice"]),
+        (["--uavs", "5,0"], ["uav_count = 0", "1 to 4096"]),
+        (["--policy", "swarm,clever"], ["policy = clever", "teams"]),
+        (
+            ["--vary", "cell_size_m=50,nan"],
+            ["cell_size_m = NaN", "0.001"],
+        ),
+    ] {
+        let arguments = [&["sweep", "--episodes", "1"], arguments.as_slice()].concat();
+        refuses(folder.path(), &arguments, INPUT, &parts);
+        assert!(!folder.path().join("out").exists());
+    }
+}

@@ -1,0 +1,295 @@
+//! Every command does what its help says.
+
+mod support;
+
+use std::fs;
+
+use serde_json::Value;
+use support::{jcas, succeed};
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("the output is JSON")
+}
+
+#[test]
+fn simulate_reports_every_quantity_with_its_interval() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = json(&succeed(
+        folder.path(),
+        &["simulate", "--episodes", "40", "--json"],
+    ));
+    assert_eq!(report["episodes"], 40);
+    for name in [
+        "success_rate",
+        "mission_steps_mean",
+        "energy_kwh_mean",
+        "co2_kg_mean",
+        "throughput_mean",
+    ] {
+        let value = report[name].as_f64().unwrap();
+        let low = report[format!("{name}_low")].as_f64().unwrap();
+        let high = report[format!("{name}_high")].as_f64().unwrap();
+        assert!(
+            low <= value && value <= high,
+            "{name}: {low} {value} {high}"
+        );
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |threads| {
+        succeed(
+            folder.path(),
+            &[
+                "simulate",
+                "--episodes",
+                "50",
+                "--json",
+                "--threads",
+                threads,
+            ],
+        )
+    };
+    let one = with("1");
+    assert_eq!(one, with("2"));
+    assert_eq!(one, with("7"));
+}
+
+#[test]
+fn a_recorded_mission_is_reproduced_and_played() {
+    let folder = tempfile::tempdir().unwrap();
+    let mission = ["--uavs", "6", "--policy", "random", "--seed", "9"];
+    succeed(
+        folder.path(),
+        &[&["trace", "record", "-o", "a.jsonl"], mission.as_slice()].concat(),
+    );
+    let told = succeed(folder.path(), &["trace", "verify", "a.jsonl"]);
+    assert_eq!(told, "a.jsonl: reproduced, 100 steps\n");
+
+    // The first mission of the same campaign is the same episode.
+    let first = [
+        &["simulate", "--episodes", "1", "--trace", "b.jsonl"],
+        mission.as_slice(),
+    ];
+    succeed(folder.path(), &first.concat());
+    assert_eq!(
+        succeed(folder.path(), &["trace", "diff", "a.jsonl", "b.jsonl"]),
+        "equal\n"
+    );
+
+    succeed(folder.path(), &["replay", "a.jsonl", "-o", "page.html"]);
+    let page = fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.starts_with("<!doctype html>") || page.starts_with("<!DOCTYPE html>"));
+}
+
+#[test]
+fn differences_are_named_and_exit_with_1() {
+    let folder = tempfile::tempdir().unwrap();
+    for (seed, name) in [("1", "a.jsonl"), ("2", "b.jsonl")] {
+        succeed(
+            folder.path(),
+            &["trace", "record", "--seed", seed, "-o", name],
+        );
+    }
+    let output = jcas(folder.path(), &["trace", "diff", "a.jsonl", "b.jsonl"]);
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        told.starts_with("first difference: header, seed: "),
+        "{told}"
+    );
+
+    let output = jcas(
+        folder.path(),
+        &["trace", "diff", "a.jsonl", "b.jsonl", "--json"],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    let told = json(&String::from_utf8(output.stdout).unwrap());
+    assert_eq!(told["equal"], false);
+    assert_eq!(told["difference"]["field"], "seed");
+}
+
+#[test]
+fn a_sweep_goes_on_where_it_was_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = [
+        "sweep",
+        "--uavs",
+        "3,5",
+        "--hotspots",
+        "3,5",
+        "--episodes",
+        "8",
+        "--no-figures",
+    ];
+    succeed(folder.path(), &sweep);
+    let table = folder.path().join("out/results.csv");
+    let whole = fs::read_to_string(&table).unwrap();
+    assert_eq!(whole.lines().count(), 1 + 4);
+
+    // As Ctrl-C leaves it: some cells are there, others are not. A value that no flight gives shows that
+    // the rows on file are kept and not flown again.
+    let lines: Vec<&str> = whole.lines().collect();
+    let success = lines[0]
+        .split(',')
+        .position(|name| name == "success_rate")
+        .unwrap();
+    let mut fields: Vec<&str> = lines[2].split(',').collect();
+    fields[success] = "0.123";
+    let kept = fields.join(",");
+    fs::write(&table, format!("{}\n{kept}\n{}\n", lines[0], lines[4])).unwrap();
+    succeed(folder.path(), &sweep);
+    let resumed = fs::read_to_string(&table).unwrap();
+    assert_eq!(resumed, whole.replace(lines[2], &kept));
+}
+
+#[test]
+fn a_sweep_draws_and_plays() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = json(&succeed(
+        folder.path(),
+        &[
+            "sweep",
+            "--uavs",
+            "3,5",
+            "--hotspots",
+            "3",
+            "--vary",
+            "horizon_steps=20,40",
+            "--policy",
+            "swarm,teams",
+            "--episodes",
+            "4",
+            "--json",
+            "--out",
+            "results",
+        ],
+    ));
+    assert_eq!(told["cells"].as_array().unwrap().len(), 8);
+    let written: Vec<&str> = told["written"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|path| path.as_str().unwrap())
+        .collect();
+    // Four quantities over two lists of numbers, twice each; the table; the page.
+    assert_eq!(written.len(), 4 * 2 * 2 + 2);
+    for path in written {
+        assert!(
+            fs::metadata(folder.path().join(path)).unwrap().len() > 100,
+            "{path}"
+        );
+    }
+}
+
+#[test]
+fn shown_configurations_read_back_as_themselves() {
+    let folder = tempfile::tempdir().unwrap();
+    for format in ["toml", "json"] {
+        let name = format!("shown.{format}");
+        let show = [
+            "config", "show", "--preset", "paper", "--uavs", "7", "--format", format,
+        ];
+        let text = succeed(folder.path(), &show);
+        fs::write(folder.path().join(&name), &text).unwrap();
+        assert_eq!(
+            succeed(
+                folder.path(),
+                &["config", "show", "--config", &name, "--format", format]
+            ),
+            text
+        );
+        let told = succeed(folder.path(), &["config", "check", &name]);
+        assert!(told.contains("valid, configuration hash 0x"), "{told}");
+    }
+}
+
+#[test]
+fn single_fields_come_after_the_file_and_the_file_after_the_preset() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("mine.toml"),
+        "quorum = 2\nhorizon_steps = 60\ninform_payment = \"once\"\n",
+    )
+    .unwrap();
+    let shown = json(&succeed(
+        folder.path(),
+        &[
+            "config",
+            "show",
+            "--preset",
+            "paper",
+            "--config",
+            "mine.toml",
+            "--set",
+            "horizon_steps=70",
+            "--set",
+            "cell_size_m=40",
+            "--json",
+        ],
+    ));
+    assert_eq!(shown["charge_billing"], "nameplate");
+    assert_eq!(shown["inform_payment"], "once");
+    assert_eq!(shown["quorum"], 2);
+    assert_eq!(shown["horizon_steps"], 70);
+    assert_eq!(shown["cell_size_m"], 40.0);
+}
+
+#[test]
+fn presets_differ_in_what_they_are_said_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = succeed(folder.path(), &["config", "presets"]);
+    assert!(
+        told.contains("charge_billing") && told.contains("inform_payment"),
+        "{told}"
+    );
+    assert!(!told.contains("uav_count"), "{told}");
+}
+
+#[test]
+fn bench_divides_the_time_of_a_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = json(&succeed(
+        folder.path(),
+        &[
+            "bench",
+            "--uavs",
+            "4",
+            "--environments",
+            "3",
+            "--seconds",
+            "0.05",
+            "--json",
+        ],
+    ));
+    assert!(told["env_steps"].as_u64().unwrap() > 0);
+    let shares: f64 = told["phases"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|phase| phase["share"].as_f64().unwrap())
+        .sum();
+    assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+}
+
+#[test]
+fn every_command_has_help_with_examples_or_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in [
+        ["simulate"].as_slice(),
+        &["sweep"],
+        &["trace", "record"],
+        &["trace", "verify"],
+        &["trace", "diff"],
+        &["replay"],
+        &["config", "show"],
+        &["config", "check"],
+        &["bench"],
+    ] {
+        let help = succeed(folder.path(), &[command, ["--help"].as_slice()].concat());
+        assert!(help.contains("Examples:"), "{command:?}");
+    }
+    assert!(succeed(folder.path(), &["--help"]).contains("Exit codes:"));
+}

@@ -1,0 +1,171 @@
+//! The shortest way through several cells.
+
+use jcas_core::Cell;
+
+/// Up to this many cells the order is optimal: the table has 2^n rows.
+const EXACT_MAX: usize = 11;
+
+/// An order in which to visit `targets` from `start` by a short way, and its length in steps. Optimal for
+/// few targets (M. Held and R. M. Karp, 1962), else the nearest next, improved by reversals (2-opt).
+#[must_use]
+pub fn route(start: Cell, targets: &[Cell]) -> (Vec<usize>, u32) {
+    let order = if targets.len() <= EXACT_MAX {
+        shortest(start, targets)
+    } else {
+        let mut order = nearest_next(start, targets);
+        improve(start, targets, &mut order);
+        order
+    };
+    let steps = length(start, targets, &order);
+    (order, steps)
+}
+
+fn length(start: Cell, targets: &[Cell], order: &[usize]) -> u32 {
+    let mut here = start;
+    let mut steps = 0;
+    for &target in order {
+        steps += here.manhattan(targets[target]);
+        here = targets[target];
+    }
+    steps
+}
+
+/// `best[set][last]`: the shortest way through the set that ends in `last`, and what comes before it.
+fn shortest(start: Cell, targets: &[Cell]) -> Vec<usize> {
+    let count = targets.len();
+    let mut best = vec![(u32::MAX, usize::MAX); (1 << count) * count];
+    for (last, &target) in targets.iter().enumerate() {
+        best[(1 << last) * count + last].0 = start.manhattan(target);
+    }
+    for set in 1usize..1 << count {
+        for last in (0..count).filter(|last| set >> last & 1 == 1) {
+            let (steps, _) = best[set * count + last];
+            for next in (0..count).filter(|next| set >> next & 1 == 0) {
+                let longer = steps.saturating_add(targets[last].manhattan(targets[next]));
+                let entry = &mut best[(set | 1 << next) * count + next];
+                if longer < entry.0 {
+                    *entry = (longer, last);
+                }
+            }
+        }
+    }
+    let mut set = (1 << count) - 1;
+    let mut order = Vec::with_capacity(count);
+    let mut last = (0..count).min_by_key(|&last| best[set * count + last].0);
+    while let Some(target) = last.filter(|_| set != 0) {
+        order.push(target);
+        let (_, before) = best[set * count + target];
+        set &= !(1 << target);
+        last = (before < count).then_some(before);
+    }
+    order.reverse();
+    order
+}
+
+fn nearest_next(start: Cell, targets: &[Cell]) -> Vec<usize> {
+    let mut left: Vec<usize> = (0..targets.len()).collect();
+    let mut here = start;
+    let mut order = Vec::with_capacity(left.len());
+    while let Some(position) =
+        (0..left.len()).min_by_key(|&position| here.manhattan(targets[left[position]]))
+    {
+        let target = left.remove(position);
+        here = targets[target];
+        order.push(target);
+    }
+    order
+}
+
+/// Reverses stretches of the way while that shortens it. Each pass over all stretches costs their
+/// number; the number of passes is bounded by that of the targets.
+fn improve(start: Cell, targets: &[Cell], order: &mut [usize]) {
+    let cell = |order: &[usize], position: usize| targets[order[position]];
+    for _ in 0..order.len() {
+        let mut improved = false;
+        for from in 0..order.len() {
+            let before = if from == 0 {
+                start
+            } else {
+                cell(order, from - 1)
+            };
+            for to in from + 1..order.len() {
+                let mut old = before.manhattan(cell(order, from));
+                let mut new = before.manhattan(cell(order, to));
+                if to + 1 < order.len() {
+                    old += cell(order, to).manhattan(cell(order, to + 1));
+                    new += cell(order, from).manhattan(cell(order, to + 1));
+                }
+                if new < old {
+                    order[from..=to].reverse();
+                    improved = true;
+                }
+            }
+        }
+        if !improved {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use jcas_core::rng::{Purpose, below, bits64};
+
+    use super::*;
+
+    fn cells(seed: u64, count: u32) -> Vec<Cell> {
+        let draw = |k, axis| below(bits64(seed, k, 0, axis, Purpose::Policy), 12) as u32;
+        (0..count)
+            .map(|k| Cell {
+                x: draw(k, 0),
+                y: draw(k, 1),
+            })
+            .collect()
+    }
+
+    fn permutations(
+        left: &mut Vec<usize>,
+        order: &mut Vec<usize>,
+        visit: &mut impl FnMut(&[usize]),
+    ) {
+        if left.is_empty() {
+            visit(order);
+        }
+        for position in 0..left.len() {
+            order.push(left.remove(position));
+            permutations(left, order, visit);
+            left.insert(position, order.pop().unwrap());
+        }
+    }
+
+    #[test]
+    fn few_targets_are_visited_by_the_shortest_way() {
+        let start = Cell { x: 6, y: 6 };
+        for seed in 0..20 {
+            let targets = cells(seed, 6);
+            let mut least = u32::MAX;
+            permutations(&mut (0..6).collect(), &mut Vec::new(), &mut |order| {
+                least = least.min(length(start, &targets, order));
+            });
+            assert_eq!(route(start, &targets).1, least);
+        }
+    }
+
+    #[test]
+    fn every_target_is_visited_once_and_improving_never_lengthens() {
+        let start = Cell { x: 0, y: 0 };
+        for seed in 0..20 {
+            let targets = cells(seed, 40);
+            let (mut order, steps) = route(start, &targets);
+            let first = length(start, &targets, &nearest_next(start, &targets));
+            assert!(steps <= first, "{steps} {first}");
+            order.sort_unstable();
+            assert!(order.into_iter().eq(0..40));
+        }
+    }
+
+    #[test]
+    fn no_target_needs_no_step() {
+        assert_eq!(route(Cell { x: 1, y: 1 }, &[]), (Vec::new(), 0));
+    }
+}
