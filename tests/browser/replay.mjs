@@ -46,6 +46,8 @@ const SHOWN = `(() => {
 
 /** Map units of one cell in the page's drawing. */
 const CELL = 40;
+/** UAVs of one cell are fanned out, at most this many cells from its centre; on large grids they are drawn larger. */
+const FAN_OUT = 0.7 * Math.max(1, Math.max(header.config.grid_width, header.config.grid_height) / 26);
 
 function assertShows(shown, t) {
   const step = steps[t];
@@ -61,10 +63,9 @@ function assertShows(shown, t) {
   const positions = step.positions ?? header.initial.positions;
   assert.equal(Object.keys(shown.places).length, positions.length);
   positions.forEach(([x, y], id) => {
-    // UAVs of one cell are fanned out, but less than a cell away from its centre.
     const [shownX, shownY] = shown.places[id];
     const [dx, dy] = [shownX / CELL - (x + 0.5), header.config.grid_height - shownY / CELL - (y + 0.5)];
-    assert.ok(Math.hypot(dx, dy) < 0.7, `UAV ${id} at step ${t}: drawn ${dx}, ${dy} cells from (${x}, ${y})`);
+    assert.ok(Math.hypot(dx, dy) < FAN_OUT, `UAV ${id} at step ${t}: drawn ${dx}, ${dy} cells from (${x}, ${y})`);
     const alone = positions.filter(([ox, oy]) => ox === x && oy === y).length === 1;
     if (alone) assert.ok(Math.hypot(dx, dy) < 0.01, `UAV ${id} is alone in its cell at step ${t}, but not drawn at its centre`);
   });

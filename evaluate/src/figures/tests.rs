@@ -22,6 +22,18 @@ fn success() -> Figure {
     .reference(73.0, "paper")
 }
 
+fn table() -> HeatTable {
+    HeatTable {
+        title: "Success".into(),
+        note: String::new(),
+        value: Axis::new("Success", "%").span(0.0, 100.0),
+        columns: Axis::new("Hotspots n", "").categories(["3", "5"]),
+        rows: Axis::new("Fleet size N", "").categories(["5", "10"]),
+        cells: vec![vec![Some(57.0), Some(15.0)], vec![Some(100.0), None]],
+        decimals: Some(0),
+    }
+}
+
 fn every_kind() -> Vec<Box<dyn Draw>> {
     let wave = |phase: f64| -> Vec<Point> {
         (0..60)
@@ -75,15 +87,6 @@ fn every_kind() -> Vec<Box<dyn Draw>> {
         "step",
         vec![Point::new(1.0, 2.0), Point::new(1000.0, 900.0)],
     ));
-    let table = HeatTable {
-        title: "Success".into(),
-        note: String::new(),
-        value: Axis::new("Success", "%").span(0.0, 100.0),
-        columns: Axis::new("Hotspots n", "").categories(["3", "5"]),
-        rows: Axis::new("Fleet size N", "").categories(["5", "10"]),
-        cells: vec![vec![Some(57.0), Some(15.0)], vec![Some(100.0), None]],
-        decimals: Some(0),
-    };
     let panels = Panels {
         title: "All".into(),
         note: String::new(),
@@ -96,7 +99,7 @@ fn every_kind() -> Vec<Box<dyn Draw>> {
         Box::new(bars),
         Box::new(scatter),
         Box::new(costs),
-        Box::new(table),
+        Box::new(table()),
         Box::new(panels),
     ]
 }
@@ -138,25 +141,24 @@ fn every_kind_is_drawn_the_same_each_time() {
 
 #[test]
 fn png_has_twice_the_pixels_and_is_not_blank() {
-    for figure in every_kind().into_iter().skip(4).take(2) {
-        let (width, height) = figure.size();
-        let bytes = figure.png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
-            .read_info()
-            .unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((info.width, info.height), (2 * width, 2 * height));
-        let inked = pixels
-            .chunks(3)
-            .filter(|pixel| **pixel != [255, 255, 255])
-            .count();
-        assert!(
-            inked > 2_000,
-            "{} has only {inked} inked pixels",
-            figure.description()
-        );
-    }
+    let figure = table();
+    let (width, height) = figure.size();
+    let bytes = figure.png().unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!((info.width, info.height), (2 * width, 2 * height));
+    let inked = pixels
+        .chunks(3)
+        .filter(|pixel| **pixel != [255, 255, 255])
+        .count();
+    assert!(
+        inked > 2_000,
+        "{} has only {inked} inked pixels",
+        figure.description()
+    );
 }
 
 #[test]
@@ -193,14 +195,14 @@ fn files_appear_whole_and_errors_name_them() {
     std::fs::create_dir_all(&folder).unwrap();
     let (svg, png) = (folder.join("a.svg"), folder.join("a.png"));
     success().write_svg(&svg).unwrap();
-    success().write_png(&png).unwrap();
+    table().write_png(&png).unwrap();
     assert_eq!(
         std::fs::read_to_string(&svg).unwrap(),
         success().svg().unwrap()
     );
     assert_eq!(
         std::fs::read(&png).unwrap(),
-        success().png().unwrap(),
+        table().png().unwrap(),
         "the same bytes each time"
     );
     assert_eq!(

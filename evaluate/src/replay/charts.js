@@ -58,6 +58,13 @@ function createChart(parent, lastStep, plan, onSeek) {
   }
 }
 
+/** A number with its sign in front, and no sign on a zero. */
+function fixed(value, digits, plus = '') {
+  const text = Math.abs(value).toFixed(digits);
+  if (Number(text) === 0) return text;
+  return (value < 0 ? '−' : plus) + text;
+}
+
 function createCharts(parent, episode, onSeek) {
   const { series, frames, config, lastStep } = episode;
   const small = (text) => `<small>${text}</small>`;
@@ -79,9 +86,9 @@ function createCharts(parent, episode, onSeek) {
       area: series.throughput, lines: [{ values: series.throughput }], format: (t) => series.throughput[t].toFixed(2),
     },
     {
-      title: 'Reward', key: '<b>sum</b>, <b class="bar">each step</b>', low: Math.min(bottom(series.rewardSum), bottom(series.reward)), high: top(series.rewardSum, 1), label: (v) => v.toFixed(0),
+      title: 'Reward', key: '<b>sum</b>, <b class="bar">each step</b>', low: Math.min(bottom(series.rewardSum), bottom(series.reward)), high: top(series.rewardSum, 1), label: (v) => fixed(v, 0),
       bars: series.reward, lines: [{ values: series.rewardSum }],
-      format: (t) => `${series.rewardSum[t].toFixed(1)} ${small(`${series.reward[t] < 0 ? '−' : '+'}${Math.abs(series.reward[t]).toFixed(2)}`)}`,
+      format: (t) => `${fixed(series.rewardSum[t], 1)} ${small(fixed(series.reward[t], 2, '+'))}`,
     },
     {
       title: 'CO₂', key: 'from charging, so far', low: 0, high: top(series.co2_g, 1), label: (v) => `${v.toFixed(0)} g`,

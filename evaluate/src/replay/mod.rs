@@ -4,9 +4,9 @@
 
 mod episode;
 
-pub use episode::ReplayError;
-
 use episode::Episode;
+
+use crate::trace::{self, Trace, TraceError};
 
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
@@ -21,8 +21,19 @@ const SCRIPTS: [&str; 5] = [
 ];
 
 /// The page that plays the episode of `trace_text` (JSON lines).
-pub fn page(trace_text: &str) -> Result<String, ReplayError> {
-    let episode = Episode::read(trace_text)?;
+///
+/// # Errors
+/// When the text is not a whole trace of this format.
+pub fn page(trace_text: &str) -> Result<String, TraceError> {
+    page_of(&trace::read(trace_text.as_bytes())?)
+}
+
+/// The page that plays the episode of a trace.
+///
+/// # Errors
+/// When a list of the trace has the wrong length, or holds a cell or an index that does not exist.
+pub fn page_of(trace: &Trace) -> Result<String, TraceError> {
+    let episode = Episode::of(trace)?;
     Ok(fill(
         TEMPLATE,
         &[

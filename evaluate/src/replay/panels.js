@@ -163,6 +163,6 @@ function createRewards(list, { frames, rewardNames }) {
     bar.className = sum < 0 ? 'negative' : '';
     bar.style.width = `${share}%`;
     bar.style.left = `${sum < 0 ? 50 - share : 50}%`;
-    value.textContent = `${sum < 0 ? '−' : ''}${Math.abs(sum).toFixed(2)}`;
+    value.textContent = fixed(sum, 2);
   });
 }

@@ -35,12 +35,18 @@ function writeHeader() {
   const { header, end, uavCount, hotspotCount, lastStep, frames, config } = episode;
   const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
   $('headline').textContent = `${plural(uavCount, 'UAV')} search for ${plural(hotspotCount, 'hotspot')}`;
-  $('byline').textContent = `policy ${header.policy}, pilot density ${header.pilot}, seed ${BigInt(header.seed)}, quorum ${config.quorum}, ${config.grid_width} × ${config.grid_height} cells of ${config.cell_size_m} m`;
+  $('byline').textContent = `policy ${header.policy}, pilot density ${header.pilot}, seed ${shortSeed(header.seed)}, quorum ${config.quorum}, ${config.grid_width} × ${config.grid_height} cells of ${config.cell_size_m} m`;
   $('result').textContent = end.terminated ? `Complete in ${plural(lastStep, 'step')}` : `${frames[lastStep].informed.size} of ${hotspotCount} informed after ${plural(lastStep, 'step')}`;
   $('result').classList.add(end.terminated ? 'success' : 'failure');
   $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
   $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
   $('footer').textContent = `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. The page is one file and loads nothing. Press ? for the keys.`;
+}
+
+/** Small seeds as people type them, derived ones as the trace has them. */
+function shortSeed(hex) {
+  const seed = BigInt(hex);
+  return seed < 1_000_000n ? `${seed}` : `0x${seed.toString(16)}`;
 }
 
 /** One lane of marks above the slider: events of the same step are stacked. */
