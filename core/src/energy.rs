@@ -122,6 +122,7 @@ pub struct Activity {
 
 /// What a step did to a battery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(kani, derive(kani::Arbitrary))]
 pub struct Settlement {
     /// Charge after the step.
     pub battery_uj: u64,
@@ -133,7 +134,24 @@ pub struct Settlement {
     pub shortfall_uj: u64,
 }
 
+impl Settlement {
+    /// Whether this settles a battery: within its bounds, and to the last microjoule.
+    #[cfg(any(kani, test))]
+    pub(crate) fn balances(&self, battery: u64, asked: u64, offered: u64, capacity: u64) -> bool {
+        self.battery_uj <= capacity
+            && self.spent_uj <= battery
+            && self.accepted_uj <= offered
+            && self.accepted_uj <= capacity
+            && battery + self.accepted_uj == self.battery_uj + self.spent_uj
+            && self.spent_uj <= asked
+            && self.shortfall_uj == asked - self.spent_uj
+            && (self.shortfall_uj == 0 || self.spent_uj == battery)
+    }
+}
+
 /// Spends first, then charges: b(t+1) = min(B_max, b(t) - e(t) + χ r_ch), never below 0.
+#[cfg_attr(kani, kani::requires(battery_uj <= capacity_uj && capacity_uj <= 1 << 62))]
+#[cfg_attr(kani, kani::ensures(|after| after.balances(battery_uj, asked_uj, offered_uj, capacity_uj)))]
 #[inline]
 #[must_use]
 pub fn settle(battery_uj: u64, asked_uj: u64, offered_uj: u64, capacity_uj: u64) -> Settlement {

@@ -9,6 +9,10 @@ use crate::layout::Layout;
 use crate::reward::RewardPlan;
 use crate::{link, motion, radar};
 
+#[cfg(any(kani, test))]
+#[path = "proofs/any_model.rs"]
+pub(crate) mod any_model;
+
 /// The words behind a model: the caller's, or its own with the `alloc` feature.
 #[derive(Clone, Debug)]
 enum Words<'m> {

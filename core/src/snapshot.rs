@@ -105,9 +105,9 @@ impl Model<'_> {
 
 /// The word at a position in little-endian bytes; 0 beyond the end.
 fn word(bytes: &[u8], index: usize) -> u64 {
-    let mut word = 0;
-    for (shift, byte) in bytes.iter().skip(8 * index).take(8).enumerate() {
-        word |= u64::from(*byte) << (8 * shift);
+    let mut word = [0; 8];
+    if let Some(chunk) = bytes.get(8 * index..8 * index + 8) {
+        word.copy_from_slice(chunk);
     }
-    word
+    u64::from_le_bytes(word)
 }

@@ -18,13 +18,18 @@ impl StateRef<'_> {
             return false;
         };
         self.header.config_hash() == model.config_hash()
-            && self.time_is_bounded(model, phase)
+            && self.fleet_is_valid(model, phase)
+            && self.scalars_are_valid(model)
+    }
+
+    /// All but the scalars that only the end of a step changes.
+    pub(crate) fn fleet_is_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
+        self.time_is_bounded(model, phase)
             && self.uavs_are_valid(model)
             && self.hotspots_are_valid(model)
             && self.knowledge_is_valid(model, phase)
             && self.links_are_valid(model)
             && self.visits_are_valid(model, phase)
-            && self.scalars_are_valid(model)
     }
 
     fn time_is_bounded(&self, model: &Model<'_>, phase: Phase) -> bool {

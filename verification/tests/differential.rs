@@ -102,6 +102,7 @@ fn fly(config: Config, pilot: Pilot, dice: &mut Dice, reached: &mut Reached) -> 
 
 fn compare(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
     comparison::states(spec, world, &sim.state())?;
+    comparison::equal("is_valid", true, sim.state().is_valid(sim.model()))?;
     let model = sim.model();
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     sim.observe(&mut observations)

@@ -9,15 +9,10 @@ use crate::energy::{Activity, EnergyPlan, settle};
 /// A legal configuration's ledgers stay below this (`Config::validate`).
 const ROOM_UJ: u64 = 1 << 62;
 
-/// What was there and what came in is what is there and what went out.
+/// What was there and what came in is what is there and what went out, and the battery is in its bounds.
 fn balances(battery: u64, asked: u64, offered: u64, capacity: u64) {
     let after = settle(battery, asked, offered, capacity);
-    assert!(after.battery_uj <= capacity);
-    assert!(battery + after.accepted_uj == after.battery_uj + after.spent_uj);
-    assert!(after.spent_uj + after.shortfall_uj == asked);
-    assert!(after.spent_uj <= battery);
-    assert!(after.accepted_uj <= offered);
-    assert!(after.shortfall_uj == 0 || after.spent_uj == battery);
+    assert!(after.balances(battery, asked, offered, capacity));
 }
 
 #[cfg_attr(kani, kani::proof)]
@@ -34,6 +29,20 @@ pub fn battery_ledger_balances() {
     );
     kani::cover!(after.shortfall_uj > 0, "asks for more than there is");
     balances(battery, asked, offered, capacity);
+}
+
+/// `settle` keeps the contract that the end of a step relies on in its place.
+#[cfg_attr(kani, kani::proof_for_contract(crate::energy::settle))]
+pub fn settling_keeps_its_contract() {
+    let capacity = between(1, ROOM_UJ);
+    let battery = between(0, capacity);
+    let (asked, offered) = (between(0, ROOM_UJ), between(0, ROOM_UJ));
+    let after = settle(battery, asked, offered, capacity);
+    kani::cover!(
+        after.accepted_uj > 0 && after.spent_uj > 0,
+        "spends and charges"
+    );
+    assert!(after.battery_uj <= capacity);
 }
 
 /// No activity at any pilot density asks for more than the plan's most.
@@ -64,5 +73,6 @@ pub fn no_step_asks_for_more_than_planned() {
 #[cfg(not(kani))]
 super::standin::twins! {
     battery_ledger_balances: 4000 cases, 3 covers;
+    settling_keeps_its_contract: 2000 cases, 1 covers;
     no_step_asks_for_more_than_planned: 2000 cases, 2 covers;
 }

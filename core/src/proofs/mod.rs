@@ -16,4 +16,6 @@ mod knowledge;
 mod motion;
 mod reward;
 mod rng;
+mod snapshot;
+mod step;
 mod tables;

@@ -103,11 +103,11 @@ mod dense {
 
     #[test]
     fn exp_stays_within_its_stub() {
-        for step in -700_000..=700_000 {
+        for step in -70_000..=70_000 {
             let value = libm::exp(f64::from(step) / 1000.0);
             assert!(
                 (EXP_MIN..=EXP_MAX).contains(&value),
-                "exp({step}/1000) = {value}"
+                "exp({step}/100) = {value}"
             );
         }
     }
@@ -129,8 +129,8 @@ mod dense {
 
     #[test]
     fn log2_stays_within_its_stub() {
-        for step in 0..=305_000 {
-            let x = 1.0 + libm::pow(10.0, f64::from(step) / 1000.0);
+        for step in 0..=30_500 {
+            let x = 1.0 + libm::pow(10.0, f64::from(step) / 100.0);
             let value = libm::log2(x);
             assert!((0.0..=LOG2_MAX).contains(&value), "log2({x}) = {value}");
         }

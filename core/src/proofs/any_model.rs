@@ -1,0 +1,102 @@
+//! The model that the proofs of whole steps run on.
+//!
+//! Kani gets one configuration, as small as a mission can be that still has pairs,
+//! and tables of any values within the range that `proofs::tables` shows. The
+//! stand-in gets real models of random small configurations.
+
+use super::Model;
+use crate::config::Config;
+use crate::proofs::inputs::between;
+#[cfg(not(kani))]
+use crate::proofs::standin as kani;
+
+/// Words of the tables of the smallest model.
+pub(crate) const SMALLEST_TABLE_WORDS: usize = 18;
+/// Room for the tables of every model that [`any_model`] makes.
+#[cfg(kani)]
+pub(crate) const TABLE_WORDS: usize = SMALLEST_TABLE_WORDS;
+/// Room for the tables of every model that [`any_model`] makes.
+#[cfg(not(kani))]
+pub(crate) const TABLE_WORDS: usize = 3 * 16 + 7 + 7;
+
+/// Two UAVs, one hotspot, two by two cells, a battery for two moves.
+pub(crate) fn smallest() -> Config {
+    Config {
+        grid_width: 2,
+        grid_height: 2,
+        uav_count: 2,
+        hotspot_count: 1,
+        horizon_steps: 3,
+        quorum: 2,
+        battery_capacity_kwh: 2e-3,
+        rtb_threshold_kwh: 5e-4,
+        ..Config::default()
+    }
+}
+
+/// A model whose radar and link tables hold anything in range.
+#[cfg(kani)]
+pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    use super::{Tables, Words};
+    use crate::config::{Cell, MAX_DEPOTS};
+    use crate::proofs::inputs::real_between;
+
+    let config = smallest();
+    let depots = config.effective_depots();
+    let tables = Tables::of(2, 2);
+    for y in 0..2 {
+        for x in 0..2 {
+            let index = (2 * y + x) as usize;
+            words[index] = real_between(1e-305, 1e305).to_bits();
+            words[tables.link + index] = real_between(0.0, 1e6).to_bits();
+            let distance = Cell { x, y }.manhattan(depots.as_slice()[0]);
+            words[tables.depot + index] = u64::from(distance) << 32;
+        }
+    }
+    let mut sorted_depots = [u32::MAX; MAX_DEPOTS];
+    sorted_depots[0] = 3;
+    Model {
+        hash: 1,
+        depots,
+        sorted_depots,
+        energy: super::EnergyPlan::new(&config),
+        carbon: super::CarbonPlan::new(&config),
+        reward: super::RewardPlan::new(&config),
+        layout: super::Layout::of(&config),
+        uavs: 2,
+        hotspots: 1,
+        width: 2,
+        height: 2,
+        loss_per_load: 0.25,
+        threshold_db: 13.1,
+        reach_cells: 1,
+        bucket_side: 2,
+        bucket_columns: 1,
+        bucket_rows: 1,
+        tables: Words::Borrowed(words),
+        config,
+    }
+}
+
+/// A real model: the smallest, or one of up to five UAVs, four hotspots and 16 cells.
+#[cfg(not(kani))]
+pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    let mut config = smallest();
+    if kani::any() {
+        config.grid_width = between(1, 4) as u32;
+        config.grid_height = between(2, 4) as u32;
+        config.uav_count = between(1, 5) as u32;
+        let room = u64::from(config.grid_width * config.grid_height) - 1;
+        config.hotspot_count = between(1, room.min(4)) as u32;
+        config.horizon_steps = between(1, 12) as u32;
+        config.quorum = between(1, 2) as u32;
+        config.processing_gain_db = 8.0 + between(0, 30) as f64;
+        config.link_throughput_min = between(0, 12) as f64 / 8.0;
+        config.initial_soc_min = between(0, 1) as f64;
+    }
+    let len = Model::table_words(&config).unwrap_or(0);
+    match Model::new_in(config, &mut words[..len]) {
+        Ok(model) => model,
+        Err(error) => panic!("{error}"),
+    }
+}

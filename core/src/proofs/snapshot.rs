@@ -1,0 +1,131 @@
+//! P11: loading judges any bytes, and accepts exactly the snapshots of valid states.
+//!
+//! The checksum is left out under Kani (its stub adds nothing, so that its value is a constant): the
+//! claims hold whatever the checksum is, as it only ever refuses more.
+
+use super::inputs::between;
+#[cfg(not(kani))]
+use super::standin as kani;
+use super::step::{STATE_WORDS, any_state, differ, view};
+use crate::header::Phase;
+use crate::model::Model;
+use crate::model::any_model::{TABLE_WORDS, any_model};
+
+/// Bytes around a state: magic, version, fingerprint, checksum.
+const FRAME_WORDS: usize = 4;
+const SNAPSHOT_BYTES: usize = 8 * (STATE_WORDS + FRAME_WORDS);
+
+#[cfg(kani)]
+fn skip_bytes(_: &mut crate::hash::Fnv1a, _: &[u8]) {}
+
+#[cfg(kani)]
+fn skip_word(_: &mut crate::hash::Fnv1a, _: u64) {}
+
+/// Any bytes at all.
+#[cfg(kani)]
+fn any_bytes(_: &Model<'_>) -> [u8; SNAPSHOT_BYTES] {
+    kani::any()
+}
+
+/// A snapshot with a byte changed, and in every other case the checksum made to match.
+#[cfg(not(kani))]
+fn any_bytes(model: &Model<'_>) -> [u8; SNAPSHOT_BYTES] {
+    let words = any_state(model, Phase::Ready);
+    let mut bytes = [0; SNAPSHOT_BYTES];
+    let len = model.save_len();
+    model
+        .save(&words[..model.state_words()], &mut bytes[..len])
+        .unwrap();
+    if kani::any() {
+        bytes[between(0, len as u64 - 1) as usize] ^= 1 << between(0, 7);
+        if kani::any() {
+            let mut hash = crate::hash::Fnv1a::new();
+            hash.write(&bytes[..len - 8]);
+            bytes[len - 8..len].copy_from_slice(&hash.finish().to_le_bytes());
+        }
+    }
+    bytes
+}
+
+/// Some byte differs. Kani looks at any one of them, the stand-in at all.
+fn bytes_differ(a: &[u8], b: &[u8]) -> bool {
+    if cfg!(kani) {
+        let index = between(0, a.len() as u64 - 1) as usize;
+        return a[index] != b[index];
+    }
+    a != b
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(63))]
+#[cfg_attr(kani, kani::solver(cadical))]
+#[cfg_attr(kani, kani::stub(crate::hash::Fnv1a::write, skip_bytes))]
+#[cfg_attr(kani, kani::stub(crate::hash::Fnv1a::write_u64, skip_word))]
+pub fn loading_accepts_only_snapshots_of_valid_states() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let (words, len) = (model.state_words(), model.save_len());
+    let bytes = any_bytes(&model);
+    let before: [u64; STATE_WORDS] = kani::any();
+    let (mut after, mut spare) = (before, [0; STATE_WORDS]);
+    let loaded = model.load(&bytes[..len], &mut after[..words], &mut spare[..words]);
+    kani::cover!(loaded.is_ok(), "accepted");
+    kani::cover!(loaded.is_err(), "refused");
+    if loaded.is_ok() {
+        let mut again = [0; SNAPSHOT_BYTES];
+        assert!(view(&model, &after).is_valid(&model));
+        assert!(model.save(&after[..words], &mut again[..len]).is_ok());
+        assert!(!bytes_differ(&bytes[..len], &again[..len]));
+    } else {
+        assert!(!differ(&before, &after));
+    }
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(63))]
+#[cfg_attr(kani, kani::solver(cadical))]
+#[cfg_attr(kani, kani::stub(crate::hash::Fnv1a::write, skip_bytes))]
+#[cfg_attr(kani, kani::stub(crate::hash::Fnv1a::write_u64, skip_word))]
+pub fn loading_what_was_saved_is_the_identity() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let (words, len) = (model.state_words(), model.save_len());
+    let phase = if kani::any() {
+        Phase::Ready
+    } else {
+        Phase::Sensed
+    };
+    let state = any_state(&model, phase);
+    let mut bytes = [0; SNAPSHOT_BYTES];
+    assert!(model.save(&state[..words], &mut bytes[..len]).is_ok());
+    let (mut loaded, mut spare) = ([0; STATE_WORDS], [0; STATE_WORDS]);
+    let done = model.load(&bytes[..len], &mut loaded[..words], &mut spare[..words]);
+    kani::cover!(view(&model, &state).t() > 0, "after the reset");
+    assert!(done.is_ok());
+    assert!(!differ(&state, &loaded));
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(10))]
+#[cfg_attr(kani, kani::stub(crate::hash::Fnv1a::write, skip_bytes))]
+pub fn bytes_of_another_length_are_refused() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let words = model.state_words();
+    let bytes: [u8; 40] = kani::any();
+    let len = between(0, 40) as usize;
+    let before: [u64; STATE_WORDS] = kani::any();
+    let (mut after, mut spare) = (before, [0; STATE_WORDS]);
+    let loaded = model.load(&bytes[..len], &mut after[..words], &mut spare[..words]);
+    kani::cover!(len == 0, "nothing");
+    kani::cover!(len == 40, "a frame without a state");
+    assert!(loaded.is_err());
+    assert!(!differ(&before, &after));
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    loading_accepts_only_snapshots_of_valid_states: 1000 cases, 2 covers;
+    loading_what_was_saved_is_the_identity: 500 cases, 1 covers;
+    bytes_of_another_length_are_refused: 1000 cases, 2 covers;
+}
