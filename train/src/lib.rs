@@ -1,1 +1,14 @@
-//! See the package description.
+//! Training of fleets: PPO with one actor shared by all UAVs and a critic on the global state.
+//!
+//! Reads from the outside in: [`settings`] says what a run is told, [`trainer`] what an iteration
+//! does, [`ppo`] how it learns, [`network`] and [`head`] what is learnt.
+
+#![forbid(unsafe_code)]
+
+pub mod environment;
+pub mod head;
+pub mod network;
+pub mod ppo;
+pub mod random;
+pub mod settings;
+pub mod trainer;

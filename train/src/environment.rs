@@ -1,0 +1,108 @@
+//! What the trainer asks of an environment: several equal missions side by side, stepped together.
+//!
+//! The trait is the whole contract between PPO and the simulator, so that the algorithm can be
+//! tested on an environment small enough to know the best return of.
+
+pub mod beacon;
+pub mod fleet;
+
+/// Sizes that every environment of one group shares.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// Missions side by side (M).
+    pub environments: usize,
+    /// UAVs in each mission (N).
+    pub agents: usize,
+    /// Floats of one UAV's observation.
+    pub observation_len: usize,
+    /// Floats of the global state that the critic sees.
+    pub global_len: usize,
+    /// Hotspots of each mission (n); 0 where the task has none.
+    pub hotspots: usize,
+    /// Neighbour slots of an observation; 0 where the task has none.
+    pub neighbour_slots: usize,
+    /// Width and height of the grid; positions are fractions of these less one.
+    pub grid: [u32; 2],
+}
+
+impl Shape {
+    /// Rows of the observation matrix: one for each UAV of each mission.
+    pub fn rows(&self) -> usize {
+        self.environments * self.agents
+    }
+
+    /// Cells that a position difference of 1 stands for, along x and y.
+    pub fn position_cells(&self) -> [f32; 2] {
+        self.grid.map(|cells| cells.saturating_sub(1) as f32)
+    }
+}
+
+/// What one step of M missions returns. All buffers are sized by [`StepOut::new`].
+#[derive(Clone, Debug)]
+pub struct StepOut {
+    /// Team reward of each mission, M.
+    pub rewards: Vec<f32>,
+    /// The mission ended by itself: nothing follows.
+    pub terminated: Vec<bool>,
+    /// The mission was cut at the horizon: its value goes on.
+    pub truncated: Vec<bool>,
+    /// Global state at the end of a mission that ended in this step (M × S); else unspecified.
+    pub final_global: Vec<f32>,
+    /// Summaries of the missions that ended in this step, in the order of their index.
+    pub finished: Vec<Episode>,
+}
+
+impl StepOut {
+    /// Buffers for a group of this shape.
+    pub fn new(shape: Shape) -> StepOut {
+        StepOut {
+            rewards: vec![0.0; shape.environments],
+            terminated: vec![false; shape.environments],
+            truncated: vec![false; shape.environments],
+            final_global: vec![0.0; shape.environments * shape.global_len],
+            finished: Vec::new(),
+        }
+    }
+}
+
+/// A finished mission, as the training log reports it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Episode {
+    /// Undiscounted sum of the rewards the configuration pays.
+    pub return_sum: f64,
+    /// Whether the mission was completed.
+    pub success: bool,
+    /// Steps it took.
+    pub steps: u32,
+    /// Energy spent by the whole fleet, kWh.
+    pub energy_kwh: f64,
+    /// Mean of the fleet's normalised throughput over the steps.
+    pub throughput: f64,
+}
+
+/// M missions that step together and start again by themselves.
+pub trait VectorEnvironment: Send {
+    /// Sizes of every buffer.
+    fn shape(&self) -> Shape;
+
+    /// Starts every mission anew; mission m takes its seed from (`seed`, m).
+    fn reset(&mut self, seed: u64);
+
+    /// Observations (M·N × O) and global states (M × S) of the missions as they are now.
+    fn observe(&mut self, observations: &mut [f32], global: &mut [f32]);
+
+    /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
+    fn step(&mut self, actions: &[f32], out: &mut StepOut);
+
+    /// Actions (M·N × 2) that the teacher would take now; false where there is no teacher.
+    fn teacher_actions(&mut self, actions: &mut [f32]) -> bool {
+        let _ = actions;
+        false
+    }
+
+    /// Everything that the future of the missions depends on.
+    fn save(&self) -> Vec<u8>;
+
+    /// Takes back what [`VectorEnvironment::save`] gave.
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String>;
+}

@@ -1,0 +1,250 @@
+//! A categorical motion and a Beta-distributed pilot density, independent given the observation.
+//!
+//! Motion has no order, so a normal over five bins has to pass through one motion to reach
+//! another; a categorical does not. The Beta lives on the pilot range itself and needs no clipping.
+
+use super::{Densities, MOTIONS};
+use burn_tensor::activation::{log_softmax, softplus};
+use burn_tensor::{Int, Tensor, TensorData};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Beta, Distribution};
+
+/// Five motion logits, then the two Beta parameters before α, β = 1 + softplus.
+pub const OUTPUT_LEN: usize = MOTIONS + 2;
+
+/// Pilot samples stay this far inside (0, 1), where the Beta density is finite.
+const MARGIN: f32 = 1e-4;
+
+/// Weight of the pilot's squared error beside the motion's cross-entropy when imitating.
+const IMITATION_PILOT_WEIGHT: f32 = 4.0;
+
+fn log_softmax_slice(logits: &[f32]) -> [f64; MOTIONS] {
+    let max = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let mut shifted = [0.0; MOTIONS];
+    for (out, logit) in shifted.iter_mut().zip(logits) {
+        *out = f64::from(logit - max);
+    }
+    let log_sum = shifted.iter().map(|x| x.exp()).sum::<f64>().ln();
+    shifted.map(|x| x - log_sum)
+}
+
+fn softplus_scalar(x: f32) -> f64 {
+    let x = f64::from(x);
+    x.max(0.0) + (-x.abs()).exp().ln_1p()
+}
+
+fn concentrations(outputs: &[f32]) -> (f64, f64) {
+    (
+        1.0 + softplus_scalar(outputs[MOTIONS]),
+        1.0 + softplus_scalar(outputs[MOTIONS + 1]),
+    )
+}
+
+/// ln Γ(z) for z ≥ 1: Stirling's series at z + 5, brought back by the recurrence.
+fn ln_gamma(z: f64) -> f64 {
+    let w = z + 5.0;
+    let product = z * (z + 1.0) * (z + 2.0) * (z + 3.0) * (z + 4.0);
+    let series = 1.0 / (12.0 * w) - 1.0 / (360.0 * w * w * w);
+    (w - 0.5) * w.ln() - w + 0.918_938_533_204_672_7 + series - product.ln()
+}
+
+fn beta_log_density(alpha: f64, beta: f64, x: f64) -> f64 {
+    (alpha - 1.0) * x.ln() + (beta - 1.0) * (1.0 - x).ln() + ln_gamma(alpha + beta)
+        - ln_gamma(alpha)
+        - ln_gamma(beta)
+}
+
+pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32) {
+    let log_probs = log_softmax_slice(&outputs[..MOTIONS]);
+    let mut left: f64 = random.random();
+    let mut motion = MOTIONS - 1;
+    for (candidate, log_prob) in log_probs.iter().enumerate() {
+        left -= log_prob.exp();
+        if left < 0.0 {
+            motion = candidate;
+            break;
+        }
+    }
+    let (alpha, beta) = concentrations(outputs);
+    let pilot: f64 = Beta::new(alpha, beta)
+        .expect("α, β ≥ 1")
+        .sample(random);
+    let pilot = (pilot as f32).clamp(MARGIN, 1.0 - MARGIN);
+    let log_prob = log_probs[motion] + beta_log_density(alpha, beta, f64::from(pilot));
+    ([motion as f32, pilot], log_prob as f32)
+}
+
+pub(super) fn deterministic(outputs: &[f32]) -> [f32; 2] {
+    let mut motion = 0;
+    for candidate in 1..MOTIONS {
+        if outputs[candidate] > outputs[motion] {
+            motion = candidate;
+        }
+    }
+    let (alpha, beta) = concentrations(outputs);
+    [motion as f32, (alpha / (alpha + beta)) as f32]
+}
+
+/// The tensor twin of [`ln_gamma`].
+fn ln_gamma_tensor(z: Tensor<2>) -> Tensor<2> {
+    let w = z.clone().add_scalar(5.0);
+    let product = z.clone()
+        * z.clone().add_scalar(1.0)
+        * z.clone().add_scalar(2.0)
+        * z.clone().add_scalar(3.0)
+        * z.add_scalar(4.0);
+    let inverse = w.clone().recip();
+    let series = inverse.clone().div_scalar(12.0)
+        - (inverse.clone() * inverse.clone() * inverse).div_scalar(360.0);
+    w.clone().sub_scalar(0.5) * w.clone().log() - w + series - product.log()
+        + 0.918_938_533_204_672_7
+}
+
+/// ψ(z) for z ≥ 1, the derivative of the series in [`ln_gamma`].
+fn digamma_tensor(z: Tensor<2>) -> Tensor<2> {
+    let w = z.clone().add_scalar(5.0);
+    let inverse = w.clone().recip();
+    let square = inverse.clone().square();
+    let mut psi = w.log() - inverse.mul_scalar(0.5) - square.clone().div_scalar(12.0)
+        + square.square().div_scalar(120.0);
+    for shift in 0..5 {
+        psi = psi - z.clone().add_scalar(f64::from(shift)).recip();
+    }
+    psi
+}
+
+fn motions_tensor(raw: &[f32], like: &Tensor<2>) -> Tensor<2, Int> {
+    let motions: Vec<i64> = raw.chunks_exact(2).map(|pair| pair[0] as i64).collect();
+    let rows = motions.len();
+    Tensor::<2, Int>::from_data(TensorData::new(motions, [rows, 1]), &like.device())
+}
+
+fn pilots_tensor(raw: &[f32], like: &Tensor<2>) -> Tensor<2> {
+    let pilots: Vec<f32> = raw.chunks_exact(2).map(|pair| pair[1]).collect();
+    let rows = pilots.len();
+    Tensor::<2>::from_data(TensorData::new(pilots, [rows, 1]), &like.device())
+}
+
+pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
+    let log_probs = log_softmax(outputs.clone().narrow(1, 0, MOTIONS), 1);
+    let motion_log_prob = log_probs.clone().gather(1, motions_tensor(raw, &outputs));
+    let motion_entropy = (log_probs.clone().exp() * log_probs).sum_dim(1).neg();
+
+    let pilot = pilots_tensor(raw, &outputs);
+    // Columns α, β, α + β, so that each special function runs once.
+    let ab = softplus(outputs.narrow(1, MOTIONS, 2), 1.0).add_scalar(1.0);
+    let sum = ab.clone().sum_dim(1);
+    let abs = Tensor::cat(vec![ab.clone(), sum.clone()], 1);
+    let log_gammas = ln_gamma_tensor(abs.clone());
+    let log_norm = log_gammas.clone().narrow(1, 2, 1) - log_gammas.narrow(1, 0, 2).sum_dim(1);
+    let logs = Tensor::cat(
+        vec![pilot.clone().log(), pilot.neg().add_scalar(1.0).log()],
+        1,
+    );
+    let excess = ab.sub_scalar(1.0);
+    let pilot_log_prob = (excess.clone() * logs).sum_dim(1) + log_norm.clone();
+    let psi = digamma_tensor(abs);
+    let pilot_entropy = sum.sub_scalar(2.0) * psi.clone().narrow(1, 2, 1)
+        - (excess * psi.narrow(1, 0, 2)).sum_dim(1)
+        - log_norm;
+
+    Densities {
+        log_prob: motion_log_prob + pilot_log_prob,
+        entropy: motion_entropy + pilot_entropy,
+    }
+}
+
+pub(super) fn imitation_loss(outputs: Tensor<2>, raw: &[f32]) -> Tensor<2> {
+    let log_probs = log_softmax(outputs.clone().narrow(1, 0, MOTIONS), 1);
+    let cross_entropy = log_probs.gather(1, motions_tensor(raw, &outputs)).neg();
+    let pilot = pilots_tensor(raw, &outputs);
+    let ab = softplus(outputs.narrow(1, MOTIONS, 2), 1.0).add_scalar(1.0);
+    let mean = ab.clone().narrow(1, 0, 1) / ab.sum_dim(1);
+    cross_entropy + (mean - pilot).square().mul_scalar(IMITATION_PILOT_WEIGHT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burn_tensor::Device;
+
+    fn of(raw: [f32; 2], outputs: [f32; OUTPUT_LEN]) -> (f32, f32) {
+        let outputs = Tensor::<2>::from_data(
+            TensorData::new(outputs.to_vec(), [1, OUTPUT_LEN]),
+            &Device::flex(),
+        );
+        let densities = densities(outputs, &raw);
+        (
+            densities.log_prob.into_scalar::<f32>(),
+            densities.entropy.into_scalar::<f32>(),
+        )
+    }
+
+    // ln Γ at integers is ln (n-1)!, at 3/2 it is ln(√π / 2).
+    #[test]
+    fn ln_gamma_matches_factorials_and_the_half_integer() {
+        let mut factorial = 1.0f64;
+        for n in 1..15 {
+            assert!((ln_gamma(f64::from(n)) - factorial.ln()).abs() < 1e-6, "n = {n}");
+            factorial *= f64::from(n);
+        }
+        let half = (std::f64::consts::PI.sqrt() / 2.0).ln();
+        assert!((ln_gamma(1.5) - half).abs() < 1e-6);
+    }
+
+    // Equal logits: ln(1/5). softplus(ln(e-1)) = 1 gives Beta(2, 2): density 6x(1-x),
+    // entropy ln B(2,2) - 2ψ(2) + 2ψ(4) = ln(1/6) + 2(1/2 + 1/3) = -0.125093.
+    #[test]
+    fn densities_match_the_closed_form_of_beta_2_2() {
+        let one = (std::f32::consts::E - 1.0).ln();
+        let (log_prob, entropy) = of([3.0, 0.25], [0.3, 0.3, 0.3, 0.3, 0.3, one, one]);
+        let expected = (0.2f32).ln() + (6.0f32 * 0.25 * 0.75).ln();
+        assert!((log_prob - expected).abs() < 1e-5, "{log_prob} {expected}");
+        let expected = (5.0f32).ln() + (1.0f32 / 6.0).ln() + 2.0 * (0.5 + 1.0 / 3.0);
+        assert!((entropy - expected).abs() < 1e-5, "{entropy} {expected}");
+    }
+
+    #[test]
+    fn a_sample_carries_the_density_that_the_tensors_give() {
+        let mut random = crate::random::stream(5, 0);
+        for round in 0..200 {
+            let outputs: [f32; OUTPUT_LEN] =
+                std::array::from_fn(|_| random.random_range(-3.0f32..6.0));
+            let (raw, log_prob) = sample(&outputs, &mut random);
+            assert!((0.0..MOTIONS as f32).contains(&raw[0]) && (0.0..1.0).contains(&raw[1]));
+            let (from_tensors, _) = of(raw, outputs);
+            assert!((log_prob - from_tensors).abs() < 2e-4, "round {round}: {log_prob} {from_tensors}");
+        }
+    }
+
+    // The frequency of each motion over many draws, and the pilot's mean α/(α+β).
+    #[test]
+    fn samples_follow_the_distribution() {
+        let mut random = crate::random::stream(6, 0);
+        let outputs = [0.0, 1.0, -1.0, 0.5, 0.0, 2.0, 0.0];
+        let log_probs = log_softmax_slice(&outputs[..MOTIONS]);
+        let (alpha, beta) = concentrations(&outputs);
+        let (mut counts, mut pilot, draws) = ([0.0; MOTIONS], 0.0, 40_000);
+        for _ in 0..draws {
+            let (raw, _) = sample(&outputs, &mut random);
+            counts[raw[0] as usize] += 1.0;
+            pilot += f64::from(raw[1]);
+        }
+        for (count, log_prob) in counts.iter().zip(log_probs) {
+            assert!((count / f64::from(draws) - log_prob.exp()).abs() < 0.01);
+        }
+        assert!((pilot / f64::from(draws) - alpha / (alpha + beta)).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_loss_of_a_teacher_s_own_action_is_lowest() {
+        let outputs = Tensor::<2>::from_data(
+            TensorData::new(vec![5.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [1, OUTPUT_LEN]),
+            &Device::flex(),
+        );
+        let loss = |raw: [f32; 2]| imitation_loss(outputs.clone(), &raw).into_scalar::<f32>();
+        assert!(loss([0.0, 0.5]) < loss([1.0, 0.5]));
+        assert!(loss([0.0, 0.5]) < loss([0.0, 0.9]));
+    }
+}

@@ -1,0 +1,165 @@
+//! Actor and critic networks: a layout of named weight blocks over one flat parameter vector.
+//!
+//! The parameters are plain numbers; tensors are made of them where they are used, one set for
+//! each shard of a minibatch. That keeps the optimiser, checkpoints and policy files free of the
+//! tensor library, and lets shards run on different cores without sharing a graph.
+
+pub mod initial;
+pub mod mlp;
+pub mod set;
+
+use crate::environment::Shape;
+use burn_tensor::{Device, Tensor, TensorData};
+use serde::{Deserialize, Serialize};
+
+/// Which function of the input the network computes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Architecture {
+    /// Fully connected layers with ReLU between them; `sizes` from input to output.
+    Mlp {
+        /// Width of every layer, input and output included.
+        sizes: Vec<usize>,
+    },
+    /// Shared encoders over hotspots and neighbours, for any number of either.
+    SetActor {
+        /// Widths of the hidden layers after pooling.
+        hidden: Vec<usize>,
+        /// Outputs of the head.
+        outputs: usize,
+    },
+    /// The same over UAVs and hotspots of the global state; one output, the value.
+    SetCritic {
+        /// Widths of the hidden layers after pooling.
+        hidden: Vec<usize>,
+    },
+}
+
+/// One weight matrix or bias row inside the flat parameter vector.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Name in policy files, like `0.weight`.
+    pub name: String,
+    /// Rows (inputs of a layer; 1 for a bias).
+    pub rows: usize,
+    /// Columns (outputs of a layer).
+    pub columns: usize,
+    /// Where it starts in the parameter vector.
+    pub offset: usize,
+}
+
+impl Block {
+    /// Entries of the block.
+    pub fn len(&self) -> usize {
+        self.rows * self.columns
+    }
+
+    /// Whether the block has no entry.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// An architecture with its blocks laid out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Network {
+    /// What it computes.
+    pub architecture: Architecture,
+    /// Its weights, in the order of the flat vector.
+    pub blocks: Vec<Block>,
+}
+
+impl Network {
+    /// Lays out the blocks of an architecture.
+    pub fn new(architecture: Architecture) -> Network {
+        let shapes = match &architecture {
+            Architecture::Mlp { sizes } => mlp::blocks(sizes),
+            Architecture::SetActor { hidden, outputs } => set::actor_blocks(hidden, *outputs),
+            Architecture::SetCritic { hidden } => set::critic_blocks(hidden),
+        };
+        let mut offset = 0;
+        let blocks = shapes
+            .into_iter()
+            .map(|(name, rows, columns)| {
+                let block = Block { name, rows, columns, offset };
+                offset += block.len();
+                block
+            })
+            .collect();
+        Network { architecture, blocks }
+    }
+
+    /// Length of the flat parameter vector.
+    pub fn parameters(&self) -> usize {
+        self.blocks.iter().map(Block::len).sum()
+    }
+
+    /// Fresh weights; `output_gain` scales the last layer.
+    pub fn initial(&self, output_gain: f64, random: &mut rand_chacha::ChaCha8Rng) -> Vec<f32> {
+        initial::orthogonal(&self.blocks, output_gain, random)
+    }
+
+    /// Tensors of all blocks, ready for [`Network::forward`]; tracked on an autodiff device.
+    pub fn tensors(&self, parameters: &[f32], device: &Device) -> Vec<Tensor<2>> {
+        self.blocks
+            .iter()
+            .map(|block| {
+                let values = parameters[block.offset..block.offset + block.len()].to_vec();
+                let data = TensorData::new(values, [block.rows, block.columns]);
+                let tensor = Tensor::<2>::from_data(data, device);
+                if device.is_autodiff() { tensor.require_grad() } else { tensor }
+            })
+            .collect()
+    }
+
+    /// Outputs (rows × outputs) for inputs (rows × fields) of missions of this shape.
+    pub fn forward(&self, weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> Tensor<2> {
+        match &self.architecture {
+            Architecture::Mlp { .. } => mlp::forward(weights, input),
+            Architecture::SetActor { .. } => set::actor(weights, input, shape),
+            Architecture::SetCritic { .. } => set::critic(weights, input, shape),
+        }
+    }
+
+    /// Multiply-adds of one row's forward pass in matrix products.
+    pub fn products(&self, shape: &Shape) -> u64 {
+        match &self.architecture {
+            Architecture::Mlp { sizes } => {
+                sizes.windows(2).map(|pair| (pair[0] * pair[1]) as u64).sum()
+            }
+            Architecture::SetActor { hidden, outputs } => {
+                set::actor_products(hidden, *outputs, shape)
+            }
+            Architecture::SetCritic { hidden } => set::critic_products(hidden, shape),
+        }
+    }
+}
+
+/// Gradient of all blocks as one flat vector; a block that the loss does not touch gives zeros.
+pub fn flat_gradient(
+    network: &Network,
+    weights: &[Tensor<2>],
+    mut gradients: burn_tensor::Gradients,
+) -> Vec<f32> {
+    let mut flat = vec![0.0; network.parameters()];
+    for (block, weight) in network.blocks.iter().zip(weights) {
+        if let Some(gradient) = weight.grad_remove(&mut gradients) {
+            flat[block.offset..block.offset + block.len()].copy_from_slice(&values(gradient));
+        }
+    }
+    flat
+}
+
+/// The numbers of a tensor, row by row.
+pub fn values(tensor: Tensor<2>) -> Vec<f32> {
+    tensor
+        .into_data()
+        .try_into_vec::<f32>()
+        .expect("the trainer's tensors are f32")
+}
+
+/// A tensor of these rows.
+pub fn matrix(values: Vec<f32>, columns: usize, device: &Device) -> Tensor<2> {
+    let rows = values.len() / columns;
+    Tensor::<2>::from_data(TensorData::new(values, [rows, columns]), device)
+}

@@ -1,0 +1,8 @@
+//! Proximal policy optimisation, one idea a file.
+
+pub mod adam;
+pub mod gae;
+pub mod normalise;
+pub mod rollout;
+pub mod schedule;
+pub mod update;

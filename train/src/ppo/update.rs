@@ -1,0 +1,397 @@
+//! The PPO update: minibatches cut into shards, one gradient a shard, summed in a fixed order.
+//!
+//! A shard is a fixed number of rows whatever the machine, and the sum over shards runs in their
+//! order, so the cores change when a gradient is ready, never what it is.
+
+use crate::environment::Shape;
+use crate::head::Head;
+use crate::network::{Network, flat_gradient, matrix, values};
+use crate::ppo::adam::Adam;
+use crate::ppo::normalise::Affine;
+use crate::ppo::rollout::Rollout;
+use burn_tensor::{Device, Tensor};
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// A network with its weights and their optimiser.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trainable {
+    /// What it computes.
+    pub network: Network,
+    /// Its weights.
+    pub parameters: Vec<f32>,
+    /// Their optimiser.
+    pub adam: Adam,
+}
+
+impl Trainable {
+    /// Fresh weights.
+    pub fn new(network: Network, output_gain: f64, random: &mut ChaCha8Rng) -> Trainable {
+        let parameters = network.initial(output_gain, random);
+        let adam = Adam::new(parameters.len());
+        Trainable { network, parameters, adam }
+    }
+}
+
+/// A row of the batch: which rollout, which of its rows.
+type Row = (u32, u32);
+
+/// Rows of one shape that are worked on together.
+type Shard = Vec<Row>;
+
+/// What a pass over shards is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Rows of a minibatch.
+    pub minibatch_rows: usize,
+    /// Rows of a shard.
+    pub shard_rows: usize,
+    /// Adam's rate.
+    pub learning_rate: f64,
+    /// Clip of the gradient's norm.
+    pub gradient_norm_max: f32,
+}
+
+/// The actor's objective.
+#[derive(Clone, Copy, Debug)]
+pub struct ActorObjective {
+    /// Clip range ε.
+    pub clip: f32,
+    /// Weight of the entropy bonus.
+    pub entropy: f64,
+    /// Centre and scale advantages in each minibatch.
+    pub normalise_advantages: bool,
+    /// Share of rows to visit.
+    pub sample_share: f64,
+}
+
+/// Sums over rows of what the log shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
+    /// Rows.
+    pub rows: f64,
+    /// Loss.
+    pub loss: f64,
+    /// Entropy.
+    pub entropy: f64,
+    /// Estimated KL divergence from the policy that collected.
+    pub kl: f64,
+    /// Rows whose ratio was clipped.
+    pub clipped: f64,
+    /// Norms of the gradients, and how many.
+    pub gradient_norm: f64,
+    /// Updates made.
+    pub updates: f64,
+    /// Floating-point operations in matrix products.
+    pub operations: f64,
+}
+
+impl Sums {
+    /// Adds another pass.
+    pub fn merge(&mut self, other: &Sums) {
+        self.rows += other.rows;
+        self.loss += other.loss;
+        self.entropy += other.entropy;
+        self.kl += other.kl;
+        self.clipped += other.clipped;
+        self.gradient_norm += other.gradient_norm;
+        self.updates += other.updates;
+        self.operations += other.operations;
+    }
+}
+
+/// Operations of a forward and backward pass: three products a layer, less the first layer's
+/// input gradient, which nobody needs.
+fn operations(network: &Network, shape: &Shape, rows: usize) -> f64 {
+    let first = network.blocks.first().map_or(0, |block| block.len()) as f64;
+    rows as f64 * (6.0 * network.products(shape) as f64 - 2.0 * first)
+}
+
+/// Shuffled shards over rows of equal shape; every minibatch is a run of whole shards.
+fn shards(
+    rollouts: &[Rollout],
+    rows_of: impl Fn(&Rollout) -> usize,
+    share: f64,
+    shard_rows: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<Shard> {
+    let mut shards = Vec::new();
+    let mut first = 0;
+    while first < rollouts.len() {
+        let mut end = first + 1;
+        while end < rollouts.len() && rollouts[end].shape == rollouts[first].shape {
+            end += 1;
+        }
+        let mut rows: Vec<Row> = (first..end)
+            .flat_map(|rollout| {
+                (0..rows_of(&rollouts[rollout])).map(move |row| (rollout as u32, row as u32))
+            })
+            .collect();
+        rows.shuffle(random);
+        rows.truncate(((rows.len() as f64 * share).ceil() as usize).max(1));
+        shards.extend(rows.chunks(shard_rows).map(<[Row]>::to_vec));
+        first = end;
+    }
+    shards.shuffle(random);
+    shards
+}
+
+/// Everything that a pass needs besides the network.
+pub struct Pass<'a> {
+    /// The batch.
+    pub rollouts: &'a [Rollout],
+    /// Normalisation of the network's inputs.
+    pub inputs: &'a Affine,
+    /// Where gradients are computed (an autodiff device).
+    pub device: &'a Device,
+}
+
+impl Pass<'_> {
+    fn gather(&self, shard: &[Row], columns: usize, of: impl Fn(&Rollout) -> &[f32]) -> Vec<f32> {
+        let mut out = Vec::with_capacity(shard.len() * columns);
+        for &(rollout, row) in shard {
+            let row = row as usize;
+            let source = of(&self.rollouts[rollout as usize]);
+            out.extend_from_slice(&source[row * columns..(row + 1) * columns]);
+        }
+        out
+    }
+
+    fn shape(&self, shard: &[Row]) -> Shape {
+        self.rollouts[shard[0].0 as usize].shape
+    }
+
+    /// One epoch of PPO's clipped objective.
+    pub fn improve_actor(
+        &self,
+        actor: &mut Trainable,
+        head: Head,
+        objective: &ActorObjective,
+        step: &Step,
+        random: &mut ChaCha8Rng,
+    ) -> Sums {
+        let rows_of = |rollout: &Rollout| rollout.log_probs.len();
+        let shards =
+            shards(self.rollouts, rows_of, objective.sample_share, step.shard_rows, random);
+        descend(actor, &shards, step, |network, parameters, minibatch, rows| {
+            let scale = self.advantage_scale(minibatch, objective.normalise_advantages);
+            minibatch
+                .par_iter()
+                .map(|shard| {
+                    self.actor_gradient(network, parameters, head, objective, shard, scale, rows)
+                })
+                .collect()
+        })
+    }
+
+    /// Mean and standard deviation of the advantages of a minibatch's rows.
+    fn advantage_scale(&self, minibatch: &[Shard], normalise: bool) -> (f32, f32) {
+        if !normalise {
+            return (0.0, 1.0);
+        }
+        let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
+        for &row in minibatch.iter().flatten() {
+            let advantage = f64::from(self.advantage(row));
+            count += 1.0;
+            sum += advantage;
+            square += advantage * advantage;
+        }
+        let mean = sum / count;
+        let deviation = (square / count - mean * mean).max(0.0).sqrt();
+        (mean as f32, deviation as f32 + 1e-8)
+    }
+
+    /// The team's advantage in the step that a UAV's row belongs to.
+    fn advantage(&self, (rollout, row): Row) -> f32 {
+        let rollout = &self.rollouts[rollout as usize];
+        rollout.advantages[row as usize / rollout.shape.agents]
+    }
+
+    #[allow(clippy::too_many_arguments)] // one shard's share of one objective
+    fn actor_gradient(
+        &self,
+        network: &Network,
+        parameters: &[f32],
+        head: Head,
+        objective: &ActorObjective,
+        shard: &Shard,
+        (mean, deviation): (f32, f32),
+        minibatch_rows: usize,
+    ) -> (Vec<f32>, Sums) {
+        let shape = self.shape(shard);
+        let (weights, outputs) = self.outputs(network, parameters, shard, shape.observation_len, |r| {
+            &r.observations
+        });
+        let raw = self.gather(shard, 2, |r| &r.raw_actions);
+        let old = matrix(self.gather(shard, 1, |r| &r.log_probs), 1, self.device);
+        let advantages = shard
+            .iter()
+            .map(|&row| (self.advantage(row) - mean) / deviation)
+            .collect();
+        let advantages = matrix(advantages, 1, self.device);
+
+        let densities = head.densities(outputs, &raw);
+        let log_ratio = densities.log_prob - old;
+        let ratio = log_ratio.clone().exp();
+        let clipped = ratio.clone().clamp(1.0 - objective.clip, 1.0 + objective.clip);
+        let gain = (ratio.clone() * advantages.clone()).min_pair(clipped * advantages);
+        let bonus = densities.entropy.clone().mul_scalar(objective.entropy);
+        let loss = (gain + bonus).sum().neg().div_scalar(minibatch_rows as f64);
+
+        let mut sums = Sums {
+            rows: shard.len() as f64,
+            operations: operations(network, &shape, shard.len()),
+            ..Sums::default()
+        };
+        for (log_ratio, entropy) in values(log_ratio).iter().zip(values(densities.entropy)) {
+            let ratio = log_ratio.exp();
+            sums.kl += f64::from(ratio - 1.0 - log_ratio);
+            sums.clipped += f64::from(u8::from((ratio - 1.0).abs() > objective.clip));
+            sums.entropy += f64::from(entropy);
+        }
+        let gradients = loss.backward();
+        sums.loss = f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64;
+        (flat_gradient(network, &weights, gradients), sums)
+    }
+
+    /// One epoch of squared error against the value targets, in units of `scale` around `offset`.
+    pub fn improve_critic(
+        &self,
+        critic: &mut Trainable,
+        (offset, scale): (f32, f32),
+        step: &Step,
+        random: &mut ChaCha8Rng,
+    ) -> Sums {
+        let shards = shards(self.rollouts, Rollout::missions, 1.0, step.shard_rows, random);
+        descend(critic, &shards, step, |network, parameters, minibatch, rows| {
+            minibatch
+                .par_iter()
+                .map(|shard| {
+                    let shape = self.shape(shard);
+                    let (weights, outputs) =
+                        self.outputs(network, parameters, shard, shape.global_len, |r| &r.global);
+                    let mut targets = self.gather(shard, 1, |r| &r.targets);
+                    targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
+                    let targets = matrix(targets, 1, self.device);
+                    let loss = (outputs - targets).square().sum().div_scalar(2.0 * rows as f64);
+                    self.finish(network, &weights, &shape, loss, shard.len(), rows)
+                })
+                .collect()
+        })
+    }
+
+    /// One epoch of imitation of the teacher's actions.
+    pub fn imitate(
+        &self,
+        actor: &mut Trainable,
+        head: Head,
+        share: f64,
+        step: &Step,
+        random: &mut ChaCha8Rng,
+    ) -> Sums {
+        let rows_of = |rollout: &Rollout| rollout.log_probs.len();
+        let shards = shards(self.rollouts, rows_of, share, step.shard_rows, random);
+        descend(actor, &shards, step, |network, parameters, minibatch, rows| {
+            minibatch
+                .par_iter()
+                .map(|shard| {
+                    let shape = self.shape(shard);
+                    let (weights, outputs) =
+                        self.outputs(network, parameters, shard, shape.observation_len, |r| {
+                            &r.observations
+                        });
+                    let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
+                    let loss = head.imitation_loss(outputs, &lessons);
+                    let loss = loss.sum().div_scalar(rows as f64);
+                    self.finish(network, &weights, &shape, loss, shard.len(), rows)
+                })
+                .collect()
+        })
+    }
+
+    fn outputs(
+        &self,
+        network: &Network,
+        parameters: &[f32],
+        shard: &[Row],
+        columns: usize,
+        of: impl Fn(&Rollout) -> &[f32],
+    ) -> (Vec<Tensor<2>>, Tensor<2>) {
+        let weights = network.tensors(parameters, self.device);
+        let mut inputs = self.gather(shard, columns, of);
+        self.inputs.apply(&mut inputs);
+        let inputs = matrix(inputs, columns, self.device);
+        let outputs = network.forward(&weights, inputs, &self.shape(shard));
+        (weights, outputs)
+    }
+
+    fn finish(
+        &self,
+        network: &Network,
+        weights: &[Tensor<2>],
+        shape: &Shape,
+        loss: Tensor<1>,
+        rows: usize,
+        minibatch_rows: usize,
+    ) -> (Vec<f32>, Sums) {
+        let gradients = loss.backward();
+        let sums = Sums {
+            rows: rows as f64,
+            loss: f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64,
+            operations: operations(network, shape, rows),
+            ..Sums::default()
+        };
+        (flat_gradient(network, weights, gradients), sums)
+    }
+}
+
+/// Runs over minibatches of whole shards; each gives gradients that are summed in order.
+fn descend(
+    model: &mut Trainable,
+    shards: &[Shard],
+    step: &Step,
+    gradients: impl Fn(&Network, &[f32], &[Shard], usize) -> Vec<(Vec<f32>, Sums)>,
+) -> Sums {
+    let mut total = Sums::default();
+    let shards_per_minibatch = (step.minibatch_rows / step.shard_rows).max(1);
+    for minibatch in shards.chunks(shards_per_minibatch) {
+        let rows = minibatch.iter().map(Vec::len).sum();
+        let parts = gradients(&model.network, &model.parameters, minibatch, rows);
+        let mut sum = vec![0.0; model.parameters.len()];
+        for (part, sums) in &parts {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            total.merge(sums);
+        }
+        let norm = model.adam.step(
+            &mut model.parameters,
+            &sum,
+            step.learning_rate,
+            step.gradient_norm_max,
+        );
+        total.gradient_norm += f64::from(norm);
+        total.updates += 1.0;
+    }
+    total
+}
+
+/// Values of many global states, in the critic's own units, computed in parallel shards.
+pub fn evaluate(
+    critic: &Trainable,
+    states: &[f32],
+    inputs: &Affine,
+    shape: &Shape,
+    device: &Device,
+) -> Vec<f32> {
+    const ROWS: usize = 1024;
+    states
+        .par_chunks(ROWS * shape.global_len)
+        .flat_map_iter(|states| {
+            let mut states = states.to_vec();
+            inputs.apply(&mut states);
+            let weights = critic.network.tensors(&critic.parameters, device);
+            let states = matrix(states, shape.global_len, device);
+            values(critic.network.forward(&weights, states, shape))
+        })
+        .collect()
+}

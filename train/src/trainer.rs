@@ -1,0 +1,402 @@
+//! One training run: prepare (imitate, warm the critic up), then iterate PPO.
+
+use crate::environment::{Episode, Shape, VectorEnvironment};
+use crate::network::{Architecture, Network};
+use crate::ppo::gae::{self, Trajectories};
+use crate::ppo::normalise::{Affine, Running};
+use crate::ppo::rollout::{ActingPolicy, Rollout, Tutelage, collect};
+use crate::ppo::update::{ActorObjective, Pass, Step, Sums, Trainable, evaluate};
+use crate::random::{Purpose, stream_for};
+use crate::settings::{NetworkKind, Settings};
+use burn_tensor::Device;
+use rayon::prelude::*;
+use std::time::{Duration, Instant};
+
+/// What part of a run an iteration belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// The actor copies the teacher; the critic learns along.
+    Imitation,
+    /// Only the critic learns.
+    CriticWarmup,
+    /// PPO.
+    Ppo,
+}
+
+/// What one iteration did.
+#[derive(Clone, Debug)]
+pub struct Iteration {
+    /// Counted over the whole run, from 1.
+    pub index: u64,
+    /// What it did.
+    pub stage: Stage,
+    /// Environment steps flown so far, all stages.
+    pub environment_steps: u64,
+    /// Missions that ended in it.
+    pub finished: Vec<Episode>,
+    /// Sums over the actor's epochs.
+    pub actor: Sums,
+    /// Sums over the critic's epochs.
+    pub critic: Sums,
+    /// 1 − Var(target − value)/Var(target).
+    pub explained_variance: f64,
+    /// Learning rate of the actor.
+    pub learning_rate: f64,
+    /// Epochs that ran before the KL limit.
+    pub epochs: usize,
+    /// Wall time of the whole iteration.
+    pub wall: Duration,
+    /// Wall time of collecting.
+    pub collecting: Duration,
+    /// Share of collecting that the simulator took, summed over workers.
+    pub simulation_share: f64,
+    /// Wall time of learning.
+    pub learning: Duration,
+}
+
+/// A run in progress.
+pub struct Trainer {
+    /// What it was told.
+    pub settings: Settings,
+    /// Parts of the missions; equal shapes stand together.
+    pub workers: Vec<Box<dyn VectorEnvironment>>,
+    /// The policy.
+    pub actor: Trainable,
+    /// The value function.
+    pub critic: Trainable,
+    /// Statistics of observations.
+    pub observation_statistics: Running,
+    /// Statistics of global states.
+    pub global_statistics: Running,
+    /// Statistics of value targets.
+    pub value_statistics: Running,
+    /// Iterations done.
+    pub iterations: u64,
+    /// Environment steps done.
+    pub environment_steps: u64,
+    device: Device,
+}
+
+/// The device that a settings name stands for, without gradients.
+pub fn device_named(name: &str) -> Result<Device, String> {
+    match name {
+        "cpu" => Ok(Device::flex()),
+        #[cfg(feature = "cuda")]
+        "cuda" => Ok(Device::cuda(0)),
+        #[cfg(feature = "wgpu")]
+        "wgpu" => Ok(Device::wgpu(burn_tensor::DeviceKind::DefaultDevice)),
+        _ => Err(format!(
+            "device: {name:?} is not built in; allowed here: cpu{}{}",
+            if cfg!(feature = "cuda") { ", cuda" } else { "" },
+            if cfg!(feature = "wgpu") { ", wgpu" } else { "" },
+        )),
+    }
+}
+
+/// Actor and critic networks that the settings ask for.
+fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
+    let sizes = |input: usize, hidden: &[usize], output: usize| {
+        let mut sizes = vec![input];
+        sizes.extend_from_slice(hidden);
+        sizes.push(output);
+        sizes
+    };
+    let outputs = settings.head.output_len();
+    match settings.network {
+        NetworkKind::Mlp => (
+            Network::new(Architecture::Mlp {
+                sizes: sizes(shape.observation_len, &settings.actor_hidden, outputs),
+            }),
+            Network::new(Architecture::Mlp {
+                sizes: sizes(shape.global_len, &settings.critic_hidden, 1),
+            }),
+        ),
+        NetworkKind::Set => (
+            Network::new(Architecture::SetActor {
+                hidden: settings.actor_hidden.clone(),
+                outputs,
+            }),
+            Network::new(Architecture::SetCritic { hidden: settings.critic_hidden.clone() }),
+        ),
+    }
+}
+
+impl Trainer {
+    /// A run from the start. Workers are reset; those of equal shape must stand together.
+    pub fn new(
+        settings: Settings,
+        mut workers: Vec<Box<dyn VectorEnvironment>>,
+    ) -> Result<Trainer, String> {
+        settings.validate()?;
+        let device = device_named(&settings.device)?;
+        let shape = workers.first().ok_or("workers: there must be at least one")?.shape();
+        let (actor, critic) = networks(&settings, &shape);
+        let mut random = stream_for(settings.seed, Purpose::Weights, 0, 0);
+        let actor = Trainable::new(actor, 0.01, &mut random);
+        let critic = Trainable::new(critic, 1.0, &mut random);
+        for (index, worker) in workers.iter_mut().enumerate() {
+            // Missions of one worker take seeds in a row, so workers are set far apart.
+            worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
+        }
+        let mixed = workers.iter().any(|worker| worker.shape() != shape);
+        if mixed && settings.network == NetworkKind::Mlp {
+            return Err("network: mlp has one input size, so all missions must be of one size".into());
+        }
+        Ok(Trainer {
+            observation_statistics: Running::new(shape.observation_len),
+            global_statistics: Running::new(shape.global_len),
+            value_statistics: Running::new(1),
+            settings,
+            workers,
+            actor,
+            critic,
+            iterations: 0,
+            environment_steps: 0,
+            device,
+        })
+    }
+
+    /// Iterations of the whole run.
+    pub fn total_iterations(&self) -> u64 {
+        self.settings.preparation() + self.settings.iterations()
+    }
+
+    /// Whether every iteration has been done.
+    pub fn finished(&self) -> bool {
+        self.iterations >= self.total_iterations()
+    }
+
+    /// The stage of the coming iteration.
+    pub fn stage(&self) -> Stage {
+        let imitation = self.settings.imitation.as_ref();
+        let imitation = imitation.map_or(0, |imitation| imitation.iterations as u64);
+        if self.iterations < imitation {
+            Stage::Imitation
+        } else if self.iterations < self.settings.preparation() {
+            Stage::CriticWarmup
+        } else {
+            Stage::Ppo
+        }
+    }
+
+    /// Collects one batch and learns from it.
+    pub fn iterate(&mut self) -> Iteration {
+        let started = Instant::now();
+        let stage = self.stage();
+        let mut rollouts = self.collect(stage);
+        let collecting = started.elapsed();
+
+        let started_learning = Instant::now();
+        self.look_back(&mut rollouts);
+        let explained_variance = explained_variance(&rollouts);
+        let (actor, critic, epochs, learning_rate) = self.learn(stage, &rollouts);
+        let learning = started_learning.elapsed();
+
+        self.iterations += 1;
+        self.environment_steps += rollouts.iter().map(|r| r.missions() as u64).sum::<u64>();
+        let simulation: Duration = rollouts.iter().map(|r| r.simulation).sum();
+        let inference: Duration = rollouts.iter().map(|r| r.inference).sum();
+        Iteration {
+            index: self.iterations,
+            stage,
+            environment_steps: self.environment_steps,
+            finished: rollouts.iter().flat_map(|r| r.finished.iter().copied()).collect(),
+            actor,
+            critic,
+            explained_variance,
+            learning_rate,
+            epochs,
+            wall: started.elapsed(),
+            collecting,
+            simulation_share: simulation.as_secs_f64()
+                / (simulation + inference).as_secs_f64().max(1e-9),
+            learning,
+        }
+    }
+
+    fn collect(&mut self, stage: Stage) -> Vec<Rollout> {
+        let inputs = self.observation_inputs();
+        let policy = ActingPolicy {
+            head: self.settings.head,
+            network: &self.actor.network,
+            parameters: &self.actor.parameters,
+            inputs: &inputs,
+            device: &self.device,
+        };
+        let tutelage = self.tutelage(stage);
+        let steps = self.settings.batch_steps / self.settings.environments;
+        let (seed, iteration) = (self.settings.seed, self.iterations);
+        self.workers
+            .par_iter_mut()
+            .enumerate()
+            .map(|(index, worker)| {
+                let mut random = stream_for(seed, Purpose::Actions, iteration, index as u64);
+                collect(worker.as_mut(), &policy, steps, tutelage, &mut random)
+            })
+            .collect()
+    }
+
+    fn tutelage(&self, stage: Stage) -> Option<Tutelage> {
+        let imitation = self.settings.imitation.as_ref()?;
+        if stage != Stage::Imitation {
+            return None;
+        }
+        let progress = self.iterations as f64 / imitation.iterations as f64;
+        Some(Tutelage {
+            teacher_share: imitation.teacher_share * (1.0 - progress),
+            noise: imitation.noise,
+        })
+    }
+
+    /// Normalisation of observations as it stands.
+    pub fn observation_inputs(&self) -> Affine {
+        self.affine(&self.observation_statistics)
+    }
+
+    fn affine(&self, statistics: &Running) -> Affine {
+        if self.settings.normalise_inputs && statistics.count > 0.0 {
+            Affine::of(statistics)
+        } else {
+            Affine::default()
+        }
+    }
+
+    /// Value units: what the critic's output is multiplied by and added to.
+    fn value_units(&self) -> (f32, f32) {
+        if self.settings.normalise_values && self.value_statistics.count > 0.0 {
+            (self.value_statistics.offset()[0], self.value_statistics.scale()[0])
+        } else {
+            (0.0, 1.0)
+        }
+    }
+
+    /// Values, advantages and targets of every row.
+    fn look_back(&self, rollouts: &mut [Rollout]) {
+        let inputs = self.affine(&self.global_statistics);
+        let (offset, scale) = self.value_units();
+        let (discount, lambda) = (self.settings.discount, self.settings.gae_lambda);
+        for rollout in rollouts {
+            let endings: Vec<f32> =
+                rollout.endings.iter().flat_map(|(_, state)| state.iter().copied()).collect();
+            let value = |states: &[f32]| -> Vec<f32> {
+                evaluate(&self.critic, states, &inputs, &rollout.shape, &self.device)
+                    .iter()
+                    .map(|value| value * scale + offset)
+                    .collect()
+            };
+            let values = value(&rollout.global);
+            let next_values = rollout.next_values(&values, &value(&endings));
+            let (advantages, targets) = gae::advantages(
+                &Trajectories {
+                    environments: rollout.shape.environments,
+                    rewards: &rollout.rewards,
+                    values: &values,
+                    next_values: &next_values,
+                    terminated: &rollout.terminated,
+                    truncated: &rollout.truncated,
+                },
+                discount,
+                lambda,
+            );
+            rollout.values = values;
+            rollout.advantages = advantages;
+            rollout.targets = targets;
+        }
+    }
+
+    fn learn(&mut self, stage: Stage, rollouts: &[Rollout]) -> (Sums, Sums, usize, f64) {
+        // Inputs stay as they were while collecting, so that old log-densities remain comparable;
+        // the statistics take this batch in for the next one.
+        let observation_inputs = self.observation_inputs();
+        let global_inputs = self.affine(&self.global_statistics);
+        if self.settings.normalise_values {
+            rollouts.iter().for_each(|rollout| self.value_statistics.update(&rollout.targets));
+        }
+        let value_units = self.value_units();
+        let settings = self.settings.clone();
+        let autodiff = self.device.clone().autodiff();
+        let actor_pass = Pass { rollouts, inputs: &observation_inputs, device: &autodiff };
+        let critic_pass = Pass { rollouts, inputs: &global_inputs, device: &autodiff };
+
+        let done = self.iterations.saturating_sub(settings.preparation());
+        let progress = done as f64 / settings.iterations().max(1) as f64;
+        let factor = settings.schedule.factor(progress);
+        let (rate, epochs) = match (&settings.imitation, stage) {
+            (Some(imitation), Stage::Imitation) => (imitation.learning_rate, imitation.epochs),
+            _ => (settings.learning_rate * factor, settings.epochs),
+        };
+        let actor_step = Step {
+            minibatch_rows: settings.minibatch_rows,
+            shard_rows: settings.shard_rows,
+            learning_rate: rate,
+            gradient_norm_max: settings.gradient_norm_max,
+        };
+        let critic_step = Step {
+            minibatch_rows: settings.critic_minibatch_rows,
+            shard_rows: settings.shard_rows.min(settings.critic_minibatch_rows),
+            learning_rate: settings.critic_learning_rate * factor,
+            ..actor_step
+        };
+        let objective = ActorObjective {
+            clip: settings.clip,
+            entropy: settings.entropy_start
+                + (settings.entropy_end - settings.entropy_start) * progress,
+            normalise_advantages: settings.normalise_advantages,
+            sample_share: settings.actor_sample_share,
+        };
+
+        let (mut actor_sums, mut critic_sums) = (Sums::default(), Sums::default());
+        let mut epochs_run = 0;
+        for epoch in 0..epochs as u64 {
+            let mut random =
+                stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
+            let critic =
+                critic_pass.improve_critic(&mut self.critic, value_units, &critic_step, &mut random);
+            critic_sums.merge(&critic);
+            let over = |sums: &Sums| {
+                settings.kl_max.is_some_and(|max| sums.kl / sums.rows.max(1.0) > max)
+            };
+            if stage == Stage::CriticWarmup || over(&actor_sums) {
+                continue;
+            }
+            let head = settings.head;
+            // The log shows the last epoch: it is the one that the policy leaves with.
+            let operations = actor_sums.operations;
+            actor_sums = if stage == Stage::Imitation {
+                let share = settings.actor_sample_share;
+                actor_pass.imitate(&mut self.actor, head, share, &actor_step, &mut random)
+            } else {
+                actor_pass.improve_actor(&mut self.actor, head, &objective, &actor_step, &mut random)
+            };
+            actor_sums.operations += operations;
+            epochs_run += 1;
+        }
+        if settings.normalise_inputs {
+            for rollout in rollouts {
+                self.observation_statistics.update(&rollout.observations);
+                self.global_statistics.update(&rollout.global);
+            }
+        }
+        (actor_sums, critic_sums, epochs_run, rate)
+    }
+}
+
+/// 1 − Var(target − value)/Var(target) over the batch; 1 is a perfect critic, 0 a constant.
+fn explained_variance(rollouts: &[Rollout]) -> f64 {
+    let variance = |numbers: &mut dyn Iterator<Item = f64>| {
+        let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
+        for x in numbers {
+            count += 1.0;
+            sum += x;
+            square += x * x;
+        }
+        square / count - (sum / count) * (sum / count)
+    };
+    let targets = || rollouts.iter().flat_map(|r| r.targets.iter().map(|&x| f64::from(x)));
+    let errors = rollouts
+        .iter()
+        .flat_map(|r| r.targets.iter().zip(&r.values).map(|(&t, &v)| f64::from(t - v)));
+    let total = variance(&mut targets());
+    if total < 1e-12 { 0.0 } else { 1.0 - variance(&mut { errors }) / total }
+}
