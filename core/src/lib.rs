@@ -21,6 +21,8 @@
 #![forbid(unsafe_code)]
 // Index loops over constants are what bounded model checking handles best.
 #![allow(clippy::needless_range_loop)]
+// Comparisons are spelled out, so that a reader sees what a NaN does and every platform does the same.
+#![allow(clippy::manual_clamp, clippy::manual_range_contains)]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;

@@ -26,7 +26,9 @@ impl Check {
 
     /// An assertion written in a harness or in a property that it checks.
     fn is_claim(&self) -> bool {
-        self.class() == "assertion" && self.location.contains("proofs")
+        self.class() == "assertion"
+            && self.description.starts_with("assertion failed")
+            && self.location.contains("proofs")
     }
 }
 

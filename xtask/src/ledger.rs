@@ -30,8 +30,20 @@ pub struct Proof {
     pub covers: u32,
     /// Time after which the harness counts as failed.
     pub time_limit_s: u64,
-    /// The deliberate fault that must make it fail: `--cfg jcas_mutant="..."`.
-    pub mutant: String,
+    /// The deliberate fault that must make it fail.
+    pub mutant: Mutant,
+}
+
+/// One edit of a source file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mutant {
+    /// Path from the workspace's root.
+    pub file: String,
+    /// Text that occurs exactly once there.
+    pub find: String,
+    /// What takes its place.
+    pub replace: String,
 }
 
 impl Proof {

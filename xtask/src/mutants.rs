@@ -1,15 +1,19 @@
 //! Shows that each proof notices its deliberate fault.
 //!
-//! A mutant is a line of the code behind `#[cfg(jcas_mutant = "name")]`. The test
-//! twin of the proof must pass without it and fail with it.
+//! A mutant is one edit of the kernel's text, named in the ledger. The edit is made
+//! in a copy of the sources, never in the sources. The proof's test twin must pass
+//! in the copy without the edit and fail with it.
 
-use crate::ledger::{Ledger, Proof, workspace_root};
+use crate::ledger::{Ledger, Mutant, Proof, workspace_root};
 use crate::{process, prove, report};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(900);
+
+/// Crates that hold mutants and their twins.
+const CRATES: [&str; 2] = ["core", "ffi"];
 
 /// Tries the mutants that `names` select; true if every one is caught.
 pub fn run(arguments: &[String]) -> Result<bool, String> {
@@ -23,26 +27,22 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     if with_kani {
         prove::require_kani()?;
     }
+    let copy = Copy::make()?;
     let mut rows = vec![
-        ["id", "proof", "mutant", "twin", "Kani"]
+        ["id", "proof", "mutant of", "twin", "Kani"]
             .map(str::to_owned)
             .to_vec(),
     ];
     let mut all_caught = true;
     for proof in &proofs {
-        eprint!("{} {} / {} ... ", proof.id, proof.name(), proof.mutant);
-        let twin = twin_verdict(proof)?;
-        let kani = if with_kani {
-            kani_verdict(proof)?
-        } else {
-            "not asked".to_owned()
-        };
+        eprint!("{} {} ... ", proof.id, proof.name());
+        let (twin, kani) = copy.verdicts(proof, with_kani)?;
         eprintln!("{twin}");
         all_caught &= twin == "caught" && (!with_kani || kani == "caught");
         rows.push(vec![
             proof.id.clone(),
             proof.name().to_owned(),
-            proof.mutant.clone(),
+            proof.mutant.file.clone(),
             twin,
             kani,
         ]);
@@ -54,29 +54,9 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     Ok(all_caught)
 }
 
-/// The twin passes on the code as it is and fails on the mutant.
-fn twin_verdict(proof: &Proof) -> Result<String, String> {
-    Ok(
-        match (
-            run_twin(proof, None)?,
-            run_twin(proof, Some(&proof.mutant))?,
-        ) {
-            (Twin::Passed, Twin::Failed) => "caught".to_owned(),
-            (Twin::Passed, Twin::Passed) => "MISSED".to_owned(),
-            (Twin::Passed, Twin::Broken) => "MUTANT DOES NOT RUN".to_owned(),
-            (Twin::Failed, _) => "FAILS WITHOUT THE MUTANT".to_owned(),
-            (Twin::Broken, _) => "TWIN DOES NOT RUN".to_owned(),
-        },
-    )
-}
-
-fn kani_verdict(proof: &Proof) -> Result<String, String> {
-    let cfg = format!("jcas_mutant=\"{}\"", proof.mutant);
-    Ok(match prove::prove(proof, &[cfg])? {
-        Err(why) if why.starts_with("FAILURE") => "caught".to_owned(),
-        Err(why) => format!("UNCLEAR: {}", why.replace('|', "/")),
-        Ok(_) => "MISSED".to_owned(),
-    })
+/// A copy of the crates that hold mutants, as a workspace of its own.
+struct Copy {
+    root: PathBuf,
 }
 
 enum Twin {
@@ -86,49 +66,182 @@ enum Twin {
     Broken,
 }
 
-fn run_twin(proof: &Proof, mutant: Option<&str>) -> Result<Twin, String> {
-    let mut command = Command::new("cargo");
-    command.current_dir(workspace_root()).args([
-        "test",
-        "--quiet",
-        "-p",
-        &proof.package,
-        "--lib",
-        "--",
-        "--exact",
-        &proof.twin(),
-    ]);
-    if let Some(mutant) = mutant {
-        command.env("RUSTC_WORKSPACE_WRAPPER", wrapper(mutant)?);
+impl Copy {
+    fn make() -> Result<Self, String> {
+        let root = workspace_root().join("target/proofs/mutants");
+        for name in CRATES {
+            copy_folder(&workspace_root().join(name), &root.join(name))?;
+        }
+        for name in ["Cargo.lock", "rust-toolchain.toml"] {
+            report::write(&root.join(name), &read(&workspace_root().join(name))?)?;
+        }
+        let manifest = read(&workspace_root().join("Cargo.toml"))?;
+        report::write(&root.join("Cargo.toml"), &with_members(&manifest)?)?;
+        Ok(Copy { root })
     }
-    let finished = process::run(&mut command, LIMIT)?;
-    let ran_one = |result: &str| finished.output.contains(result);
-    Ok(if finished.success && ran_one("1 passed; 0 failed") {
-        Twin::Passed
-    } else if ran_one("0 passed; 1 failed") {
-        Twin::Failed
+
+    /// What the twin, and if asked Kani, say to the mutant.
+    fn verdicts(&self, proof: &Proof, with_kani: bool) -> Result<(String, String), String> {
+        let before = self.run_twin(proof)?;
+        let original = read(&self.root.join(&proof.mutant.file))?;
+        let mutated = proof.mutant.apply(&original)?;
+        report::write(&self.root.join(&proof.mutant.file), &mutated)?;
+        let after = self.run_twin(proof);
+        let kani = if with_kani {
+            self.kani_verdict(proof)
+        } else {
+            Ok("not asked".to_owned())
+        };
+        report::write(&self.root.join(&proof.mutant.file), &original)?;
+        Ok((twin_verdict(before, after?).to_owned(), kani?))
+    }
+
+    fn run_twin(&self, proof: &Proof) -> Result<Twin, String> {
+        let mut command = Command::new("cargo");
+        command
+            .current_dir(&self.root)
+            .env(
+                "CARGO_TARGET_DIR",
+                workspace_root().join("target/proofs/build"),
+            )
+            .args([
+                "test",
+                "--quiet",
+                "-p",
+                &proof.package,
+                "--lib",
+                "--",
+                "--exact",
+            ])
+            .arg(proof.twin());
+        let finished = process::run(&mut command, LIMIT)?;
+        let ran = |result: &str| finished.output.contains(result);
+        Ok(if finished.success && ran("1 passed; 0 failed") {
+            Twin::Passed
+        } else if ran("0 passed; 1 failed") {
+            Twin::Failed
+        } else {
+            Twin::Broken
+        })
+    }
+
+    fn kani_verdict(&self, proof: &Proof) -> Result<String, String> {
+        Ok(match prove::prove(proof, &self.root)? {
+            Err(why) if why.starts_with("FAILURE") => "caught".to_owned(),
+            Err(why) => format!("UNCLEAR: {}", why.replace('|', "/")),
+            Ok(_) => "MISSED".to_owned(),
+        })
+    }
+}
+
+fn twin_verdict(before: Twin, after: Twin) -> &'static str {
+    match (before, after) {
+        (Twin::Passed, Twin::Failed) => "caught",
+        (Twin::Passed, Twin::Passed) => "MISSED",
+        (Twin::Passed, Twin::Broken) => "MUTANT DOES NOT COMPILE",
+        (Twin::Failed, _) => "FAILS WITHOUT THE MUTANT",
+        (Twin::Broken, _) => "TWIN DOES NOT RUN",
+    }
+}
+
+impl Mutant {
+    /// The text with its one edit.
+    fn apply(&self, text: &str) -> Result<String, String> {
+        match text.matches(&self.find).count() {
+            1 => Ok(text.replace(&self.find, &self.replace)),
+            n => Err(format!(
+                "{}: {n} places instead of 1 read `{}`",
+                self.file, self.find
+            )),
+        }
+    }
+}
+
+/// The workspace's manifest with only the copied crates as members.
+fn with_members(manifest: &str) -> Result<String, String> {
+    let mut found = false;
+    let mut lines = Vec::new();
+    for line in manifest.lines() {
+        if line.starts_with("members = ") {
+            found = true;
+            lines.push(format!("members = {CRATES:?}"));
+        } else {
+            lines.push(line.to_owned());
+        }
+    }
+    if found {
+        Ok(lines.join("\n") + "\n")
     } else {
-        Twin::Broken
-    })
-}
-
-/// A wrapper around rustc that switches a mutant on in the workspace's own crates.
-///
-/// Cargo keeps the builds of different wrappers apart and shares the dependencies,
-/// so only the crates that can hold a mutant are built again.
-fn wrapper(mutant: &str) -> Result<PathBuf, String> {
-    let path = workspace_root().join(format!("target/proofs/with-{mutant}.sh"));
-    let script = format!("#!/bin/sh\nexec \"$@\" --cfg 'jcas_mutant=\"{mutant}\"'\n");
-    if std::fs::read_to_string(&path).is_ok_and(|text| text == script) {
-        return Ok(path);
+        Err("Cargo.toml: no line begins with `members = `".to_owned())
     }
-    report::write(&path, &script)?;
-    make_executable(&path)?;
-    Ok(path)
 }
 
-fn make_executable(path: &Path) -> Result<(), String> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755))
-        .map_err(|error| format!("{}: {error}", path.display()))
+/// Copies what has changed, so that Cargo builds again only what it must.
+fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
+    let explain = |error: std::io::Error| format!("{}: {error}", from.display());
+    for entry in std::fs::read_dir(from).map_err(explain)? {
+        let entry = entry.map_err(explain)?;
+        let (source, target) = (entry.path(), to.join(entry.file_name()));
+        if entry.file_type().map_err(explain)?.is_dir() {
+            copy_folder(&source, &target)?;
+        } else {
+            let bytes = std::fs::read(&source).map_err(explain)?;
+            if std::fs::read(&target).ok().as_ref() != Some(&bytes) {
+                std::fs::create_dir_all(to).map_err(explain)?;
+                std::fs::write(&target, bytes).map_err(explain)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mutant(find: &str) -> Mutant {
+        Mutant {
+            file: "x.rs".into(),
+            find: find.into(),
+            replace: "a - b".into(),
+        }
+    }
+
+    #[test]
+    fn a_mutant_edits_exactly_one_place() {
+        assert_eq!(
+            mutant("a + b").apply("let c = a + b;").unwrap(),
+            "let c = a - b;"
+        );
+        assert!(
+            mutant("a + b")
+                .apply("let c = a;")
+                .unwrap_err()
+                .contains("0 places")
+        );
+        assert!(mutant("a").apply("a + a").unwrap_err().contains("2 places"));
+    }
+
+    #[test]
+    fn the_copied_workspace_has_the_copied_members() {
+        let manifest = "[workspace]\nmembers = [\"x\", \"y\"]\n[profile]\n";
+        let copied = with_members(manifest).unwrap();
+        assert_eq!(
+            copied,
+            "[workspace]\nmembers = [\"core\", \"ffi\"]\n[profile]\n"
+        );
+        assert!(with_members("[workspace]\n").is_err());
+    }
+
+    #[test]
+    fn only_a_twin_that_turns_from_passing_to_failing_has_caught_it() {
+        assert_eq!(twin_verdict(Twin::Passed, Twin::Failed), "caught");
+        assert_eq!(twin_verdict(Twin::Passed, Twin::Passed), "MISSED");
+        assert_ne!(twin_verdict(Twin::Failed, Twin::Failed), "caught");
+        assert_ne!(twin_verdict(Twin::Passed, Twin::Broken), "caught");
+    }
 }

@@ -3,7 +3,7 @@
 use crate::kani_output::{Proven, Report};
 use crate::ledger::{Ledger, Proof, workspace_root};
 use crate::{process, report};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ pub fn run(names: &[String]) -> Result<bool, String> {
     let mut all_proven = true;
     for proof in &proofs {
         eprint!("{} {} ... ", proof.id, proof.name());
-        let verdict = prove(proof, &[])?;
+        let verdict = prove(proof, &workspace_root())?;
         eprintln!(
             "{}",
             verdict
@@ -38,11 +38,11 @@ pub fn run(names: &[String]) -> Result<bool, String> {
     Ok(all_proven)
 }
 
-/// Runs one harness, with further `--cfg` names for rustc.
-pub fn prove(proof: &Proof, cfgs: &[String]) -> Result<Result<Proven, String>, String> {
+/// Runs one harness of the workspace at `root`.
+pub fn prove(proof: &Proof, root: &Path) -> Result<Result<Proven, String>, String> {
     let mut command = Command::new("cargo");
     command
-        .current_dir(workspace_root())
+        .current_dir(root)
         .args([
             "kani",
             "-p",
@@ -61,10 +61,6 @@ pub fn prove(proof: &Proof, cfgs: &[String]) -> Result<Result<Proven, String>, S
         ])
         .args(["--harness-timeout", &format!("{}s", proof.time_limit_s)])
         .args(["--output-format", "regular"]);
-    if !cfgs.is_empty() {
-        let flags: Vec<String> = cfgs.iter().map(|cfg| format!("--cfg={cfg}")).collect();
-        command.env("RUSTFLAGS", flags.join(" "));
-    }
     let limit = Duration::from_secs(proof.time_limit_s + BUILD_S);
     let finished = process::run(&mut command, limit)?;
     if finished.timed_out {
@@ -95,6 +91,7 @@ fn row(proof: &Proof, verdict: &Result<Proven, String>) -> Vec<String> {
         proof.name().to_owned(),
         proof.claim.clone(),
         proof.bound.clone(),
+        proof.assumptions.join(", "),
     ];
     match verdict {
         Ok(proven) => cells.extend([

@@ -42,7 +42,7 @@ pub fn settling_keeps_its_contract() {
         after.accepted_uj > 0 && after.spent_uj > 0,
         "spends and charges"
     );
-    assert!(after.battery_uj <= capacity);
+    assert!(after.balances(battery, asked, offered, capacity));
 }
 
 /// No activity at any pilot density asks for more than the plan's most.

@@ -42,7 +42,7 @@ pub(super) fn open<'a>(model: &Model<'_>, words: &'a mut [u64; STATE_WORDS]) -> 
 
 /// Any state of the phase that is valid but perhaps for its scalars.
 #[cfg(kani)]
-fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
+pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
     let words: [u64; STATE_WORDS] = kani::any();
     let state = view(model, &words);
     kani::assume(state.header.phase() == Some(phase));
@@ -53,7 +53,7 @@ fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
 
 /// A state of the phase on a random flight.
 #[cfg(not(kani))]
-fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
+pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
     let mut words = [0; STATE_WORDS];
     let mut scratch = [0; SCRATCH_WORDS];
     let mut scratch = Scratch::new(model, &mut scratch).unwrap();

@@ -50,7 +50,10 @@ fn odds_are_positive(config: &Config, range_m: f64, threshold_db: f64) {
 #[cfg_attr(kani, kani::stub(libm::exp, any_exp))]
 #[cfg_attr(kani, kani::stub(libm::log10, any_log10))]
 pub fn tabulated_odds_are_positive() {
-    let config = Config::default();
+    let config = Config {
+        logistic_slope_per_db: real_between(0.0, 10.0),
+        ..Config::default()
+    };
     let range_m = real_between(RANGE_MIN_M, RANGE_MAX_M);
     let threshold_db = real_between(-300.0, 300.0);
     kani::cover!(range_m > 1e6, "far");

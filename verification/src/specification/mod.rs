@@ -135,7 +135,7 @@ impl Specification {
             depots.push(Position { x, y });
         }
         Specification {
-            config: config.clone(),
+            config: *config,
             depots,
             energy: Ledger::new(config),
         }
