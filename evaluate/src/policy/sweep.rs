@@ -181,7 +181,12 @@ fn chance(
     let reach = REACH_CELLS.min(along - 1);
     let confirmed_at = |offset: u32| {
         let missed_from = |along: u32| {
-            let detection = model.detection_probability(offset, along, density);
+            // Probabilities depend on the distance alone; the longer side of the grid has room for `along`.
+            let detection = if model.config().grid_width > model.config().grid_height {
+                model.detection_probability(along, offset, density)
+            } else {
+                model.detection_probability(offset, along, density)
+            };
             1.0 - quorum_probability(team, quorum, detection)
         };
         // Before and after the hotspot alike.

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Records every golden trace again, from the root of the repository. Only for a deliberate change of the
+# model or of the trace format: what these files hold is what every build has to reproduce.
+# What each scenario is there for, and that it does reach it, is in tests/tests/golden.rs.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+cargo build --quiet --release -p jcas
+jcas=${CARGO_TARGET_DIR:-target}/release/jcas
+
+record() {
+    local name=$1
+    shift
+    "$jcas" trace record --out "tests/golden/$name.jsonl" "$@"
+}
+
+record completion --uavs 20 --hotspots 7 --policy teams --pilot max --episode 2
+record completion_on_horizon --uavs 20 --hotspots 7 --policy teams --pilot max --episode 2 \
+    --set horizon_steps=31
+record truncation --uavs 5 --hotspots 9 --policy swarm --pilot max --set horizon_steps=60
+record paper_preset --preset paper --uavs 12 --hotspots 3 --policy teams --pilot max --episode 26 \
+    --set charge_power_kw=3
+record return_to_base --uavs 6 --hotspots 4 --policy greedy --pilot adaptive \
+    --set initial_soc_min=0.21 --set initial_soc_max=0.3 --set horizon_steps=80
+record charging_to_full --uavs 6 --hotspots 4 --policy random --pilot mid \
+    --set initial_soc_min=0.9 --set initial_soc_max=1 --set charge_power_kw=2 \
+    --set grid_width=3 --set grid_height=4 --set horizon_steps=40
+record grounded --uavs 5 --hotspots 4 --policy greedy --pilot max \
+    --set battery_capacity_kwh=0.0105 --set rtb_threshold_kwh=0 --set horizon_steps=40
+record grounded_on_depot --uavs 4 --hotspots 3 --policy random --pilot min \
+    --set initial_soc_min=0 --set initial_soc_max=0 --set horizon_steps=40
+record link_on_threshold --uavs 8 --hotspots 6 --policy random --pilot max \
+    --set link_throughput_min=1.0190404702277611 --set horizon_steps=40
+record hidden_targets --uavs 9 --hotspots 4 --policy sweep --pilot adaptive \
+    --set target_visibility=hidden --set radar_cross_section_dbsm=10
+record one_uav --uavs 1 --hotspots 4 --policy greedy --pilot max \
+    --set quorum=1 --set radar_cross_section_dbsm=10
+record several_depots --uavs 8 --hotspots 5 --policy teams --pilot adaptive \
+    --set "depots=[[1, 1], [10, 10], [10, 1]]" --set initial_soc_min=0.21 --set initial_soc_max=0.29 \
+    --set horizon_steps=80
+record narrow_grid --uavs 7 --hotspots 2 --policy random --pilot adaptive \
+    --set grid_width=2 --set grid_height=9 --set neighbour_slots=3 --set horizon_steps=40
+record large_fleet --uavs 70 --hotspots 66 --policy teams --pilot adaptive \
+    --set grid_width=32 --set grid_height=28 --set horizon_steps=16

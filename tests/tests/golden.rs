@@ -1,0 +1,408 @@
+//! Golden traces: episodes whose every bit all builds have to reproduce.
+//!
+//! What these tests catch: any change of the model, of its random draws, its rounding, its order of
+//! summation, its observations or the layout of its state, on purpose or not. Each trace is there for a
+//! branch of the step, and its test shows that it does reach that branch. `golden/record.sh` records them.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+
+use jcas_core::config::FieldValue;
+use jcas_core::{Cell, Config, Model, TargetVisibility, motion};
+use jcas_evaluate::trace::{self, Step, Trace};
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden")
+}
+
+fn read(name: &str) -> Trace {
+    let path = folder().join(format!("{name}.jsonl"));
+    let bytes = fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    trace::read(bytes.as_slice()).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Reads a trace and holds this build to it.
+fn reproduced(name: &str) -> Trace {
+    let trace = read(name);
+    match trace::verify(&trace) {
+        Ok(None) => trace,
+        Ok(Some(difference)) => panic!("{name}: {difference}"),
+        Err(error) => panic!("{name}: {error}"),
+    }
+}
+
+/// Steps with the step before, from the second on.
+fn pairs(trace: &Trace) -> impl Iterator<Item = (&Step, &Step)> {
+    trace.steps.windows(2).map(|pair| (&pair[0], &pair[1]))
+}
+
+fn capacity_uj(config: &Config) -> u64 {
+    (config.battery_capacity_kwh * 3.6e12).round() as u64
+}
+
+#[test]
+fn completion() {
+    let trace = reproduced("completion");
+    assert!(trace.end.terminated && !trace.end.truncated);
+    let last = trace.steps.last().unwrap();
+    assert_eq!(last.informed.len(), trace.header.hotspots.len());
+    assert!(last.reward.0[2] > 0.0, "the completion pays");
+    // Confirmed is less than informed at some time: knowledge has to travel.
+    assert!(
+        trace
+            .steps
+            .iter()
+            .any(|step| step.confirmed.len() > step.informed.len())
+    );
+    // Payment is once: a step without a newly informed hotspot pays nothing.
+    assert!(
+        pairs(&trace)
+            .filter(|(a, b)| !a.informed.is_empty() && a.informed == b.informed)
+            .all(|(_, step)| step.reward.0[1] == 0.0)
+    );
+}
+
+#[test]
+fn completion_on_horizon() {
+    let trace = reproduced("completion_on_horizon");
+    assert_eq!(trace.end.steps, trace.header.config.horizon_steps);
+    assert!(trace.end.terminated && !trace.end.truncated);
+    // The paper's penalty is for t = T_max, complete or not.
+    assert!(trace.steps.last().unwrap().reward.0[7] < 0.0);
+    assert!(
+        trace.steps.last().unwrap().reward.0[2] > 0.0,
+        "the completion pays"
+    );
+}
+
+#[test]
+fn truncation() {
+    let trace = reproduced("truncation");
+    assert!(trace.end.truncated && !trace.end.terminated);
+    assert_eq!(trace.end.steps, trace.header.config.horizon_steps);
+    assert!(
+        trace.steps.last().unwrap().reward.0[7] < 0.0,
+        "truncation costs"
+    );
+    assert!(
+        trace.end.metrics.confirmed > 0,
+        "something was confirmed before"
+    );
+}
+
+#[test]
+fn paper_preset() {
+    let trace = reproduced("paper_preset");
+    let config = &trace.header.config;
+    let paper = Config {
+        uav_count: config.uav_count,
+        hotspot_count: config.hotspot_count,
+        // Stronger chargers than the paper's, so that their rating exceeds what a battery takes.
+        charge_power_kw: config.charge_power_kw,
+        ..Config::preset(jcas_core::Preset::Paper)
+    };
+    assert_eq!(*config, paper);
+    // The letter pays informed hotspots again at every step,
+    assert!(
+        pairs(&trace).any(|(a, b)| !a.informed.is_empty()
+            && a.informed == b.informed
+            && b.reward.0[1] > 0.0)
+    );
+    // and bills chargers by their rating, also to full batteries.
+    assert!(trace.end.metrics.grid_kwh > trace.end.metrics.accepted_kwh);
+}
+
+#[test]
+fn return_to_base() {
+    let trace = reproduced("return_to_base");
+    let depot = trace.header.depots[0];
+    let mut homeward = 0;
+    let mut charging = 0;
+    for (before, step) in pairs(&trace) {
+        for &uav in &step.returning {
+            let (from, to) = (before.positions[uav], step.positions[uav]);
+            let home = motion::toward(from, depot);
+            let grid = (
+                trace.header.config.grid_width,
+                trace.header.config.grid_height,
+            );
+            assert_eq!(to, motion::destination(from, home, grid.0, grid.1));
+            homeward += usize::from(from != to);
+            charging += usize::from(from == depot && step.battery_uj[uav] > before.battery_uj[uav]);
+        }
+    }
+    assert!(homeward > 0, "a UAV flies home");
+    assert!(charging > 0, "a UAV stays on the depot and charges");
+    let left_again = pairs(&trace).any(|(before, step)| {
+        before
+            .returning
+            .iter()
+            .any(|uav| !step.returning.contains(uav) && before.positions[*uav] == depot)
+    });
+    assert!(left_again, "a UAV has charged above the threshold");
+}
+
+#[test]
+fn charging_to_full() {
+    let trace = reproduced("charging_to_full");
+    let capacity = capacity_uj(&trace.header.config);
+    let filled = pairs(&trace).any(|(before, step)| {
+        (0..step.battery_uj.len())
+            .any(|uav| before.battery_uj[uav] < capacity && step.battery_uj[uav] == capacity)
+    });
+    assert!(filled, "a battery fills up");
+    assert!(trace.end.metrics.accepted_kwh > 0.0);
+    assert!(trace.end.metrics.co2_kg > 0.0);
+}
+
+#[test]
+fn grounded() {
+    let trace = reproduced("grounded");
+    let depot = trace.header.depots[0];
+    let mut stranded = 0;
+    for (before, step) in pairs(&trace) {
+        for &uav in &step.grounded {
+            assert_eq!(before.battery_uj[uav], 0);
+            assert_eq!(
+                before.positions[uav], step.positions[uav],
+                "a grounded UAV stays"
+            );
+            assert!(
+                step.links.iter().flatten().all(|&linked| linked != uav),
+                "and is silent"
+            );
+            stranded += usize::from(step.positions[uav] != depot);
+        }
+    }
+    assert!(stranded > 0, "a UAV is grounded away from the depot");
+    assert!(
+        trace.end.metrics.shortfall_kwh > 0.0,
+        "a step asked for more than was left"
+    );
+}
+
+#[test]
+fn grounded_on_depot() {
+    let trace = reproduced("grounded_on_depot");
+    let first = &trace.steps[0];
+    assert_eq!(first.grounded.len(), first.positions.len());
+    assert!(
+        first.battery_uj.iter().all(|&charge| charge > 0),
+        "grounded UAVs charge"
+    );
+    assert!(trace.steps[1].grounded.is_empty(), "and recover");
+    assert!(
+        trace.end.metrics.moves == 0,
+        "but return to base keeps them"
+    );
+}
+
+#[test]
+fn link_on_threshold() {
+    let trace = reproduced("link_on_threshold");
+    let model = Model::new(trace.header.config).unwrap();
+    let throughput = |step: &Step, i: usize, k: usize| {
+        let (a, b) = (step.positions[i], step.positions[k]);
+        model.link_throughput(a.x.abs_diff(b.x), a.y.abs_diff(b.y), step.pilot_density[i])
+    };
+    let needed = trace.header.config.link_throughput_min;
+    let (mut on_threshold, mut below) = (0, 0);
+    for step in &trace.steps {
+        for i in 0..step.positions.len() {
+            for k in i + 1..step.positions.len() {
+                let weaker = throughput(step, i, k).min(throughput(step, k, i));
+                assert_eq!(step.links.contains(&[i, k]), weaker >= needed);
+                on_threshold += usize::from(weaker == needed);
+                below += usize::from(weaker < needed);
+            }
+        }
+    }
+    assert!(on_threshold > 0, "a pair is exactly on the threshold");
+    assert!(below > 0, "a pair is below it");
+}
+
+#[test]
+fn hidden_targets() {
+    let trace = reproduced("hidden_targets");
+    assert_eq!(
+        trace.header.config.target_visibility,
+        TargetVisibility::Hidden
+    );
+    assert!(
+        trace.end.metrics.confirmed > 0,
+        "the search finds something"
+    );
+    // Shown instead of hidden, the same actions lead to the same flight, seen differently.
+    let mut shown = trace.clone();
+    shown.header.config.target_visibility = TargetVisibility::Known;
+    let model = Model::new(shown.header.config).unwrap();
+    let mut sim = jcas_core::Sim::new(&model);
+    sim.reset(trace.header.seed.0);
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    for step in &trace.steps {
+        sim.step(step.actions.as_flattened()).unwrap();
+        sim.observe(&mut observations).unwrap();
+        let positions: Vec<Cell> = (0..model.uav_count())
+            .map(|i| sim.state().cell(i))
+            .collect();
+        assert_eq!(positions, step.positions);
+        let everything_known = step
+            .knowledge
+            .iter()
+            .all(|known| known.len() == model.hotspot_count());
+        assert_eq!(
+            jcas_core::hash::reals(&observations) == step.observation_hash.0,
+            everything_known,
+            "step {}",
+            step.t
+        );
+    }
+}
+
+#[test]
+fn one_uav() {
+    let trace = reproduced("one_uav");
+    assert_eq!(trace.header.config.uav_count, 1);
+    assert!(trace.end.terminated, "alone it completes");
+    assert!(
+        trace
+            .steps
+            .iter()
+            .all(|step| step.links.is_empty() && step.throughput == 0.0)
+    );
+}
+
+#[test]
+fn several_depots() {
+    let trace = reproduced("several_depots");
+    assert!(trace.header.depots.len() > 1);
+    let charged_elsewhere = pairs(&trace).any(|(before, step)| {
+        (0..step.positions.len()).any(|uav| {
+            trace.header.depots[1..].contains(&step.positions[uav])
+                && step.battery_uj[uav] > before.battery_uj[uav]
+        })
+    });
+    assert!(
+        charged_elsewhere,
+        "a UAV charges on a depot other than the first"
+    );
+    assert!(
+        trace
+            .header
+            .hotspots
+            .iter()
+            .all(|cell| !trace.header.depots.contains(cell))
+    );
+}
+
+#[test]
+fn narrow_grid() {
+    let trace = reproduced("narrow_grid");
+    let config = &trace.header.config;
+    assert_ne!(config.grid_width, config.grid_height);
+    assert!(
+        config.neighbour_slots < config.uav_count - 1,
+        "not all neighbours are observed"
+    );
+    let stopped_by_edge = pairs(&trace).any(|(before, step)| {
+        (0..step.positions.len()).any(|uav| {
+            let moves = jcas_core::action::motion(step.actions[uav][0]);
+            moves != jcas_core::Motion::Stay && before.positions[uav] == step.positions[uav]
+        })
+    });
+    assert!(stopped_by_edge, "a move off the grid is a stay");
+}
+
+#[test]
+fn large_fleet() {
+    let trace = reproduced("large_fleet");
+    assert!(
+        trace.header.config.uav_count > 64,
+        "sets span several words"
+    );
+    assert!(trace.header.config.hotspot_count > 64);
+    let pairs = |step: &Step| step.positions.len() * (step.positions.len() - 1) / 2;
+    assert!(
+        trace
+            .steps
+            .iter()
+            .any(|step| step.links.len() < pairs(step)),
+        "not all are linked"
+    );
+    assert!(trace.end.metrics.confirmed > 0);
+}
+
+/// No trace without a test, no test without a trace, no trace that the script does not record.
+#[test]
+fn every_trace_has_its_test_and_its_line() {
+    let files: BTreeSet<String> = fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter_map(|name| name.strip_suffix(".jsonl").map(str::to_owned))
+        .collect();
+    let script = fs::read_to_string(folder().join("record.sh")).unwrap();
+    let recorded: BTreeSet<String> = script
+        .lines()
+        .filter_map(|line| line.strip_prefix("record "))
+        .filter_map(|line| line.split_whitespace().next())
+        .map(str::to_owned)
+        .collect();
+    let tests = include_str!("golden.rs");
+    let tested: BTreeSet<String> = files
+        .iter()
+        .filter(|name| tests.contains(&format!("reproduced(\"{name}\")")))
+        .cloned()
+        .collect();
+    assert_eq!(files, recorded);
+    assert_eq!(files, tested);
+}
+
+/// A trace that says something else is caught, wherever it is.
+#[test]
+fn any_changed_field_is_caught() {
+    let honest = read("completion");
+    let changes: [(&str, fn(&mut Trace)); 8] = [
+        ("config_hash", |trace| trace.header.config_hash.0 ^= 1),
+        ("initial.state_hash", |trace| {
+            trace.header.initial.state_hash.0 ^= 1
+        }),
+        ("positions[0][0]", |trace| {
+            trace.steps[4].positions[0].x ^= 1
+        }),
+        ("battery_uj[9]", |trace| trace.steps[4].battery_uj[9] += 1),
+        ("throughput", |trace| {
+            let bits = trace.steps[4].throughput.to_bits();
+            trace.steps[4].throughput = f64::from_bits(bits ^ 1);
+        }),
+        ("reward.spread", |trace| trace.steps[4].reward.0[9] += 1e-9),
+        ("observation_hash", |trace| {
+            trace.steps[4].observation_hash.0 ^= 1
+        }),
+        ("metrics.moves", |trace| trace.end.metrics.moves += 1),
+    ];
+    for (field, change) in changes {
+        let mut changed = honest.clone();
+        change(&mut changed);
+        let found = trace::verify(&changed).unwrap().expect(field);
+        assert_eq!(found.field, field);
+        assert_eq!(trace::diff(&honest, &changed).unwrap().field, field);
+    }
+}
+
+/// The configuration in a trace is whole: nothing is left to the defaults of the build that reads it.
+#[test]
+fn headers_hold_every_field() {
+    let path = folder().join("completion.jsonl");
+    let text = fs::read_to_string(path).unwrap();
+    let header = text.lines().next().unwrap();
+    for (info, value) in Config::FIELDS.iter().zip(Config::default().values()) {
+        let derived = value == FieldValue::Optional(None);
+        assert_eq!(
+            header.contains(&format!("\"{}\":", info.name)),
+            !derived,
+            "{}",
+            info.name
+        );
+    }
+}
