@@ -123,33 +123,48 @@ impl Canvas {
         });
     }
 
-    pub(super) fn marker(&mut self, (x, y): Place, marker: Marker, colour: Colour) {
-        let polygon = |canvas: &mut Self, corners: &[Place]| {
-            canvas.fill(
-                corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect(),
-                colour,
-            );
-        };
-        let strokes = |canvas: &mut Self, ends: [(Place, Place); 2]| {
-            for ((ax, ay), (bx, by)) in ends {
-                canvas.line(&[(x + ax, y + ay), (x + bx, y + by)], colour, 2.0, &[]);
-            }
-        };
+    /// A marker; size 1 is about 8 pixels wide.
+    pub(super) fn marker(&mut self, (x, y): Place, marker: Marker, colour: Colour, size: f64) {
+        let at = |(dx, dy): &Place| (x + dx * size, y + dy * size);
+        let mut polygon = |corners: &[Place]| self.fill(corners.iter().map(at).collect(), colour);
         match marker {
-            Marker::Disc => self.disc((x, y), 4.0, colour),
+            Marker::Triangle => polygon(&[(-4.6, 3.8), (4.6, 3.8), (0.0, -4.6)]),
+            Marker::Downward => polygon(&[(-4.6, -3.8), (4.6, -3.8), (0.0, 4.6)]),
+            Marker::Diamond => polygon(&[(-5.0, 0.0), (0.0, -5.0), (5.0, 0.0), (0.0, 5.0)]),
+            Marker::Square => polygon(&[(-3.6, -3.6), (3.6, -3.6), (3.6, 3.6), (-3.6, 3.6)]),
+            Marker::Disc => self.disc((x, y), 4.0 * size, colour),
             Marker::Ring => {
-                self.disc((x, y), 4.4, colour);
-                self.disc((x, y), 2.4, PAPER);
+                self.disc((x, y), 4.4 * size, colour);
+                self.disc((x, y), 2.4 * size, PAPER);
             }
-            Marker::Square => self.rectangle((x - 3.6, y - 3.6), (x + 3.6, y + 3.6), colour),
-            Marker::Triangle => polygon(self, &[(-4.6, 3.8), (4.6, 3.8), (0.0, -4.6)]),
-            Marker::Downward => polygon(self, &[(-4.6, -3.8), (4.6, -3.8), (0.0, 4.6)]),
-            Marker::Diamond => polygon(self, &[(-5.0, 0.0), (0.0, -5.0), (5.0, 0.0), (0.0, 5.0)]),
-            Marker::Cross => strokes(
-                self,
-                [((-3.6, -3.6), (3.6, 3.6)), ((-3.6, 3.6), (3.6, -3.6))],
-            ),
-            Marker::Plus => strokes(self, [((-4.6, 0.0), (4.6, 0.0)), ((0.0, -4.6), (0.0, 4.6))]),
+            Marker::Cross => {
+                self.line(
+                    &[(-3.6, -3.6), (3.6, 3.6)].map(|end| at(&end)),
+                    colour,
+                    2.0 * size,
+                    &[],
+                );
+                self.line(
+                    &[(-3.6, 3.6), (3.6, -3.6)].map(|end| at(&end)),
+                    colour,
+                    2.0 * size,
+                    &[],
+                );
+            }
+            Marker::Plus => {
+                self.line(
+                    &[(-4.6, 0.0), (4.6, 0.0)].map(|end| at(&end)),
+                    colour,
+                    2.0 * size,
+                    &[],
+                );
+                self.line(
+                    &[(0.0, -4.6), (0.0, 4.6)].map(|end| at(&end)),
+                    colour,
+                    2.0 * size,
+                    &[],
+                );
+            }
         }
     }
 

@@ -165,6 +165,15 @@ impl Plot {
         Self { frame, x, y }
     }
 
+    /// Marks of a small plot are smaller.
+    fn ink(&self) -> f64 {
+        if self.frame.right - self.frame.left < 320.0 {
+            0.75
+        } else {
+            1.0
+        }
+    }
+
     pub(super) fn at(&self, point: &Point) -> Place {
         (self.x.place(point.x), self.y.place(point.y))
     }
@@ -383,7 +392,7 @@ impl Plot {
                 .filter(|run| run.len() > 1)
             {
                 let line: Vec<Place> = run.iter().map(place).collect();
-                canvas.line(&line, colour, 2.0, dash);
+                canvas.line(&line, colour, 2.0 * self.ink(), dash);
             }
         }
         for (k, point) in points
@@ -401,7 +410,7 @@ impl Plot {
                 self.draw_whiskers(canvas, point, at, ink);
             }
             if matches!(style.mark, Mark::Line | Mark::Points) {
-                canvas.marker(at, marker, colour);
+                canvas.marker(at, marker, colour, self.ink());
             }
             if let Some(label) = labels.get(k) {
                 canvas.text((at.0 + 8.0, at.1 - 9.0), label.as_str(), NOTE, Align::Left);

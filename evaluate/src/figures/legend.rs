@@ -13,6 +13,10 @@ const SAMPLE: f64 = 26.0;
 const LEAD: f64 = 20.0;
 const LINE_HEIGHT: f64 = 17.0;
 const GAP: f64 = 6.0;
+/// Of a legend that several plots share.
+pub(super) const ROW_HEIGHT: f64 = 22.0;
+/// Between two names of a row.
+const BETWEEN: f64 = 22.0;
 const WIDEST_NAME: f64 = 165.0;
 
 /// Room that the legend takes, 0 when there is nothing to tell apart.
@@ -74,19 +78,52 @@ pub(super) fn draw(canvas: &mut Canvas, figure: &Figure, looks: &[usize], plot: 
     }
 }
 
-/// A row of samples and names, centred: for several plots with the same series.
-pub(super) fn draw_row(canvas: &mut Canvas, names: &[(String, usize, Mark)], y: f64, width: f64) {
-    const BETWEEN: f64 = 22.0;
-    let widths: Vec<f64> = names
-        .iter()
-        .map(|(name, ..)| SAMPLE + 6.0 + text_width(name, LABEL.size, false) + BETWEEN)
-        .collect();
-    let mut x = MARGIN.max((width - widths.iter().sum::<f64>() + BETWEEN) / 2.0);
-    for ((name, index, mark), taken) in names.iter().zip(&widths) {
-        draw_sample(canvas, *index, *mark, x, y);
-        canvas.text((x + SAMPLE + 6.0, y), name.as_str(), LABEL, Align::Left);
-        x += taken;
+/// A name of a legend that several plots share: text, place in the palette, mark.
+pub(super) type Name = (String, usize, Mark);
+
+/// Names one below the other from a place on.
+pub(super) fn draw_list(canvas: &mut Canvas, names: &[Name], (x, y): (f64, f64)) {
+    for (k, name) in names.iter().enumerate() {
+        draw_name(canvas, name, x, y + ROW_HEIGHT * k as f64);
     }
+}
+
+/// Names side by side, in as many centred rows as it takes, from a height on.
+pub(super) fn draw_rows(canvas: &mut Canvas, names: &[Name], y: f64, width: f64) {
+    for (k, row) in rows(names, width).iter().enumerate() {
+        let mut x = (width - row.iter().map(name_width).sum::<f64>() + BETWEEN) / 2.0;
+        for name in *row {
+            draw_name(canvas, name, x, y + ROW_HEIGHT * k as f64);
+            x += name_width(name);
+        }
+    }
+}
+
+/// Cuts names into rows that fit a width.
+pub(super) fn rows(names: &[Name], width: f64) -> Vec<&[Name]> {
+    let mut rows = Vec::new();
+    let (mut start, mut taken) = (0, 0.0);
+    for (k, name) in names.iter().enumerate() {
+        if k > start && taken + name_width(name) - BETWEEN > width - 2.0 * MARGIN {
+            rows.push(&names[start..k]);
+            (start, taken) = (k, 0.0);
+        }
+        taken += name_width(name);
+    }
+    if start < names.len() {
+        rows.push(&names[start..]);
+    }
+    rows
+}
+
+/// With the room to the next name.
+pub(super) fn name_width((name, ..): &Name) -> f64 {
+    SAMPLE + 6.0 + text_width(name, LABEL.size, false) + BETWEEN
+}
+
+fn draw_name(canvas: &mut Canvas, (name, index, mark): &Name, x: f64, y: f64) {
+    draw_sample(canvas, *index, *mark, x, y);
+    canvas.text((x + SAMPLE + 6.0, y), name.as_str(), LABEL, Align::Left);
 }
 
 /// Moves entries apart until none covers another, first downwards, then up from the bottom.
@@ -129,11 +166,11 @@ fn draw_sample(canvas: &mut Canvas, index: usize, mark: Mark, x: f64, y: f64) {
     let middle = (x + SAMPLE / 2.0, y);
     match mark {
         Mark::Bars => canvas.rectangle((x + 6.0, y - 6.0), (x + SAMPLE, y + 6.0), colour),
-        Mark::Points => canvas.marker(middle, marker, colour),
+        Mark::Points => canvas.marker(middle, marker, colour, 1.0),
         Mark::Line | Mark::PlainLine => {
             canvas.line(&[(x, y), (x + SAMPLE, y)], colour, 2.0, dash);
             if mark == Mark::Line {
-                canvas.marker(middle, marker, colour);
+                canvas.marker(middle, marker, colour, 1.0);
             }
         }
     }
@@ -142,6 +179,19 @@ fn draw_sample(canvas: &mut Canvas, index: usize, mark: Mark, x: f64, y: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_hold_every_name_and_fit() {
+        let names: Vec<Name> = (0..9)
+            .map(|k| (format!("a rather long name {k}"), k, Mark::Line))
+            .collect();
+        let rows = rows(&names, 600.0);
+        assert!(rows.len() > 1);
+        assert_eq!(rows.concat(), names);
+        for row in rows {
+            assert!(row.iter().map(name_width).sum::<f64>() - BETWEEN <= 600.0 - 2.0 * MARGIN);
+        }
+    }
 
     #[test]
     fn names_never_cover_each_other() {

@@ -1,11 +1,11 @@
 //! Several figures side by side over one legend, to be compared at a glance.
 
+use super::Figure;
 use super::canvas::{Align, Canvas};
 use super::chart::{CAPTION, Plot, Rect, header};
-use super::legend;
+use super::legend::{self, Name, ROW_HEIGHT};
 use super::output::Draw;
 use super::scale::Extent;
-use super::{Figure, Mark};
 
 /// Figures that share their vertical axis, their names and colours.
 #[derive(Clone, Debug)]
@@ -23,16 +23,47 @@ pub struct Panels {
 const PANEL_WIDTH: f64 = 280.0;
 const PANEL_HEIGHT: f64 = 250.0;
 const MARGIN: f64 = super::chart::MARGIN;
-const LEGEND_HEIGHT: f64 = 34.0;
 
 impl Panels {
     fn rows(&self) -> usize {
         self.figures.len().div_ceil(self.columns.max(1))
     }
 
-    /// Name, place in the palette and mark of each series, in the order of first appearance.
-    fn names(&self) -> Vec<(String, usize, Mark)> {
-        let mut names: Vec<(String, usize, Mark)> = Vec::new();
+    /// As tall as it is drawn.
+    fn header_height(&self) -> f64 {
+        header(
+            &mut Canvas::default(),
+            &self.title,
+            &self.note,
+            self.width(),
+        )
+    }
+
+    fn width(&self) -> f64 {
+        2.0 * MARGIN + PANEL_WIDTH * self.columns.max(1) as f64
+    }
+
+    /// Whether the last row has room for the legend.
+    fn has_free_place(&self, names: &[Name]) -> bool {
+        let places = self.rows() * self.columns.max(1);
+        places > self.figures.len()
+            && names
+                .iter()
+                .all(|name| legend::name_width(name) < PANEL_WIDTH - 20.0)
+            && names.len() as f64 * ROW_HEIGHT < PANEL_HEIGHT - 60.0
+    }
+
+    fn legend_height(&self) -> f64 {
+        let names = self.names();
+        if names.len() < 2 || self.has_free_place(&names) {
+            return 6.0;
+        }
+        legend::rows(&names, self.width()).len() as f64 * ROW_HEIGHT + 12.0
+    }
+
+    /// Of each series, in the order of first appearance.
+    fn names(&self) -> Vec<Name> {
+        let mut names: Vec<Name> = Vec::new();
         for series in self.figures.iter().flat_map(|figure| &figure.series) {
             if names.iter().all(|(name, ..)| *name != series.name) {
                 let index = series.style.palette.unwrap_or(names.len());
@@ -45,9 +76,9 @@ impl Panels {
 
 impl Draw for Panels {
     fn size(&self) -> (u32, u32) {
-        let width = 2.0 * MARGIN + PANEL_WIDTH * self.columns.max(1) as f64;
-        let height = 70.0 + LEGEND_HEIGHT + PANEL_HEIGHT * self.rows() as f64;
-        (width as u32, height as u32)
+        let height =
+            self.header_height() + PANEL_HEIGHT * self.rows() as f64 + self.legend_height();
+        (self.width() as u32, height as u32)
     }
 
     fn description(&self) -> String {
@@ -56,8 +87,7 @@ impl Draw for Panels {
     }
 
     fn draw(&self, canvas: &mut Canvas) {
-        let (width, height) = self.size();
-        let top = header(canvas, &self.title, &self.note, f64::from(width));
+        let top = header(canvas, &self.title, &self.note, self.width());
         let names = self.names();
         let y_extent = Extent::of(self.figures.iter().flat_map(Figure::y_values));
         for (k, figure) in self.figures.iter().enumerate() {
@@ -93,8 +123,14 @@ impl Draw for Panels {
                 .collect();
             plot.draw(canvas, &figure, &looks);
         }
-        if names.len() > 1 {
-            legend::draw_row(canvas, &names, f64::from(height) - 16.0, f64::from(width));
+        if names.len() > 1 && self.has_free_place(&names) {
+            let column = self.figures.len() % self.columns.max(1);
+            let left = MARGIN + PANEL_WIDTH * column as f64 + 36.0;
+            let above = top + PANEL_HEIGHT * (self.rows() - 1) as f64;
+            legend::draw_list(canvas, &names, (left, above + 56.0));
+        } else if names.len() > 1 {
+            let above = top + PANEL_HEIGHT * self.rows() as f64;
+            legend::draw_rows(canvas, &names, above + 12.0, self.width());
         }
     }
 }

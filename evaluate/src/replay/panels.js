@@ -27,7 +27,7 @@ function createFleetTable(table, episode, onSelect) {
   const { uavCount, hotspotCount, config } = episode;
   const columns = hotspotCount <= WIDEST_TABLE ? Array.from({ length: hotspotCount }, (_, id) => id) : [];
   const heads = columns.length ? columns.map((id) => `<th scope="col" title="Hotspot ${id}">H${id}</th>`).join('') : '<th scope="col">known</th>';
-  table.innerHTML = `<thead><tr><th scope="col"></th><th scope="col">battery</th><th scope="col">pilot</th>${heads}<th scope="col">state</th></tr></thead>`
+  table.innerHTML = `<thead><tr><th scope="col"><span class="visually-hidden">UAV</span></th><th scope="col">battery</th><th scope="col">pilot</th>${heads}<th scope="col">state</th></tr></thead>`
     + `<tbody>${Array.from({ length: uavCount }, (_, id) => row(id)).join('')}</tbody>`;
   const rows = [...table.querySelectorAll('tbody tr')].map((node, id) => {
     node.addEventListener('click', () => onSelect({ uav: id }));

@@ -21,7 +21,7 @@ $('scrub').max = episode.lastStep;
 $('scrub').addEventListener('input', () => seek(Number($('scrub').value)));
 $('first').onclick = () => seek(0);
 $('back').onclick = () => stepBy(-1);
-$('play').onclick = () => setPlaying(!player.playing);
+$('play').onclick = playOrPause;
 $('forward').onclick = () => stepBy(1);
 $('last').onclick = () => seek(episode.lastStep);
 $('help-open').onclick = () => $('help').showModal();
@@ -104,10 +104,19 @@ function setPlaying(playing) {
   player.playing = playing;
   $('play').classList.toggle('playing', playing);
   $('play').setAttribute('aria-label', playing ? 'Pause' : 'Play');
+  // A screen reader could not keep up with a sentence for each step.
+  $('caption').setAttribute('aria-live', playing ? 'off' : 'polite');
   if (!playing) return writeAddress();
   if (player.time >= episode.lastStep) player.time = 0;
   player.clock = performance.now();
   requestAnimationFrame(tick);
+}
+
+/** Pausing settles on the nearest step, so that what is shown is always a step of the trace. */
+function playOrPause() {
+  const wasPlaying = player.playing;
+  setPlaying(!wasPlaying);
+  if (wasPlaying) seek(Math.round(player.time));
 }
 
 function tick(now) {
@@ -188,7 +197,7 @@ function onKey(event) {
   const stride = event.shiftKey ? 10 : 1;
   const back = event.shiftKey ? -1 : 1;
   const actions = {
-    ' ': () => setPlaying(!player.playing),
+    ' ': playOrPause,
     ArrowLeft: () => stepBy(-stride),
     ArrowRight: () => stepBy(stride),
     Home: () => { setPlaying(false); seek(0); },

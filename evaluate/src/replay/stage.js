@@ -33,6 +33,7 @@ function createStage(svg, episode, onSelect) {
   const fleet = element(svg, 'g');
   const uavs = Array.from({ length: uavCount }, (_, id) => drawUav(id));
   const tags = header.hotspots.map(drawTag);
+  const counts = element(svg, 'g', { class: 'counts' });
   const layouts = episode.frames.map(() => null);
 
   return { draw };
@@ -99,16 +100,22 @@ function createStage(svg, episode, onSelect) {
     return { group, title, halo, learn, body, ring };
   }
 
-  /** Where each UAV stands in frame t and how large: UAVs of one cell are fanned out over it. */
-  function layout(t) {
-    if (layouts[t]) return layouts[t];
+  /** The UAVs in each cell that has any, by "x,y". */
+  function cells(t) {
     const byCell = new Map();
     episode.frames[t].positions.forEach(([x, y], id) => {
       const key = `${x},${y}`;
-      byCell.set(key, [...(byCell.get(key) ?? []), id]);
+      if (!byCell.has(key)) byCell.set(key, []);
+      byCell.get(key).push(id);
     });
+    return byCell;
+  }
+
+  /** Where each UAV stands in frame t and how large: UAVs of one cell are fanned out over it. */
+  function layout(t) {
+    if (layouts[t]) return layouts[t];
     const places = new Array(uavCount);
-    for (const ids of byCell.values()) {
+    for (const ids of cells(t).values()) {
       const [cx, cy] = centre(episode.frames[t].positions[ids[0]]);
       const fan = fanOut(ids.length);
       ids.forEach((id, k) => { places[id] = { x: cx + fan.at[k][0] * glyph, y: cy + fan.at[k][1] * glyph, scale: (fan.scale * glyph) / CELL }; });
@@ -127,7 +134,19 @@ function createStage(svg, episode, onSelect) {
     ownLinks.setAttribute('d', selection.uav === undefined ? '' : frame.links.filter(isMine).map(line).join(''));
     tails.setAttribute('d', places.map((place, id) => tail(t, id) + `L${place.x.toFixed(1)} ${place.y.toFixed(1)}`).join(''));
     drawRipples(time, t);
+    counts.style.visibility = time === t ? 'visible' : 'hidden';
     if (stepChanged) drawStep(t, frame, selection);
+  }
+
+  /** How many stand where too many gather for their names to be read. */
+  function drawCounts(t) {
+    counts.replaceChildren();
+    for (const [key, ids] of cells(t)) {
+      if (ids.length < 6) continue;
+      const [x, y] = centre(key.split(',').map(Number));
+      const text = element(counts, 'text', { x: x + glyph * 0.62, y: y + glyph * 0.5, 'font-size': glyph * 0.3 });
+      text.textContent = `${ids.length}×`;
+    }
   }
 
   function placesAt(time, t) {
@@ -195,6 +214,7 @@ function createStage(svg, episode, onSelect) {
       group.classList.toggle('tiny', layout(t)[id].scale * CELL < glyph * 0.4);
       title.textContent = `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, knows ${frame.knowledge[id].size} of ${episode.hotspotCount} hotspots`;
     });
+    drawCounts(t);
     const steps = selection.uav === undefined ? [] : episode.frames.slice(0, t + 1).map((past) => centre(past.positions[selection.uav]));
     route.setAttribute('d', steps.map(([x, y], k) => `${k ? 'L' : 'M'}${x} ${y}`).join(''));
     if (selection.uav !== undefined) fleet.append(uavs[selection.uav].group);
@@ -217,7 +237,7 @@ function fanOut(count) {
   const mean = (axis) => chosen.reduce((sum, point) => sum + point[axis], 0) / count;
   const [mx, my] = [mean(0), mean(1)];
   const radius = chosen.reduce((most, [x, y]) => Math.max(most, Math.hypot(x - mx, y - my)), 0);
-  const pitch = Math.min(0.56, 0.64 / (radius + 0.5));
+  const pitch = Math.min(0.56, 0.7 / (radius + 0.5));
   return { at: chosen.map(([x, y]) => [(x - mx) * pitch, (y - my) * pitch]), scale: pitch * 1.24 };
 }
 
