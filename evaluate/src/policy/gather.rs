@@ -20,26 +20,33 @@ pub fn gather(model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
 }
 
 /// In the rotated coordinates u = x + y, v = x - y Manhattan distance is the larger of the two
-/// differences, so the centre of the bounding box is the centre sought.
+/// differences, so the centre sought is that of the bounding box. It need not be a cell; of the cells
+/// around it the best is taken, the one with the least total distance among equals.
 fn manhattan_centre(model: &Model<'_>, state: &StateRef<'_>) -> Cell {
-    let (mut u_min, mut u_max) = (i64::MAX, i64::MIN);
-    let (mut v_min, mut v_max) = (i64::MAX, i64::MIN);
     let any_flies = (0..model.uav_count()).any(|uav| can_fly(state, uav));
-    for uav in 0..model.uav_count() {
-        if state.grounded(uav) && any_flies {
-            continue;
-        }
-        let cell = state.cell(uav);
-        let (x, y) = (i64::from(cell.x), i64::from(cell.y));
-        u_min = u_min.min(x + y);
-        u_max = u_max.max(x + y);
-        v_min = v_min.min(x - y);
-        v_max = v_max.max(x - y);
-    }
-    let (u, v) = ((u_min + u_max).div_euclid(2), (v_min + v_max).div_euclid(2));
-    let onto = |value: i64, size: u32| value.clamp(0, i64::from(size) - 1) as u32;
-    Cell {
-        x: onto((u + v).div_euclid(2), model.config().grid_width),
-        y: onto((u - v).div_euclid(2), model.config().grid_height),
-    }
+    let cells: Vec<Cell> = (0..model.uav_count())
+        .filter(|&uav| !state.grounded(uav) || !any_flies)
+        .map(|uav| state.cell(uav))
+        .collect();
+    let middle = |of: fn(i64, i64) -> i64| {
+        let along = cells
+            .iter()
+            .map(|cell| of(i64::from(cell.x), i64::from(cell.y)));
+        let (low, high) = along.fold((i64::MAX, i64::MIN), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        (low + high).div_euclid(2)
+    };
+    let (u, v) = (middle(|x, y| x + y), middle(|x, y| x - y));
+    let config = model.config();
+    let near = |value: i64, size: u32| {
+        (value - 1..=value + 1).map(move |value| value.clamp(0, i64::from(size) - 1) as u32)
+    };
+    near((u + v).div_euclid(2), config.grid_width)
+        .flat_map(|x| near((u - v).div_euclid(2), config.grid_height).map(move |y| Cell { x, y }))
+        .min_by_key(|&centre| {
+            let distances = || cells.iter().map(|cell| u64::from(cell.manhattan(centre)));
+            (distances().max(), distances().sum::<u64>())
+        })
+        .unwrap_or_default()
 }

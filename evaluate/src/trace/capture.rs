@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use jcas_core::{Config, Error, Model, Sim, hash};
+use jcas_core::{Config, Error, Model, Sim, action, hash};
 
 use super::compare::{Difference, diff};
 use super::error::TraceError;
@@ -127,7 +127,10 @@ impl<'m> Episode<'m> {
         Ok(Step {
             kind: "step".to_owned(),
             t: state.t(),
-            actions: actions.chunks_exact(2).map(|a| [a[0], a[1]]).collect(),
+            actions: actions
+                .chunks_exact(2)
+                .map(|pair| [written(pair[0]), written(pair[1])])
+                .collect(),
             positions: (0..uavs).map(|i| state.cell(i)).collect(),
             pilot_density: (0..uavs).map(|i| state.pilot_density(i)).collect(),
             battery_uj: (0..uavs).map(|i| state.battery_uj(i)).collect(),
@@ -161,5 +164,14 @@ impl<'m> Episode<'m> {
             metrics,
             checksum: Hex(0),
         }
+    }
+}
+
+/// JSON has no infinity; clipped, as the kernel clips it, it means the same.
+fn written(component: f32) -> f32 {
+    if component.is_finite() {
+        component
+    } else {
+        action::clip(component)
     }
 }

@@ -78,7 +78,7 @@ pub struct Step {
     pub kind: String,
     /// 1 for the first.
     pub t: u32,
-    /// (u_dir, u_pilot) of each UAV, as given.
+    /// (u_dir, u_pilot) of each UAV, as given; infinities clipped.
     pub actions: Vec<[f32; 2]>,
     /// Cell of each UAV after the move.
     pub positions: Vec<Cell>,
