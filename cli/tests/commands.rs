@@ -293,3 +293,53 @@ fn every_command_has_help_with_examples_or_commands() {
     }
     assert!(succeed(folder.path(), &["--help"]).contains("Exit codes:"));
 }
+
+/// Ctrl-C: the finished cells are on file, the message says how to go on, the exit code is a shell's.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_keeps_its_finished_cells() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let folder = tempfile::tempdir().unwrap();
+    let quorums: Vec<String> = (1..=400).map(|quorum| quorum.to_string()).collect();
+    let sweep = Command::new(assert_cmd::cargo::cargo_bin!("jcas"))
+        .args([
+            "sweep",
+            "--uavs",
+            "5",
+            "--hotspots",
+            "3",
+            "--no-figures",
+            "--vary",
+        ])
+        .arg(format!("quorum={}", quorums.join(",")))
+        .current_dir(folder.path())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let table = folder.path().join("out/results.csv");
+    let started = Instant::now();
+    while !table.exists() && started.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let pid = sweep.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let output = sweep.wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(
+        told.contains("the same command goes on from there"),
+        "{told}"
+    );
+    let rows = fs::read_to_string(&table).unwrap().lines().count() - 1;
+    assert!((1..400).contains(&rows), "{rows}");
+    assert!(told.contains(&format!("{rows} of 400 cells")), "{told}");
+}

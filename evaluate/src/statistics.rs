@@ -236,7 +236,7 @@ mod tests {
     fn wilson_intervals_equal_published_ones() {
         for (successes, trials, low, high) in [
             (0, 10, 0.0, 0.277_532_799_862_889_3),
-            (5, 10, 0.236_593_090_512_564_06, 0.763_406_909_487_435_9),
+            (5, 10, 0.236_593_090_512_564_06, 0.763_406_909_487_436),
             (10, 10, 0.722_467_200_137_110_7, 1.0),
         ] {
             let got = wilson(successes, trials);

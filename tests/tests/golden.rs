@@ -362,7 +362,8 @@ fn every_trace_has_its_test_and_its_line() {
 #[test]
 fn any_changed_field_is_caught() {
     let honest = read("completion");
-    let changes: [(&str, fn(&mut Trace)); 8] = [
+    type Change = (&'static str, fn(&mut Trace));
+    let changes: [Change; 8] = [
         ("config_hash", |trace| trace.header.config_hash.0 ^= 1),
         ("initial.state_hash", |trace| {
             trace.header.initial.state_hash.0 ^= 1

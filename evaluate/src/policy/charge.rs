@@ -20,5 +20,5 @@ pub fn stays_to_charge(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> b
     let wanted_kwh = enough_kwh.min(config.battery_capacity_kwh);
     let here = state.cell(uav);
     (state.battery_uj(uav) as f64) < wanted_kwh * UJ_PER_KWH
-        && model.depots().iter().any(|&depot| depot == here)
+        && model.depots().contains(&here)
 }
