@@ -1,12 +1,13 @@
 //! `jcas config`: what is configured, and whether a file is right.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 use jcas_core::config::{FieldInfo, FieldValue};
 use jcas_core::{Config, Model};
+use serde::Serialize;
 
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::{CliError, Outcome};
@@ -61,6 +62,16 @@ pub struct Check {
     /// Values for the fields that a file does not name
     #[arg(long, value_enum, default_value_t = PresetName::Mission)]
     preset: PresetName,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `check --json` prints of each file.
+#[derive(Serialize)]
+struct Valid<'a> {
+    file: &'a Path,
+    config_hash: String,
 }
 
 /// List the presets and the fields in which they differ
@@ -153,17 +164,27 @@ const SPEED_OF_LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 impl Check {
     fn run(self) -> Result<Outcome, CliError> {
+        let mut valid = Vec::new();
         for path in &self.files {
             let mut source = ConfigSource::preset(self.preset);
             source.overlay_file(path)?;
             let config = source
                 .resolve()
                 .map_err(|error| CliError::file(path, error))?;
-            files::print(&format!(
-                "{}: valid, configuration hash 0x{:016x}\n",
-                path.display(),
-                config.hash()
-            ))?;
+            valid.push(Valid {
+                file: path,
+                config_hash: format!("0x{:016x}", config.hash()),
+            });
+        }
+        if self.json {
+            files::print_json(&valid)?;
+        } else {
+            for Valid { file, config_hash } in &valid {
+                files::print(&format!(
+                    "{}: valid, configuration hash {config_hash}\n",
+                    file.display()
+                ))?;
+            }
         }
         Ok(Outcome::Done)
     }

@@ -96,7 +96,13 @@ impl Sweep {
 
         let mut written = vec![table];
         if !self.no_figures {
-            written.extend(charts::draw(&self.out, &axes, &cells, &store)?);
+            written.extend(charts::draw(
+                &self.out,
+                &axes,
+                &cells,
+                &store,
+                self.episodes,
+            )?);
             let page = self.out.join("replay.html");
             self.replay(&cells, &page)?;
             written.push(page);

@@ -16,7 +16,7 @@ const QUANTITIES: [(&str, &str, &str, &str, bool); 4] = [
     (
         "mission_steps_mean",
         "mission_time",
-        "mission time",
+        MISSION_TIME,
         "steps",
         false,
     ),
@@ -39,6 +39,7 @@ pub fn draw(
     axes: &[Axis],
     cells: &[Cell],
     store: &Store,
+    episodes: u64,
 ) -> Result<Vec<PathBuf>, CliError> {
     let mut written = Vec::new();
     for x_axis in (0..axes.len()).filter(|&index| numbers(&axes[index]).is_some()) {
@@ -49,14 +50,14 @@ pub fn draw(
                 .facets(cells)
                 .into_iter()
                 .take(PANELS_MAX)
-                .map(|facet| layout.figure(quantity, &facet, cells, store))
+                .map(|facet| layout.figure(quantity, &facet, cells, store, episodes))
                 .collect();
             if let [single] = panels.as_slice() {
                 written.extend(write(out, &name, single)?);
             } else {
                 let figure = Panels {
                     title: panels_title(quantity.2, &axes[x_axis].name),
-                    note: INTERVALS.to_owned(),
+                    note: sampling(quantity.2, episodes),
                     columns: PANEL_COLUMNS.min(panels.len()),
                     figures: panels,
                 };
@@ -67,8 +68,16 @@ pub fn draw(
     Ok(written)
 }
 
-const INTERVALS: &str =
-    "Whiskers: 95 % intervals. A mission without success counts with its horizon.";
+/// What the whiskers are, and how many missions there are to a point.
+fn sampling(title: &str, episodes: u64) -> String {
+    let mut note = format!("{episodes} missions a point; whiskers: 95 % intervals.");
+    if title == MISSION_TIME {
+        note += " A mission without success counts with its horizon.";
+    }
+    note
+}
+
+const MISSION_TIME: &str = "mission time";
 
 fn panels_title(quantity: &str, axis: &str) -> String {
     let mut title = format!("{quantity} over {}", label(axis).0);
@@ -149,6 +158,7 @@ impl<'a> Layout<'a> {
         facet: &[String],
         cells: &[Cell],
         store: &Store,
+        episodes: u64,
     ) -> Figure {
         let (x_label, x_unit) = label(&self.axes[self.x_axis].name);
         let x_axis = figures::Axis::new(x_label, x_unit);
@@ -156,12 +166,13 @@ impl<'a> Layout<'a> {
         if share {
             y_axis = y_axis.span(0.0, 1.0);
         }
+        let note = self.note(&sampling(title, episodes));
         let title = if facet.is_empty() {
             panels_title(title, &self.axes[self.x_axis].name)
         } else {
             self.names(&self.facet_axes, facet)
         };
-        let mut figure = Figure::new(title, x_axis, y_axis).note(self.note());
+        let mut figure = Figure::new(title, x_axis, y_axis).note(note);
         for values in Self::combinations(&self.series_axes, cells) {
             let points = cells
                 .iter()
@@ -186,13 +197,13 @@ impl<'a> Layout<'a> {
         figure
     }
 
-    /// What all series have in common, and what the whiskers are.
-    fn note(&self) -> String {
+    /// What all series have in common, and how they were sampled.
+    fn note(&self, sampling: &str) -> String {
         let common: Vec<String> = (0..self.axes.len())
             .filter(|&index| self.axes[index].values.len() == 1)
             .map(|index| name(&self.axes[index].name, &self.axes[index].values[0]))
             .collect();
-        format!("{}. {INTERVALS}", common.join(", "))
+        format!("{}. {sampling}", common.join(", "))
     }
 
     fn names(&self, axes: &[usize], values: &[String]) -> String {
