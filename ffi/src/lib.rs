@@ -1,1 +1,49 @@
-//! See the package description.
+//! The C ABI of the kernel. What a C programmer reads is `include/jcas.h`, generated from this crate: the
+//! comments of exported items are therefore written in the terms of C.
+//!
+//! Exported functions are thin: they check pointers, lengths and handles, then call the safe kernel.
+//! This is the only crate of the workspace with `unsafe` code, and each block says why it is sound.
+#![deny(clippy::undocumented_unsafe_blocks)]
+// C programmers read the safety conditions in the header's introduction, once.
+#![allow(clippy::missing_safety_doc)]
+// Exported types carry the names that they have in C.
+#![allow(non_camel_case_types)]
+
+// In the order of the header; the blank lines keep it.
+mod version;
+
+mod status;
+
+mod config;
+
+mod config_text;
+
+mod records;
+
+mod model;
+
+mod sim;
+
+mod parts;
+
+mod read;
+
+mod snapshot;
+
+mod batch;
+
+mod batch_block;
+mod handle;
+mod memory;
+
+pub use batch::*;
+pub use config::*;
+pub use config_text::*;
+pub use model::*;
+pub use parts::*;
+pub use read::*;
+pub use records::*;
+pub use sim::*;
+pub use snapshot::*;
+pub use status::*;
+pub use version::*;

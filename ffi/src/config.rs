@@ -1,0 +1,375 @@
+//! The configuration as a C struct.
+
+use jcas_core::config::{Cell, Config, Depots, MAX_DEPOTS};
+use jcas_core::error::{Allowed, ConfigError, Value};
+use jcas_core::{ChargeBilling, InformPayment, TargetVisibility};
+
+use crate::memory::{Plain, Record};
+
+/// Most depots of a configuration.
+pub const JCAS_MAX_DEPOTS: usize = 16;
+/// Every hotspot's position is seen, as in the paper.
+pub const JCAS_VISIBILITY_KNOWN: i32 = 0;
+/// Only positions of hotspots that the UAV knows are seen: a search.
+pub const JCAS_VISIBILITY_HIDDEN: i32 = 1;
+/// Charging bills what the battery accepted.
+pub const JCAS_BILLING_ACCEPTED: i32 = 0;
+/// Charging bills the charger's rating whenever a UAV is on a depot, as in the paper.
+pub const JCAS_BILLING_NAMEPLATE: i32 = 1;
+/// An informed hotspot pays at the step at which it becomes informed.
+pub const JCAS_PAYMENT_ONCE: i32 = 0;
+/// An informed hotspot pays at that step and every later one, as in the paper.
+pub const JCAS_PAYMENT_EVERY_STEP: i32 = 1;
+
+const _: () = assert!(JCAS_MAX_DEPOTS == MAX_DEPOTS);
+
+/// A cell of the grid: x in 0..W, y in 0..H.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct jcas_cell {
+    /// Column.
+    pub x: u32,
+    /// Row; up is +y.
+    pub y: u32,
+}
+
+// SAFETY: two integers.
+unsafe impl Plain for jcas_cell {}
+
+/// Every decision of the model. Fill it by jcas_config_default (or one of the other functions that do),
+/// then change fields. Beside each field: [unit, legal range; default]. Symbols are those of the paper.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct jcas_config {
+    /// sizeof(jcas_config).
+    pub struct_size: u32,
+    /// Cells of the grid along x (W). [cells, 1 to 1024; default 12]
+    pub grid_width: u32,
+    /// Cells of the grid along y (H). [cells, 1 to 1024; default 12]
+    pub grid_height: u32,
+    /// Side of a square cell (d). [m, 0.001 to 1e6; default 50]
+    pub cell_size_m: f64,
+    /// UAVs in the fleet (N). [UAVs, 1 to 4096; default 10]
+    pub uav_count: u32,
+    /// Waste hotspots to find (n). [hotspots, 1 to 4096; default 5]
+    pub hotspot_count: u32,
+    /// Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
+    /// 100]
+    pub horizon_steps: u32,
+    /// Positive detections in one step that confirm a hotspot (θ). [UAVs, 1 to 4096; default 3]
+    pub quorum: u32,
+    /// Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
+    pub depot_count: u32,
+    /// Cells with a depot; the fleet starts at the first. Those beyond depot_count are not read.
+    pub depots: [jcas_cell; JCAS_MAX_DEPOTS],
+    /// Lowest state of charge at the start; drawn per UAV, uniformly. [fraction, 0 to 1; default 1]
+    pub initial_soc_min: f64,
+    /// Highest state of charge at the start. [fraction, 0 to 1; default 1]
+    pub initial_soc_max: f64,
+    /// What UAVs see of hotspots that they do not know: JCAS_VISIBILITY_KNOWN (default) or
+    /// JCAS_VISIBILITY_HIDDEN.
+    pub target_visibility: i32,
+    /// Neighbours in an observation, nearest first; at most N - 1 are ever used. [UAVs, 0 to 4095;
+    /// default 4095]
+    pub neighbour_slots: u32,
+    /// Carrier frequency (f_c). [Hz, 1e6 to 1e13; default 5.8e9]
+    pub carrier_frequency_hz: f64,
+    /// Bandwidth of the waveform (B). [Hz, 1e3 to 1e12; default 100e6]
+    pub bandwidth_hz: f64,
+    /// Transmit power of a UAV (P_t). [dBm, -100 to 100; default 20]
+    pub transmit_power_dbm: f64,
+    /// Transmit antenna gain (G_t). [dBi, -100 to 100; default 2]
+    pub transmit_gain_dbi: f64,
+    /// Receive antenna gain (G_r). [dBi, -100 to 100; default 2]
+    pub receive_gain_dbi: f64,
+    /// Radar cross section of a hotspot (σ_j). [dBsm, -100 to 100; default 0]
+    pub radar_cross_section_dbsm: f64,
+    /// Noise power of the radar receiver (P_n). [dBm, -200 to 100; default -90]
+    pub sensing_noise_dbm: f64,
+    /// Processing gain of coherent OFDM combining (G_proc). [dB, -100 to 100; default 8]
+    pub processing_gain_db: f64,
+    /// Loss of sensing SNR per unit of communication load (α_JCAS). [dB, 0 to 20; default 1]
+    pub comm_load_penalty_db: f64,
+    /// Single-pulse probability of detection that defines the threshold (Albersheim's equation).
+    /// [probability, 0.1 to 0.9; default 0.9]
+    pub detection_probability: f64,
+    /// Single-pulse probability of false alarm that defines the threshold. [probability, 1e-7 to
+    /// 1e-3; default 1e-6]
+    pub false_alarm_probability: f64,
+    /// Detection threshold (γ_det); JCAS_DERIVED: by Albersheim's equation. [dB, -300 to 300;
+    /// default JCAS_DERIVED]
+    pub detection_threshold_db: f64,
+    /// Slope of the logistic detection curve (κ). [1/dB, 0 to 10; default 0.25]
+    pub logistic_slope_per_db: f64,
+    /// Distances below this count as this, for radar and link (R_min); JCAS_DERIVED: half a cell.
+    /// [m, 0.001 to 1e6; default JCAS_DERIVED]
+    pub range_min_m: f64,
+    /// Range resolution (δ) in the penalty 10 log10(1 + δ/R); JCAS_DERIVED: c/(2B); 0: no penalty.
+    /// [m, 0 to 1e6; default JCAS_DERIVED]
+    pub range_resolution_m: f64,
+    /// Lowest pilot density (ρ_min). [fraction, 0 to 1; default 0.01]
+    pub pilot_density_min: f64,
+    /// Highest pilot density (ρ_max). [fraction, 0.0001 to 1; default 0.30]
+    pub pilot_density_max: f64,
+    /// Exponent of the log-distance path loss (n). [dimensionless, 0.5 to 8; default 2]
+    pub path_loss_exponent: f64,
+    /// Noise power of the communication receiver (P_n,comm). [dBm, -200 to 100; default -90]
+    pub comm_noise_dbm: f64,
+    /// Spectral efficiency that counts as throughput 1. [bit/s/Hz, 0.001 to 1000; default 6]
+    pub reference_spectral_efficiency: f64,
+    /// Normalised throughput that a link needs in both directions (η_link). [normalised, 0 to 1000;
+    /// default 1]
+    pub link_throughput_min: f64,
+    /// Duration of a step (Δt). [s, 0.001 to 86400; default 10]
+    pub step_duration_s: f64,
+    /// Battery capacity (B_max). [kWh, 1e-6 to 100; default 0.20]
+    pub battery_capacity_kwh: f64,
+    /// A battery below this at the start of a step sends the UAV to the nearest depot; 0 turns it
+    /// off. [kWh, 0 to 100; default 0.04]
+    pub rtb_threshold_kwh: f64,
+    /// Charging power at a depot (r_ch). [kW, 0 to 10000; default 0.30]
+    pub charge_power_kw: f64,
+    /// Energy of a step that changes the cell (e_move). [kWh, 0 to 1; default 8e-4]
+    pub move_energy_kwh: f64,
+    /// Energy of a step in place. [kWh, 0 to 1; default 0]
+    pub hover_energy_kwh: f64,
+    /// Energy of sensing at the highest pilot density for a step (e_sense). [kWh, 0 to 1; default
+    /// 2e-4]
+    pub sense_energy_kwh: f64,
+    /// Energy of communicating with the whole waveform for a step (e_comm). [kWh, 0 to 1; default
+    /// 5e-5]
+    pub comm_energy_kwh: f64,
+    /// Share of renewable energy in charging (ρ_RE). [fraction, 0 to 1; default 0.1]
+    pub renewable_share: f64,
+    /// Lowest carbon intensity of grid energy. [kg/kWh, 0 to 10; default 0.25]
+    pub carbon_intensity_min_kg_per_kwh: f64,
+    /// Highest carbon intensity of grid energy. [kg/kWh, 0 to 10; default 0.40]
+    pub carbon_intensity_max_kg_per_kwh: f64,
+    /// What charging bills: JCAS_BILLING_ACCEPTED (default) or JCAS_BILLING_NAMEPLATE.
+    pub charge_billing: i32,
+    /// Reward of a confirmation (α_det). [reward, -1e6 to 1e6; default 7]
+    pub reward_detect: f64,
+    /// Reward of an informed hotspot (α_inf). [reward, -1e6 to 1e6; default 4]
+    pub reward_inform: f64,
+    /// When an informed hotspot pays: JCAS_PAYMENT_ONCE (default) or JCAS_PAYMENT_EVERY_STEP.
+    pub inform_payment: i32,
+    /// Reward of completion (α_comp). [reward, -1e6 to 1e6; default 10]
+    pub reward_complete: f64,
+    /// Reward of covering the whole grid for the first time (α_cov). [reward, -1e6 to 1e6; default
+    /// 0.5]
+    pub reward_coverage: f64,
+    /// Penalty of energy spent (η_e). [reward/kWh, -1e6 to 1e6; default 0.2]
+    pub penalty_energy_per_kwh: f64,
+    /// Penalty of carbon emitted (η_c). [reward/kg, -1e6 to 1e6; default 0.1]
+    pub penalty_carbon_per_kg: f64,
+    /// Penalty of a move into a cell visited before (ξ_rev). [reward, -1e6 to 1e6; default 0.01]
+    pub penalty_revisit: f64,
+    /// Penalty at the horizon (ξ_trunc). [reward, -1e6 to 1e6; default 0.4]
+    pub penalty_truncation: f64,
+    /// Reward of mean normalised throughput (ζ_comm). [reward, -1e6 to 1e6; default 0.5]
+    pub reward_throughput: f64,
+    /// Reward of knowledge spread (ζ_spread). [reward, -1e6 to 1e6; default 0.1]
+    pub reward_spread: f64,
+    /// Discount of the shaping potentials (γ_s). [dimensionless, 0 to 1; default 0.95]
+    pub shaping_discount: f64,
+    /// Weight of the distance-to-hotspot potential (w_g). [reward, 0 to 1e6; default 1]
+    pub shaping_goal_weight: f64,
+    /// Weight of the carbon-aware charging potential (w_c). [reward, 0 to 1e6; default 0.1]
+    pub shaping_charge_weight: f64,
+}
+
+// SAFETY: integers and floats only.
+unsafe impl Plain for jcas_config {}
+// SAFETY: `struct_size` comes first.
+unsafe impl Record for jcas_config {}
+
+impl jcas_config {
+    pub(crate) fn from_core(config: &Config) -> Self {
+        let mut depots = [jcas_cell { x: 0, y: 0 }; JCAS_MAX_DEPOTS];
+        for (to, from) in depots.iter_mut().zip(config.depots.as_slice()) {
+            *to = jcas_cell {
+                x: from.x,
+                y: from.y,
+            };
+        }
+        Self {
+            struct_size: Self::SIZE,
+            grid_width: config.grid_width,
+            grid_height: config.grid_height,
+            cell_size_m: config.cell_size_m,
+            uav_count: config.uav_count,
+            hotspot_count: config.hotspot_count,
+            horizon_steps: config.horizon_steps,
+            quorum: config.quorum,
+            depot_count: config.depots.len() as u32,
+            depots,
+            initial_soc_min: config.initial_soc_min,
+            initial_soc_max: config.initial_soc_max,
+            target_visibility: config.target_visibility as i32,
+            neighbour_slots: config.neighbour_slots,
+            carrier_frequency_hz: config.carrier_frequency_hz,
+            bandwidth_hz: config.bandwidth_hz,
+            transmit_power_dbm: config.transmit_power_dbm,
+            transmit_gain_dbi: config.transmit_gain_dbi,
+            receive_gain_dbi: config.receive_gain_dbi,
+            radar_cross_section_dbsm: config.radar_cross_section_dbsm,
+            sensing_noise_dbm: config.sensing_noise_dbm,
+            processing_gain_db: config.processing_gain_db,
+            comm_load_penalty_db: config.comm_load_penalty_db,
+            detection_probability: config.detection_probability,
+            false_alarm_probability: config.false_alarm_probability,
+            detection_threshold_db: config.detection_threshold_db.unwrap_or(f64::NAN),
+            logistic_slope_per_db: config.logistic_slope_per_db,
+            range_min_m: config.range_min_m.unwrap_or(f64::NAN),
+            range_resolution_m: config.range_resolution_m.unwrap_or(f64::NAN),
+            pilot_density_min: config.pilot_density_min,
+            pilot_density_max: config.pilot_density_max,
+            path_loss_exponent: config.path_loss_exponent,
+            comm_noise_dbm: config.comm_noise_dbm,
+            reference_spectral_efficiency: config.reference_spectral_efficiency,
+            link_throughput_min: config.link_throughput_min,
+            step_duration_s: config.step_duration_s,
+            battery_capacity_kwh: config.battery_capacity_kwh,
+            rtb_threshold_kwh: config.rtb_threshold_kwh,
+            charge_power_kw: config.charge_power_kw,
+            move_energy_kwh: config.move_energy_kwh,
+            hover_energy_kwh: config.hover_energy_kwh,
+            sense_energy_kwh: config.sense_energy_kwh,
+            comm_energy_kwh: config.comm_energy_kwh,
+            renewable_share: config.renewable_share,
+            carbon_intensity_min_kg_per_kwh: config.carbon_intensity_min_kg_per_kwh,
+            carbon_intensity_max_kg_per_kwh: config.carbon_intensity_max_kg_per_kwh,
+            charge_billing: config.charge_billing as i32,
+            reward_detect: config.reward_detect,
+            reward_inform: config.reward_inform,
+            inform_payment: config.inform_payment as i32,
+            reward_complete: config.reward_complete,
+            reward_coverage: config.reward_coverage,
+            penalty_energy_per_kwh: config.penalty_energy_per_kwh,
+            penalty_carbon_per_kg: config.penalty_carbon_per_kg,
+            penalty_revisit: config.penalty_revisit,
+            penalty_truncation: config.penalty_truncation,
+            reward_throughput: config.reward_throughput,
+            reward_spread: config.reward_spread,
+            shaping_discount: config.shaping_discount,
+            shaping_goal_weight: config.shaping_goal_weight,
+            shaping_charge_weight: config.shaping_charge_weight,
+        }
+    }
+
+    /// The same configuration for the kernel, which has yet to validate it.
+    pub(crate) fn to_core(self) -> Result<Config, ConfigError> {
+        let depots = self.given_depots()?;
+        Ok(Config {
+            grid_width: self.grid_width,
+            grid_height: self.grid_height,
+            cell_size_m: self.cell_size_m,
+            uav_count: self.uav_count,
+            hotspot_count: self.hotspot_count,
+            horizon_steps: self.horizon_steps,
+            quorum: self.quorum,
+            depots,
+            initial_soc_min: self.initial_soc_min,
+            initial_soc_max: self.initial_soc_max,
+            target_visibility: choice(
+                "target_visibility",
+                self.target_visibility,
+                TargetVisibility::from_index,
+            )?,
+            neighbour_slots: self.neighbour_slots,
+            carrier_frequency_hz: self.carrier_frequency_hz,
+            bandwidth_hz: self.bandwidth_hz,
+            transmit_power_dbm: self.transmit_power_dbm,
+            transmit_gain_dbi: self.transmit_gain_dbi,
+            receive_gain_dbi: self.receive_gain_dbi,
+            radar_cross_section_dbsm: self.radar_cross_section_dbsm,
+            sensing_noise_dbm: self.sensing_noise_dbm,
+            processing_gain_db: self.processing_gain_db,
+            comm_load_penalty_db: self.comm_load_penalty_db,
+            detection_probability: self.detection_probability,
+            false_alarm_probability: self.false_alarm_probability,
+            detection_threshold_db: given(self.detection_threshold_db),
+            logistic_slope_per_db: self.logistic_slope_per_db,
+            range_min_m: given(self.range_min_m),
+            range_resolution_m: given(self.range_resolution_m),
+            pilot_density_min: self.pilot_density_min,
+            pilot_density_max: self.pilot_density_max,
+            path_loss_exponent: self.path_loss_exponent,
+            comm_noise_dbm: self.comm_noise_dbm,
+            reference_spectral_efficiency: self.reference_spectral_efficiency,
+            link_throughput_min: self.link_throughput_min,
+            step_duration_s: self.step_duration_s,
+            battery_capacity_kwh: self.battery_capacity_kwh,
+            rtb_threshold_kwh: self.rtb_threshold_kwh,
+            charge_power_kw: self.charge_power_kw,
+            move_energy_kwh: self.move_energy_kwh,
+            hover_energy_kwh: self.hover_energy_kwh,
+            sense_energy_kwh: self.sense_energy_kwh,
+            comm_energy_kwh: self.comm_energy_kwh,
+            renewable_share: self.renewable_share,
+            carbon_intensity_min_kg_per_kwh: self.carbon_intensity_min_kg_per_kwh,
+            carbon_intensity_max_kg_per_kwh: self.carbon_intensity_max_kg_per_kwh,
+            charge_billing: choice(
+                "charge_billing",
+                self.charge_billing,
+                ChargeBilling::from_index,
+            )?,
+            reward_detect: self.reward_detect,
+            reward_inform: self.reward_inform,
+            inform_payment: choice(
+                "inform_payment",
+                self.inform_payment,
+                InformPayment::from_index,
+            )?,
+            reward_complete: self.reward_complete,
+            reward_coverage: self.reward_coverage,
+            penalty_energy_per_kwh: self.penalty_energy_per_kwh,
+            penalty_carbon_per_kg: self.penalty_carbon_per_kg,
+            penalty_revisit: self.penalty_revisit,
+            penalty_truncation: self.penalty_truncation,
+            reward_throughput: self.reward_throughput,
+            reward_spread: self.reward_spread,
+            shaping_discount: self.shaping_discount,
+            shaping_goal_weight: self.shaping_goal_weight,
+            shaping_charge_weight: self.shaping_charge_weight,
+        })
+    }
+
+    fn given_depots(&self) -> Result<Depots, ConfigError> {
+        let mut cells = [Cell { x: 0, y: 0 }; JCAS_MAX_DEPOTS];
+        for (to, from) in cells.iter_mut().zip(&self.depots) {
+            *to = Cell {
+                x: from.x,
+                y: from.y,
+            };
+        }
+        cells
+            .get(..self.depot_count as usize)
+            .and_then(Depots::from_slice)
+            .ok_or(ConfigError {
+                field: "depot_count",
+                value: Value::Integer(self.depot_count.into()),
+                allowed: Allowed::Range(0.0, JCAS_MAX_DEPOTS as f64),
+            })
+    }
+}
+
+/// A real number that NaN leaves to be derived.
+fn given(value: f64) -> Option<f64> {
+    (!value.is_nan()).then_some(value)
+}
+
+fn choice<T>(
+    field: &'static str,
+    value: i32,
+    from_index: impl Fn(u32) -> Option<T>,
+) -> Result<T, ConfigError> {
+    u32::try_from(value)
+        .ok()
+        .and_then(from_index)
+        .ok_or(ConfigError {
+            field,
+            value: Value::Real(f64::from(value)),
+            allowed: Allowed::Rule("0 or 1; see its constants"),
+        })
+}

@@ -1,0 +1,274 @@
+//! Configurations by preset, and from and to text.
+
+use std::ffi::c_char;
+use std::fmt::Display;
+
+use jcas_core::config::text::TextError;
+use jcas_core::{Config, Preset};
+use serde_json::json;
+
+use crate::config::jcas_config;
+use crate::memory::{bytes, message, place, read_record, sized_record, text_out};
+use crate::status::{Fault, JCAS_ERROR_CONFIG, guard};
+
+/// Says why a configuration was refused.
+///
+/// # Safety
+/// As [`message`].
+pub(crate) unsafe fn refuse(error: impl Display, buffer: *mut c_char, capacity: usize) -> Fault {
+    // SAFETY: passed on.
+    unsafe { message(&error.to_string(), buffer, capacity) };
+    Fault::Status(JCAS_ERROR_CONFIG)
+}
+
+/// Reads and validates a configuration; says why not.
+///
+/// # Safety
+/// `config` as for `read_record`, the buffer as for [`message`].
+pub(crate) unsafe fn legal(
+    config: *const jcas_config,
+    buffer: *mut c_char,
+    capacity: usize,
+) -> Result<Config, Fault> {
+    // SAFETY: passed on.
+    let record = unsafe { read_record(config) }?;
+    let checked = record
+        .to_core()
+        .and_then(|config| config.validate().map(|()| config));
+    // SAFETY: passed on.
+    checked.map_err(|error| unsafe { refuse(error, buffer, capacity) })
+}
+
+/// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as `struct_size`.
+///
+/// `config`: not NULL. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_default(config: *mut jcas_config, struct_size: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `config`.
+        let out = unsafe { sized_record(config, struct_size) }?;
+        out.put(jcas_config::from_core(&Config::default()));
+        Ok(())
+    })
+}
+
+/// Fills `config` with a preset: "mission" or "paper" (the letter of every equation of the paper).
+///
+/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_preset(
+    name: *const c_char,
+    name_length: usize,
+    config: *mut jcas_config,
+    struct_size: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    let parse = |name: &str| match name.parse::<Preset>() {
+        Ok(preset) => Ok(Config::preset(preset)),
+        Err(_) => Err(format!("preset = {name}: must be `mission` or `paper`")),
+    };
+    // SAFETY: the caller's promises, passed on.
+    guard(|| unsafe {
+        from_text(
+            name,
+            name_length,
+            config,
+            struct_size,
+            message,
+            message_capacity,
+            parse,
+        )
+    })
+}
+
+/// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a field
+/// and replaces the preset's value; unknown keys are errors. The result is validated.
+///
+/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
+/// introduction. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_from_toml(
+    text: *const c_char,
+    text_length: usize,
+    config: *mut jcas_config,
+    struct_size: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    // SAFETY: the caller's promises, passed on.
+    guard(|| unsafe {
+        from_text(
+            text,
+            text_length,
+            config,
+            struct_size,
+            message,
+            message_capacity,
+            Config::from_toml,
+        )
+    })
+}
+
+/// As jcas_config_from_toml, from a JSON object.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_from_json(
+    text: *const c_char,
+    text_length: usize,
+    config: *mut jcas_config,
+    struct_size: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    // SAFETY: the caller's promises, passed on.
+    guard(|| unsafe {
+        from_text(
+            text,
+            text_length,
+            config,
+            struct_size,
+            message,
+            message_capacity,
+            Config::from_json,
+        )
+    })
+}
+
+/// Whether a configuration is legal: JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the field,
+/// its value and what is allowed.
+///
+/// `config`: not NULL, struct_size set. `message`: see the introduction. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_validate(
+    config: *const jcas_config,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    // SAFETY: the caller's promises, passed on.
+    guard(|| unsafe { legal(config, message, message_capacity) }.map(|_| ()))
+}
+
+/// The fingerprint of a legal configuration; part of every state and snapshot.
+///
+/// `config`, `hash`: not NULL, struct_size set. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_hash(config: *const jcas_config, hash: *mut u64) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `config`; no message is wanted.
+        let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
+        // SAFETY: the caller's promise for `hash`.
+        let hash = unsafe { place(hash) }?;
+        hash.put(config.hash());
+        Ok(())
+    })
+}
+
+/// A legal configuration as JSON text, which jcas_config_from_json reads back; derived fields are absent.
+///
+/// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not NULL;
+/// receives the length without the terminating zero, so that `capacity` must be at least one more.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_to_json(
+    config: *const jcas_config,
+    text: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `config`; no message is wanted.
+        let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
+        // SAFETY: the caller's promises for `text` and `length`.
+        unsafe { text_out(&json!(config).to_string(), text, capacity, length) }
+    })
+}
+
+/// As jcas_config_to_json, as TOML text.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_to_toml(
+    config: *const jcas_config,
+    text: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `config`; no message is wanted.
+        let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
+        // SAFETY: the caller's promises for `text` and `length`.
+        unsafe { text_out(&config.to_toml(), text, capacity, length) }
+    })
+}
+
+/// The fields of the configuration as JSON text: a list of objects with name, unit, low, high and doc.
+///
+/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_config_fields(
+    text: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> i32 {
+    guard(|| {
+        let fields: Vec<_> = Config::FIELDS
+            .iter()
+            .map(|info| {
+                json!({
+                    "name": info.name,
+                    "unit": info.unit,
+                    "low": info.low,
+                    "high": info.high,
+                    "doc": info.doc.trim(),
+                })
+            })
+            .collect();
+        // SAFETY: the caller's promises for `text` and `length`.
+        unsafe { text_out(&json!(fields).to_string(), text, capacity, length) }
+    })
+}
+
+/// Reads a text by `parse` into the caller's record.
+///
+/// # Safety
+/// The promises that each exported function above names.
+unsafe fn from_text<E: Into<Refusal>>(
+    text: *const c_char,
+    text_length: usize,
+    config: *mut jcas_config,
+    struct_size: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+    parse: impl Fn(&str) -> Result<Config, E>,
+) -> Result<(), Fault> {
+    // SAFETY: passed on.
+    let text = unsafe { bytes(text.cast(), text_length) }?;
+    // SAFETY: passed on.
+    let out = unsafe { sized_record(config, struct_size) }?;
+    let parsed = match std::str::from_utf8(text) {
+        Ok(text) => parse(text).map_err(Into::into),
+        Err(error) => Err(Refusal(format!("the text is not UTF-8: {error}"))),
+    };
+    match parsed {
+        Ok(config) => {
+            out.put(jcas_config::from_core(&config));
+            Ok(())
+        }
+        // SAFETY: passed on.
+        Err(refusal) => Err(unsafe { refuse(refusal.0, message, message_capacity) }),
+    }
+}
+
+/// Why a text is no configuration, in words.
+struct Refusal(String);
+
+impl From<TextError> for Refusal {
+    fn from(error: TextError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<String> for Refusal {
+    fn from(words: String) -> Self {
+        Self(words)
+    }
+}

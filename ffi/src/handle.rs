@@ -1,0 +1,357 @@
+//! Handles: blocks of memory that begin with a seal.
+//!
+//! A seal mixes a constant of the handle's kind with the block's own address. Whatever is not a living
+//! handle of that kind, also a copy of one, therefore shows.
+//!
+//! | block | content |
+//! | --- | --- |
+//! | model | [`ModelBlock`], then the words of its tables |
+//! | simulation | [`SimBlock`], then the words of the state, of the working memory, and a spare state |
+
+use std::alloc::{Layout, alloc, dealloc};
+use std::slice;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use jcas_core::{Config, Error, Model, Scratch, StateMut};
+
+use crate::status::{
+    Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_IN_USE, JCAS_ERROR_LENGTH,
+    JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES,
+};
+
+/// A kind of block.
+///
+/// # Safety
+/// Implement it only for `repr(C)` structs whose first field is the seal, a `u64`.
+pub(crate) unsafe trait Block: Sized {
+    const SEAL: u64;
+
+    /// The seal of a block at an address.
+    fn seal(at: *const Self) -> u64 {
+        Self::SEAL ^ at.addr() as u64
+    }
+}
+
+#[repr(C)]
+pub(crate) struct ModelBlock {
+    seal: u64,
+    memory: Memory,
+    /// Simulations and batches that live on this model.
+    users: AtomicU32,
+    model: Model<'static>,
+}
+
+#[repr(C)]
+pub(crate) struct SimBlock {
+    seal: u64,
+    memory: Memory,
+    model: *const ModelBlock,
+    /// The kernel's last refusal, for its words.
+    pub(crate) refusal: Option<Error>,
+}
+
+// SAFETY: `repr(C)`, the seal comes first.
+unsafe impl Block for ModelBlock {
+    const SEAL: u64 = u64::from_le_bytes(*b"jcas mdl");
+}
+// SAFETY: as above.
+unsafe impl Block for SimBlock {
+    const SEAL: u64 = u64::from_le_bytes(*b"jcas sim");
+}
+
+/// Where a block lies.
+#[derive(Clone, Copy)]
+pub(crate) struct Memory {
+    layout: Layout,
+    ours: bool,
+}
+
+impl Memory {
+    /// Memory of ours.
+    pub(crate) fn allocate(layout: Layout) -> Result<(*mut u8, Self), Fault> {
+        // SAFETY: no block is empty.
+        let at = unsafe { alloc(layout) };
+        if at.is_null() {
+            return Err(Fault::Status(JCAS_ERROR_RESOURCES));
+        }
+        Ok((at, Self { layout, ours: true }))
+    }
+
+    /// The caller's memory, checked.
+    pub(crate) fn lent(at: *mut u8, size: usize, layout: Layout) -> Result<(*mut u8, Self), Fault> {
+        if at.is_null() {
+            Err(Fault::Status(JCAS_ERROR_NULL))
+        } else if at.addr() % layout.align() != 0 {
+            Err(Fault::Status(JCAS_ERROR_ALIGNMENT))
+        } else if size < layout.size() {
+            Err(Fault::Status(JCAS_ERROR_LENGTH))
+        } else {
+            Ok((
+                at,
+                Self {
+                    layout,
+                    ours: false,
+                },
+            ))
+        }
+    }
+
+    /// Gives memory of ours back.
+    ///
+    /// # Safety
+    /// `at` came with this value from [`Memory::allocate`] or [`Memory::lent`], and nothing uses it.
+    unsafe fn release(self, at: *mut u8) {
+        if self.ours {
+            // SAFETY: allocated with this very layout.
+            unsafe { dealloc(at, self.layout) };
+        }
+    }
+}
+
+/// A block of type `B` followed by `words` words.
+fn block_layout<B>(words: usize) -> Result<Layout, Fault> {
+    let too_large = |_| Fault::Status(JCAS_ERROR_RESOURCES);
+    let tail = Layout::array::<u64>(words).map_err(too_large)?;
+    let (layout, offset) = Layout::new::<B>().extend(tail).map_err(too_large)?;
+    debug_assert_eq!(offset, size_of::<B>(), "no gap before the words");
+    Ok(layout.pad_to_align())
+}
+
+/// The words after a block.
+///
+/// # Safety
+/// `count` words lie after the block at `at`, initialised, and nothing else uses them for `'a`.
+unsafe fn words_after<'a, B>(at: *mut B, count: usize) -> &'a mut [u64] {
+    // SAFETY: within the block's memory by the caller's promise.
+    let first = unsafe { at.add(1) };
+    // SAFETY: the caller's promise; a block's size is a multiple of a word's alignment.
+    unsafe { slice::from_raw_parts_mut(first.cast(), count) }
+}
+
+/// Checks a handle.
+///
+/// # Safety
+/// If `at` is neither null nor misaligned, eight bytes can be read there; if they are a seal, the block
+/// is a living one.
+pub(crate) unsafe fn check<B: Block>(at: *const B) -> Result<(), Fault> {
+    if at.is_null() {
+        return Err(Fault::Status(JCAS_ERROR_NULL));
+    }
+    if !at.is_aligned() {
+        return Err(Fault::Status(JCAS_ERROR_ALIGNMENT));
+    }
+    // SAFETY: readable by the caller's promise.
+    let seal = unsafe { at.cast::<u64>().read() };
+    if seal == B::seal(at) {
+        Ok(())
+    } else {
+        Err(Fault::Status(JCAS_ERROR_HANDLE))
+    }
+}
+
+/// A model, to read.
+///
+/// # Safety
+/// As [`check`], and the model is not freed for `'a`.
+pub(crate) unsafe fn model<'a>(at: *const ModelBlock) -> Result<&'a ModelBlock, Fault> {
+    // SAFETY: passed on.
+    unsafe { check(at) }?;
+    // SAFETY: a living model block; nobody has it for change.
+    Ok(unsafe { &*at })
+}
+
+impl ModelBlock {
+    pub(crate) fn layout(config: &Config) -> Result<Layout, Fault> {
+        block_layout::<Self>(Model::table_words(config).map_err(Error::from)?)
+    }
+
+    /// Builds a model in memory that has its layout.
+    ///
+    /// # Safety
+    /// `at` and `memory` come from [`Memory`] with [`ModelBlock::layout`] of this configuration.
+    pub(crate) unsafe fn build(
+        config: Config,
+        (at, memory): (*mut u8, Memory),
+    ) -> Result<*mut Self, Fault> {
+        let block = at.cast::<Self>();
+        let count = Model::table_words(&config).map_err(Error::from)?;
+        // SAFETY: the layout has room for the block and the words; all zero is a value of each word.
+        unsafe { at.write_bytes(0, memory.layout.size()) };
+        // SAFETY: just initialised; the tables stay with the model for as long as the block lives.
+        let words = unsafe { words_after(block, count) };
+        let model = Model::new_in(config, words)?;
+        let value = Self {
+            seal: Self::seal(block),
+            memory,
+            users: AtomicU32::new(0),
+            model,
+        };
+        // SAFETY: in front of the words, aligned by the layout.
+        unsafe { block.write(value) };
+        Ok(block)
+    }
+
+    /// Ends a model.
+    ///
+    /// # Safety
+    /// As [`check`]; no other thread uses the model.
+    pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
+        // SAFETY: passed on.
+        let block = unsafe { model(at) }?;
+        if block.users.load(Ordering::Acquire) != 0 {
+            return Err(Fault::Status(JCAS_ERROR_IN_USE));
+        }
+        let memory = block.memory;
+        // SAFETY: the block is ours alone; whoever looks again finds no seal.
+        unsafe { (&raw mut (*at).seal).write(0) };
+        // SAFETY: nothing uses the block any more; a model over lent words owns nothing else.
+        unsafe { memory.release(at.cast()) };
+        Ok(())
+    }
+
+    pub(crate) fn get(&self) -> &Model<'static> {
+        &self.model
+    }
+
+    pub(crate) fn add_user(&self) {
+        self.users.fetch_add(1, Ordering::AcqRel);
+    }
+
+    pub(crate) fn drop_user(&self) {
+        self.users.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+/// A simulation opened for change.
+pub(crate) struct Open<'a> {
+    pub(crate) model: &'a Model<'static>,
+    pub(crate) words: &'a mut [u64],
+    pub(crate) scratch: &'a mut [u64],
+    pub(crate) spare: &'a mut [u64],
+    pub(crate) refusal: &'a mut Option<Error>,
+}
+
+/// A simulation opened to read.
+pub(crate) struct Seen<'a> {
+    pub(crate) model: &'a Model<'static>,
+    pub(crate) words: &'a [u64],
+    pub(crate) refusal: &'a Option<Error>,
+}
+
+/// Opens a simulation for change.
+///
+/// # Safety
+/// As [`check`], and no other thread uses the simulation for `'a`.
+pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
+    // SAFETY: passed on.
+    unsafe { check(at) }?;
+    // SAFETY: a living block, which only this call uses.
+    let block = unsafe { &mut *at };
+    // SAFETY: a model cannot be freed while it has simulations.
+    let model = unsafe { &(*block.model).model };
+    let (state, scratch) = (model.state_words(), Scratch::words_for(model));
+    // SAFETY: the block was laid out with these words after it, which are no part of `block`.
+    let words = unsafe { words_after(at, 2 * state + scratch) };
+    let (words, rest) = words.split_at_mut(state);
+    let (spare, scratch) = rest.split_at_mut(state);
+    let refusal = &mut block.refusal;
+    Ok(Open {
+        model,
+        words,
+        scratch,
+        spare,
+        refusal,
+    })
+}
+
+/// Opens a simulation to read.
+///
+/// # Safety
+/// As [`check`], and no thread changes the simulation for `'a`.
+pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
+    // SAFETY: passed on.
+    unsafe { check(at) }?;
+    // SAFETY: a living block that nobody changes.
+    let block = unsafe { &*at };
+    // SAFETY: a model cannot be freed while it has simulations.
+    let model = unsafe { &(*block.model).model };
+    // SAFETY: the words of the state follow the block.
+    let first = unsafe { at.add(1) };
+    // SAFETY: as many as the model's states have.
+    let words = unsafe { slice::from_raw_parts(first.cast(), model.state_words()) };
+    Ok(Seen {
+        model,
+        words,
+        refusal: &block.refusal,
+    })
+}
+
+impl SimBlock {
+    pub(crate) fn layout(model: &Model<'_>) -> Result<Layout, Fault> {
+        block_layout::<Self>(2 * model.state_words() + Scratch::words_for(model))
+    }
+
+    /// Builds a simulation of a model, at t = 0 of seed 0, in memory that has its layout.
+    ///
+    /// # Safety
+    /// `at` and `memory` come from [`Memory`] with [`SimBlock::layout`] of this model.
+    pub(crate) unsafe fn build(
+        model: &ModelBlock,
+        (at, memory): (*mut u8, Memory),
+    ) -> Result<*mut Self, Fault> {
+        let block = at.cast::<Self>();
+        // SAFETY: the layout has room for the block and the words; all zero is a value of each word.
+        unsafe { at.write_bytes(0, memory.layout.size()) };
+        let value = Self {
+            seal: Self::seal(block),
+            memory,
+            model,
+            refusal: None,
+        };
+        // SAFETY: in front of the words, aligned by the layout.
+        unsafe { block.write(value) };
+        // SAFETY: just built, and nobody else has it.
+        unsafe { open(block) }?.reset(0)?;
+        model.add_user();
+        Ok(block)
+    }
+
+    /// Ends a simulation.
+    ///
+    /// # Safety
+    /// As [`check`]; no other thread uses the simulation.
+    pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block, which only this call uses.
+        let block = unsafe { &mut *at };
+        // SAFETY: a model cannot be freed while it has simulations.
+        unsafe { &*block.model }.drop_user();
+        block.seal = 0;
+        let memory = block.memory;
+        // SAFETY: nothing uses the block any more.
+        unsafe { memory.release(at.cast()) };
+        Ok(())
+    }
+}
+
+impl Open<'_> {
+    pub(crate) fn reset(&mut self, seed: u64) -> Result<(), Fault> {
+        let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Error::ModelMismatch)?;
+        Ok(self.model.reset(self.words, &mut scratch, seed)?)
+    }
+
+    /// Lets the kernel act on the state, and keeps its refusal.
+    #[inline]
+    pub(crate) fn act<T>(
+        &mut self,
+        act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<T, Error>,
+    ) -> Result<T, Fault> {
+        let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Error::ModelMismatch)?;
+        let acted = self
+            .model
+            .state_mut(self.words)
+            .and_then(|mut state| act(self.model, &mut state, &mut scratch));
+        Ok(acted.inspect_err(|error| *self.refusal = Some(*error))?)
+    }
+}

@@ -1,0 +1,217 @@
+//! Pointers from C become slices and records, once checked. Every raw pointer of a caller passes here.
+
+use std::ffi::c_char;
+use std::slice;
+
+use crate::status::{
+    Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_LENGTH, JCAS_ERROR_NULL, JCAS_ERROR_STRUCT_SIZE,
+};
+
+/// A type for which every pattern of bits is a value.
+///
+/// # Safety
+/// Implement it only for such types.
+pub(crate) unsafe trait Plain: Copy {}
+// SAFETY: integers and floats.
+unsafe impl Plain for u8 {}
+// SAFETY: as above.
+unsafe impl Plain for u32 {}
+// SAFETY: as above.
+unsafe impl Plain for u64 {}
+// SAFETY: as above.
+unsafe impl Plain for usize {}
+// SAFETY: as above.
+unsafe impl Plain for f32 {}
+// SAFETY: as above.
+unsafe impl Plain for f64 {}
+
+/// A struct of the header whose first field is its own size.
+///
+/// # Safety
+/// Implement it only for `repr(C)` structs whose first field is that `u32`.
+pub(crate) unsafe trait Record: Plain {
+    /// The size that its first field must name.
+    const SIZE: u32 = size_of::<Self>() as u32;
+}
+
+fn check<T>(pointer: *const T) -> Result<(), Fault> {
+    if pointer.is_null() {
+        Err(Fault::Status(JCAS_ERROR_NULL))
+    } else if !pointer.is_aligned() {
+        Err(Fault::Status(JCAS_ERROR_ALIGNMENT))
+    } else {
+        Ok(())
+    }
+}
+
+/// A caller's buffer that must have exactly `expected` elements, to read.
+///
+/// # Safety
+/// `pointer` is invalid only by being null or misaligned; otherwise `count` elements can be read there
+/// and stay as they are for as long as the slice lives.
+pub(crate) unsafe fn input<'a, T: Plain>(
+    pointer: *const T,
+    count: usize,
+    expected: usize,
+) -> Result<&'a [T], Fault> {
+    check(pointer)?;
+    if count != expected {
+        return Err(Fault::Status(JCAS_ERROR_LENGTH));
+    }
+    // SAFETY: not null, aligned, and readable for `count` elements by the caller's promise; `expected`
+    // comes from a validated model, so that the bytes fit an isize.
+    Ok(unsafe { slice::from_raw_parts(pointer, count) })
+}
+
+/// As [`input`], to write.
+///
+/// # Safety
+/// As [`input`], and the elements can be written and belong to no other buffer of the call.
+pub(crate) unsafe fn output<'a, T: Plain>(
+    pointer: *mut T,
+    count: usize,
+    expected: usize,
+) -> Result<&'a mut [T], Fault> {
+    check(pointer)?;
+    if count != expected {
+        return Err(Fault::Status(JCAS_ERROR_LENGTH));
+    }
+    // SAFETY: as in `input`; exclusive by the caller's promise.
+    Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
+}
+
+/// As [`output`], for a buffer that may be left out: null with a count of 0.
+///
+/// # Safety
+/// As [`output`].
+pub(crate) unsafe fn optional_output<'a, T: Plain>(
+    pointer: *mut T,
+    count: usize,
+    expected: usize,
+) -> Result<&'a mut [T], Fault> {
+    if pointer.is_null() && count == 0 {
+        return Ok(&mut []);
+    }
+    // SAFETY: passed on.
+    unsafe { output(pointer, count, expected) }
+}
+
+/// A caller's bytes of any length and alignment.
+///
+/// # Safety
+/// `length` bytes can be read at a pointer that is not null.
+pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a [u8], Fault> {
+    check(pointer)?;
+    if length > isize::MAX as usize {
+        return Err(Fault::Status(JCAS_ERROR_LENGTH));
+    }
+    // SAFETY: not null, readable by the caller's promise, no longer than an object can be.
+    Ok(unsafe { slice::from_raw_parts(pointer, length) })
+}
+
+/// A place for a scalar or a handle.
+///
+/// # Safety
+/// A pointer that is neither null nor misaligned can be written and belongs to nothing else.
+pub(crate) unsafe fn place<'a, T>(pointer: *mut T) -> Result<Place<'a, T>, Fault> {
+    check(pointer)?;
+    Ok(Place(pointer, std::marker::PhantomData))
+}
+
+/// A checked place of the caller that is written at most once, at the end of a call. What is in it may
+/// be uninitialised, so that no reference to it is made.
+pub(crate) struct Place<'a, T>(*mut T, std::marker::PhantomData<&'a mut T>);
+
+impl<T> Place<'_, T> {
+    pub(crate) fn put(self, value: T) {
+        // SAFETY: `place` and `record` checked the pointer, the caller promised the memory.
+        unsafe { self.0.write(value) }
+    }
+}
+
+/// A place for a record whose caller has set `struct_size`.
+///
+/// # Safety
+/// As [`place`], and the first four bytes can be read.
+pub(crate) unsafe fn record<'a, T: Record>(pointer: *mut T) -> Result<Place<'a, T>, Fault> {
+    check(pointer)?;
+    // SAFETY: a record begins with a `u32`, which the caller has set.
+    let size = unsafe { pointer.cast::<u32>().read() };
+    if size == T::SIZE {
+        Ok(Place(pointer, std::marker::PhantomData))
+    } else {
+        Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE))
+    }
+}
+
+/// A place for a record whose caller names its size beside it.
+///
+/// # Safety
+/// As [`place`].
+pub(crate) unsafe fn sized_record<'a, T: Record>(
+    pointer: *mut T,
+    struct_size: usize,
+) -> Result<Place<'a, T>, Fault> {
+    check(pointer)?;
+    if struct_size == T::SIZE as usize {
+        Ok(Place(pointer, std::marker::PhantomData))
+    } else {
+        Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE))
+    }
+}
+
+/// A record of the caller, by value.
+///
+/// # Safety
+/// The first four bytes can be read, and as many as they say.
+pub(crate) unsafe fn read_record<T: Record>(pointer: *const T) -> Result<T, Fault> {
+    // SAFETY: passed on; nothing is written through the place.
+    unsafe { record(pointer.cast_mut()) }?;
+    // SAFETY: aligned, and readable for its whole size, which the caller has named.
+    Ok(unsafe { pointer.read() })
+}
+
+/// Writes a message as a C string, cut to what fits. A null buffer takes none.
+///
+/// # Safety
+/// `capacity` bytes can be written at a pointer that is not null.
+pub(crate) unsafe fn message(text: &str, buffer: *mut c_char, capacity: usize) {
+    if buffer.is_null() || capacity == 0 {
+        return;
+    }
+    let mut end = text.len().min(capacity - 1);
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    // SAFETY: fewer than `capacity` bytes, which the caller promised; a str is no buffer of the caller.
+    unsafe { buffer.copy_from_nonoverlapping(text.as_ptr().cast(), end) };
+    // SAFETY: end < capacity.
+    let terminator = unsafe { buffer.add(end) };
+    // SAFETY: as above.
+    unsafe { terminator.write(0) };
+}
+
+/// Gives a text out: its length always, the text with a terminating zero if there is a buffer.
+///
+/// # Safety
+/// `capacity` bytes can be written at `buffer` if it is not null; `length` as for [`place`].
+pub(crate) unsafe fn text_out(
+    text: &str,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> Result<(), Fault> {
+    // SAFETY: passed on.
+    let length = unsafe { place(length) }?;
+    if !buffer.is_null() {
+        if capacity <= text.len() {
+            return Err(Fault::Status(JCAS_ERROR_LENGTH));
+        }
+        // SAFETY: passed on; the whole text fits.
+        unsafe { message(text, buffer, capacity) };
+    } else if capacity != 0 {
+        return Err(Fault::Status(JCAS_ERROR_NULL));
+    }
+    length.put(text.len());
+    Ok(())
+}

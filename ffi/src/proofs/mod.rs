@@ -1,0 +1,11 @@
+//! The proofs of the gates through which every pointer, length and handle of a C caller passes.
+//!
+//! They are built as the kernel's are, and run without Kani through the same stand-in.
+
+#[path = "../../../core/src/proofs/inputs.rs"]
+pub(crate) mod inputs;
+#[cfg(not(kani))]
+#[path = "../../../core/src/proofs/standin.rs"]
+pub(crate) mod standin;
+
+mod gates;

@@ -1,0 +1,240 @@
+//! Reading every quantity of a state, by copy.
+
+use std::ffi::c_char;
+use std::ptr;
+
+use jcas_core::{StateRef, reward};
+
+use crate::handle::{Seen, see};
+use crate::memory::{output, record};
+use crate::records::{jcas_episode, jcas_hotspot, jcas_metrics, jcas_uav};
+use crate::sim::jcas_sim;
+use crate::status::{Fault, JCAS_ERROR_STRUCT_SIZE, guard};
+
+impl Seen<'_> {
+    fn state(&self) -> Result<StateRef<'_>, Fault> {
+        Ok(self.model.state(self.words)?)
+    }
+}
+
+/// Time, phase and the fleet's ledgers.
+///
+/// `sim`, `episode`: not NULL; episode->struct_size set. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_episode(
+    sim: *const jcas_sim,
+    episode: *mut jcas_episode,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        // SAFETY: the caller's promise for `episode`.
+        let out = unsafe { record(episode) }?;
+        out.put(jcas_episode::of(&sim.state()?));
+        Ok(())
+    })
+}
+
+/// What the episode came to, so far.
+///
+/// `sim`, `metrics`: not NULL; metrics->struct_size set. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_metrics(
+    sim: *const jcas_sim,
+    metrics: *mut jcas_metrics,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        // SAFETY: the caller's promise for `metrics`.
+        let out = unsafe { record(metrics) }?;
+        out.put(jcas_metrics::of(&sim.state()?.metrics()));
+        Ok(())
+    })
+}
+
+/// The components of the last reward. The reward is their sum, from the first to the last.
+///
+/// `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_rewards(
+    sim: *const jcas_sim,
+    components: *mut f64,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        // SAFETY: the caller's promise for `components`.
+        let out = unsafe { output(components, count, reward::COMPONENTS) }?;
+        out.copy_from_slice(&sim.state()?.rewards());
+        Ok(())
+    })
+}
+
+/// The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_reward_name(index: u32) -> *const c_char {
+    const NAMES: [&std::ffi::CStr; reward::COMPONENTS] = [
+        c"detect",
+        c"inform",
+        c"complete",
+        c"coverage",
+        c"energy",
+        c"carbon",
+        c"revisit",
+        c"truncation",
+        c"throughput",
+        c"spread",
+        c"shaping_goal",
+        c"shaping_charge",
+    ];
+    NAMES
+        .get(index as usize)
+        .map_or(ptr::null(), |name| name.as_ptr())
+}
+
+/// Every UAV.
+///
+/// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav). Threads: none changes
+/// `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_uavs(
+    sim: *const jcas_sim,
+    uavs: *mut jcas_uav,
+    count: usize,
+    struct_size: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        is_size_of::<jcas_uav>(struct_size)?;
+        // SAFETY: the caller's promise for `uavs`.
+        let out = unsafe { output(uavs, count, sim.model.uav_count()) }?;
+        let state = sim.state()?;
+        for (i, uav) in out.iter_mut().enumerate() {
+            *uav = jcas_uav::of(&state, i);
+        }
+        Ok(())
+    })
+}
+
+/// Every hotspot.
+///
+/// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot). Threads:
+/// none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_hotspots(
+    sim: *const jcas_sim,
+    hotspots: *mut jcas_hotspot,
+    count: usize,
+    struct_size: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        is_size_of::<jcas_hotspot>(struct_size)?;
+        // SAFETY: the caller's promise for `hotspots`.
+        let out = unsafe { output(hotspots, count, sim.model.hotspot_count()) }?;
+        let state = sim.state()?;
+        for (j, hotspot) in out.iter_mut().enumerate() {
+            *hotspot = jcas_hotspot::of(&state, j);
+        }
+        Ok(())
+    })
+}
+
+/// The radio graph: 1 where two UAVs are neighbours, else 0; a symmetric matrix, row by row.
+///
+/// `sim`, `links`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_links(
+    sim: *const jcas_sim,
+    links: *mut u8,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let uavs = sim.model.uav_count();
+        // SAFETY: the caller's promise for `links`.
+        let out = unsafe { output(links, count, uavs * uavs) }?;
+        let state = sim.state()?;
+        fill_rows(out, uavs, |i, k| state.linked(i, k));
+        Ok(())
+    })
+}
+
+/// Who knows what: 1 where a UAV (row) knows a hotspot (column), else 0.
+///
+/// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_knowledge(
+    sim: *const jcas_sim,
+    knowledge: *mut u8,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let (uavs, hotspots) = (sim.model.uav_count(), sim.model.hotspot_count());
+        // SAFETY: the caller's promise for `knowledge`.
+        let out = unsafe { output(knowledge, count, uavs * hotspots) }?;
+        let state = sim.state()?;
+        fill_rows(out, hotspots, |i, j| state.knows(i, j));
+        Ok(())
+    })
+}
+
+/// The cells that any UAV has been in: 1 or 0, row (y) by row.
+///
+/// `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_visited(
+    sim: *const jcas_sim,
+    visited: *mut u8,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let cells = sim.model.config().cell_count();
+        // SAFETY: the caller's promise for `visited`.
+        let out = unsafe { output(visited, count, cells) }?;
+        let state = sim.state()?;
+        fill_rows(out, cells, |_, index| state.visited(index));
+        Ok(())
+    })
+}
+
+fn fill_rows(out: &mut [u8], row_len: usize, is_set: impl Fn(usize, usize) -> bool) {
+    for (i, row) in out.chunks_exact_mut(row_len).enumerate() {
+        for (k, value) in row.iter_mut().enumerate() {
+            *value = is_set(i, k).into();
+        }
+    }
+}
+
+fn is_size_of<T>(struct_size: usize) -> Result<(), Fault> {
+    if struct_size == size_of::<T>() {
+        Ok(())
+    } else {
+        Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reward_names_are_the_kernels() {
+        for (index, name) in reward::NAMES.iter().enumerate() {
+            let given = jcas_reward_name(index as u32);
+            // SAFETY: a static C string.
+            let given = unsafe { std::ffi::CStr::from_ptr(given) };
+            assert_eq!(given.to_str(), Ok(*name));
+        }
+        assert!(jcas_reward_name(reward::COMPONENTS as u32).is_null());
+    }
+}

@@ -1,0 +1,220 @@
+//! Simulations: lifecycle, whole steps, observations.
+
+use std::ffi::{c_char, c_void};
+
+use jcas_core::observation;
+use jcas_core::{Error, Scratch};
+
+use crate::handle::{Memory, SimBlock, model, open, see};
+use crate::memory::{input, output, place, record, text_out};
+use crate::model::jcas_model;
+use crate::records::jcas_outcome;
+use crate::status::{JCAS_OK, guard};
+
+/// One state of a model, with its working memory. One thread at a time may use it; functions that take
+/// it as const may run at once with each other.
+pub struct jcas_sim(());
+
+/// Motion up, +y, as the first component of an action.
+pub const JCAS_MOVE_UP: f32 = -0.8;
+/// Motion down, -y.
+pub const JCAS_MOVE_DOWN: f32 = -0.4;
+/// Motion left, -x.
+pub const JCAS_MOVE_LEFT: f32 = 0.0;
+/// Motion right, +x.
+pub const JCAS_MOVE_RIGHT: f32 = 0.4;
+/// No motion.
+pub const JCAS_MOVE_STAY: f32 = 0.8;
+
+/// How much memory a simulation takes, for jcas_sim_init.
+///
+/// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_layout(
+    model: *const jcas_model,
+    size: *mut usize,
+    alignment: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `size`.
+        let size = unsafe { place(size) }?;
+        // SAFETY: the caller's promise for `alignment`.
+        let alignment = unsafe { place(alignment) }?;
+        let layout = SimBlock::layout(model.get())?;
+        size.put(layout.size());
+        alignment.put(layout.align());
+        Ok(())
+    })
+}
+
+/// Builds a simulation in the caller's memory, which holds it until jcas_sim_free and may not be moved.
+/// It is at t = 0 of seed 0.
+///
+/// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's.
+/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_init(
+    memory: *mut c_void,
+    size: usize,
+    model: *const jcas_model,
+    sim: *mut *mut jcas_sim,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `sim`.
+        let out = unsafe { place(sim) }?;
+        let memory = Memory::lent(memory.cast(), size, SimBlock::layout(model.get())?)?;
+        // SAFETY: checked memory that the caller lends for as long as the simulation lives.
+        let block = unsafe { SimBlock::build(model, memory) }?;
+        out.put(block.cast());
+        Ok(())
+    })
+}
+
+/// Builds a simulation in memory of its own, to be ended by jcas_sim_free. It is at t = 0 of seed 0.
+///
+/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_new(model: *const jcas_model, sim: *mut *mut jcas_sim) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `sim`.
+        let out = unsafe { place(sim) }?;
+        let memory = Memory::allocate(SimBlock::layout(model.get())?)?;
+        // SAFETY: memory of ours with this layout.
+        let block = unsafe { SimBlock::build(model, memory) }?;
+        out.put(block.cast());
+        Ok(())
+    })
+}
+
+/// Ends a simulation; memory of the caller is the caller's again. NULL is allowed and does nothing.
+///
+/// Threads: none may be using the simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_free(sim: *mut jcas_sim) -> i32 {
+    if sim.is_null() {
+        return JCAS_OK;
+    }
+    // SAFETY: the caller's promise for `sim`.
+    guard(|| unsafe { SimBlock::free(sim.cast()) })
+}
+
+/// Begins the episode of a seed; everything random in it follows from the seed.
+///
+/// `sim`: not NULL. Threads: only this one uses `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_reset(sim: *mut jcas_sim, seed: u64) -> i32 {
+    // SAFETY: the caller's promise for `sim`.
+    guard(|| unsafe { open(sim.cast()) }?.reset(seed))
+}
+
+/// One whole step.
+///
+/// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
+/// (JCAS_MOVE_UP and so on; five equal bins of -1 to 1), the second the pilot density, from its minimum
+/// at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not NULL, struct_size set.
+/// Threads: only this one uses `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_step(
+    sim: *mut jcas_sim,
+    actions: *const f32,
+    action_count: usize,
+    outcome: *mut jcas_outcome,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let mut sim = unsafe { open(sim.cast()) }?;
+        // SAFETY: the caller's promise for `actions`.
+        let actions = unsafe { input(actions, action_count, sim.model.action_len()) }?;
+        // SAFETY: the caller's promise for `outcome`.
+        let out = unsafe { record(outcome) }?;
+        out.put(jcas_outcome::of(sim.act(|model, state, scratch| {
+            model.step(state, scratch, actions)
+        })?));
+        Ok(())
+    })
+}
+
+/// Writes what each UAV observes: uav_count rows of observation_len floats.
+///
+/// Each row: itself (x/(W-1), y/(H-1), state of charge, pilot density from minimum 0 to maximum 1, mean
+/// throughput); each hotspot (dx/(W-1), dy/(H-1), confirmed, known); each neighbour slot, nearest first
+/// (present, dx/(W-1), dy/(H-1)); neighbours/(N-1); carbon intensity from 0 to 1; depot
+/// distance/(W+H-2); confirmed/n; informed/n; t/T_max.
+///
+/// `sim`, `observations`: not NULL. `count`: uav_count * observation_len. Threads: only this one uses
+/// `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_observe(
+    sim: *mut jcas_sim,
+    observations: *mut f32,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { open(sim.cast()) }?;
+        let expected = sim.model.uav_count() * sim.model.observation_len();
+        // SAFETY: the caller's promise for `observations`.
+        let out = unsafe { output(observations, count, expected) }?;
+        let state = sim.model.state(sim.words)?;
+        let mut scratch = Scratch::new(sim.model, sim.scratch).ok_or(Error::ModelMismatch)?;
+        Ok(observation::observe(sim.model, &state, &mut scratch, out)?)
+    })
+}
+
+/// Writes the global state, for a centralised critic: global_len floats.
+///
+/// Each UAV (x/(W-1), y/(H-1), state of charge, pilot density, mean throughput, fraction of hotspots
+/// known); each hotspot (x/(W-1), y/(H-1), confirmed, fraction of UAVs that know it); carbon intensity,
+/// confirmed/n, informed/n, t/T_max.
+///
+/// `sim`, `global`: not NULL. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_observe_global(
+    sim: *const jcas_sim,
+    global: *mut f32,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        // SAFETY: the caller's promise for `global`.
+        let out = unsafe { output(global, count, sim.model.global_len()) }?;
+        Ok(observation::observe_global(
+            sim.model,
+            &sim.model.state(sim.words)?,
+            out,
+        )?)
+    })
+}
+
+/// Why the last refused call on this simulation was refused, in words: which value, and what is allowed.
+/// Empty if no value of a caller was ever refused. Pointers, lengths and handles are told by the status
+/// alone.
+///
+/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_message(
+    sim: *const jcas_sim,
+    text: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let words = sim
+            .refusal
+            .as_ref()
+            .map_or_else(String::new, ToString::to_string);
+        // SAFETY: the caller's promises for `text` and `length`.
+        unsafe { text_out(&words, text, capacity, length) }
+    })
+}

@@ -1,0 +1,114 @@
+//! Status codes, and the one place where results become statuses.
+
+use std::ffi::{CStr, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use jcas_core::Error;
+
+/// The call did what it says.
+pub const JCAS_OK: i32 = 0;
+/// A pointer that must not be NULL is NULL.
+pub const JCAS_ERROR_NULL: i32 = -1;
+/// A pointer is not aligned for its type.
+pub const JCAS_ERROR_ALIGNMENT: i32 = -2;
+/// A buffer, or memory for a handle, has the wrong size.
+pub const JCAS_ERROR_LENGTH: i32 = -3;
+/// A `struct_size` is none that this library knows.
+pub const JCAS_ERROR_STRUCT_SIZE: i32 = -4;
+/// A handle is none of this kind, was closed, or was moved.
+pub const JCAS_ERROR_HANDLE: i32 = -5;
+/// A configuration field is outside its range, or a text is no configuration.
+pub const JCAS_ERROR_CONFIG: i32 = -6;
+/// An argument is outside its range.
+pub const JCAS_ERROR_ARGUMENT: i32 = -7;
+/// An action component is NaN.
+pub const JCAS_ERROR_NAN: i32 = -8;
+/// A state and a model, or two states, have different configurations.
+pub const JCAS_ERROR_MODEL_MISMATCH: i32 = -9;
+/// A part of a step was called out of its order.
+pub const JCAS_ERROR_OUT_OF_ORDER: i32 = -10;
+/// The episode has ended: reset before the next step.
+pub const JCAS_ERROR_EPISODE_OVER: i32 = -11;
+/// The bytes are not a snapshot of this model.
+pub const JCAS_ERROR_CORRUPT: i32 = -12;
+/// The model still has simulations or batches.
+pub const JCAS_ERROR_IN_USE: i32 = -13;
+/// Memory or threads could not be had from the system.
+pub const JCAS_ERROR_RESOURCES: i32 = -14;
+/// The program was compiled for an incompatible version of this library.
+pub const JCAS_ERROR_ABI: i32 = -15;
+/// A fault of the library itself; please report it. The handle of the call should be reset or freed.
+pub const JCAS_ERROR_INTERNAL: i32 = -16;
+
+/// What a status means, in English.
+///
+/// Returns a static string, never NULL; also for values that are no status.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_status_string(status: i32) -> *const c_char {
+    let text: &CStr = match status {
+        JCAS_OK => c"ok",
+        JCAS_ERROR_NULL => c"a required pointer is NULL",
+        JCAS_ERROR_ALIGNMENT => c"a pointer is not aligned for its type",
+        JCAS_ERROR_LENGTH => c"a buffer has the wrong size",
+        JCAS_ERROR_STRUCT_SIZE => c"struct_size is none that this library knows",
+        JCAS_ERROR_HANDLE => c"a handle is of another kind, closed or moved",
+        JCAS_ERROR_CONFIG => c"the configuration is not legal",
+        JCAS_ERROR_ARGUMENT => c"an argument is outside its range",
+        JCAS_ERROR_NAN => c"an action component is NaN",
+        JCAS_ERROR_MODEL_MISMATCH => c"the configurations differ",
+        JCAS_ERROR_OUT_OF_ORDER => c"a part of a step was called out of its order",
+        JCAS_ERROR_EPISODE_OVER => c"the episode has ended: reset before the next step",
+        JCAS_ERROR_CORRUPT => c"the bytes are not a snapshot of this model",
+        JCAS_ERROR_IN_USE => c"the model still has simulations or batches",
+        JCAS_ERROR_RESOURCES => c"memory or threads could not be had",
+        JCAS_ERROR_ABI => c"compiled for an incompatible version of the library",
+        JCAS_ERROR_INTERNAL => c"a fault of the library itself",
+        _ => c"not a status of jcas",
+    };
+    text.as_ptr()
+}
+
+/// Why a call is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Fault {
+    /// A status of the ABI itself.
+    Status(i32),
+    /// A refusal of the kernel.
+    Kernel(Error),
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        Self::Kernel(error)
+    }
+}
+
+impl Fault {
+    pub(crate) fn status(&self) -> i32 {
+        match self {
+            Self::Status(status) => *status,
+            Self::Kernel(error) => match error {
+                Error::Config(_) => JCAS_ERROR_CONFIG,
+                Error::ActionNan { .. } => JCAS_ERROR_NAN,
+                Error::Length { .. } => JCAS_ERROR_LENGTH,
+                Error::Argument(_) => JCAS_ERROR_ARGUMENT,
+                Error::ModelMismatch => JCAS_ERROR_MODEL_MISMATCH,
+                Error::OutOfOrder { .. } => JCAS_ERROR_OUT_OF_ORDER,
+                Error::EpisodeOver => JCAS_ERROR_EPISODE_OVER,
+                Error::Corrupt(_) => JCAS_ERROR_CORRUPT,
+                _ => JCAS_ERROR_INTERNAL,
+            },
+        }
+    }
+}
+
+/// Runs the body of an exported function. A panic, which would be a fault of ours, ends here.
+#[inline]
+pub(crate) fn guard(body: impl FnOnce() -> Result<(), Fault>) -> i32 {
+    match catch_unwind(AssertUnwindSafe(body)) {
+        Ok(Ok(())) => JCAS_OK,
+        Ok(Err(fault)) => fault.status(),
+        Err(_) => JCAS_ERROR_INTERNAL,
+    }
+}

@@ -1,0 +1,40 @@
+//! Versions: of the library, and of the interface.
+
+use std::ffi::c_char;
+
+use crate::status::{JCAS_ERROR_ABI, JCAS_OK};
+
+/// Version of the library that this header belongs to.
+pub const JCAS_VERSION_MAJOR: u32 = 0;
+/// See JCAS_VERSION_MAJOR.
+pub const JCAS_VERSION_MINOR: u32 = 1;
+/// See JCAS_VERSION_MAJOR.
+pub const JCAS_VERSION_PATCH: u32 = 0;
+
+/// Version of the interface that this header declares: 65536 * major + minor. A program runs with any
+/// library of the same major and the same or a later minor version.
+pub const JCAS_ABI_VERSION: u32 = 0x0001_0000;
+
+/// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_version() -> *const c_char {
+    concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
+}
+
+/// Version of the interface of the library that runs. Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_abi_version() -> u32 {
+    JCAS_ABI_VERSION
+}
+
+/// Whether the library that runs serves a program compiled with this header:
+/// `jcas_abi_check(JCAS_ABI_VERSION)`. JCAS_OK or JCAS_ERROR_ABI. Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_abi_check(header_abi_version: u32) -> i32 {
+    let same_major = header_abi_version >> 16 == JCAS_ABI_VERSION >> 16;
+    if same_major && header_abi_version <= JCAS_ABI_VERSION {
+        JCAS_OK
+    } else {
+        JCAS_ERROR_ABI
+    }
+}

@@ -1,0 +1,980 @@
+/* jcas: deterministic simulation of UAV fleets that sense and communicate with one OFDM waveform.
+ *
+ * SPDX-License-Identifier: MIT OR Apache-2.0
+ *
+ * Three kinds of object, each behind an opaque handle:
+ *   jcas_model  a validated configuration and its tables; never changes.
+ *   jcas_sim    one state of a model: one running mission.
+ *   jcas_batch  many states of a model, stepped together.
+ *
+ * Statuses. Every function that can fail returns an int32_t: JCAS_OK (0) or a negative JCAS_ERROR_...
+ *   After an error every output, buffer and handle is as it was.
+ * Memory. ..._new takes memory from the system; ..._init builds in memory of the caller, sized by
+ *   ..._layout, and takes none. Both end with ..._free; every simulation and batch before its model.
+ *   Pointers that are passed in are not kept, but for the memory of ..._init and the model of a
+ *   simulation or batch. Apart from ..._new and texts, no call allocates.
+ * Pointers. Not NULL unless the function says so. A pointer that is NULL or misaligned, a handle of the
+ *   wrong kind, closed or copied elsewhere, and a wrong number of elements each give a status; beyond
+ *   that the caller promises that the memory is there, and that outputs overlap nothing.
+ * Structs that may grow begin with struct_size. Set it to the sizeof of the struct before the call,
+ *   unless the function takes it as an argument.
+ * Messages. `message`, where a function has one, receives why a configuration was refused, as a C string
+ *   cut to message_capacity bytes; untouched otherwise. It may be NULL.
+ * Threads. A const jcas_model may be used by any number of threads at once. A jcas_sim or jcas_batch may
+ *   be used by one thread at a time; functions that take it as const may run at once with each other.
+ *   The library has no global state.
+ * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
+ *   elements, sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
+ *
+ * Order of calls:  reset -> step -> step -> ... -> (terminated or truncated) -> reset
+ * A step by parts: step_begin -> [set_positions] -> step_sense -> step_communicate[_over] -> step_end
+ */
+
+#ifndef JCAS_H
+#define JCAS_H
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Leaves a real field of jcas_config to be derived from the others. */
+#define JCAS_DERIVED ((double)NAN)
+
+// Version of the library that this header belongs to.
+#define JCAS_VERSION_MAJOR 0
+
+// See JCAS_VERSION_MAJOR.
+#define JCAS_VERSION_MINOR 1
+
+// See JCAS_VERSION_MAJOR.
+#define JCAS_VERSION_PATCH 0
+
+// Version of the interface that this header declares: 65536 * major + minor. A program runs with any
+// library of the same major and the same or a later minor version.
+#define JCAS_ABI_VERSION 65536
+
+// The call did what it says.
+#define JCAS_OK 0
+
+// A pointer that must not be NULL is NULL.
+#define JCAS_ERROR_NULL (-1)
+
+// A pointer is not aligned for its type.
+#define JCAS_ERROR_ALIGNMENT (-2)
+
+// A buffer, or memory for a handle, has the wrong size.
+#define JCAS_ERROR_LENGTH (-3)
+
+// A `struct_size` is none that this library knows.
+#define JCAS_ERROR_STRUCT_SIZE (-4)
+
+// A handle is none of this kind, was closed, or was moved.
+#define JCAS_ERROR_HANDLE (-5)
+
+// A configuration field is outside its range, or a text is no configuration.
+#define JCAS_ERROR_CONFIG (-6)
+
+// An argument is outside its range.
+#define JCAS_ERROR_ARGUMENT (-7)
+
+// An action component is NaN.
+#define JCAS_ERROR_NAN (-8)
+
+// A state and a model, or two states, have different configurations.
+#define JCAS_ERROR_MODEL_MISMATCH (-9)
+
+// A part of a step was called out of its order.
+#define JCAS_ERROR_OUT_OF_ORDER (-10)
+
+// The episode has ended: reset before the next step.
+#define JCAS_ERROR_EPISODE_OVER (-11)
+
+// The bytes are not a snapshot of this model.
+#define JCAS_ERROR_CORRUPT (-12)
+
+// The model still has simulations or batches.
+#define JCAS_ERROR_IN_USE (-13)
+
+// Memory or threads could not be had from the system.
+#define JCAS_ERROR_RESOURCES (-14)
+
+// The program was compiled for an incompatible version of this library.
+#define JCAS_ERROR_ABI (-15)
+
+// A fault of the library itself; please report it. The handle of the call should be reset or freed.
+#define JCAS_ERROR_INTERNAL (-16)
+
+// Most depots of a configuration.
+#define JCAS_MAX_DEPOTS 16
+
+// Every hotspot's position is seen, as in the paper.
+#define JCAS_VISIBILITY_KNOWN 0
+
+// Only positions of hotspots that the UAV knows are seen: a search.
+#define JCAS_VISIBILITY_HIDDEN 1
+
+// Charging bills what the battery accepted.
+#define JCAS_BILLING_ACCEPTED 0
+
+// Charging bills the charger's rating whenever a UAV is on a depot, as in the paper.
+#define JCAS_BILLING_NAMEPLATE 1
+
+// An informed hotspot pays at the step at which it becomes informed.
+#define JCAS_PAYMENT_ONCE 0
+
+// An informed hotspot pays at that step and every later one, as in the paper.
+#define JCAS_PAYMENT_EVERY_STEP 1
+
+// A step may begin, whole or by parts: jcas_sim_step, jcas_sim_step_begin.
+#define JCAS_PHASE_READY 1
+
+// The UAVs have acted and moved: jcas_sim_set_positions, jcas_sim_step_sense.
+#define JCAS_PHASE_MOVED 2
+
+// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_over.
+#define JCAS_PHASE_SENSED 3
+
+// Knowledge has spread: jcas_sim_step_end.
+#define JCAS_PHASE_COMMUNICATED 4
+
+// The episode has ended, every hotspot is informed: jcas_sim_reset.
+#define JCAS_PHASE_TERMINATED 5
+
+// The horizon has ended the episode: jcas_sim_reset.
+#define JCAS_PHASE_TRUNCATED 6
+
+// Motion up, +y, as the first component of an action.
+#define JCAS_MOVE_UP (-0.8f)
+
+// Motion down, -y.
+#define JCAS_MOVE_DOWN (-0.4f)
+
+// Motion left, -x.
+#define JCAS_MOVE_LEFT 0.0f
+
+// Motion right, +x.
+#define JCAS_MOVE_RIGHT 0.4f
+
+// No motion.
+#define JCAS_MOVE_STAY 0.8f
+
+// M environments of one model, with their working memory and, if wanted, threads of their own. One
+// thread at a time may use it.
+typedef struct jcas_batch jcas_batch;
+
+// A validated configuration with everything that can be worked out before the first step. It never
+// changes: any number of threads may use one model at once.
+typedef struct jcas_model jcas_model;
+
+// One state of a model, with its working memory. One thread at a time may use it; functions that take
+// it as const may run at once with each other.
+typedef struct jcas_sim jcas_sim;
+
+// A cell of the grid: x in 0..W, y in 0..H.
+typedef struct jcas_cell {
+    // Column.
+    uint32_t x;
+    // Row; up is +y.
+    uint32_t y;
+} jcas_cell;
+
+// Every decision of the model. Fill it by jcas_config_default (or one of the other functions that do),
+// then change fields. Beside each field: [unit, legal range; default]. Symbols are those of the paper.
+typedef struct jcas_config {
+    // sizeof(jcas_config).
+    uint32_t struct_size;
+    // Cells of the grid along x (W). [cells, 1 to 1024; default 12]
+    uint32_t grid_width;
+    // Cells of the grid along y (H). [cells, 1 to 1024; default 12]
+    uint32_t grid_height;
+    // Side of a square cell (d). [m, 0.001 to 1e6; default 50]
+    double cell_size_m;
+    // UAVs in the fleet (N). [UAVs, 1 to 4096; default 10]
+    uint32_t uav_count;
+    // Waste hotspots to find (n). [hotspots, 1 to 4096; default 5]
+    uint32_t hotspot_count;
+    // Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
+    // 100]
+    uint32_t horizon_steps;
+    // Positive detections in one step that confirm a hotspot (θ). [UAVs, 1 to 4096; default 3]
+    uint32_t quorum;
+    // Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
+    uint32_t depot_count;
+    // Cells with a depot; the fleet starts at the first. Those beyond depot_count are not read.
+    struct jcas_cell depots[JCAS_MAX_DEPOTS];
+    // Lowest state of charge at the start; drawn per UAV, uniformly. [fraction, 0 to 1; default 1]
+    double initial_soc_min;
+    // Highest state of charge at the start. [fraction, 0 to 1; default 1]
+    double initial_soc_max;
+    // What UAVs see of hotspots that they do not know: JCAS_VISIBILITY_KNOWN (default) or
+    // JCAS_VISIBILITY_HIDDEN.
+    int32_t target_visibility;
+    // Neighbours in an observation, nearest first; at most N - 1 are ever used. [UAVs, 0 to 4095;
+    // default 4095]
+    uint32_t neighbour_slots;
+    // Carrier frequency (f_c). [Hz, 1e6 to 1e13; default 5.8e9]
+    double carrier_frequency_hz;
+    // Bandwidth of the waveform (B). [Hz, 1e3 to 1e12; default 100e6]
+    double bandwidth_hz;
+    // Transmit power of a UAV (P_t). [dBm, -100 to 100; default 20]
+    double transmit_power_dbm;
+    // Transmit antenna gain (G_t). [dBi, -100 to 100; default 2]
+    double transmit_gain_dbi;
+    // Receive antenna gain (G_r). [dBi, -100 to 100; default 2]
+    double receive_gain_dbi;
+    // Radar cross section of a hotspot (σ_j). [dBsm, -100 to 100; default 0]
+    double radar_cross_section_dbsm;
+    // Noise power of the radar receiver (P_n). [dBm, -200 to 100; default -90]
+    double sensing_noise_dbm;
+    // Processing gain of coherent OFDM combining (G_proc). [dB, -100 to 100; default 8]
+    double processing_gain_db;
+    // Loss of sensing SNR per unit of communication load (α_JCAS). [dB, 0 to 20; default 1]
+    double comm_load_penalty_db;
+    // Single-pulse probability of detection that defines the threshold (Albersheim's equation).
+    // [probability, 0.1 to 0.9; default 0.9]
+    double detection_probability;
+    // Single-pulse probability of false alarm that defines the threshold. [probability, 1e-7 to
+    // 1e-3; default 1e-6]
+    double false_alarm_probability;
+    // Detection threshold (γ_det); JCAS_DERIVED: by Albersheim's equation. [dB, -300 to 300;
+    // default JCAS_DERIVED]
+    double detection_threshold_db;
+    // Slope of the logistic detection curve (κ). [1/dB, 0 to 10; default 0.25]
+    double logistic_slope_per_db;
+    // Distances below this count as this, for radar and link (R_min); JCAS_DERIVED: half a cell.
+    // [m, 0.001 to 1e6; default JCAS_DERIVED]
+    double range_min_m;
+    // Range resolution (δ) in the penalty 10 log10(1 + δ/R); JCAS_DERIVED: c/(2B); 0: no penalty.
+    // [m, 0 to 1e6; default JCAS_DERIVED]
+    double range_resolution_m;
+    // Lowest pilot density (ρ_min). [fraction, 0 to 1; default 0.01]
+    double pilot_density_min;
+    // Highest pilot density (ρ_max). [fraction, 0.0001 to 1; default 0.30]
+    double pilot_density_max;
+    // Exponent of the log-distance path loss (n). [dimensionless, 0.5 to 8; default 2]
+    double path_loss_exponent;
+    // Noise power of the communication receiver (P_n,comm). [dBm, -200 to 100; default -90]
+    double comm_noise_dbm;
+    // Spectral efficiency that counts as throughput 1. [bit/s/Hz, 0.001 to 1000; default 6]
+    double reference_spectral_efficiency;
+    // Normalised throughput that a link needs in both directions (η_link). [normalised, 0 to 1000;
+    // default 1]
+    double link_throughput_min;
+    // Duration of a step (Δt). [s, 0.001 to 86400; default 10]
+    double step_duration_s;
+    // Battery capacity (B_max). [kWh, 1e-6 to 100; default 0.20]
+    double battery_capacity_kwh;
+    // A battery below this at the start of a step sends the UAV to the nearest depot; 0 turns it
+    // off. [kWh, 0 to 100; default 0.04]
+    double rtb_threshold_kwh;
+    // Charging power at a depot (r_ch). [kW, 0 to 10000; default 0.30]
+    double charge_power_kw;
+    // Energy of a step that changes the cell (e_move). [kWh, 0 to 1; default 8e-4]
+    double move_energy_kwh;
+    // Energy of a step in place. [kWh, 0 to 1; default 0]
+    double hover_energy_kwh;
+    // Energy of sensing at the highest pilot density for a step (e_sense). [kWh, 0 to 1; default
+    // 2e-4]
+    double sense_energy_kwh;
+    // Energy of communicating with the whole waveform for a step (e_comm). [kWh, 0 to 1; default
+    // 5e-5]
+    double comm_energy_kwh;
+    // Share of renewable energy in charging (ρ_RE). [fraction, 0 to 1; default 0.1]
+    double renewable_share;
+    // Lowest carbon intensity of grid energy. [kg/kWh, 0 to 10; default 0.25]
+    double carbon_intensity_min_kg_per_kwh;
+    // Highest carbon intensity of grid energy. [kg/kWh, 0 to 10; default 0.40]
+    double carbon_intensity_max_kg_per_kwh;
+    // What charging bills: JCAS_BILLING_ACCEPTED (default) or JCAS_BILLING_NAMEPLATE.
+    int32_t charge_billing;
+    // Reward of a confirmation (α_det). [reward, -1e6 to 1e6; default 7]
+    double reward_detect;
+    // Reward of an informed hotspot (α_inf). [reward, -1e6 to 1e6; default 4]
+    double reward_inform;
+    // When an informed hotspot pays: JCAS_PAYMENT_ONCE (default) or JCAS_PAYMENT_EVERY_STEP.
+    int32_t inform_payment;
+    // Reward of completion (α_comp). [reward, -1e6 to 1e6; default 10]
+    double reward_complete;
+    // Reward of covering the whole grid for the first time (α_cov). [reward, -1e6 to 1e6; default
+    // 0.5]
+    double reward_coverage;
+    // Penalty of energy spent (η_e). [reward/kWh, -1e6 to 1e6; default 0.2]
+    double penalty_energy_per_kwh;
+    // Penalty of carbon emitted (η_c). [reward/kg, -1e6 to 1e6; default 0.1]
+    double penalty_carbon_per_kg;
+    // Penalty of a move into a cell visited before (ξ_rev). [reward, -1e6 to 1e6; default 0.01]
+    double penalty_revisit;
+    // Penalty at the horizon (ξ_trunc). [reward, -1e6 to 1e6; default 0.4]
+    double penalty_truncation;
+    // Reward of mean normalised throughput (ζ_comm). [reward, -1e6 to 1e6; default 0.5]
+    double reward_throughput;
+    // Reward of knowledge spread (ζ_spread). [reward, -1e6 to 1e6; default 0.1]
+    double reward_spread;
+    // Discount of the shaping potentials (γ_s). [dimensionless, 0 to 1; default 0.95]
+    double shaping_discount;
+    // Weight of the distance-to-hotspot potential (w_g). [reward, 0 to 1e6; default 1]
+    double shaping_goal_weight;
+    // Weight of the carbon-aware charging potential (w_c). [reward, 0 to 1e6; default 0.1]
+    double shaping_charge_weight;
+} jcas_config;
+
+// Sizes and constants of a model; buffers are sized by these.
+typedef struct jcas_model_info {
+    // sizeof(jcas_model_info); set it before the call.
+    uint32_t struct_size;
+    // UAVs (N).
+    uint32_t uav_count;
+    // Hotspots (n).
+    uint32_t hotspot_count;
+    // Neighbours in an observation.
+    uint32_t neighbour_slots;
+    // Cells of the grid along x (W).
+    uint32_t grid_width;
+    // Cells of the grid along y (H).
+    uint32_t grid_height;
+    // Floats of the actions of a step: 2 N.
+    uint32_t action_len;
+    // Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots.
+    uint32_t observation_len;
+    // Floats of the global state: 6 N + 4 n + 4.
+    uint32_t global_len;
+    // Components of a reward: 12.
+    uint32_t reward_len;
+    // Bytes of a snapshot.
+    uint64_t snapshot_size;
+    // Fingerprint of the configuration.
+    uint64_t config_hash;
+    // Capacity of a battery, in microjoules.
+    uint64_t battery_capacity_uj;
+    // Detection threshold, in dB.
+    double detection_threshold_db;
+} jcas_model_info;
+
+// Radar and link between two cells.
+typedef struct jcas_radio {
+    // sizeof(jcas_radio); set it before the call.
+    uint32_t struct_size;
+    // Always 0.
+    uint32_t reserved;
+    // Sensing SNR before the communication load is taken off, in dB.
+    double sensing_snr_db;
+    // Probability that a UAV detects a hotspot in one step.
+    double detection_probability;
+    // Communication SNR, in dB.
+    double comm_snr_db;
+    // Normalised throughput of a UAV toward another.
+    double link_throughput;
+} jcas_radio;
+
+// What a step came to.
+typedef struct jcas_outcome {
+    // sizeof(jcas_outcome); set it before the call.
+    uint32_t struct_size;
+    // 1 if every hotspot is informed, else 0.
+    uint32_t terminated;
+    // 1 if the horizon ended the episode before that, else 0.
+    uint32_t truncated;
+    // Always 0.
+    uint32_t reserved;
+    // The team reward, the same for every UAV.
+    double reward;
+} jcas_outcome;
+
+// The scalars of a state.
+typedef struct jcas_episode {
+    // sizeof(jcas_episode); set it before the call.
+    uint32_t struct_size;
+    // Steps begun since the reset.
+    uint32_t t;
+    // What may be called next: JCAS_PHASE_READY and so on.
+    uint32_t phase;
+    // 1 if every hotspot is informed, else 0.
+    uint32_t terminated;
+    // 1 if the horizon ended the episode before that, else 0.
+    uint32_t truncated;
+    // Hotspots confirmed.
+    uint32_t confirmed;
+    // Hotspots that all UAVs know.
+    uint32_t informed;
+    // Always 0.
+    uint32_t reserved;
+    // Seed of the episode.
+    uint64_t seed;
+    // Carbon intensity that the coming step will be billed with, in mg/kWh.
+    uint64_t carbon_intensity_mg_per_kwh;
+    // Carbon intensity that the last step was billed with, in mg/kWh; 0 before the first.
+    uint64_t billed_intensity_mg_per_kwh;
+    // Carbon emitted in the episode, in nanograms.
+    uint64_t co2_ng;
+    // Grid energy billed in the episode, in microjoules.
+    uint64_t grid_uj;
+    // Mean normalised throughput of the present graph, over all UAVs.
+    double mean_throughput;
+} jcas_episode;
+
+// What an episode came to, so far or at its end.
+typedef struct jcas_metrics {
+    // sizeof(jcas_metrics); set it before the call.
+    uint32_t struct_size;
+    // Steps taken.
+    uint32_t steps;
+    // 1 if every hotspot is informed (the mission succeeded), else 0.
+    uint32_t terminated;
+    // 1 if the horizon ended the episode before that, else 0.
+    uint32_t truncated;
+    // Hotspots confirmed.
+    uint32_t confirmed;
+    // Hotspots that all UAVs know.
+    uint32_t informed;
+    // Moves between cells, over all UAVs.
+    uint64_t moves;
+    // Undiscounted return.
+    double return_sum;
+    // Energy spent by the fleet, in kWh.
+    double energy_kwh;
+    // Energy accepted from chargers, in kWh.
+    double accepted_kwh;
+    // Energy asked for that was not there, in kWh.
+    double shortfall_kwh;
+    // Grid energy billed, in kWh.
+    double grid_kwh;
+    // Carbon emitted, in kg.
+    double co2_kg;
+    // Mean over the steps of the fleet's mean normalised throughput.
+    double throughput_mean;
+    // Mean over steps and UAVs of the pilot density, a fraction.
+    double pilot_density_mean;
+} jcas_metrics;
+
+// A UAV.
+typedef struct jcas_uav {
+    // Column of its cell.
+    uint32_t x;
+    // Row of its cell.
+    uint32_t y;
+    // 1 if it changed its cell in the last step, else 0.
+    uint32_t moved;
+    // 1 if its battery was empty at the start of the last step, else 0.
+    uint32_t grounded;
+    // 1 if a low battery sent it toward a depot in the last step, else 0.
+    uint32_t returning;
+    // Neighbours in the radio graph.
+    uint32_t neighbours;
+    // Hotspots that it knows.
+    uint32_t known;
+    // Always 0.
+    uint32_t reserved;
+    // Charge, in microjoules: initial + accepted - spent.
+    uint64_t battery_uj;
+    // Charge at the start of the episode, in microjoules.
+    uint64_t initial_uj;
+    // Energy accepted from chargers, in microjoules.
+    uint64_t accepted_uj;
+    // Energy spent, in microjoules.
+    uint64_t spent_uj;
+    // Energy asked for that was not there, in microjoules.
+    uint64_t shortfall_uj;
+    // Pilot density, a fraction.
+    double pilot_density;
+    // Mean normalised throughput toward its neighbours; 0 without any.
+    double throughput;
+} jcas_uav;
+
+// A hotspot.
+typedef struct jcas_hotspot {
+    // Column of its cell.
+    uint32_t x;
+    // Row of its cell.
+    uint32_t y;
+    // 1 if it is confirmed, else 0.
+    uint32_t confirmed;
+    // 1 if all UAVs know it, else 0.
+    uint32_t informed;
+    // Step at which it was confirmed; 0 before.
+    uint32_t detected_at;
+    // Step at which all UAVs know it; 0 before.
+    uint32_t informed_at;
+} jcas_hotspot;
+
+// Buffers that a batch step writes, for M environments; each pointer with its number of elements.
+// Optional ones may be NULL with a count of 0. No buffer may overlap another, or the actions.
+typedef struct jcas_batch_out {
+    // sizeof(jcas_batch_out).
+    uint32_t struct_size;
+    // Set it to 0.
+    uint32_t reserved;
+    // M * uav_count * observation_len: what each UAV observes, after an automatic reset the new
+    // episode's first.
+    float *observations;
+    // Elements of observations.
+    size_t observation_count;
+    // M: the team reward.
+    float *rewards;
+    // Elements of rewards.
+    size_t reward_count;
+    // M: 1 where the step ended the episode because every hotspot is informed, else 0.
+    uint8_t *terminated;
+    // Elements of terminated.
+    size_t terminated_count;
+    // M: 1 where the step ended the episode at the horizon, else 0.
+    uint8_t *truncated;
+    // Elements of truncated.
+    size_t truncated_count;
+    // M * global_len: the global state; optional.
+    float *global;
+    // Elements of global.
+    size_t global_count;
+    // M * reward_len: the components of each reward; optional.
+    double *components;
+    // Elements of components.
+    size_t component_count;
+    // M * uav_count * observation_len: where an episode was reset, its last observation; untouched
+    // elsewhere; optional.
+    float *final_observations;
+    // Elements of final_observations.
+    size_t final_observation_count;
+    // M * global_len: where an episode was reset, its last global state; untouched elsewhere; optional.
+    float *final_global;
+    // Elements of final_global.
+    size_t final_global_count;
+    // M: where an episode ended, what it came to; untouched elsewhere; optional.
+    struct jcas_metrics *final_metrics;
+    // Elements of final_metrics.
+    size_t final_metrics_count;
+    // sizeof(jcas_metrics), or 0 without final_metrics.
+    size_t metrics_size;
+} jcas_batch_out;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
+const char *jcas_version(void);
+
+// Version of the interface of the library that runs. Threads: any.
+uint32_t jcas_abi_version(void);
+
+// Whether the library that runs serves a program compiled with this header:
+// `jcas_abi_check(JCAS_ABI_VERSION)`. JCAS_OK or JCAS_ERROR_ABI. Threads: any.
+int32_t jcas_abi_check(uint32_t header_abi_version);
+
+// What a status means, in English.
+//
+// Returns a static string, never NULL; also for values that are no status.
+// Threads: any.
+const char *jcas_status_string(int32_t status);
+
+// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as `struct_size`.
+//
+// `config`: not NULL. Threads: any.
+int32_t jcas_config_default(struct jcas_config *config, size_t struct_size);
+
+// Fills `config` with a preset: "mission" or "paper" (the letter of every equation of the paper).
+//
+// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
+// Threads: any.
+int32_t jcas_config_preset(const char *name,
+                           size_t name_length,
+                           struct jcas_config *config,
+                           size_t struct_size,
+                           char *message,
+                           size_t message_capacity);
+
+// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a field
+// and replaces the preset's value; unknown keys are errors. The result is validated.
+//
+// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
+// introduction. Threads: any.
+int32_t jcas_config_from_toml(const char *text,
+                              size_t text_length,
+                              struct jcas_config *config,
+                              size_t struct_size,
+                              char *message,
+                              size_t message_capacity);
+
+// As jcas_config_from_toml, from a JSON object.
+int32_t jcas_config_from_json(const char *text,
+                              size_t text_length,
+                              struct jcas_config *config,
+                              size_t struct_size,
+                              char *message,
+                              size_t message_capacity);
+
+// Whether a configuration is legal: JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the field,
+// its value and what is allowed.
+//
+// `config`: not NULL, struct_size set. `message`: see the introduction. Threads: any.
+int32_t jcas_config_validate(const struct jcas_config *config,
+                             char *message,
+                             size_t message_capacity);
+
+// The fingerprint of a legal configuration; part of every state and snapshot.
+//
+// `config`, `hash`: not NULL, struct_size set. Threads: any.
+int32_t jcas_config_hash(const struct jcas_config *config, uint64_t *hash);
+
+// A legal configuration as JSON text, which jcas_config_from_json reads back; derived fields are absent.
+//
+// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not NULL;
+// receives the length without the terminating zero, so that `capacity` must be at least one more.
+// Threads: any.
+int32_t jcas_config_to_json(const struct jcas_config *config,
+                            char *text,
+                            size_t capacity,
+                            size_t *length);
+
+// As jcas_config_to_json, as TOML text.
+int32_t jcas_config_to_toml(const struct jcas_config *config,
+                            char *text,
+                            size_t capacity,
+                            size_t *length);
+
+// The fields of the configuration as JSON text: a list of objects with name, unit, low, high and doc.
+//
+// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+int32_t jcas_config_fields(char *text,
+                           size_t capacity,
+                           size_t *length);
+
+// How much memory a model takes, for jcas_model_init.
+//
+// `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the introduction.
+// Threads: any.
+int32_t jcas_model_layout(const struct jcas_config *config,
+                          size_t *size,
+                          size_t *alignment,
+                          char *message,
+                          size_t message_capacity);
+
+// Builds a model in the caller's memory, which holds it until jcas_model_free and may not be moved.
+//
+// `memory`: at least the size and alignment of jcas_model_layout; not NULL; the caller's.
+// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
+// `message`: see the introduction. Threads: any.
+int32_t jcas_model_init(void *memory,
+                        size_t size,
+                        const struct jcas_config *config,
+                        struct jcas_model **model,
+                        char *message,
+                        size_t message_capacity);
+
+// Builds a model in memory of its own, to be ended by jcas_model_free.
+//
+// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
+// `message`: see the introduction. Threads: any.
+int32_t jcas_model_new(const struct jcas_config *config,
+                       struct jcas_model **model,
+                       char *message,
+                       size_t message_capacity);
+
+// Ends a model; memory of the caller is the caller's again. NULL is allowed and does nothing.
+// JCAS_ERROR_IN_USE while simulations or batches of the model have not been freed.
+//
+// Threads: none may be using the model.
+int32_t jcas_model_free(struct jcas_model *model);
+
+// Sizes and constants of a model.
+//
+// `model`, `info`: not NULL; info->struct_size set. Threads: any.
+int32_t jcas_model_get_info(const struct jcas_model *model, struct jcas_model_info *info);
+
+// The configuration of a model.
+//
+// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config). Threads: any.
+int32_t jcas_model_get_config(const struct jcas_model *model,
+                              struct jcas_config *config,
+                              size_t struct_size);
+
+// Radar and link over an offset of (dx, dy) cells, at a pilot density of the sender.
+//
+// `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density` from
+// 0 to 1, or JCAS_ERROR_ARGUMENT. Threads: any.
+int32_t jcas_model_get_radio(const struct jcas_model *model,
+                             uint32_t dx,
+                             uint32_t dy,
+                             double pilot_density,
+                             struct jcas_radio *radio);
+
+// How much memory a simulation takes, for jcas_sim_init.
+//
+// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+int32_t jcas_sim_layout(const struct jcas_model *model, size_t *size, size_t *alignment);
+
+// Builds a simulation in the caller's memory, which holds it until jcas_sim_free and may not be moved.
+// It is at t = 0 of seed 0.
+//
+// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's.
+// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+// Threads: any.
+int32_t jcas_sim_init(void *memory,
+                      size_t size,
+                      const struct jcas_model *model,
+                      struct jcas_sim **sim);
+
+// Builds a simulation in memory of its own, to be ended by jcas_sim_free. It is at t = 0 of seed 0.
+//
+// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+// Threads: any.
+int32_t jcas_sim_new(const struct jcas_model *model, struct jcas_sim **sim);
+
+// Ends a simulation; memory of the caller is the caller's again. NULL is allowed and does nothing.
+//
+// Threads: none may be using the simulation.
+int32_t jcas_sim_free(struct jcas_sim *sim);
+
+// Begins the episode of a seed; everything random in it follows from the seed.
+//
+// `sim`: not NULL. Threads: only this one uses `sim`.
+int32_t jcas_sim_reset(struct jcas_sim *sim, uint64_t seed);
+
+// One whole step.
+//
+// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
+// (JCAS_MOVE_UP and so on; five equal bins of -1 to 1), the second the pilot density, from its minimum
+// at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not NULL, struct_size set.
+// Threads: only this one uses `sim`.
+int32_t jcas_sim_step(struct jcas_sim *sim,
+                      const float *actions,
+                      size_t action_count,
+                      struct jcas_outcome *outcome);
+
+// Writes what each UAV observes: uav_count rows of observation_len floats.
+//
+// Each row: itself (x/(W-1), y/(H-1), state of charge, pilot density from minimum 0 to maximum 1, mean
+// throughput); each hotspot (dx/(W-1), dy/(H-1), confirmed, known); each neighbour slot, nearest first
+// (present, dx/(W-1), dy/(H-1)); neighbours/(N-1); carbon intensity from 0 to 1; depot
+// distance/(W+H-2); confirmed/n; informed/n; t/T_max.
+//
+// `sim`, `observations`: not NULL. `count`: uav_count * observation_len. Threads: only this one uses
+// `sim`.
+int32_t jcas_sim_observe(struct jcas_sim *sim,
+                         float *observations,
+                         size_t count);
+
+// Writes the global state, for a centralised critic: global_len floats.
+//
+// Each UAV (x/(W-1), y/(H-1), state of charge, pilot density, mean throughput, fraction of hotspots
+// known); each hotspot (x/(W-1), y/(H-1), confirmed, fraction of UAVs that know it); carbon intensity,
+// confirmed/n, informed/n, t/T_max.
+//
+// `sim`, `global`: not NULL. Threads: none changes `sim`.
+int32_t jcas_sim_observe_global(const struct jcas_sim *sim,
+                                float *global,
+                                size_t count);
+
+// Why the last refused call on this simulation was refused, in words: which value, and what is allowed.
+// Empty if no value of a caller was ever refused. Pointers, lengths and handles are told by the status
+// alone.
+//
+// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `sim`.
+int32_t jcas_sim_message(const struct jcas_sim *sim,
+                         char *text,
+                         size_t capacity,
+                         size_t *length);
+
+// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
+// jcas_sim_step_sense.
+//
+// `sim`, `actions`: as for jcas_sim_step.
+int32_t jcas_sim_step_begin(struct jcas_sim *sim, const float *actions, size_t action_count);
+
+// Puts the UAVs where the host has moved them, in place of the kernel's own motion. A UAV whose cell
+// differs from the one before the step has moved, however far.
+//
+// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+int32_t jcas_sim_set_positions(struct jcas_sim *sim,
+                               const struct jcas_cell *cells,
+                               size_t count);
+
+// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_over.
+//
+// `sim`: not NULL. Threads: only this one uses `sim`.
+int32_t jcas_sim_step_sense(struct jcas_sim *sim);
+
+// Part 3 of a step: communicate over the graph that the kernel's link budget gives. Next:
+// jcas_sim_step_end.
+//
+// `sim`: not NULL. Threads: only this one uses `sim`.
+int32_t jcas_sim_step_communicate(struct jcas_sim *sim);
+
+// Part 3 of a step over the host's graph, in place of jcas_sim_step_communicate.
+//
+// `links`: a uav_count * uav_count matrix, row by row, any value but 0 is a link; not NULL. It must be
+// symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: the mean normalised
+// throughput of each UAV toward its neighbours as the host measured it, uav_count numbers from 0 to 1e9;
+// or NULL with a count of 0 to take it from the kernel's link budget. Threads: only this one uses `sim`.
+int32_t jcas_sim_step_communicate_over(struct jcas_sim *sim,
+                                       const uint8_t *links,
+                                       size_t link_count,
+                                       const double *throughput,
+                                       size_t throughput_count);
+
+// Part 4 of a step: energy, charge, carbon, reward, termination.
+//
+// `sim`, `outcome`: not NULL, struct_size set. Threads: only this one uses `sim`.
+int32_t jcas_sim_step_end(struct jcas_sim *sim, struct jcas_outcome *outcome);
+
+// Places the hotspots, in place of the drawn ones: distinct cells without a depot. At t = 0 only.
+//
+// `sim`, `cells`: not NULL. `count`: hotspot_count. Threads: only this one uses `sim`.
+int32_t jcas_sim_set_hotspots(struct jcas_sim *sim, const struct jcas_cell *cells, size_t count);
+
+// Sets what each battery holds at the start, in microjoules, in place of the drawn charge. At t = 0 only.
+//
+// `sim`, `charges_uj`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+int32_t jcas_sim_set_batteries(struct jcas_sim *sim,
+                               const uint64_t *charges_uj,
+                               size_t count);
+
+// Time, phase and the fleet's ledgers.
+//
+// `sim`, `episode`: not NULL; episode->struct_size set. Threads: none changes `sim`.
+int32_t jcas_sim_get_episode(const struct jcas_sim *sim, struct jcas_episode *episode);
+
+// What the episode came to, so far.
+//
+// `sim`, `metrics`: not NULL; metrics->struct_size set. Threads: none changes `sim`.
+int32_t jcas_sim_get_metrics(const struct jcas_sim *sim, struct jcas_metrics *metrics);
+
+// The components of the last reward. The reward is their sum, from the first to the last.
+//
+// `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
+int32_t jcas_sim_get_rewards(const struct jcas_sim *sim, double *components, size_t count);
+
+// The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
+const char *jcas_reward_name(uint32_t index);
+
+// Every UAV.
+//
+// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav). Threads: none changes
+// `sim`.
+int32_t jcas_sim_get_uavs(const struct jcas_sim *sim,
+                          struct jcas_uav *uavs,
+                          size_t count,
+                          size_t struct_size);
+
+// Every hotspot.
+//
+// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot). Threads:
+// none changes `sim`.
+int32_t jcas_sim_get_hotspots(const struct jcas_sim *sim,
+                              struct jcas_hotspot *hotspots,
+                              size_t count,
+                              size_t struct_size);
+
+// The radio graph: 1 where two UAVs are neighbours, else 0; a symmetric matrix, row by row.
+//
+// `sim`, `links`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+int32_t jcas_sim_get_links(const struct jcas_sim *sim, uint8_t *links, size_t count);
+
+// Who knows what: 1 where a UAV (row) knows a hotspot (column), else 0.
+//
+// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+int32_t jcas_sim_get_knowledge(const struct jcas_sim *sim, uint8_t *knowledge, size_t count);
+
+// The cells that any UAV has been in: 1 or 0, row (y) by row.
+//
+// `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
+int32_t jcas_sim_get_visited(const struct jcas_sim *sim, uint8_t *visited, size_t count);
+
+// Saves a simulation as bytes that mean the same on every platform.
+//
+// `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes. Threads: none changes `sim`.
+int32_t jcas_sim_save(const struct jcas_sim *sim, void *snapshot, size_t size);
+
+// Takes up a saved simulation of an equal configuration; it goes on exactly as the saved one would have.
+// JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH for anything else, and nothing has changed then.
+//
+// `sim`, `snapshot`: not NULL. `size`: in bytes, any. Threads: only this one uses `sim`.
+int32_t jcas_sim_load(struct jcas_sim *sim,
+                      const void *snapshot,
+                      size_t size);
+
+// Makes `to` an independent twin of `from`, whose configuration must be equal.
+//
+// `from`, `to`: not NULL; may be the same. Threads: none changes `from`, only this one uses `to`.
+int32_t jcas_sim_fork(const struct jcas_sim *from, struct jcas_sim *to);
+
+// The fingerprint of a state: equal for equal states, on every platform (FNV-1a, 64 bits).
+//
+// `sim`, `state_hash`: not NULL. Threads: none changes `sim`.
+int32_t jcas_sim_hash(const struct jcas_sim *sim, uint64_t *state_hash);
+
+// Builds M environments in memory of their own, each at t = 0 of seed 0.
+//
+// `model`: not NULL; must not be freed before the batch. `environments`: M, at least 1. `threads`: how
+// many step at once; 1: the caller's own, no other is started; 0: one for each processor. Results do not
+// depend on it. `batch`: not NULL; receives the handle, to be ended by jcas_batch_free. Threads: any.
+int32_t jcas_batch_new(const struct jcas_model *model,
+                       uint32_t environments,
+                       uint32_t threads,
+                       struct jcas_batch **batch);
+
+// Ends a batch and its threads. NULL is allowed and does nothing.
+//
+// Threads: none may be using the batch.
+int32_t jcas_batch_free(struct jcas_batch *batch);
+
+// Begins an episode in each environment and observes.
+//
+// `seeds`: M; not NULL. `observations`: M * uav_count * observation_len; not NULL. `global`: M *
+// global_len, or NULL with a count of 0. Threads: only this one uses `batch`.
+int32_t jcas_batch_reset(struct jcas_batch *batch,
+                         const uint64_t *seeds,
+                         size_t seed_count,
+                         float *observations,
+                         size_t observation_count,
+                         float *global,
+                         size_t global_count);
+
+// Steps every environment once and observes.
+//
+// With `auto_reset` = 1 an episode that ends is followed at once by the next, whose seed derives from
+// the ended one's. With 0 an environment whose episode has ended refuses the step, and so the batch does.
+// All is checked before any environment steps, so nothing has changed after an error.
+//
+// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out.
+// Threads: only this one uses `batch`.
+int32_t jcas_batch_step(struct jcas_batch *batch,
+                        const float *actions,
+                        size_t action_count,
+                        int32_t auto_reset,
+                        const struct jcas_batch_out *out);
+
+// Writes what the environments observe now; the buffers are those of jcas_batch_reset.
+int32_t jcas_batch_observe(struct jcas_batch *batch,
+                           float *observations,
+                           size_t observation_count,
+                           float *global,
+                           size_t global_count);
+
+// Copies an environment of a batch into a simulation of an equal configuration, to read every quantity
+// or to save it.
+//
+// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: none changes `batch`,
+// only this one uses `sim`.
+int32_t jcas_batch_get(const struct jcas_batch *batch,
+                       uint32_t index,
+                       struct jcas_sim *sim);
+
+// Copies a simulation of an equal configuration into an environment of a batch. It should be between
+// steps: one in the middle of a step by parts makes jcas_batch_step refuse.
+//
+// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
+// `batch`, none changes `sim`.
+int32_t jcas_batch_set(struct jcas_batch *batch,
+                       uint32_t index,
+                       const struct jcas_sim *sim);
+
+// As jcas_sim_message, for a batch. UAVs are counted over the whole batch.
+int32_t jcas_batch_message(const struct jcas_batch *batch,
+                           char *text,
+                           size_t capacity,
+                           size_t *length);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* JCAS_H */
