@@ -5,6 +5,9 @@ use jcas_core::Cell;
 /// Up to this many cells the order is optimal: the table has 2^n rows.
 const EXACT_MAX: usize = 11;
 
+/// Beyond this many the way is not improved: the cost grows faster than the way shortens.
+const IMPROVED_MAX: usize = 128;
+
 /// An order in which to visit `targets` from `start` by a short way, and its length in steps. Optimal for
 /// few targets (M. Held and R. M. Karp, 1962), else the nearest next, improved by reversals (2-opt).
 #[must_use]
@@ -13,7 +16,9 @@ pub fn route(start: Cell, targets: &[Cell]) -> (Vec<usize>, u32) {
         shortest(start, targets)
     } else {
         let mut order = nearest_next(start, targets);
-        improve(start, targets, &mut order);
+        if targets.len() <= IMPROVED_MAX {
+            improve(start, targets, &mut order);
+        }
         order
     };
     let steps = length(start, targets, &order);

@@ -14,7 +14,7 @@ const REACH_CELLS: u32 = 4;
 ///
 /// Each team has a band of the grid and keeps together, since a quorum has to detect in the same step.
 /// How many teams there are and how far their lanes lie apart is chosen once for each episode, so that
-/// a hotspot anywhere is confirmed within the horizon with the highest probability; see [`chance`].
+/// a hotspot anywhere is confirmed within the horizon with the highest probability.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     pilot: PilotMode,

@@ -14,6 +14,9 @@ use super::route::route;
 /// one costs the cube of their number.
 const OPTIMAL_ASSIGNMENT_UAVS_MAX: usize = 256;
 
+/// No more teams than this, to bound the cost of planning for very large fleets.
+const TEAMS_MAX: usize = 64;
+
 /// Divides the fleet over several hotspots where that is quicker than flying together.
 ///
 /// Planned anew whenever a hotspot is confirmed or a UAV begins or ceases to fly:
@@ -127,7 +130,10 @@ fn best_errands(
     };
     let mut best = (vec![together], vec![0; uavs.len()]);
     let mut best_steps = f64::from(steps) + left.len() as f64 * wait(uavs.len());
-    for teams in 2..=left.len().min(uavs.len() / quorum.max(1)) {
+    let most = left.len().min(uavs.len() / quorum.max(1)).min(TEAMS_MAX);
+    // Every small number; of the large ones each half as large again.
+    let numbers = std::iter::successors(Some(2), |&teams| Some((teams + 1).max(teams * 3 / 2 - 3)));
+    for teams in numbers.take_while(|&teams| teams <= most) {
         let (errands, formed) = choose_errands(uavs, left, teams);
         let steps = forecast(uavs, left, &errands, &formed, &wait);
         if steps < best_steps {
@@ -202,34 +208,58 @@ fn centroid(uavs: &[Cell]) -> Cell {
 /// Forms teams of equal size, one after the other: of all hotspots left the one whose nearest free UAVs
 /// have the least way to go. Returns the errands and each UAV's.
 fn choose_errands(uavs: &[Cell], left: &[Cell], teams: usize) -> (Vec<Errand>, Vec<usize>) {
+    let mut groups = groups(uavs);
     let mut errands: Vec<Errand> = Vec::with_capacity(teams);
-    let mut errand_of = vec![usize::MAX; uavs.len()];
+    let mut errand_of = vec![0; uavs.len()];
     for number in 0..teams {
         let team = uavs.len() / teams + usize::from(number < uavs.len() % teams);
-        let free = || (0..uavs.len()).filter(|&uav| errand_of[uav] == usize::MAX);
-        let nearest = |target: Cell| {
-            let mut by_distance: Vec<usize> = free().collect();
-            by_distance.sort_by_key(|&uav| uavs[uav].manhattan(target));
-            by_distance.truncate(team);
-            by_distance
-        };
-        let best = left
+        let nearest = left
             .iter()
             .filter(|&&target| errands.iter().all(|errand| errand.target != target))
-            .map(|&target| (target, nearest(target)))
-            .min_by_key(|(target, members)| -> u64 {
-                members
-                    .iter()
-                    .map(|&uav| u64::from(uavs[uav].manhattan(*target)))
-                    .sum()
-            });
-        let Some((target, members)) = best else { break };
-        for uav in members {
+            .min_by_key(|&&target| steps_to(target, &mut groups, team));
+        let Some(&target) = nearest else { break };
+        groups.sort_by_key(|group| group.cell.manhattan(target));
+        let free = groups
+            .iter_mut()
+            .flat_map(|group| std::iter::from_fn(|| group.free.pop()));
+        for uav in free.take(team) {
             errand_of[uav] = number;
         }
         errands.push(Errand { target, team });
     }
     (errands, errand_of)
+}
+
+/// UAVs in one cell that have no errand yet: they are alike, and most fleets fly in few cells.
+struct Group {
+    cell: Cell,
+    free: Vec<usize>,
+}
+
+fn groups(uavs: &[Cell]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (uav, &cell) in uavs.iter().enumerate().rev() {
+        match groups.iter_mut().find(|group| group.cell == cell) {
+            Some(group) => group.free.push(uav),
+            None => groups.push(Group {
+                cell,
+                free: vec![uav],
+            }),
+        }
+    }
+    groups
+}
+
+/// What the nearest `team` free UAVs have to fly in total.
+fn steps_to(target: Cell, groups: &mut [Group], team: usize) -> u64 {
+    groups.sort_by_key(|group| group.cell.manhattan(target));
+    let (mut missing, mut steps) = (team, 0);
+    for group in groups {
+        let taken = group.free.len().min(missing);
+        steps += taken as u64 * u64::from(group.cell.manhattan(target));
+        missing -= taken;
+    }
+    steps
 }
 
 /// The errand of each UAV for the least total distance; every errand gets its number of UAVs.
