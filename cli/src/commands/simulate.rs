@@ -139,7 +139,7 @@ impl Report<'_> {
 }
 
 /// Decimals that leave about four significant digits.
-pub fn decimals(value: f64) -> usize {
+fn decimals(value: f64) -> usize {
     match value.abs() {
         size if size >= 100.0 => 1,
         size if size >= 10.0 => 2,

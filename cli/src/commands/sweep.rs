@@ -3,15 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
 use jcas_core::Model;
 use jcas_evaluate::mission::{self, Campaign};
-use jcas_evaluate::statistics::Summary;
+use jcas_evaluate::statistics::{Estimate, Summary};
 use serde::Serialize;
 
 use super::replay::fly_page;
-use super::simulate::decimals;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
 use crate::sweep::charts;
@@ -115,8 +114,8 @@ impl Sweep {
                 .map(|path| format!("  {}\n", path.display()))
                 .collect();
             files::print(&format!(
-                "{}\n{} missions a cell; in brackets 95 % intervals; a mission without success counts \
-                 with its horizon\n\nwritten:\n{}",
+                "{}\n{} missions a cell; ± half of a 95 % interval; a mission without success counts with \
+                 its horizon\n\nwritten:\n{}",
                 text_table(&axes, &cells, &store),
                 self.episodes,
                 list.concat()
@@ -195,38 +194,54 @@ impl Sweep {
     }
 }
 
-/// Columns of the printed table, by their names in the file.
-const SHOWN: [(&str, &str); 5] = [
-    ("success_rate", "success"),
-    ("mission_steps_mean", "steps"),
-    ("energy_kwh_mean", "energy kWh"),
-    ("co2_kg_mean", "CO2 kg"),
-    ("throughput_mean", "throughput"),
+/// Columns of the printed table: name in the file, title, decimals.
+const SHOWN: [(&str, &str, usize); 5] = [
+    ("success_rate", "success", 3),
+    ("mission_steps_mean", "steps", 1),
+    ("energy_kwh_mean", "energy kWh", 3),
+    ("co2_kg_mean", "CO2 kg", 4),
+    ("throughput_mean", "throughput", 2),
 ];
 
+/// Lists with one value stand above the table, the others are its columns.
 fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
+    let (columns, common): (Vec<usize>, Vec<usize>) =
+        (0..axes.len()).partition(|&axis| axes[axis].values.len() > 1);
+    let common: Vec<String> = common
+        .into_iter()
+        .map(|axis| format!("{} {}", title(&axes[axis].name), axes[axis].values[0]))
+        .collect();
     let mut table = Table::new();
-    table.load_preset(UTF8_HORIZONTAL_ONLY);
-    let mut header: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
-    header.extend(SHOWN.map(|(_, title)| title.to_owned()));
-    table.set_header(header);
+    table.load_preset(UTF8_FULL_CONDENSED);
+    let names = columns.iter().map(|&axis| title(&axes[axis].name));
+    table.set_header(names.chain(SHOWN.map(|(_, title, _)| title)));
     for (index, cell) in cells.iter().enumerate() {
-        let mut row = cell.values.clone();
-        row.extend(SHOWN.map(|(name, _)| {
-            store.estimate(index, name).map_or_else(String::new, |e| {
-                let digits = decimals(e.value.max(0.1));
-                format!(
-                    "{:.digits$} [{:.digits$}, {:.digits$}]",
-                    e.value, e.low, e.high
-                )
-            })
-        }));
-        table.add_row(row);
+        let values = columns.iter().map(|&axis| cell.values[axis].clone());
+        let estimates = SHOWN.map(|(name, _, digits)| match store.estimate(index, name) {
+            Some(estimate) => shown(estimate, digits),
+            None => String::new(),
+        });
+        table.add_row(values.chain(estimates));
     }
-    for column in table.column_iter_mut().skip(2) {
+    for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    format!("{table}\n")
+    format!("{}\n{table}\n", common.join(", "))
+}
+
+/// How people call an axis.
+fn title(axis: &str) -> &str {
+    match axis {
+        "uav_count" => "UAVs",
+        "hotspot_count" => "hotspots",
+        field => field,
+    }
+}
+
+/// A value with half the width of its interval; the file has both ends.
+fn shown(estimate: Estimate, digits: usize) -> String {
+    let half = (estimate.high - estimate.low) / 2.0;
+    format!("{:.digits$} ± {half:.digits$}", estimate.value)
 }
 
 /// What `--json` prints.
