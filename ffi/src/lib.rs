@@ -35,6 +35,8 @@ mod batch;
 mod batch_block;
 mod handle;
 mod memory;
+#[cfg(any(kani, test))]
+mod proofs;
 
 pub use batch::*;
 pub use config::*;

@@ -70,7 +70,7 @@ macro_rules! integers {
         }
     )+ };
 }
-integers!(u8, u16, u32, u64, usize, i64);
+integers!(u8, u16, u32, u64, usize, i32, i64);
 
 impl Arbitrary for bool {
     fn any() -> Self {

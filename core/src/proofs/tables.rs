@@ -103,6 +103,7 @@ super::standin::twins! {
 #[cfg(test)]
 mod dense {
     use super::*;
+    use crate::radar::load_odds_against;
 
     #[test]
     fn exp_stays_within_its_stub() {
@@ -126,6 +127,17 @@ mod dense {
                     (-LOG10_MAX..=LOG10_MAX).contains(&value),
                     "log10({x}) = {value}"
                 );
+            }
+        }
+    }
+
+    /// exp(κ α ρ) for every legal product κ α up to 200 and every load.
+    #[test]
+    fn load_odds_stay_within_their_stub() {
+        for product in 0..=200 {
+            for load in 0..=100 {
+                let odds = load_odds_against(f64::from(product), f64::from(load) / 100.0);
+                assert!((1.0..=1e87).contains(&odds), "{product} {load}: {odds}");
             }
         }
     }

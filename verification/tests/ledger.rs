@@ -1,0 +1,284 @@
+//! `proofs.toml`, `ASSUMPTIONS.md` and `README.md` against the sources.
+//!
+//! Catches a harness that no ledger lists, a row whose harness is gone, a stub or a
+//! loop bound that nobody declared, and a mutant that no longer fits its file.
+
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Ledger {
+    proof: Vec<Proof>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Proof {
+    id: String,
+    package: String,
+    harness: String,
+    claim: String,
+    bound: String,
+    assumptions: Vec<String>,
+    covers: usize,
+    time_limit_s: u64,
+    mutant: Mutant,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mutant {
+    file: String,
+    find: String,
+    replace: String,
+}
+
+/// A harness as it stands in the sources.
+struct Harness {
+    package: &'static str,
+    path: String,
+    attributes: String,
+    body: String,
+    /// `(cases, covers)` of its twin, from the list at the end of the file.
+    twin: Option<(usize, usize)>,
+}
+
+impl Harness {
+    fn name(&self) -> &str {
+        self.path.rsplit("::").next().unwrap()
+    }
+
+    /// What the attribute `kani::<name>(...)` holds, each time it occurs.
+    fn attribute(&self, name: &str) -> Vec<String> {
+        let open = format!("kani::{name}(");
+        let mut found = Vec::new();
+        for part in self.attributes.split(&open).skip(1) {
+            found.push(part.split(')').next().unwrap().trim().to_owned());
+        }
+        found
+    }
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .unwrap()
+        .to_owned()
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+fn ledger() -> Vec<Proof> {
+    let ledger: Ledger = toml::from_str(&read("verification/proofs.toml")).unwrap();
+    ledger.proof
+}
+
+/// Every function of the proof folders that carries a Kani proof attribute.
+fn harnesses() -> Vec<Harness> {
+    let mut found = Vec::new();
+    for (package, folder) in [
+        ("jcas-core", "core/src/proofs"),
+        ("jcas-ffi", "ffi/src/proofs"),
+    ] {
+        let Ok(entries) = std::fs::read_dir(root().join(folder)) else {
+            continue;
+        };
+        for entry in entries {
+            let path = entry.unwrap().path();
+            let module = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            let text = std::fs::read_to_string(&path).unwrap();
+            read_harnesses(package, &module, &text, &mut found);
+        }
+    }
+    assert!(found.len() > 20, "only {} harnesses found", found.len());
+    found
+}
+
+fn read_harnesses(package: &'static str, module: &str, text: &str, found: &mut Vec<Harness>) {
+    for (position, _) in text.match_indices("\npub fn ") {
+        let above = text[..position].rfind("\n\n").map_or(0, |blank| blank + 2);
+        let attributes = &text[above..position];
+        if !attributes.contains("kani::proof") {
+            continue;
+        }
+        let body = text[position + 1..].split("\n}\n").next().unwrap();
+        let name = body["pub fn ".len()..].split('(').next().unwrap();
+        found.push(Harness {
+            package,
+            path: format!("proofs::{module}::{name}"),
+            attributes: attributes.to_owned(),
+            body: body.to_owned(),
+            twin: twin(text, name),
+        });
+    }
+}
+
+/// Reads `name: 256 cases, 2 covers;`.
+fn twin(text: &str, name: &str) -> Option<(usize, usize)> {
+    let row = text
+        .lines()
+        .find_map(|line| line.trim().strip_prefix(&format!("{name}: ")))?;
+    let (cases, covers) = row.trim_end_matches(';').split_once(", ")?;
+    let number = |words: &str| words.split(' ').next()?.parse().ok();
+    Some((number(cases)?, number(covers)?))
+}
+
+/// The first cells of the rows of the Markdown tables below a heading.
+fn rows(text: &str, heading: &str) -> Vec<Vec<String>> {
+    let section = text
+        .split(heading)
+        .nth(1)
+        .unwrap_or_else(|| panic!("no `{heading}`"));
+    let section = section.split("\n## ").next().unwrap();
+    let lines = section.lines().filter(|line| line.starts_with('|'));
+    let cells = |line: &str| {
+        let inner = line.trim_matches('|');
+        inner
+            .split(" | ")
+            .map(|cell| cell.trim().to_owned())
+            .collect()
+    };
+    lines.skip(2).map(cells).collect()
+}
+
+#[test]
+fn the_ledger_lists_exactly_the_harnesses_of_the_sources() {
+    let listed: BTreeSet<_> = ledger()
+        .into_iter()
+        .map(|proof| (proof.package, proof.harness))
+        .collect();
+    let written: BTreeSet<_> = harnesses()
+        .into_iter()
+        .map(|harness| (harness.package.to_owned(), harness.path))
+        .collect();
+    assert_eq!(listed, written);
+    assert_eq!(listed.len(), ledger().len(), "a harness is listed twice");
+}
+
+#[test]
+fn covers_and_twins_are_those_of_the_sources() {
+    let proofs: BTreeMap<_, _> = ledger()
+        .into_iter()
+        .map(|proof| (proof.harness.clone(), proof))
+        .collect();
+    for harness in harnesses() {
+        let name = harness.name();
+        let proof = &proofs[&harness.path];
+        let covers = harness.body.matches("kani::cover!(").count();
+        assert_eq!(proof.covers, covers, "{name}");
+        assert!(covers > 0, "{name} shows no reachable case");
+        let (cases, in_twin) = harness.twin.unwrap_or_else(|| panic!("{name} has no twin"));
+        assert_eq!(in_twin, covers, "{name}");
+        assert!(cases >= 100, "{name}");
+        assert!(
+            harness.body.lines().count() < 40,
+            "{name} is too long to read at once"
+        );
+    }
+}
+
+#[test]
+fn every_property_is_claimed() {
+    let ids: BTreeSet<_> = ledger().into_iter().map(|proof| proof.id).collect();
+    for number in 1..=14 {
+        assert!(ids.contains(&format!("P{number}")), "no proof of P{number}");
+    }
+    for proof in ledger() {
+        assert!(
+            proof.claim.ends_with('.') && !proof.bound.is_empty(),
+            "{}",
+            proof.harness
+        );
+        assert!(
+            (10..=1800).contains(&proof.time_limit_s),
+            "{}",
+            proof.harness
+        );
+    }
+}
+
+#[test]
+fn every_mutant_is_one_edit_of_its_file() {
+    for proof in ledger() {
+        let text = read(&proof.mutant.file);
+        let places = text.matches(&proof.mutant.find).count();
+        assert_eq!(places, 1, "{}: `{}`", proof.harness, proof.mutant.find);
+        assert_ne!(proof.mutant.find, proof.mutant.replace, "{}", proof.harness);
+    }
+}
+
+#[test]
+fn assumptions_are_declared_and_used() {
+    let page = read("verification/ASSUMPTIONS.md");
+    let declared: BTreeSet<_> = rows(&page, "## Assumptions")
+        .into_iter()
+        .map(|row| row[0].clone())
+        .collect();
+    let used: BTreeSet<_> = ledger()
+        .into_iter()
+        .flat_map(|proof| proof.assumptions)
+        .collect();
+    assert_eq!(declared, used);
+}
+
+#[test]
+fn every_stub_is_an_assumption_of_its_proof() {
+    let page = read("verification/ASSUMPTIONS.md");
+    let rows = rows(&page, "## Assumptions");
+    let proofs: BTreeMap<_, _> = ledger()
+        .into_iter()
+        .map(|proof| (proof.harness.clone(), proof))
+        .collect();
+    for harness in harnesses() {
+        let mut stubbed = harness.attribute("stub_verified");
+        for pair in harness.attribute("stub") {
+            stubbed.push(pair.split(',').next().unwrap().to_owned());
+        }
+        for function in stubbed {
+            let row = rows
+                .iter()
+                .find(|row| row[1].contains(&format!("`{function}`")))
+                .unwrap_or_else(|| panic!("ASSUMPTIONS.md has no row for {function}"));
+            let declared = &proofs[&harness.path].assumptions;
+            assert!(
+                declared.contains(&row[0]),
+                "{} stubs {function}",
+                harness.path
+            );
+        }
+    }
+}
+
+#[test]
+fn loop_bounds_are_those_of_the_sources() {
+    let page = read("verification/ASSUMPTIONS.md");
+    let declared: BTreeMap<_, _> = rows(&page, "## Loop bounds")
+        .into_iter()
+        .map(|row| (row[0].trim_matches('`').to_owned(), row[1].clone()))
+        .collect();
+    let mut written = BTreeMap::new();
+    for harness in harnesses() {
+        if let Some(bound) = harness.attribute("unwind").first() {
+            written.insert(harness.name().to_owned(), bound.clone());
+        }
+    }
+    assert_eq!(declared, written);
+}
+
+#[test]
+fn the_readme_tells_why_each_proof_is_within_reach() {
+    let page = read("verification/README.md");
+    let told: BTreeSet<_> = rows(&page, "## Within reach")
+        .into_iter()
+        .map(|row| row[0].trim_matches('`').to_owned())
+        .collect();
+    let written: BTreeSet<_> = harnesses()
+        .into_iter()
+        .map(|harness| harness.name().to_owned())
+        .collect();
+    assert_eq!(told, written);
+}
