@@ -28,135 +28,198 @@ pub fn full_throughput(config: &Config, range_m: f64) -> f64 {
     log2(1.0 + snr) / config.reference_spectral_efficiency
 }
 
-/// Up to this many UAVs, looking at every pair beats sorting them into buckets.
-const ALL_PAIRS_MAX: usize = 48;
+/// Up to this many UAVs, looking at every pair on the stack beats sorting them into buckets.
+const FEW: usize = 48;
 
 /// Builds the graph from positions and pilot densities.
 pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
-    state.links.fill(0);
-    if model.uav_count() <= ALL_PAIRS_MAX || model.bucket_count() < 9 {
-        link_all_pairs(model, state);
+    if model.uav_count() <= FEW {
+        link_few(model, state);
     } else {
         link_by_buckets(model, state, scratch);
+        measure_throughput(model, state);
     }
-    measure_throughput(model, state);
 }
 
-/// Whether two UAVs hear each other: η_ij and η_ji both reach η_link.
-#[inline]
-fn linked(model: &Model<'_>, a: Cell, load_a: f64, b: Cell, load_b: f64) -> bool {
-    let least_load = if load_a < load_b { load_a } else { load_b };
-    least_load * model.full_throughput(a, b) >= model.link_throughput_min()
+/// A UAV that communicates.
+#[derive(Clone, Copy, Default)]
+struct Radio {
+    uav: usize,
+    cell: Cell,
+    load: f64,
 }
 
-fn link_all_pairs(model: &Model<'_>, state: &mut StateMut<'_>) {
-    let row = model.uav_words();
-    for i in 1..model.uav_count() {
-        if bits::get(state.grounded, i) {
-            continue;
-        }
-        let (cell, load) = (state.cell(i), 1.0 - state.pilot_density(i));
-        for k in 0..i {
-            if !bits::get(state.grounded, k)
-                && linked(
-                    model,
-                    cell,
-                    load,
-                    state.cell(k),
-                    1.0 - state.pilot_density(k),
-                )
-            {
-                bits::set(&mut state.links[i * row..], k);
-                bits::set(&mut state.links[k * row..], i);
-            }
+impl Radio {
+    #[inline]
+    fn of(state: &StateMut<'_>, uav: usize) -> Self {
+        Self {
+            uav,
+            cell: state.cell(uav),
+            load: 1.0 - state.pilot_density(uav),
         }
     }
+
+    /// Whether two UAVs hear each other: η_ij and η_ji both reach η_link.
+    #[inline]
+    fn hears(&self, other: &Self, full_throughput: f64, least: f64) -> bool {
+        let least_load = if self.load < other.load {
+            self.load
+        } else {
+            other.load
+        };
+        least_load * full_throughput >= least
+    }
+}
+
+/// Graph and throughput in one pass over the pairs. A UAV meets the others in ascending order, so that its
+/// throughput has the same sum as in [`measure_throughput`].
+fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
+    let (full, least) = (model.full_throughput(), model.link_throughput_min());
+    let mut radios = [Radio::default(); FEW];
+    let mut count = 0;
+    for i in 0..model.uav_count() {
+        if !bits::get(state.grounded, i) {
+            radios[count] = Radio::of(state, i);
+            count += 1;
+        }
+    }
+    let (mut rows, mut sums) = ([0u64; FEW], [0.0; FEW]);
+    for later in 1..count {
+        let radio = radios[later];
+        let (mut row, mut sum) = (0, 0.0);
+        let earlier = radios[..later].iter().zip(&mut rows).zip(&mut sums);
+        for ((other, other_row), other_sum) in earlier {
+            let throughput = full.between(radio.cell, other.cell);
+            let hears = radio.hears(other, throughput, least);
+            let added = if hears { throughput } else { 0.0 };
+            row |= u64::from(hears) << other.uav;
+            *other_row |= u64::from(hears) << radio.uav;
+            sum += added;
+            *other_sum += added;
+        }
+        rows[later] = row;
+        sums[later] = sum;
+    }
+    state.links.fill(0);
+    state.throughput.fill(0);
+    for slot in 0..count {
+        let Radio { uav, load, .. } = radios[slot];
+        state.links[uav] = rows[slot];
+        state.set_throughput(
+            uav,
+            mean_throughput(load, sums[slot], rows[slot].count_ones()),
+        );
+    }
+    average_throughput(model, state);
 }
 
 /// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's neighbours
 /// lie in its own bucket and the eight around it.
 fn link_by_buckets(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
-    let uavs = model.uav_count();
+    state.links.fill(0);
     let columns = model.bucket_columns();
     let rows = model.bucket_count() / columns;
     let (starts, members) = scratch.buckets(model);
-    starts.fill(0);
-    for i in 0..uavs {
-        starts[model.bucket(state.cell(i)) + 1] += 1;
-    }
-    for bucket in 0..starts.len() - 1 {
-        starts[bucket + 1] += starts[bucket];
-    }
-    for i in 0..uavs {
-        let bucket = model.bucket(state.cell(i));
-        members[starts[bucket] as usize] = i as u64;
-        starts[bucket] += 1;
-    }
-    // Filling moved each start to its end, which is the next bucket's start.
-    let span = |bucket: usize| {
-        let begin = if bucket == 0 {
+    fill_buckets(model, state, starts, members);
+    // Filling has moved each start to its end, which is the next bucket's start.
+    let start = |bucket: usize| {
+        if bucket == 0 {
             0
         } else {
             starts[bucket - 1] as usize
-        };
-        begin..starts[bucket] as usize
-    };
-
-    let words = model.uav_words();
-    for i in 0..uavs {
-        if bits::get(state.grounded, i) {
-            continue;
         }
-        let (cell, load) = (state.cell(i), 1.0 - state.pilot_density(i));
-        let bucket = model.bucket(cell);
+    };
+    for bucket in 0..model.bucket_count() {
         let (column, row) = (bucket % columns, bucket / columns);
-        for near_row in row.saturating_sub(1)..(row + 2).min(rows) {
-            let first = near_row * columns + column.saturating_sub(1);
-            let last = near_row * columns + (column + 1).min(columns - 1);
-            for slot in span(first).start..span(last).end {
-                let k = members[slot] as usize;
-                if k < i
-                    && !bits::get(state.grounded, k)
-                    && linked(
-                        model,
-                        cell,
-                        load,
-                        state.cell(k),
-                        1.0 - state.pilot_density(k),
-                    )
-                {
-                    bits::set(&mut state.links[i * words..], k);
-                    bits::set(&mut state.links[k * words..], i);
+        for member in start(bucket)..starts[bucket] as usize {
+            let radio = Radio::of(state, members[member] as usize);
+            // The rest of its own bucket, the next one in its row, and three of the row above: each
+            // pair of buckets once.
+            let next = bucket + usize::from(column + 1 < columns);
+            for other in member + 1..starts[next] as usize {
+                link(model, state, radio, members[other] as usize);
+            }
+            if row + 1 < rows {
+                let above = bucket + columns;
+                let first = start(above - usize::from(column > 0));
+                let last = starts[above + usize::from(column + 1 < columns)] as usize;
+                for other in first..last {
+                    link(model, state, radio, members[other] as usize);
                 }
             }
         }
     }
 }
 
-/// η̄_i: the mean over neighbours, in ascending order, of ρ_comm,i · log2(1 + SNR_ij)/6; 0 without any.
-/// η̄(t): the mean over all UAVs.
+/// Links a UAV with another if they hear each other.
+#[inline]
+fn link(model: &Model<'_>, state: &mut StateMut<'_>, radio: Radio, other: usize) {
+    let other = Radio::of(state, other);
+    let throughput = model.full_throughput().between(radio.cell, other.cell);
+    if radio.hears(&other, throughput, model.link_throughput_min()) {
+        let row = model.uav_words();
+        bits::set(&mut state.links[radio.uav * row..], other.uav);
+        bits::set(&mut state.links[other.uav * row..], radio.uav);
+    }
+}
+
+/// Counting sort of the UAVs that are not grounded; `starts` ends as the end of each bucket.
+fn fill_buckets(model: &Model<'_>, state: &StateMut<'_>, starts: &mut [u64], members: &mut [u64]) {
+    starts.fill(0);
+    for i in 0..model.uav_count() {
+        if !bits::get(state.grounded, i) {
+            starts[model.bucket(state.cell(i)) + 1] += 1;
+        }
+    }
+    for bucket in 0..starts.len() - 1 {
+        starts[bucket + 1] += starts[bucket];
+    }
+    for i in 0..model.uav_count() {
+        if !bits::get(state.grounded, i) {
+            let slot = &mut starts[model.bucket(state.cell(i))];
+            members[*slot as usize] = i as u64;
+            *slot += 1;
+        }
+    }
+}
+
+/// The throughput of every UAV over the present graph, neighbours in ascending order.
 pub(crate) fn measure_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
+    let full = model.full_throughput();
     let words = model.uav_words();
-    let mut fleet = 0.0;
     for i in 0..model.uav_count() {
         let cell = state.cell(i);
-        let (mut sum, mut degree) = (0.0, 0u32);
-        for word in 0..words {
-            let mut rest = state.links[i * words + word];
+        let (mut sum, mut degree) = (0.0, 0);
+        for (word, &set) in state.links[i * words..(i + 1) * words].iter().enumerate() {
+            let mut rest = set;
+            degree += set.count_ones();
             while rest != 0 {
                 let k = word * 64 + rest.trailing_zeros() as usize;
                 rest &= rest - 1;
-                sum += model.full_throughput(cell, state.cell(k));
-                degree += 1;
+                sum += full.between(cell, state.cell(k));
             }
         }
-        let throughput = if degree == 0 {
-            0.0
-        } else {
-            (1.0 - state.pilot_density(i)) * sum / f64::from(degree)
-        };
-        state.set_throughput(i, throughput);
-        fleet += throughput;
+        let load = 1.0 - state.pilot_density(i);
+        state.set_throughput(i, mean_throughput(load, sum, degree));
+    }
+    average_throughput(model, state);
+}
+
+/// η̄_i: the mean over neighbours of ρ_comm,i · log2(1 + SNR_ij)/6; 0 without any.
+#[inline]
+fn mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
+    if degree == 0 {
+        0.0
+    } else {
+        load * sum / f64::from(degree)
+    }
+}
+
+/// η̄(t): the mean over all UAVs.
+fn average_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
+    let mut fleet = 0.0;
+    for i in 0..model.uav_count() {
+        fleet += f64::from_bits(state.throughput[i]);
     }
     let mean = fleet / model.uav_count() as f64;
     state.header.set_mean_throughput(mean);

@@ -86,6 +86,22 @@ impl Model<'static> {
     }
 }
 
+/// A table over the absolute offset between two cells.
+#[derive(Clone, Copy)]
+pub(crate) struct OffsetTable<'t> {
+    width: u32,
+    values: &'t [u64],
+}
+
+impl OffsetTable<'_> {
+    /// The value for two cells of the grid.
+    #[inline]
+    pub(crate) fn between(self, a: Cell, b: Cell) -> f64 {
+        let offset = a.y.abs_diff(b.y) * self.width + a.x.abs_diff(b.x);
+        f64::from_bits(self.values[offset as usize])
+    }
+}
+
 /// What filling the tables finds out.
 struct Parts {
     loss_per_load: f64,
@@ -384,18 +400,27 @@ impl<'m> Model<'m> {
         self.config.link_throughput_min
     }
 
-    /// The per-offset factor of the odds against detection.
+    /// The factor of the odds against detection that the distance between two cells gives.
     #[inline]
-    pub(crate) fn range_odds_against(&self, a: Cell, b: Cell) -> f64 {
-        f64::from_bits(self.words()[self.offset(a.x.abs_diff(b.x), a.y.abs_diff(b.y))])
+    pub(crate) fn range_odds(&self) -> OffsetTable<'_> {
+        OffsetTable {
+            width: self.width,
+            values: &self.words()[..self.cells()],
+        }
     }
 
     /// Throughput between two cells of a waveform that carries only data.
     #[inline]
-    pub(crate) fn full_throughput(&self, a: Cell, b: Cell) -> f64 {
-        let cells = self.width as usize * self.height as usize;
-        let offset = self.offset(a.x.abs_diff(b.x), a.y.abs_diff(b.y));
-        f64::from_bits(self.words()[cells + offset])
+    pub(crate) fn full_throughput(&self) -> OffsetTable<'_> {
+        OffsetTable {
+            width: self.width,
+            values: &self.words()[self.cells()..2 * self.cells()],
+        }
+    }
+
+    #[inline]
+    const fn cells(&self) -> usize {
+        self.width as usize * self.height as usize
     }
 
     /// Row-major index of a cell.
@@ -413,8 +438,7 @@ impl<'m> Model<'m> {
     /// Nearest depot of a cell and its Manhattan distance.
     #[inline]
     pub(crate) fn nearest_depot(&self, cell: Cell) -> (Cell, u32) {
-        let cells = self.width as usize * self.height as usize;
-        let word = self.words()[2 * cells + self.cell_index(cell)];
+        let word = self.words()[2 * self.cells() + self.cell_index(cell)];
         (
             self.depots.as_slice()[word as u32 as usize],
             (word >> 32) as u32,
@@ -424,8 +448,7 @@ impl<'m> Model<'m> {
     /// Manhattan distance to the nearest depot.
     #[inline]
     pub(crate) fn depot_distance(&self, cell: Cell) -> u32 {
-        let cells = self.width as usize * self.height as usize;
-        (self.words()[2 * cells + self.cell_index(cell)] >> 32) as u32
+        (self.words()[2 * self.cells() + self.cell_index(cell)] >> 32) as u32
     }
 
     /// Tables of normalised offsets along x and y; index by offset + extent - 1.

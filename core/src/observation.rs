@@ -130,19 +130,17 @@ impl<'v> View<'v> {
     /// (x/(W-1), y/(H-1)).
     #[inline]
     fn position(&self, cell: Cell) -> (f32, f32) {
-        self.relative(Cell { x: 0, y: 0 }, cell)
+        self.from(Cell { x: 0, y: 0 }).to(cell)
     }
 
-    /// (Δx/(W-1), Δy/(H-1)).
+    /// Offsets from a cell: the tables hold 0 at extent - 1.
     #[inline]
-    fn relative(&self, from: Cell, to: Cell) -> (f32, f32) {
+    fn from(&self, cell: Cell) -> From<'_> {
         let config = self.model.config();
-        let dx = (to.x + config.grid_width - 1 - from.x) as usize;
-        let dy = (to.y + config.grid_height - 1 - from.y) as usize;
-        (
-            f32::from_bits(self.offset_x[dx] as u32),
-            f32::from_bits(self.offset_y[dy] as u32),
-        )
+        From {
+            x: &self.offset_x[(config.grid_width - 1 - cell.x) as usize..],
+            y: &self.offset_y[(config.grid_height - 1 - cell.y) as usize..],
+        }
     }
 
     #[inline]
@@ -173,15 +171,23 @@ impl<'v> View<'v> {
 
     #[inline]
     fn write_targets(&self, i: usize, cell: Cell, out: &mut [f32]) {
-        let known = self.state.knowledge_of(i);
-        for (j, row) in out.chunks_exact_mut(4).enumerate() {
-            let knows = bits::get(known, j);
-            let (dx, dy) = self.relative(cell, self.state.hotspot_cell(j));
-            let seen = knows || !self.hidden;
-            row[0] = if seen { dx } else { 0.0 };
-            row[1] = if seen { dy } else { 0.0 };
-            row[2] = flag(self.state.confirmed(j));
-            row[3] = flag(knows);
+        let (known, confirmed) = (self.state.knowledge_of(i), self.state.confirmed);
+        let from = self.from(cell);
+        let words = known.iter().zip(confirmed);
+        let blocks = out.chunks_mut(4 * 64).zip(self.state.hotspots.chunks(64));
+        for ((rows, cells), (&known, &confirmed)) in blocks.zip(words) {
+            let (mut known, mut confirmed) = (known, confirmed);
+            for (row, &word) in rows.chunks_exact_mut(4).zip(cells) {
+                let knows = known & 1 == 1;
+                let seen = knows || !self.hidden;
+                let (dx, dy) = from.to(Cell::from_word(word));
+                row[0] = if seen { dx } else { 0.0 };
+                row[1] = if seen { dy } else { 0.0 };
+                row[2] = flag(confirmed & 1 == 1);
+                row[3] = flag(knows);
+                known >>= 1;
+                confirmed >>= 1;
+            }
         }
     }
 
@@ -189,22 +195,92 @@ impl<'v> View<'v> {
     #[inline]
     fn write_neighbours(&self, i: usize, cell: Cell, keys: &mut [u64], out: &mut [f32]) -> usize {
         let mut degree = 0;
-        for k in bits::iter(self.state.links_of(i)) {
-            let other = self.state.cell(k);
-            let (dx, dy) = (cell.x.abs_diff(other.x), cell.y.abs_diff(other.y));
-            keys[degree] = u64::from(dx * dx + dy * dy) << INDEX_BITS | k as u64;
-            degree += 1;
+        for (word, &set) in self.state.links_of(i).iter().enumerate() {
+            let mut rest = set;
+            while rest != 0 {
+                let k = word * 64 + rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let other = self.state.cell(k);
+                let (dx, dy) = (cell.x.abs_diff(other.x), cell.y.abs_diff(other.y));
+                keys[degree] = u64::from(dx * dx + dy * dy) << INDEX_BITS | k as u64;
+                degree += 1;
+            }
         }
-        let nearest_first = &mut keys[..degree];
-        nearest_first.sort_unstable();
-        let (filled, empty) = out.split_at_mut(3 * degree.min(out.len() / 3));
-        for (row, key) in filled.chunks_exact_mut(3).zip(nearest_first) {
-            let other = self.state.cell((*key & ((1 << INDEX_BITS) - 1)) as usize);
-            let (dx, dy) = self.relative(cell, other);
-            row.copy_from_slice(&[1.0, dx, dy]);
-        }
+        let (from, slots) = (self.from(cell), out.len() / 3);
+        let (filled, empty) = out.split_at_mut(3 * degree.min(slots));
         empty.fill(0.0);
+        let write = |row: &mut [f32], key: u64| {
+            let other = self.state.cell((key & ((1 << INDEX_BITS) - 1)) as usize);
+            let (dx, dy) = from.to(other);
+            row[0] = 1.0;
+            row[1] = dx;
+            row[2] = dy;
+        };
+        let keys = &mut keys[..degree];
+        if degree <= FEW {
+            let ranks = ranks(keys);
+            for (&key, rank) in keys.iter().zip(ranks) {
+                let slot = 3 * rank as usize;
+                if slot < filled.len() {
+                    write(&mut filled[slot..slot + 3], key);
+                }
+            }
+        } else {
+            nearest_first(keys, slots);
+            for (row, &key) in filled.chunks_exact_mut(3).zip(&*keys) {
+                write(row, key);
+            }
+        }
         degree
+    }
+}
+
+/// Up to this many keys, counting the smaller ones of each beats a sort.
+const FEW: usize = 16;
+
+/// The rank of each of at most [`FEW`] keys, which are in ascending order of their index.
+#[inline]
+fn ranks(keys: &[u64]) -> [i32; FEW] {
+    // Squared distance, then place, in 32 bits: two squares of at most 1023, and 16 places.
+    let mut narrow = [i32::MAX; FEW];
+    for (place, &key) in keys.iter().enumerate() {
+        narrow[place] = ((key >> INDEX_BITS) as i32) << 4 | place as i32;
+    }
+    let mut ranks = [0; FEW];
+    for place in 0..FEW {
+        let key = narrow[place];
+        let mut smaller = 0;
+        for other in narrow {
+            smaller += i32::from(other < key);
+        }
+        ranks[place] = smaller;
+    }
+    ranks
+}
+
+/// Moves the smallest `count` keys to the front, ascending.
+fn nearest_first(keys: &mut [u64], count: usize) {
+    if count < keys.len() {
+        keys.select_nth_unstable(count);
+    }
+    let nearest = count.min(keys.len());
+    keys[..nearest].sort_unstable();
+}
+
+/// Normalised offsets from a cell.
+struct From<'v> {
+    x: &'v [u64],
+    y: &'v [u64],
+}
+
+impl From<'_> {
+    /// (Δx/(W-1), Δy/(H-1)).
+    #[inline]
+    fn to(&self, cell: Cell) -> (f32, f32) {
+        (
+            f32::from_bits(self.x[cell.x as usize] as u32),
+            f32::from_bits(self.y[cell.y as usize] as u32),
+        )
     }
 }
 

@@ -87,7 +87,8 @@ pub fn load_odds_against(loss_per_load: f64, comm_load: f64) -> f64 {
 #[must_use]
 pub fn detection_threshold(odds_against: f64) -> u64 {
     const DRAWS: f64 = 4_294_967_296.0;
-    (DRAWS / (1.0 + odds_against)) as u64
+    // By way of i64, which is one instruction where u64 is a dozen; the value is at most 2^32.
+    (DRAWS / (1.0 + odds_against)) as i64 as u64
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Sense and learn: independent detections, the quorum that confirms, who knows at once.
 
 use crate::bits;
+use crate::config::Cell;
 use crate::model::Model;
 use crate::radar;
 use crate::rng::{self, Purpose};
@@ -31,39 +32,48 @@ fn detect(
 ) {
     detected.fill(0);
     positives.fill(0);
-    let (seed, t) = (state.header.seed(), state.header.t());
     let (row, hotspots) = (model.hotspot_words(), model.hotspot_count());
     for i in 0..model.uav_count() {
         let known = &state.knowledge[i * row..(i + 1) * row];
         let senses = !bits::get(state.grounded, i) && bits::count(known) < hotspots;
         bits::assign(state.sensing, i, senses);
-        if !senses {
+        if senses {
+            let found = &mut detected[i * row..(i + 1) * row];
+            detect_from(model, state, i, found, positives);
+        }
+    }
+}
+
+/// The draws of one UAV: a block of the generator for every four hotspots.
+fn detect_from(
+    model: &Model<'_>,
+    state: &StateMut<'_>,
+    i: usize,
+    found: &mut [u64],
+    positives: &mut [u64],
+) {
+    let (seed, t) = (state.header.seed(), state.header.t());
+    let (cell, load) = (state.cell(i), 1.0 - state.pilot_density(i));
+    let load_odds = radar::load_odds_against(model.loss_per_load(), load);
+    let range_odds = model.range_odds();
+    let known = &state.knowledge[i * found.len()..(i + 1) * found.len()];
+    let cells = state.hotspots.chunks(LANES);
+    for (block, (cells, positives)) in cells.zip(positives.chunks_mut(LANES)).enumerate() {
+        let first = block * LANES;
+        let unknown = !known[first / 64] >> (first % 64) & 0xF;
+        if unknown == 0 {
             continue;
         }
-        let cell = state.cell(i);
-        let load_odds =
-            radar::load_odds_against(model.loss_per_load(), 1.0 - state.pilot_density(i));
-        for block in 0..hotspots.div_ceil(LANES) {
-            let first = block * LANES;
-            let unknown = !known[first / 64] >> (first % 64) & 0xF;
-            if unknown == 0 {
-                continue;
-            }
-            let draws = rng::block(seed, t, i as u32, block as u32, Purpose::Detect);
-            let lanes = if hotspots - first < LANES {
-                hotspots - first
-            } else {
-                LANES
-            };
-            for lane in 0..lanes {
-                let j = first + lane;
-                let range_odds = model.range_odds_against(cell, state.hotspot_cell(j));
-                let threshold = radar::detection_threshold(range_odds * load_odds);
-                let positive = unknown >> lane & u64::from(u64::from(draws[lane]) < threshold);
-                positives[j] += positive;
-                detected[i * row + j / 64] |= positive << (j % 64);
-            }
+        let draws = rng::block(seed, t, i as u32, block as u32, Purpose::Detect);
+        let mut hits = 0;
+        for lane in 0..cells.len() {
+            let odds = range_odds.between(cell, Cell::from_word(cells[lane])) * load_odds;
+            let below = u64::from(draws[lane]) < radar::detection_threshold(odds);
+            let positive = unknown >> lane & u64::from(below);
+            positives[lane] += positive;
+            hits |= positive << lane;
         }
+        found[first / 64] |= hits << (first % 64);
     }
 }
 
