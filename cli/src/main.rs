@@ -24,7 +24,7 @@ Exit codes:
   130  stopped by Ctrl-C
 
 Examples:
-  jcas sweep                             fly the paper's grid; table, CSV, figures and replay in out/
+  jcas sweep                             fly the paper's grid; table, figures and replay in out/
   jcas simulate --uavs 15 --hotspots 7   one cell of it
   jcas replay -o page.html               watch an episode in a browser
   jcas config show                       every field with its unit and legal range";

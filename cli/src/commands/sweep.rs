@@ -22,11 +22,11 @@ const EXAMPLES: &str = "\
 Examples:
   jcas sweep
   jcas sweep --policy greedy,swarm,teams --pilot max,adaptive --hotspots 7 --out baselines
-  jcas sweep --uavs 10 --hotspots 5 --vary pilot_density_max=0.05,0.1,0.2,0.3 --pilot max --out pilot
+  jcas sweep --uavs 10 --hotspots 5 --pilot max --vary pilot_density_max=0.05,0.1,0.3 --out pilot
   jcas sweep --uavs 4,6,8 --vary battery_capacity_kwh=0.02,0.05,0.2 --episodes 500 --out battery
 
-Every option with a list flies every combination. Ctrl-C keeps the finished cells; the same command goes
-on with the others.";
+Every option with a list flies every combination. Ctrl-C keeps the finished cells; the same \
+command goes on with the others.";
 
 /// Fly every combination of the listed values; write a table, figures and a replay page
 ///

@@ -10,7 +10,8 @@ use super::baseline::PolicyError;
 /// `adaptive` senses at full pilot density within this Manhattan distance of an unconfirmed hotspot.
 ///
 /// With the default radar a UAV detects with probability 0.16 in the hotspot's own cell, 0.01 one cell
-/// away and less than 0.001 beyond, so pilots farther off only cost throughput.
+/// away and less than 0.001 beyond, so pilots farther off only cost throughput. One cell rather than
+/// none: the density is chosen before the move and used after it.
 pub const ADAPTIVE_RANGE_CELLS: u32 = 1;
 
 /// The choice of pilot density.
