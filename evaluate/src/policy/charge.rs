@@ -19,6 +19,5 @@ pub fn stays_to_charge(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> b
     let enough_kwh = config.rtb_threshold_kwh + crossing_steps * config.move_energy_kwh;
     let wanted_kwh = enough_kwh.min(config.battery_capacity_kwh);
     let here = state.cell(uav);
-    (state.battery_uj(uav) as f64) < wanted_kwh * UJ_PER_KWH
-        && model.depots().contains(&here)
+    (state.battery_uj(uav) as f64) < wanted_kwh * UJ_PER_KWH && model.depots().contains(&here)
 }
