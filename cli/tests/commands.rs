@@ -343,3 +343,47 @@ fn an_interrupted_sweep_keeps_its_finished_cells() {
     assert!((1..400).contains(&rows), "{rows}");
     assert!(told.contains(&format!("{rows} of 400 cells")), "{told}");
 }
+
+#[test]
+fn the_seed_in_a_header_flies_the_episode_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = [
+        "trace",
+        "record",
+        "--seed",
+        "3",
+        "--episode",
+        "5",
+        "-o",
+        "a.jsonl",
+    ];
+    succeed(folder.path(), &record);
+    let text = fs::read_to_string(folder.path().join("a.jsonl")).unwrap();
+    let seed = json(text.lines().next().unwrap())["seed"].clone();
+    let again = [
+        "trace",
+        "record",
+        "-o",
+        "b.jsonl",
+        "--episode-seed",
+        seed.as_str().unwrap(),
+    ];
+    succeed(folder.path(), &again);
+    assert_eq!(
+        fs::read_to_string(folder.path().join("b.jsonl")).unwrap(),
+        text
+    );
+}
+
+#[test]
+fn an_episode_is_played_without_a_trace_on_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ["--uavs", "3", "--seed", "2"];
+    let told = succeed(folder.path(), &[&["replay"], options.as_slice()].concat());
+    assert_eq!(told, "replay.html\n");
+    let record = [&["trace", "record", "-o", "a.jsonl"], options.as_slice()].concat();
+    succeed(folder.path(), &record);
+    succeed(folder.path(), &["replay", "a.jsonl", "-o", "b.html"]);
+    let page = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(page("replay.html"), page("b.html"));
+}
