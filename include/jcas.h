@@ -728,6 +728,13 @@ int32_t jcas_sim_free(struct jcas_sim *sim);
 // `sim`: not NULL. Threads: only this one uses `sim`.
 int32_t jcas_sim_reset(struct jcas_sim *sim, uint64_t seed);
 
+// The seed with the given index that follows from a seed: mission k of a campaign of the command line
+// has the seed jcas_derive_seed(seed, k), and an automatic reset goes on with index 0.
+//
+// Threads: any.
+uint64_t jcas_derive_seed(uint64_t seed,
+                          uint64_t index);
+
 // One whole step.
 //
 // `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion

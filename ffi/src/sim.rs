@@ -115,6 +115,15 @@ pub unsafe extern "C" fn jcas_sim_reset(sim: *mut jcas_sim, seed: u64) -> i32 {
     guard(|| unsafe { open(sim.cast()) }?.reset(seed))
 }
 
+/// The seed with the given index that follows from a seed: mission k of a campaign of the command line
+/// has the seed jcas_derive_seed(seed, k), and an automatic reset goes on with index 0.
+///
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_derive_seed(seed: u64, index: u64) -> u64 {
+    jcas_core::rng::derive_seed(seed, index)
+}
+
 /// One whole step.
 ///
 /// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
