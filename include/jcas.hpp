@@ -1,0 +1,454 @@
+// jcas for C++17: owners of the C handles, buffers as spans, no exceptions unless asked for.
+//
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//
+// Functions that can fail return jcas::status, or jcas::result<T>, which holds a value if it is ok.
+// Define JCAS_EXCEPTIONS before including this header and result<T>::take() and status::check() throw
+// jcas::error instead of ending the program.
+//
+//     auto model = jcas::model::create(jcas::configuration());
+//     if (!model) { std::puts(model.message().c_str()); return 1; }
+//     auto sim = jcas::sim::create(*model);
+//     sim->reset(42);
+//
+// What each call does is said in jcas.h. A model must outlive its simulations and batches.
+#ifndef JCAS_HPP
+#define JCAS_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#ifdef JCAS_EXCEPTIONS
+#include <stdexcept>
+#endif
+
+#include "jcas.h"
+
+namespace jcas {
+
+/// Contiguous elements of the caller: std::span of C++20, as far as it is needed here.
+template <class T>
+class span {
+public:
+    constexpr span() noexcept = default;
+    constexpr span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
+    template <std::size_t Count>
+    constexpr span(T (&array)[Count]) noexcept : data_(array), size_(Count) {}
+    /// Any container with data() and size() of such elements; a temporary one only to be read.
+    template <class Container,
+              class = std::enable_if_t<!std::is_same_v<std::decay_t<Container>, span> &&
+                                       (std::is_const_v<T> || std::is_lvalue_reference_v<Container>) &&
+                                       std::is_convertible_v<decltype(std::declval<Container &>().data()), T *>>>
+    constexpr span(Container &&container) noexcept : data_(container.data()), size_(container.size())
+    {
+    }
+
+    constexpr T *data() const noexcept { return data_; }
+    constexpr std::size_t size() const noexcept { return size_; }
+    constexpr T &operator[](std::size_t index) const noexcept { return data_[index]; }
+    constexpr T *begin() const noexcept { return data_; }
+    constexpr T *end() const noexcept { return data_ + size_; }
+
+private:
+    T *data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+#ifdef JCAS_EXCEPTIONS
+/// Thrown by check() and take().
+class error : public std::runtime_error {
+public:
+    error(std::int32_t code, const std::string &what) : std::runtime_error(what), code_(code) {}
+    std::int32_t code() const noexcept { return code_; }
+
+private:
+    std::int32_t code_;
+};
+#endif
+
+namespace detail {
+[[noreturn]] inline void fail(std::int32_t code, const std::string &what)
+{
+#ifdef JCAS_EXCEPTIONS
+    throw error(code, what);
+#else
+    std::fprintf(stderr, "jcas: %s (%d)\n", what.c_str(), static_cast<int>(code));
+    std::abort();
+#endif
+}
+
+/// A struct whose struct_size is set.
+template <class Record>
+Record sized()
+{
+    Record record;
+    std::memset(&record, 0, sizeof record);
+    record.struct_size = sizeof record;
+    return record;
+}
+} // namespace detail
+
+/// What a call came to.
+class [[nodiscard]] status {
+public:
+    constexpr status(std::int32_t code) noexcept : code_(code) {}
+    constexpr std::int32_t code() const noexcept { return code_; }
+    constexpr explicit operator bool() const noexcept { return code_ == JCAS_OK; }
+    const char *text() const noexcept { return jcas_status_string(code_); }
+    /// Goes on only if the call succeeded.
+    void check() const
+    {
+        if (code_ != JCAS_OK)
+            detail::fail(code_, text());
+    }
+
+private:
+    std::int32_t code_;
+};
+
+/// A value, or why there is none.
+template <class T>
+class [[nodiscard]] result {
+public:
+    result(T value) : value_(std::move(value)) {}
+    result(std::int32_t code, std::string message = {}) : code_(code), message_(std::move(message)) {}
+
+    explicit operator bool() const noexcept { return value_.has_value(); }
+    std::int32_t code() const noexcept { return code_; }
+    /// Why there is no value, in words.
+    std::string message() const { return message_.empty() ? jcas_status_string(code_) : message_; }
+    /// The value; only if there is one.
+    T &operator*() noexcept { return *value_; }
+    const T &operator*() const noexcept { return *value_; }
+    T *operator->() noexcept { return &*value_; }
+    const T *operator->() const noexcept { return &*value_; }
+    /// Takes the value out; goes on only if there is one.
+    T take()
+    {
+        if (!value_)
+            detail::fail(code_, message());
+        return std::move(*value_);
+    }
+
+private:
+    std::optional<T> value_;
+    std::int32_t code_ = JCAS_OK;
+    std::string message_;
+};
+
+/// The default configuration, to be changed field by field.
+inline jcas_config configuration()
+{
+    jcas_config config;
+    jcas_config_default(&config, sizeof config);
+    return config;
+}
+
+namespace detail {
+using parser = std::int32_t(const char *, std::size_t, jcas_config *, std::size_t, char *, std::size_t);
+
+inline result<jcas_config> parse(parser *parse, std::string_view text)
+{
+    jcas_config config;
+    char message[512] = "";
+    const char *data = text.empty() ? "" : text.data();
+    std::int32_t code = parse(data, text.size(), &config, sizeof config, message, sizeof message);
+    if (code != JCAS_OK)
+        return {code, message};
+    return config;
+}
+} // namespace detail
+
+inline result<jcas_config> preset(std::string_view name)
+{
+    return detail::parse(jcas_config_preset, name);
+}
+inline result<jcas_config> configuration_from_toml(std::string_view text)
+{
+    return detail::parse(jcas_config_from_toml, text);
+}
+inline result<jcas_config> configuration_from_json(std::string_view text)
+{
+    return detail::parse(jcas_config_from_json, text);
+}
+
+/// A jcas_model of its own. Const member functions may be called by any number of threads at once.
+class model {
+public:
+    static result<model> create(const jcas_config &config)
+    {
+        jcas_model *handle = nullptr;
+        char message[512] = "";
+        std::int32_t code = jcas_model_new(&config, &handle, message, sizeof message);
+        if (code != JCAS_OK)
+            return {code, message};
+        return model(handle);
+    }
+
+    const jcas_model *get() const noexcept { return handle_.get(); }
+    const jcas_model_info &info() const noexcept { return info_; }
+
+    jcas_config config() const
+    {
+        jcas_config config;
+        jcas_model_get_config(get(), &config, sizeof config);
+        return config;
+    }
+
+    result<jcas_radio> radio(std::uint32_t dx, std::uint32_t dy, double pilot_density) const
+    {
+        auto radio = detail::sized<jcas_radio>();
+        std::int32_t code = jcas_model_get_radio(get(), dx, dy, pilot_density, &radio);
+        if (code != JCAS_OK)
+            return {code};
+        return radio;
+    }
+
+private:
+    struct end {
+        void operator()(jcas_model *handle) const noexcept { jcas_model_free(handle); }
+    };
+    explicit model(jcas_model *handle) : handle_(handle), info_(detail::sized<jcas_model_info>())
+    {
+        jcas_model_get_info(handle, &info_);
+    }
+    std::unique_ptr<jcas_model, end> handle_;
+    jcas_model_info info_;
+};
+
+/// A jcas_sim of its own. One thread at a time may use it.
+class sim {
+public:
+    static result<sim> create(const model &model)
+    {
+        jcas_sim *handle = nullptr;
+        std::int32_t code = jcas_sim_new(model.get(), &handle);
+        if (code != JCAS_OK)
+            return {code};
+        return sim(handle, model);
+    }
+
+    jcas_sim *get() noexcept { return handle_.get(); }
+    const jcas_sim *get() const noexcept { return handle_.get(); }
+    const jcas_model_info &info() const noexcept { return info_; }
+
+    status reset(std::uint64_t seed) { return jcas_sim_reset(get(), seed); }
+
+    result<jcas_outcome> step(span<const float> actions)
+    {
+        auto outcome = detail::sized<jcas_outcome>();
+        std::int32_t code = jcas_sim_step(get(), actions.data(), actions.size(), &outcome);
+        if (code != JCAS_OK)
+            return {code, message()};
+        return outcome;
+    }
+
+    status step_begin(span<const float> actions)
+    {
+        return jcas_sim_step_begin(get(), actions.data(), actions.size());
+    }
+    status set_positions(span<const jcas_cell> cells)
+    {
+        return jcas_sim_set_positions(get(), cells.data(), cells.size());
+    }
+    status step_sense() { return jcas_sim_step_sense(get()); }
+    status step_communicate() { return jcas_sim_step_communicate(get()); }
+    status step_communicate_over(span<const std::uint8_t> links, span<const double> throughput = {})
+    {
+        return jcas_sim_step_communicate_over(get(), links.data(), links.size(), throughput.data(),
+                                              throughput.size());
+    }
+    result<jcas_outcome> step_end()
+    {
+        auto outcome = detail::sized<jcas_outcome>();
+        std::int32_t code = jcas_sim_step_end(get(), &outcome);
+        if (code != JCAS_OK)
+            return {code, message()};
+        return outcome;
+    }
+    status set_hotspots(span<const jcas_cell> cells)
+    {
+        return jcas_sim_set_hotspots(get(), cells.data(), cells.size());
+    }
+    status set_batteries(span<const std::uint64_t> charges_uj)
+    {
+        return jcas_sim_set_batteries(get(), charges_uj.data(), charges_uj.size());
+    }
+
+    status observe(span<float> out) { return jcas_sim_observe(get(), out.data(), out.size()); }
+    status observe_global(span<float> out) const
+    {
+        return jcas_sim_observe_global(get(), out.data(), out.size());
+    }
+
+    jcas_episode episode() const
+    {
+        auto episode = detail::sized<jcas_episode>();
+        jcas_sim_get_episode(get(), &episode);
+        return episode;
+    }
+    jcas_metrics metrics() const
+    {
+        auto metrics = detail::sized<jcas_metrics>();
+        jcas_sim_get_metrics(get(), &metrics);
+        return metrics;
+    }
+    std::vector<double> rewards() const
+    {
+        std::vector<double> rewards(info_.reward_len);
+        jcas_sim_get_rewards(get(), rewards.data(), rewards.size());
+        return rewards;
+    }
+    /// Without an allocation, into the caller's buffer of uav_count elements.
+    status uavs(span<jcas_uav> out) const
+    {
+        return jcas_sim_get_uavs(get(), out.data(), out.size(), sizeof(jcas_uav));
+    }
+    std::vector<jcas_uav> uavs() const
+    {
+        std::vector<jcas_uav> all(info_.uav_count);
+        jcas_sim_get_uavs(get(), all.data(), all.size(), sizeof(jcas_uav));
+        return all;
+    }
+    /// Without an allocation, into the caller's buffer of hotspot_count elements.
+    status hotspots(span<jcas_hotspot> out) const
+    {
+        return jcas_sim_get_hotspots(get(), out.data(), out.size(), sizeof(jcas_hotspot));
+    }
+    std::vector<jcas_hotspot> hotspots() const
+    {
+        std::vector<jcas_hotspot> all(info_.hotspot_count);
+        jcas_sim_get_hotspots(get(), all.data(), all.size(), sizeof(jcas_hotspot));
+        return all;
+    }
+    status links(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_links(get(), out.data(), out.size());
+    }
+    status knowledge(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_knowledge(get(), out.data(), out.size());
+    }
+    status visited(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_visited(get(), out.data(), out.size());
+    }
+
+    std::vector<unsigned char> save() const
+    {
+        std::vector<unsigned char> snapshot(info_.snapshot_size);
+        jcas_sim_save(get(), snapshot.data(), snapshot.size());
+        return snapshot;
+    }
+    status load(span<const unsigned char> snapshot)
+    {
+        return jcas_sim_load(get(), snapshot.data(), snapshot.size());
+    }
+    /// Makes this an independent twin of another.
+    status fork_from(const sim &other) { return jcas_sim_fork(other.get(), get()); }
+    std::uint64_t hash() const
+    {
+        std::uint64_t hash = 0;
+        jcas_sim_hash(get(), &hash);
+        return hash;
+    }
+    /// Why the last refused call was refused.
+    std::string message() const
+    {
+        char text[512] = "";
+        std::size_t length = 0;
+        jcas_sim_message(get(), text, sizeof text, &length);
+        return text;
+    }
+
+private:
+    struct end {
+        void operator()(jcas_sim *handle) const noexcept { jcas_sim_free(handle); }
+    };
+    sim(jcas_sim *handle, const model &model) : handle_(handle), info_(model.info()) {}
+    std::unique_ptr<jcas_sim, end> handle_;
+    jcas_model_info info_;
+};
+
+/// A jcas_batch with the buffers that its steps write. One thread at a time may use it.
+class batch {
+public:
+    /// `threads`: 1 for the caller's own, 0 for one for each processor.
+    static result<batch> create(const model &model, std::uint32_t environments, std::uint32_t threads = 1)
+    {
+        jcas_batch *handle = nullptr;
+        std::int32_t code = jcas_batch_new(model.get(), environments, threads, &handle);
+        if (code != JCAS_OK)
+            return {code};
+        return batch(handle, model, environments);
+    }
+
+    jcas_batch *get() noexcept { return handle_.get(); }
+    const jcas_batch *get() const noexcept { return handle_.get(); }
+    std::size_t environments() const noexcept { return rewards.size(); }
+
+    status reset(span<const std::uint64_t> seeds)
+    {
+        return jcas_batch_reset(get(), seeds.data(), seeds.size(), observations.data(), observations.size(),
+                                global.data(), global.size());
+    }
+
+    status step(span<const float> actions, bool auto_reset = true)
+    {
+        auto out = detail::sized<jcas_batch_out>();
+        out.observations = observations.data(), out.observation_count = observations.size();
+        out.rewards = rewards.data(), out.reward_count = rewards.size();
+        out.terminated = terminated.data(), out.terminated_count = terminated.size();
+        out.truncated = truncated.data(), out.truncated_count = truncated.size();
+        out.global = global.data(), out.global_count = global.size();
+        out.components = components.data(), out.component_count = components.size();
+        out.final_observations = final_observations.data();
+        out.final_observation_count = final_observations.size();
+        out.final_global = final_global.data(), out.final_global_count = final_global.size();
+        out.final_metrics = final_metrics.data(), out.final_metrics_count = final_metrics.size();
+        out.metrics_size = sizeof(jcas_metrics);
+        return jcas_batch_step(get(), actions.data(), actions.size(), auto_reset ? 1 : 0, &out);
+    }
+
+    status copy_to(std::uint32_t index, sim &to) const { return jcas_batch_get(get(), index, to.get()); }
+    status copy_from(std::uint32_t index, const sim &from)
+    {
+        return jcas_batch_set(get(), index, from.get());
+    }
+
+    /// Written by reset and step; see jcas_batch_out.
+    std::vector<float> observations, global, rewards, final_observations, final_global;
+    std::vector<double> components;
+    std::vector<std::uint8_t> terminated, truncated;
+    std::vector<jcas_metrics> final_metrics;
+
+private:
+    struct end {
+        void operator()(jcas_batch *handle) const noexcept { jcas_batch_free(handle); }
+    };
+    batch(jcas_batch *handle, const model &model, std::size_t count)
+        : observations(count * model.info().uav_count * model.info().observation_len),
+          global(count * model.info().global_len), rewards(count), final_observations(observations.size()),
+          final_global(global.size()), components(count * model.info().reward_len), terminated(count),
+          truncated(count), final_metrics(count), handle_(handle)
+    {
+    }
+    std::unique_ptr<jcas_batch, end> handle_;
+};
+
+/// Whether the library that runs serves a program compiled with this header.
+inline status check_abi() { return jcas_abi_check(JCAS_ABI_VERSION); }
+
+} // namespace jcas
+
+#endif // JCAS_HPP

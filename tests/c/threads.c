@@ -1,0 +1,166 @@
+/* Threads that share one model, each with a simulation of its own; threads that read one simulation;
+ * a batch with worker threads against one without. Every result has to be that of one thread alone.
+ *
+ *   threads          all
+ *   threads shared   without the batch, whose locks thread checkers cannot see through
+ */
+#include "check.h"
+
+#include <pthread.h>
+
+enum { THREADS = 4, STEPS = 60, ENVIRONMENTS = 24 };
+
+struct worker {
+    const jcas_model *model;
+    const jcas_sim *watched;
+    uint64_t seed, hash;
+    double return_sum;
+};
+
+static float action_of(uint64_t seed, uint32_t step, uint32_t index)
+{
+    uint64_t bits = (seed + 1) * 2654435761u + step * 40503u + index * 9973u;
+    bits ^= bits >> 13;
+    bits *= UINT64_C(0x9e3779b97f4a7c15);
+    return (float)(bits >> 40) / 8388608.0f - 1.0f;
+}
+
+static void fly(struct worker *worker)
+{
+    jcas_model_info info;
+    info.struct_size = sizeof info;
+    OK(jcas_model_get_info(worker->model, &info));
+    float *actions = ARRAY(float, info.action_len);
+    size_t observed = (size_t)info.uav_count * info.observation_len;
+    float *observations = ARRAY(float, observed);
+    jcas_sim *sim;
+    OK(jcas_sim_new(worker->model, &sim));
+    OK(jcas_sim_reset(sim, worker->seed));
+    jcas_outcome outcome;
+    outcome.struct_size = sizeof outcome;
+    worker->return_sum = 0;
+    for (uint32_t step = 0; step < STEPS; step++) {
+        for (uint32_t i = 0; i < info.action_len; i++)
+            actions[i] = action_of(worker->seed, step, i);
+        OK(jcas_sim_step(sim, actions, info.action_len, &outcome));
+        worker->return_sum += outcome.reward;
+        OK(jcas_sim_observe(sim, observations, observed));
+        uint64_t watched;
+        OK(jcas_sim_hash(worker->watched, &watched));
+    }
+    OK(jcas_sim_hash(sim, &worker->hash));
+    OK(jcas_sim_free(sim));
+    free(actions);
+    free(observations);
+}
+
+static void *run(void *worker)
+{
+    fly((struct worker *)worker);
+    return NULL;
+}
+
+static void share_a_model(const jcas_model *model)
+{
+    jcas_sim *watched;
+    OK(jcas_sim_new(model, &watched));
+    struct worker alone[THREADS], together[THREADS];
+    pthread_t threads[THREADS];
+    for (int i = 0; i < THREADS; i++) {
+        struct worker worker = {model, watched, (uint64_t)i, 0, 0};
+        alone[i] = together[i] = worker;
+        fly(&alone[i]);
+    }
+    for (int i = 0; i < THREADS; i++)
+        CHECK(pthread_create(&threads[i], NULL, run, &together[i]) == 0);
+    for (int i = 0; i < THREADS; i++) {
+        CHECK(pthread_join(threads[i], NULL) == 0);
+        CHECK(together[i].hash == alone[i].hash);
+        CHECK(together[i].return_sum == alone[i].return_sum);
+    }
+    OK(jcas_sim_free(watched));
+}
+
+/* The batch's states and observations after some steps. */
+static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
+{
+    jcas_model_info info;
+    info.struct_size = sizeof info;
+    OK(jcas_model_get_info(model, &info));
+    size_t observed = (size_t)ENVIRONMENTS * info.uav_count * info.observation_len;
+    size_t acted = (size_t)ENVIRONMENTS * info.action_len;
+    float *observations = ARRAY(float, observed), *finals = ARRAY(float, observed);
+    float *actions = ARRAY(float, acted), *global = ARRAY(float, ENVIRONMENTS * info.global_len);
+    float rewards[ENVIRONMENTS];
+    uint8_t terminated[ENVIRONMENTS], truncated[ENVIRONMENTS];
+    jcas_metrics metrics[ENVIRONMENTS];
+    double components[ENVIRONMENTS * 12];
+    memset(finals, 0, observed * sizeof(float));
+    uint64_t seeds[ENVIRONMENTS];
+    for (uint64_t m = 0; m < ENVIRONMENTS; m++)
+        seeds[m] = m;
+
+    jcas_batch *batch;
+    OK(jcas_batch_new(model, ENVIRONMENTS, thread_count, &batch));
+    OK(jcas_batch_reset(batch, seeds, ENVIRONMENTS, observations, observed, global,
+                        ENVIRONMENTS * info.global_len));
+    jcas_batch_out out;
+    memset(&out, 0, sizeof out);
+    out.struct_size = sizeof out;
+    out.observations = observations, out.observation_count = observed;
+    out.rewards = rewards, out.reward_count = ENVIRONMENTS;
+    out.terminated = terminated, out.terminated_count = ENVIRONMENTS;
+    out.truncated = truncated, out.truncated_count = ENVIRONMENTS;
+    out.global = global, out.global_count = ENVIRONMENTS * info.global_len;
+    out.components = components, out.component_count = ENVIRONMENTS * 12;
+    out.final_observations = finals, out.final_observation_count = observed;
+    out.final_metrics = metrics, out.final_metrics_count = ENVIRONMENTS;
+    out.metrics_size = sizeof(jcas_metrics);
+
+    uint64_t hash = 0;
+    int ended = 0;
+    for (uint32_t step = 0; step < 2 * STEPS; step++) {
+        for (size_t i = 0; i < acted; i++)
+            actions[i] = action_of(7, step, (uint32_t)i);
+        OK(jcas_batch_step(batch, actions, acted, 1, &out));
+        hash = hash * 31 + hash_floats(observations, observed);
+        hash = hash * 31 + hash_floats(finals, observed);
+        hash = hash * 31 + hash_floats(global, ENVIRONMENTS * info.global_len);
+        hash = hash * 31 + hash_floats(rewards, ENVIRONMENTS);
+        for (int m = 0; m < ENVIRONMENTS; m++) {
+            if (terminated[m] || truncated[m]) {
+                ended++;
+                CHECK(metrics[m].terminated == terminated[m] && metrics[m].truncated == truncated[m]);
+                CHECK(metrics[m].steps > 0 && metrics[m].struct_size == sizeof(jcas_metrics));
+            }
+        }
+    }
+    CHECK(ended >= ENVIRONMENTS);
+    OK(jcas_batch_free(batch));
+    free(observations);
+    free(finals);
+    free(actions);
+    free(global);
+    return hash;
+}
+
+int main(int count, char **arguments)
+{
+    jcas_config config;
+    OK(jcas_config_default(&config, sizeof config));
+    config.uav_count = 6;
+    config.horizon_steps = STEPS;
+    config.quorum = 1;
+    jcas_model *model;
+    OK(jcas_model_new(&config, &model, NULL, 0));
+    share_a_model(model);
+    if (count < 2 || strcmp(arguments[1], "shared") != 0) {
+        uint64_t alone = fly_batch(model, 1);
+        CHECK(fly_batch(model, 2) == alone);
+        CHECK(fly_batch(model, 5) == alone);
+        CHECK(fly_batch(model, 0) == alone);
+    }
+    OK(jcas_model_free(model));
+    puts("threads agree with one");
+    return 0;
+}
