@@ -91,6 +91,10 @@ pub trait VectorEnvironment: Send {
     /// Observations (M·N × O) and global states (M × S) of the missions as they are now.
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]);
 
+    /// Called before each batch. What a teacher remembers of earlier steps is forgotten here, so that
+    /// a run that goes on from a checkpoint and one that was never stopped do the same.
+    fn begin_batch(&mut self) {}
+
     /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
     fn step(&mut self, actions: &[f32], out: &mut StepOut);
 

@@ -5,10 +5,17 @@
 
 #![forbid(unsafe_code)]
 
+pub mod checkpoint;
 pub mod environment;
+pub mod error;
 pub mod head;
+pub mod metrics;
 pub mod network;
+pub mod policy;
 pub mod ppo;
 pub mod random;
+pub mod run;
 pub mod settings;
+pub mod speed;
+pub mod store;
 pub mod trainer;

@@ -70,7 +70,7 @@ pub struct Settings {
     pub normalise_advantages: bool,
 
     /// Pilot density held at this value; absent: the policy chooses it.
-    pub constant_pilot: Option<f32>,
+    pub constant_pilot: Option<f64>,
     /// Factors on named reward components while training (1 where absent).
     pub reward_factors: BTreeMap<String, f64>,
     /// Subtracted from the reward of every step while training.
@@ -246,6 +246,11 @@ impl Settings {
             }
         }
         Ok(())
+    }
+
+    /// Steps of each mission in one iteration.
+    pub fn steps_per_batch(&self) -> usize {
+        self.batch_steps / self.environments
     }
 
     /// Iterations of PPO proper.

@@ -6,6 +6,7 @@ use crate::ppo::gae::{self, Trajectories};
 use crate::ppo::normalise::{Affine, Running};
 use crate::ppo::rollout::{ActingPolicy, Rollout, Tutelage, collect};
 use crate::ppo::update::{ActorObjective, Pass, Step, Sums, Trainable, evaluate};
+use crate::ppo::schedule::Schedule;
 use crate::random::{Purpose, stream_for};
 use crate::settings::{NetworkKind, Settings};
 use burn_tensor::Device;
@@ -225,7 +226,7 @@ impl Trainer {
             device: &self.device,
         };
         let tutelage = self.tutelage(stage);
-        let steps = self.settings.batch_steps / self.settings.environments;
+        let steps = self.settings.steps_per_batch();
         let (seed, iteration) = (self.settings.seed, self.iterations);
         self.workers
             .par_iter_mut()
@@ -323,7 +324,11 @@ impl Trainer {
         let progress = done as f64 / settings.iterations().max(1) as f64;
         let factor = settings.schedule.factor(progress);
         let (rate, epochs) = match (&settings.imitation, stage) {
-            (Some(imitation), Stage::Imitation) => (imitation.learning_rate, imitation.epochs),
+            (Some(imitation), Stage::Imitation) => {
+                let progress = self.iterations as f64 / imitation.iterations as f64;
+                let factor = Schedule::Cosine.factor(0.95 * progress);
+                (imitation.learning_rate * factor, imitation.epochs)
+            }
             _ => (settings.learning_rate * factor, settings.epochs),
         };
         let actor_step = Step {

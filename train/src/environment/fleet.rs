@@ -43,14 +43,12 @@ impl Treatment {
     }
 }
 
-/// The pilot action that holds a density: the inverse of the kernel's map, clipped to [-1, 1].
-pub fn pilot_action(model: &Model<'_>, density: f64) -> f32 {
-    let config = model.config();
-    let width = config.pilot_density_max - config.pilot_density_min;
-    if width <= 0.0 {
+/// The pilot action that holds a density within [low, high]: the kernel's map, inverted.
+pub fn pilot_action(low: f64, high: f64, density: f64) -> f32 {
+    if high <= low {
         return 0.0;
     }
-    (2.0 * (density - config.pilot_density_min) / width - 1.0).clamp(-1.0, 1.0) as f32
+    (2.0 * (density - low) / (high - low) - 1.0).clamp(-1.0, 1.0) as f32
 }
 
 /// A teacher by name, such as `swarm:adaptive`.
@@ -202,6 +200,10 @@ impl VectorEnvironment for Fleet {
         }
     }
 
+    fn begin_batch(&mut self) {
+        self.start_teachers();
+    }
+
     fn teacher_actions(&mut self, actions: &mut [f32]) -> bool {
         let words = self.model.state_words();
         let states = self.states.chunks_exact(words);
@@ -217,7 +219,7 @@ impl VectorEnvironment for Fleet {
         self.states.iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// Teachers that remember plans begin them anew; observations follow from the states.
+    /// Observations follow from the states; teachers begin anew with the next batch.
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
         if bytes.len() != self.states.len() * 8 {
             return Err(format!(
@@ -243,7 +245,6 @@ impl VectorEnvironment for Fleet {
             jcas_core::observation::observe_global(&self.model, &state, global)
                 .map_err(|error| error.to_string())?;
         }
-        self.start_teachers();
         Ok(())
     }
 }

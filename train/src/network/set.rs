@@ -16,15 +16,15 @@ pub const UAV_WIDTH: usize = 32;
 /// Attention heads over hotspots.
 pub const HEADS: usize = 4;
 /// Sums over a set are divided by this, which keeps them near 1 for the paper's sizes.
-const CROWD: f32 = 8.0;
+pub(crate) const CROWD: f32 = 8.0;
 
 /// Fields of an observation about the UAV itself: self (5), connectivity, sustainability, progress.
-const OWN: usize = 11;
-const OWN_FIRST: usize = 5;
-const HOTSPOT_FIELDS: usize = 4;
+pub(crate) const OWN: usize = 11;
+pub(crate) const OWN_FIRST: usize = 5;
+pub(crate) const HOTSPOT_FIELDS: usize = 4;
 /// Those of the observation, distance, here, near, and UAVs at and around it.
 const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
-const SLOT_FIELDS: usize = 3;
+pub(crate) const SLOT_FIELDS: usize = 3;
 const UAV_FIELDS: usize = 6;
 const COMMON: usize = 4;
 /// Position fields, confirmed, known share, and UAVs within one, four and twelve cells.

@@ -80,6 +80,7 @@ pub fn collect(
     random: &mut ChaCha8Rng,
 ) -> Rollout {
     let shape = environment.shape();
+    environment.begin_batch();
     let mut rollout = Rollout::new(shape, steps, tutelage.is_some());
     let weights = policy.network.tensors(policy.parameters, policy.device);
     let mut out = StepOut::new(shape);

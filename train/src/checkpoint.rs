@@ -1,0 +1,132 @@
+//! Saving a run so that it goes on bit for bit, whenever it was stopped.
+//!
+//! Everything random follows from the seed and the iteration, so a checkpoint between two
+//! iterations needs weights, optimiser moments, statistics and the missions' states: nothing else.
+
+use crate::error::TrainError;
+use crate::ppo::normalise::Running;
+use crate::ppo::update::Trainable;
+use crate::store::{Array, Arrays, encode, write_whole};
+use crate::trainer::Trainer;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+const FORMAT: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Notes {
+    format: u32,
+    /// The run it belongs to: settings and configurations, as text.
+    run: String,
+    iterations: u64,
+    environment_steps: u64,
+    actor_updates: u64,
+    critic_updates: u64,
+    statistics_counts: [f64; 3],
+    workers: usize,
+}
+
+fn model_arrays(name: &str, model: &Trainable, arrays: &mut Vec<Array>) {
+    let shape = [model.parameters.len()];
+    arrays.push(Array::f32(&format!("{name}.parameters"), &shape, &model.parameters));
+    arrays.push(Array::f32(&format!("{name}.mean"), &shape, &model.adam.mean));
+    arrays.push(Array::f32(&format!("{name}.square"), &shape, &model.adam.square));
+}
+
+fn read_model(name: &str, model: &mut Trainable, arrays: &Arrays) -> Result<(), String> {
+    let length = model.parameters.len();
+    model.parameters = arrays.f32(&format!("{name}.parameters"), length)?;
+    model.adam.mean = arrays.f32(&format!("{name}.mean"), length)?;
+    model.adam.square = arrays.f32(&format!("{name}.square"), length)?;
+    Ok(())
+}
+
+fn statistics_arrays(name: &str, running: &Running, arrays: &mut Vec<Array>) {
+    arrays.push(Array::f64(&format!("{name}.mean"), &running.mean));
+    arrays.push(Array::f64(&format!("{name}.deviation"), &running.deviation));
+}
+
+fn read_statistics(
+    name: &str,
+    running: &mut Running,
+    count: f64,
+    arrays: &Arrays,
+) -> Result<(), String> {
+    let length = running.mean.len();
+    running.mean = arrays.f64(&format!("{name}.mean"), length)?;
+    running.deviation = arrays.f64(&format!("{name}.deviation"), length)?;
+    running.count = count;
+    Ok(())
+}
+
+/// Writes the run as it stands; `run` names what it is a run of.
+pub fn save(trainer: &Trainer, run: &str, path: &Path) -> Result<(), TrainError> {
+    let mut arrays = Vec::new();
+    model_arrays("actor", &trainer.actor, &mut arrays);
+    model_arrays("critic", &trainer.critic, &mut arrays);
+    statistics_arrays("observations", &trainer.observation_statistics, &mut arrays);
+    statistics_arrays("global", &trainer.global_statistics, &mut arrays);
+    statistics_arrays("values", &trainer.value_statistics, &mut arrays);
+    for (index, worker) in trainer.workers.iter().enumerate() {
+        arrays.push(Array::bytes(&format!("worker.{index}"), worker.save()));
+    }
+    let notes = Notes {
+        format: FORMAT,
+        run: run.to_owned(),
+        iterations: trainer.iterations,
+        environment_steps: trainer.environment_steps,
+        actor_updates: trainer.actor.adam.steps,
+        critic_updates: trainer.critic.adam.steps,
+        statistics_counts: [
+            trainer.observation_statistics.count,
+            trainer.global_statistics.count,
+            trainer.value_statistics.count,
+        ],
+        workers: trainer.workers.len(),
+    };
+    let notes = serde_json::to_string(&notes).map_err(TrainError::format(path))?;
+    let bytes = encode(&arrays, &notes).map_err(TrainError::format(path))?;
+    write_whole(path, &bytes)
+}
+
+/// Brings a fresh trainer of the same run to where the checkpoint was written.
+pub fn load(trainer: &mut Trainer, run: &str, path: &Path) -> Result<(), TrainError> {
+    let bytes = std::fs::read(path).map_err(TrainError::file(path))?;
+    read(trainer, run, &bytes).map_err(TrainError::format(path))
+}
+
+fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
+    let arrays = Arrays::decode(bytes)?;
+    let notes: Notes = serde_json::from_str(&arrays.notes).map_err(|error| error.to_string())?;
+    if notes.format != FORMAT {
+        return Err(format!("checkpoint format {}, this version reads {FORMAT}", notes.format));
+    }
+    if notes.run != run {
+        return Err(format!(
+            "belongs to a run with other settings; to go on, give the same ones:\n{}\nnow given:\n{run}",
+            notes.run
+        ));
+    }
+    if notes.workers != trainer.workers.len() {
+        return Err(format!(
+            "workers: the checkpoint has {}, this run {}",
+            notes.workers,
+            trainer.workers.len()
+        ));
+    }
+    read_model("actor", &mut trainer.actor, &arrays)?;
+    read_model("critic", &mut trainer.critic, &arrays)?;
+    trainer.actor.adam.steps = notes.actor_updates;
+    trainer.critic.adam.steps = notes.critic_updates;
+    let [observations, global, values] = notes.statistics_counts;
+    read_statistics("observations", &mut trainer.observation_statistics, observations, &arrays)?;
+    read_statistics("global", &mut trainer.global_statistics, global, &arrays)?;
+    read_statistics("values", &mut trainer.value_statistics, values, &arrays)?;
+    for (index, worker) in trainer.workers.iter_mut().enumerate() {
+        worker.load(&arrays.bytes(&format!("worker.{index}"))?)?;
+    }
+    trainer.iterations = notes.iterations;
+    trainer.environment_steps = notes.environment_steps;
+    Ok(())
+}

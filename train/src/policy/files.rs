@@ -1,0 +1,227 @@
+//! Policies on disk: a folder with weights (safetensors), a card (JSON) and the ONNX graph.
+
+use super::onnx;
+use super::{Actor, LearnedPolicy, Mode};
+use crate::environment::Shape;
+use crate::error::TrainError;
+use crate::head::Head;
+use crate::network::{Architecture, Network};
+use crate::ppo::normalise::Affine;
+use crate::settings::Settings;
+use crate::store::{Array, Arrays, encode, write_whole};
+use jcas_core::{Config, Model, TargetVisibility};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Weights.
+pub const WEIGHTS: &str = "policy.safetensors";
+/// What they are.
+pub const CARD: &str = "policy.json";
+/// The same function for other runtimes.
+pub const ONNX: &str = "policy.onnx";
+
+const FORMAT: u32 = 1;
+
+/// What a policy is, where it comes from and how it did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Card {
+    /// Version of this card.
+    pub format: u32,
+    /// Name in reports.
+    pub name: String,
+    /// Action head.
+    pub head: Head,
+    /// Network of the actor.
+    pub architecture: Architecture,
+    /// Whether observations are normalised by stored statistics.
+    pub normalised_inputs: bool,
+    /// Pilot density held, whatever the network says; absent: it chooses.
+    pub constant_pilot_density: Option<f64>,
+    /// How it should be flown.
+    pub mode: Mode,
+    /// Fleets and hotspots it was trained on: (N, n).
+    pub trained_on: Vec<(u32, u32)>,
+    /// The first configuration it was trained on.
+    pub config: Config,
+    /// Its hash.
+    pub config_hash: String,
+    /// Settings of the training run.
+    pub settings: Settings,
+    /// Environment steps it was trained for.
+    pub environment_steps: u64,
+    /// Evaluations after training.
+    pub evaluations: Vec<Evaluation>,
+}
+
+/// Missions flown with fixed seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Evaluation {
+    /// UAVs.
+    pub uav_count: u32,
+    /// Hotspots.
+    pub hotspot_count: u32,
+    /// How actions followed from the network.
+    pub mode: Mode,
+    /// Missions.
+    pub episodes: u64,
+    /// Seed of the campaign.
+    pub seed: u64,
+    /// Share that succeeded.
+    pub success_rate: f64,
+    /// Steps; a mission that failed counts its horizon.
+    pub mission_steps_mean: f64,
+    /// Energy of the fleet.
+    pub energy_kwh_mean: f64,
+    /// Normalised throughput.
+    pub throughput_mean: f64,
+}
+
+/// Width of the stored numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// As trained.
+    Single,
+    /// Half the size, for shipping.
+    Half,
+}
+
+/// Writes weights, card and ONNX graph. Equal policies give equal bytes.
+pub fn save(
+    folder: &Path,
+    actor: &Actor,
+    card: &Card,
+    shape: &Shape,
+    precision: Precision,
+) -> Result<(), TrainError> {
+    std::fs::create_dir_all(folder).map_err(TrainError::file(folder))?;
+    let array = match precision {
+        Precision::Single => Array::f32,
+        Precision::Half => Array::f16,
+    };
+    let mut arrays: Vec<Array> = actor
+        .network
+        .blocks
+        .iter()
+        .map(|block| {
+            let values = &actor.parameters[block.offset..block.offset + block.len()];
+            array(&block.name, &[block.rows, block.columns], values)
+        })
+        .collect();
+    if card.normalised_inputs {
+        let fields = [actor.inputs.offset.len()];
+        arrays.push(Array::f32("inputs.offset", &fields, &actor.inputs.offset));
+        arrays.push(Array::f32("inputs.scale", &fields, &actor.inputs.scale));
+    }
+    let path = folder.join(WEIGHTS);
+    let bytes = encode(&arrays, "{}").map_err(TrainError::format(&path))?;
+    write_whole(&path, &bytes)?;
+    // The graph gives what the stored weights give, which half precision has rounded.
+    let stored = read_actor(&bytes, card).map_err(TrainError::format(&path))?;
+    write_whole(&folder.join(ONNX), &onnx::encode(&stored, shape))?;
+    let text = serde_json::to_string_pretty(card).map_err(TrainError::format(&path))?;
+    write_whole(&folder.join(CARD), (text + "\n").as_bytes())
+}
+
+/// A card with the constructor arguments that its reader does not choose.
+impl Card {
+    /// Current format.
+    pub fn format() -> u32 {
+        FORMAT
+    }
+}
+
+/// A policy read from a folder.
+#[derive(Clone, Debug)]
+pub struct Stored {
+    /// What it is.
+    pub card: Card,
+    /// What it computes.
+    pub actor: Arc<Actor>,
+}
+
+fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
+    let network = Network::new(card.architecture.clone());
+    let arrays = Arrays::decode(bytes)?;
+    let mut parameters = Vec::with_capacity(network.parameters());
+    for block in &network.blocks {
+        parameters.extend(arrays.f32(&block.name, block.len())?);
+    }
+    let inputs = match (&card.architecture, card.normalised_inputs) {
+        (Architecture::Mlp { sizes }, true) => Affine {
+            offset: arrays.f32("inputs.offset", sizes[0])?,
+            scale: arrays.f32("inputs.scale", sizes[0])?,
+        },
+        (_, true) => return Err("normalised_inputs: only an MLP has input statistics".to_owned()),
+        (_, false) => Affine::default(),
+    };
+    let constant_pilot = card.constant_pilot_density.map(|density| {
+        let (low, high) = (card.config.pilot_density_min, card.config.pilot_density_max);
+        crate::environment::fleet::pilot_action(low, high, density)
+    });
+    Ok(Actor { network, parameters, head: card.head, inputs, constant_pilot })
+}
+
+/// Reads weights and card.
+pub fn load(folder: &Path) -> Result<Stored, TrainError> {
+    let path = folder.join(CARD);
+    let text = std::fs::read_to_string(&path).map_err(TrainError::file(&path))?;
+    let card: Card = serde_json::from_str(&text).map_err(TrainError::format(&path))?;
+    if card.format != FORMAT {
+        let what = format!("format: {} is not read by this version, only {FORMAT}", card.format);
+        return Err(TrainError::Format(path, what));
+    }
+    let path = folder.join(WEIGHTS);
+    let bytes = std::fs::read(&path).map_err(TrainError::file(&path))?;
+    let actor = read_actor(&bytes, &card).map_err(TrainError::format(&path))?;
+    Ok(Stored { card, actor: Arc::new(actor) })
+}
+
+impl Stored {
+    /// Refuses a mission whose observations the network cannot read, saying which and why.
+    pub fn check(&self, model: &Model<'_>) -> Result<(), TrainError> {
+        let config = model.config();
+        match &self.card.architecture {
+            Architecture::Mlp { sizes } if sizes[0] != model.observation_len() => {
+                Err(TrainError::Fit(format!(
+                    "policy {}: reads {} observation fields ({}), this mission has {} \
+                     (uav_count = {}, hotspot_count = {}, neighbour_slots = {})",
+                    self.card.name,
+                    sizes[0],
+                    describe(&self.card.config),
+                    model.observation_len(),
+                    config.uav_count,
+                    config.hotspot_count,
+                    model.neighbour_slots(),
+                )))
+            }
+            _ if self.card.config.target_visibility != config.target_visibility => {
+                Err(TrainError::Fit(format!(
+                    "policy {}: trained with target_visibility = {}, this mission has {}",
+                    self.card.name,
+                    visibility(self.card.config.target_visibility),
+                    visibility(config.target_visibility),
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Ready to fly; `mode` absent: as the card says.
+    pub fn policy(&self, mode: Option<Mode>) -> LearnedPolicy {
+        LearnedPolicy::new(&self.card.name, self.actor.clone(), mode.unwrap_or(self.card.mode))
+    }
+}
+
+fn describe(config: &Config) -> String {
+    format!("uav_count = {}, hotspot_count = {}", config.uav_count, config.hotspot_count)
+}
+
+fn visibility(visibility: TargetVisibility) -> &'static str {
+    match visibility {
+        TargetVisibility::Known => "known",
+        TargetVisibility::Hidden => "hidden",
+    }
+}

@@ -1,0 +1,265 @@
+//! A training run from its plan to its policy files: checkpoints, metrics, evaluation.
+
+use crate::checkpoint;
+use crate::environment::VectorEnvironment;
+use crate::environment::fleet::{Fleet, Treatment, pilot_action, teacher_named};
+use crate::error::TrainError;
+use crate::metrics::tensorboard::EventFile;
+use crate::metrics::{MetricsFile, Row};
+use crate::policy::files::{Card, Evaluation, Precision, save};
+use crate::policy::{Actor, LearnedPolicy, Mode, shape_of};
+use crate::settings::Settings;
+use crate::speed::{self, Speed};
+use crate::store::write_whole;
+use crate::trainer::Trainer;
+use jcas_core::{Config, Metrics, Model};
+use jcas_evaluate::mission::{self, Campaign};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Checkpoint of a run in its folder.
+pub const CHECKPOINT: &str = "checkpoint.safetensors";
+/// Metrics of a run in its folder.
+pub const METRICS: &str = "metrics.csv";
+/// Times and rates of a run in its folder; they differ from run to run.
+pub const SPEED: &str = "speed.json";
+/// Seed of the missions that every policy and baseline is compared on.
+pub const EVALUATION_SEED: u64 = 1;
+
+/// What to train, and where to put it.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// How to train.
+    pub settings: Settings,
+    /// On which missions; several make one policy for all (network `set`).
+    pub configs: Vec<Config>,
+    /// Folder of the run.
+    pub out: PathBuf,
+    /// Name of the policy in reports.
+    pub name: String,
+    /// Width of the stored weights.
+    pub precision: Precision,
+}
+
+/// Watches a run.
+pub trait Observer {
+    /// After every iteration: its row, iterations in all, seconds left as forecast.
+    fn iteration(&mut self, row: &Row, total: u64, left_s: f64);
+    /// Before every iteration: whether to stop here, with a checkpoint.
+    fn stop(&mut self) -> bool;
+}
+
+/// Nobody watches.
+pub struct Unwatched;
+
+impl Observer for Unwatched {
+    fn iteration(&mut self, _row: &Row, _total: u64, _left_s: f64) {}
+
+    fn stop(&mut self) -> bool {
+        false
+    }
+}
+
+/// How a run ended.
+pub enum Ending {
+    /// Trained to the end; the policy is written.
+    Finished(Box<Card>),
+    /// Stopped when asked; the checkpoint is written.
+    Stopped,
+}
+
+impl Plan {
+    /// Names the run in its checkpoint, so that another is not continued by mistake.
+    fn identity(&self) -> String {
+        let hashes: Vec<String> =
+            self.configs.iter().map(|config| format!("0x{:016x}", config.hash())).collect();
+        let settings = serde_json::to_string(&self.settings).unwrap_or_default();
+        format!("configurations {}; settings {settings}", hashes.join(", "))
+    }
+
+    fn models(&self) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
+        let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
+        self.configs.iter().map(|&config| Model::new(config).map(Arc::new).map_err(refused)).collect()
+    }
+
+    fn constant_pilot(&self) -> Option<f32> {
+        let config = self.configs[0];
+        let density = self.settings.constant_pilot?;
+        Some(pilot_action(config.pilot_density_min, config.pilot_density_max, density))
+    }
+
+    /// A trainer at its start.
+    pub fn trainer(&self) -> Result<Trainer, TrainError> {
+        let settings = &self.settings;
+        settings.validate().map_err(TrainError::Setting)?;
+        let models = self.models()?;
+        if models.is_empty() || models.len() > settings.workers {
+            return Err(TrainError::Setting(format!(
+                "workers: {} cannot share {} configurations, allowed: 1 to workers",
+                settings.workers,
+                models.len()
+            )));
+        }
+        let factors = &settings.reward_factors;
+        let treatment = Treatment::new(factors, settings.step_cost, self.constant_pilot())
+            .map_err(TrainError::Setting)?;
+        let teacher = match &settings.imitation {
+            Some(imitation) => {
+                Some(teacher_named(&imitation.teacher).map_err(TrainError::Setting)?)
+            }
+            None => None,
+        };
+        let missions = settings.environments / settings.workers;
+        let workers = (0..settings.workers)
+            .map(|worker| {
+                let model = models[worker * models.len() / settings.workers].clone();
+                Box::new(Fleet::new(model, missions, treatment.clone(), teacher))
+                    as Box<dyn VectorEnvironment>
+            })
+            .collect();
+        Trainer::new(settings.clone(), workers).map_err(TrainError::Setting)
+    }
+
+    /// Trains to the end, or until the observer stops it. A run that its folder already holds is
+    /// continued if `resume`, else refused.
+    pub fn train(
+        &self,
+        resume: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, TrainError> {
+        std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
+        let checkpoint = self.out.join(CHECKPOINT);
+        let mut trainer = self.trainer()?;
+        if checkpoint.exists() {
+            if !resume {
+                return Err(TrainError::Setting(format!(
+                    "{}: holds a run already; continue it with --resume or give another folder",
+                    self.out.display()
+                )));
+            }
+            checkpoint::load(&mut trainer, &self.identity(), &checkpoint)?;
+        }
+        let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
+        let mut events = EventFile::create(&self.out)?;
+        let mut speed = Speed::new(speed::plain_product_gflops());
+        while !trainer.finished() {
+            if observer.stop() {
+                checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
+                metrics.write()?;
+                return Ok(Ending::Stopped);
+            }
+            let iteration = trainer.iterate();
+            let samples = trainer
+                .workers
+                .iter()
+                .map(|worker| (worker.shape().rows() * trainer.settings.steps_per_batch()) as u64)
+                .sum();
+            let row = Row::of(&iteration, trainer.settings.batch_steps as u64, samples);
+            speed.add(&row);
+            metrics.push(&row)?;
+            events.scalars(row.iteration, &row.scalars())?;
+            let total = trainer.total_iterations();
+            let left_s = speed.seconds_per_iteration() * (total - trainer.iterations) as f64;
+            observer.iteration(&row, total, left_s);
+            let due = trainer.iterations.is_multiple_of(trainer.settings.checkpoint_every as u64);
+            if due || trainer.finished() {
+                checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
+                metrics.write()?;
+            }
+        }
+        self.conclude(&trainer, &mut speed).map(|card| Ending::Finished(Box::new(card)))
+    }
+
+    /// The actor as it stands, apart from the trainer.
+    pub fn actor(&self, trainer: &Trainer) -> Actor {
+        Actor {
+            network: trainer.actor.network.clone(),
+            parameters: trainer.actor.parameters.clone(),
+            head: trainer.settings.head,
+            inputs: trainer.observation_inputs(),
+            constant_pilot: self.constant_pilot(),
+        }
+    }
+
+    /// Evaluates in both modes, keeps the better, writes policy and speed.
+    fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Card, TrainError> {
+        let actor = Arc::new(self.actor(trainer));
+        let started = Instant::now();
+        let mut evaluations = Vec::new();
+        for model in self.models()? {
+            for mode in [Mode::Deterministic, Mode::Sampled] {
+                let episodes = self.settings.evaluation_episodes as u64;
+                evaluations.push(evaluate(&model, &actor, mode, episodes, EVALUATION_SEED)?);
+            }
+        }
+        speed.evaluation_s = started.elapsed().as_secs_f64();
+        let config = self.configs[0];
+        let card = Card {
+            format: Card::format(),
+            name: self.name.clone(),
+            head: actor.head,
+            architecture: actor.network.architecture.clone(),
+            normalised_inputs: !actor.inputs.offset.is_empty(),
+            constant_pilot_density: self.settings.constant_pilot,
+            mode: better_mode(&evaluations),
+            trained_on: self.configs.iter().map(|c| (c.uav_count, c.hotspot_count)).collect(),
+            config,
+            config_hash: format!("0x{:016x}", config.hash()),
+            settings: self.settings.clone(),
+            environment_steps: trainer.environment_steps,
+            evaluations,
+        };
+        let shape = shape_of(&self.models()?[0]);
+        save(&self.out, &actor, &card, &shape, self.precision)?;
+        let path = self.out.join(SPEED);
+        let text = serde_json::to_string_pretty(speed).map_err(TrainError::format(&path))?;
+        write_whole(&path, (text + "\n").as_bytes())?;
+        Ok(card)
+    }
+}
+
+/// Sampled where that succeeds more often on average, or as often and faster; deterministic else.
+fn better_mode(evaluations: &[Evaluation]) -> Mode {
+    let mean = |mode: Mode, of: fn(&Evaluation) -> f64| {
+        let of_mode = evaluations.iter().filter(|e| e.mode == mode);
+        let (sum, count) = of_mode.fold((0.0, 0.0), |(s, c), e| (s + of(e), c + 1.0));
+        if count > 0.0 { sum / count } else { 0.0 }
+    };
+    // Ten steps of mission time weigh as much as one mission in ten.
+    let score = |mode| mean(mode, |e| e.success_rate) - 0.01 * mean(mode, |e| e.mission_steps_mean);
+    if score(Mode::Sampled) > score(Mode::Deterministic) { Mode::Sampled } else { Mode::Deterministic }
+}
+
+/// Flies missions with an actor and sums them up.
+pub fn evaluate(
+    model: &Model<'static>,
+    actor: &Arc<Actor>,
+    mode: Mode,
+    episodes: u64,
+    seed: u64,
+) -> Result<Evaluation, TrainError> {
+    let missions = mission::fly(
+        model,
+        Campaign { episodes, seed },
+        &|| Box::new(LearnedPolicy::new("policy", actor.clone(), mode)),
+        &|| ControlFlow::Continue(()),
+    )
+    .map_err(|error| TrainError::Setting(error.to_string()))?;
+    let horizon = model.config().horizon_steps;
+    let mean = |of: &dyn Fn(&Metrics) -> f64| {
+        missions.iter().map(of).sum::<f64>() / missions.len() as f64
+    };
+    Ok(Evaluation {
+        uav_count: model.config().uav_count,
+        hotspot_count: model.config().hotspot_count,
+        mode,
+        episodes,
+        seed,
+        success_rate: mean(&|m| f64::from(u8::from(m.terminated))),
+        mission_steps_mean: mean(&|m| f64::from(if m.terminated { m.steps } else { horizon })),
+        energy_kwh_mean: mean(&|m| m.energy_kwh),
+        throughput_mean: mean(&|m| m.throughput_mean),
+    })
+}

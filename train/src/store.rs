@@ -1,0 +1,141 @@
+//! Files that are whole or absent, and numbers in safetensors.
+
+use crate::error::TrainError;
+use safetensors::tensor::{Dtype, TensorView};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
+
+/// Key of the one metadata entry that holds everything that is no array, as JSON.
+const NOTES: &str = "jcas";
+
+/// Writes under a temporary name beside `path`, flushes to disk and renames, so that a crash at any
+/// moment leaves the old file or the new one.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let temporary = path.with_file_name(name);
+    let write = || -> std::io::Result<()> {
+        let mut file = File::create(&temporary)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(&temporary, path)
+    };
+    write().map_err(TrainError::file(path))
+}
+
+/// An array under its name.
+pub struct Array {
+    name: String,
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+}
+
+impl Array {
+    /// Of f32.
+    pub fn f32(name: &str, shape: &[usize], values: &[f32]) -> Array {
+        let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        Array { name: name.to_owned(), dtype: Dtype::F32, shape: shape.to_vec(), bytes }
+    }
+
+    /// Of f32 values rounded to half precision.
+    pub fn f16(name: &str, shape: &[usize], values: &[f32]) -> Array {
+        let bytes = values.iter().flat_map(|&x| half::f16::from_f32(x).to_le_bytes()).collect();
+        Array { name: name.to_owned(), dtype: Dtype::F16, shape: shape.to_vec(), bytes }
+    }
+
+    /// Of f64.
+    pub fn f64(name: &str, values: &[f64]) -> Array {
+        let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        Array { name: name.to_owned(), dtype: Dtype::F64, shape: vec![values.len()], bytes }
+    }
+
+    /// Of bytes.
+    pub fn bytes(name: &str, bytes: Vec<u8>) -> Array {
+        Array { name: name.to_owned(), dtype: Dtype::U8, shape: vec![bytes.len()], bytes }
+    }
+}
+
+/// One safetensors file: arrays and a JSON note. Equal content gives equal bytes.
+pub fn encode(arrays: &[Array], notes: &str) -> Result<Vec<u8>, String> {
+    let views: Vec<(&str, TensorView)> = arrays
+        .iter()
+        .map(|array| {
+            TensorView::new(array.dtype, array.shape.clone(), &array.bytes)
+                .map(|view| (array.name.as_str(), view))
+                .map_err(|error| error.to_string())
+        })
+        .collect::<Result<_, _>>()?;
+    let notes = HashMap::from([(NOTES.to_owned(), notes.to_owned())]);
+    safetensors::serialize(views, Some(notes)).map_err(|error| error.to_string())
+}
+
+/// Arrays of a file that was read.
+pub struct Arrays<'a> {
+    tensors: safetensors::SafeTensors<'a>,
+    /// The JSON note.
+    pub notes: String,
+}
+
+impl<'a> Arrays<'a> {
+    /// Reads a file's bytes.
+    pub fn decode(bytes: &'a [u8]) -> Result<Arrays<'a>, String> {
+        let text = |error: safetensors::SafeTensorError| error.to_string();
+        let (_, metadata) = safetensors::SafeTensors::read_metadata(bytes).map_err(text)?;
+        let notes = metadata.metadata().as_ref().and_then(|notes| notes.get(NOTES).cloned());
+        Ok(Arrays {
+            tensors: safetensors::SafeTensors::deserialize(bytes).map_err(text)?,
+            notes: notes.ok_or("the metadata entry \"jcas\" is missing")?,
+        })
+    }
+
+    fn raw(&self, name: &str) -> Result<(Dtype, Cow<'a, [u8]>), String> {
+        let view = self.tensors.tensor(name).map_err(|_| format!("array {name:?} is missing"))?;
+        Ok((view.dtype(), Cow::Borrowed(view.data())))
+    }
+
+    /// An array of f32 (or of f16, widened) of exactly `length` entries.
+    pub fn f32(&self, name: &str, length: usize) -> Result<Vec<f32>, String> {
+        let (dtype, bytes) = self.raw(name)?;
+        let values: Vec<f32> = match dtype {
+            Dtype::F32 => {
+                bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+            }
+            Dtype::F16 => bytes
+                .chunks_exact(2)
+                .map(|b| half::f16::from_le_bytes([b[0], b[1]]).to_f32())
+                .collect(),
+            other => return Err(format!("array {name:?} is of {other:?}, allowed: F32, F16")),
+        };
+        check_length(name, values.len(), length)?;
+        Ok(values)
+    }
+
+    /// An array of f64 of exactly `length` entries.
+    pub fn f64(&self, name: &str, length: usize) -> Result<Vec<f64>, String> {
+        let (dtype, bytes) = self.raw(name)?;
+        if dtype != Dtype::F64 {
+            return Err(format!("array {name:?} is of {dtype:?}, allowed: F64"));
+        }
+        let eight = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("chunks of eight"));
+        let values: Vec<f64> = bytes.chunks_exact(8).map(eight).collect();
+        check_length(name, values.len(), length)?;
+        Ok(values)
+    }
+
+    /// Bytes.
+    pub fn bytes(&self, name: &str) -> Result<Cow<'a, [u8]>, String> {
+        self.raw(name).map(|(_, bytes)| bytes)
+    }
+}
+
+fn check_length(name: &str, got: usize, expected: usize) -> Result<(), String> {
+    if got == expected {
+        Ok(())
+    } else {
+        Err(format!("array {name:?} has {got} entries, expected {expected}"))
+    }
+}

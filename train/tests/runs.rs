@@ -1,0 +1,248 @@
+//! Runs on the real kernel: interrupted and continued, written and read back, exported.
+
+use jcas_core::{Config, Model};
+use jcas_evaluate::policy::Policy;
+use jcas_train::head::Head;
+use jcas_train::metrics::Row;
+use jcas_train::policy::files::{self, Precision};
+use jcas_train::policy::{LearnedPolicy, Mode, shape_of};
+use jcas_train::run::{Ending, Observer, Plan, Unwatched};
+use jcas_train::settings::{Imitation, NetworkKind, Preset, Settings};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+fn settings(network: NetworkKind) -> Settings {
+    Settings {
+        network,
+        head: Head::Hybrid,
+        actor_hidden: vec![24, 16],
+        critic_hidden: vec![24, 16],
+        environments: 8,
+        workers: 4,
+        batch_steps: 256,
+        total_steps: 4 * 256,
+        epochs: 2,
+        minibatch_rows: 128,
+        critic_minibatch_rows: 64,
+        shard_rows: 64,
+        normalise_inputs: network == NetworkKind::Mlp,
+        normalise_values: true,
+        evaluation_episodes: 2,
+        checkpoint_every: 2,
+        critic_warmup_iterations: 1,
+        imitation: Some(Imitation {
+            teacher: "teams:adaptive".into(),
+            iterations: 2,
+            epochs: 1,
+            learning_rate: 1e-3,
+            teacher_share: 0.5,
+            noise: 0.05,
+        }),
+        ..Settings::preset(Preset::Paper)
+    }
+}
+
+fn config() -> Config {
+    Config { uav_count: 4, hotspot_count: 3, horizon_steps: 20, ..Config::default() }
+}
+
+fn plan(name: &str, settings: Settings) -> Plan {
+    let out = std::env::temp_dir().join(format!("jcas-train-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&out);
+    Plan { settings, configs: vec![config()], out, name: name.into(), precision: Precision::Single }
+}
+
+/// Asks to stop after some iterations.
+struct StopAfter(u64);
+
+impl Observer for StopAfter {
+    fn iteration(&mut self, _row: &Row, _total: u64, _left_s: f64) {
+        self.0 -= 1;
+    }
+
+    fn stop(&mut self) -> bool {
+        self.0 == 0
+    }
+}
+
+fn weights(plan: &Plan) -> Vec<u8> {
+    std::fs::read(plan.out.join(files::WEIGHTS)).unwrap()
+}
+
+/// Stopped in imitation and again in PPO, or killed between checkpoints, a run ends with the same
+/// policy file, card and metrics (times apart) as one that was never stopped.
+#[test]
+fn a_resumed_run_ends_as_if_never_stopped() {
+    for network in [NetworkKind::Mlp, NetworkKind::Set] {
+        let whole = plan(&format!("whole-{network:?}"), settings(network));
+        whole.train(false, &mut Unwatched).unwrap();
+
+        let parts = plan(&format!("parts-{network:?}"), settings(network));
+        for stop in [1, 4] {
+            let ending = parts.train(true, &mut StopAfter(stop)).unwrap();
+            assert!(matches!(ending, Ending::Stopped));
+        }
+        parts.train(true, &mut Unwatched).unwrap();
+        assert_eq!(weights(&whole), weights(&parts));
+        let lines = |plan: &Plan| -> Vec<String> {
+            let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
+            // The first 17 columns are the same in every run; the rest are times.
+            text.lines().map(|line| line.split(',').take(17).collect::<Vec<_>>().join(",")).collect()
+        };
+        assert_eq!(lines(&whole), lines(&parts));
+        assert_eq!(lines(&whole).len(), 8);
+
+        let killed = plan(&format!("killed-{network:?}"), settings(network));
+        killed.train(false, &mut StopAfter(4)).unwrap();
+        // What a kill after the checkpoint of iteration 4 may leave: half a file beside it.
+        std::fs::write(killed.out.join("checkpoint.safetensors.part"), b"half").unwrap();
+        killed.train(true, &mut Unwatched).unwrap();
+        assert_eq!(weights(&whole), weights(&killed));
+        for plan in [whole, parts, killed] {
+            std::fs::remove_dir_all(plan.out).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
+    let first = plan("held", settings(NetworkKind::Mlp));
+    first.train(false, &mut StopAfter(1)).unwrap();
+    let again = first.train(false, &mut Unwatched).err().unwrap().to_string();
+    assert!(again.contains("--resume"), "{again}");
+    let mut other = first.clone();
+    other.settings.discount = 0.9;
+    let refused = other.train(true, &mut Unwatched).err().unwrap().to_string();
+    assert!(refused.contains("other settings"), "{refused}");
+    std::fs::remove_dir_all(first.out).unwrap();
+}
+
+fn observations(model: &Model<'static>) -> Vec<f32> {
+    let mut sim = jcas_core::Sim::new(model);
+    sim.reset(3);
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    for step in 0..6 {
+        let actions: Vec<f32> = (0..model.action_len())
+            .map(|k| ((k * 7 + step * 3) % 11) as f32 / 5.5 - 1.0)
+            .collect();
+        sim.step(&actions).unwrap();
+    }
+    sim.observe(&mut observations).unwrap();
+    observations
+}
+
+/// A policy read back acts as the trained one; in half precision nearly so.
+#[test]
+fn policies_read_back_as_written() {
+    let plan = plan("store", settings(NetworkKind::Mlp));
+    plan.train(false, &mut Unwatched).unwrap();
+    let model = Model::new(config()).unwrap();
+    let stored = files::load(&plan.out).unwrap();
+    stored.check(&model).unwrap();
+    let mut trainer = plan.trainer().unwrap();
+    while !trainer.finished() {
+        trainer.iterate();
+    }
+    let trained = Arc::new(plan.actor(&trainer));
+    assert_eq!(*stored.actor, *trained);
+
+    let shape = shape_of(&model);
+    files::save(&plan.out, &trained, &stored.card, &shape, Precision::Half).unwrap();
+    let half = files::load(&plan.out).unwrap();
+    let outputs = |actor| {
+        LearnedPolicy::new("p", actor, Mode::Deterministic).outputs(&shape, &observations(&model))
+    };
+    for (a, b) in outputs(trained).iter().zip(outputs(half.actor)) {
+        assert!((a - b).abs() < 0.02, "{a} {b}");
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// A mission of another size is refused with both sizes named.
+#[test]
+fn a_policy_that_does_not_fit_is_refused() {
+    let plan = plan("fit", settings(NetworkKind::Mlp));
+    plan.train(false, &mut Unwatched).unwrap();
+    let stored = files::load(&plan.out).unwrap();
+    let other = Model::new(Config { uav_count: 6, ..config() }).unwrap();
+    let refusal = stored.check(&other).unwrap_err().to_string();
+    for part in ["32", "38", "uav_count = 4", "uav_count = 6"] {
+        assert!(refusal.contains(part), "{part} is missing in: {refusal}");
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Sampled actions follow from the mission's seed alone.
+#[test]
+fn sampled_flights_repeat() {
+    let plan = plan("sampled", settings(NetworkKind::Set));
+    plan.train(false, &mut Unwatched).unwrap();
+    let stored = files::load(&plan.out).unwrap();
+    let model = Model::new(Config { uav_count: 7, hotspot_count: 2, ..config() }).unwrap();
+    stored.check(&model).unwrap();
+    let fly = |seed: u64| {
+        let mut policy = stored.policy(Some(Mode::Sampled));
+        let mut sim = jcas_core::Sim::new(&model);
+        jcas_evaluate::mission::fly_episode(&model, &mut sim, &mut policy, seed).unwrap();
+        assert_eq!(policy.name(), "sampled");
+        sim.state_hash()
+    };
+    assert_eq!(fly(5), fly(5));
+    assert_ne!(fly(5), fly(6));
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads.
+/// Needs a Python with `onnxruntime`, named by `JCAS_ONNX_PYTHON` (default `python3`).
+#[test]
+fn onnxruntime_gives_the_same_actions() {
+    let python = std::env::var("JCAS_ONNX_PYTHON").unwrap_or_else(|_| "python3".into());
+    let has = std::process::Command::new(&python).args(["-c", "import onnxruntime"]).output();
+    if !has.is_ok_and(|output| output.status.success()) {
+        eprintln!("{python} has no onnxruntime: not compared");
+        return;
+    }
+    for (network, head) in [
+        (NetworkKind::Mlp, Head::Gaussian),
+        (NetworkKind::Mlp, Head::Hybrid),
+        (NetworkKind::Set, Head::Hybrid),
+    ] {
+        let plan = plan(&format!("onnx-{network:?}-{head:?}"), Settings { head, ..settings(network) });
+        plan.train(false, &mut Unwatched).unwrap();
+        let model = Model::new(config()).unwrap();
+        let stored = files::load(&plan.out).unwrap();
+        let observations = observations(&model);
+        let shape = shape_of(&model);
+        let mut policy = LearnedPolicy::new("p", stored.actor.clone(), Mode::Deterministic);
+        let outputs = policy.outputs(&shape, &observations);
+        let actions: Vec<f32> = outputs
+            .chunks_exact(head.output_len())
+            .flat_map(|row| head.action(head.deterministic(row)))
+            .collect();
+        compare(&python, &plan.out, &observations, [&outputs, &actions], model.uav_count());
+        std::fs::remove_dir_all(&plan.out).unwrap();
+    }
+}
+
+fn compare(python: &str, folder: &PathBuf, input: &[f32], expected: [&[f32]; 2], rows: usize) {
+    let script = "
+import json, sys, numpy, onnxruntime
+given = json.load(sys.stdin)
+x = numpy.array(given['input'], dtype=numpy.float32).reshape(given['rows'], -1)
+session = onnxruntime.InferenceSession(sys.argv[1])
+for name, want in zip(('distribution', 'actions'), given['expected']):
+    got = session.run([name], {'observations': x})[0].ravel()
+    gap = float(numpy.abs(got - numpy.array(want, dtype=numpy.float32)).max())
+    assert gap < 1e-5, (name, gap)
+";
+    use std::io::Write;
+    let mut child = std::process::Command::new(python)
+        .args(["-c", script])
+        .arg(folder.join(files::ONNX))
+        .stdin(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let given = serde_json::json!({ "input": input, "rows": rows, "expected": expected });
+    child.stdin.take().unwrap().write_all(given.to_string().as_bytes()).unwrap();
+    assert!(child.wait().unwrap().success());
+}
