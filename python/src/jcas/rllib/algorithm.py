@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ray.rllib.algorithms.ppo import PPOConfig
+from ray.rllib.callbacks.callbacks import RLlibCallback
 from ray.rllib.core.rl_module.multi_rl_module import MultiRLModuleSpec
 from ray.rllib.core.rl_module.rl_module import RLModuleSpec
 
@@ -33,6 +34,9 @@ class Hyperparameters:
 
 
 PAPER = Hyperparameters()
+
+METRIC_OF = {"team_return": "return_sum", "success": "terminated", "mission_steps": "steps"}
+"""Names in RLlib's results, and the metrics of an episode behind them. Means over 100 missions."""
 
 
 def ppo_config(
@@ -79,8 +83,20 @@ def ppo_config(
             num_epochs=hyperparameters.epochs,
         )
         .fault_tolerance(restart_failed_env_runners=True, env_runner_health_probe_timeout_s=10)
+        .callbacks(MissionMetrics)
         .debugging(seed=seed, log_level="ERROR")
     )
+
+
+class MissionMetrics(RLlibCallback):  # type: ignore[misc]
+    """Logs what missions came to: the team's return, success, and mission time."""
+
+    def on_episode_end(self, *, episode: Any, metrics_logger: Any, **_: Any) -> None:
+        """Take the metrics that the environment left in the last info."""
+        agent = next(iter(episode.agent_episodes.values()))
+        metrics = agent.get_infos(-1)["metrics"]
+        for name, metric in METRIC_OF.items():
+            metrics_logger.log_value(name, float(metrics[metric]), reduce="mean", window=100)
 
 
 def _share(agent: str, episode: Any, **_: Any) -> str:

@@ -51,18 +51,18 @@ class JcasMultiAgentEnv(MultiAgentEnv):  # type: ignore[misc]
     def step(
         self, action_dict: dict[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
-        """Step every UAV; each agent receives its equal share of the team's reward.
-
-        Shares keep the sum over agents, which RLlib reports as the episode's return, equal to the team's.
-        """
+        """Step every UAV; each receives the team's reward. At the end its metrics stand in every info."""
         actions = np.stack([action_dict[agent] for agent in self.possible_agents])
         outcome = self.sim.step(actions)
-        share = outcome.reward / self.model.uav_count
         terminated = dict.fromkeys(self.possible_agents, outcome.terminated)
         truncated = dict.fromkeys(self.possible_agents, outcome.truncated)
         terminated["__all__"] = outcome.terminated
         truncated["__all__"] = outcome.truncated
-        return self._observations(), dict.fromkeys(self.possible_agents, share), terminated, truncated, {}
+        rewards = dict.fromkeys(self.possible_agents, outcome.reward)
+        infos: dict[str, Any] = {}
+        if outcome.terminated or outcome.truncated:
+            infos = dict.fromkeys(self.possible_agents, {"metrics": self.sim.metrics()})
+        return self._observations(), rewards, terminated, truncated, infos
 
     def _observations(self) -> dict[str, Any]:
         state = self.sim.observe_global()

@@ -15,21 +15,26 @@ from ..policy import Layer, MlpPolicy
 
 PAPER_HIDDEN = (512, 256, 128)
 
+LOG_STD = (-2.3, 1.0)
+"""Bounds of the log standard deviation: from a quarter of a motion's bin to beyond the whole range."""
+
 
 class CentralCriticModule(TorchRLModule, ValueFunctionAPI):  # type: ignore[misc]
-    """A Gaussian actor on `observation` and a value function on `state`, both plain MLPs."""
+    """A Gaussian actor on `observation` and a value function on `state`, both plain MLPs.
+
+    As in RLlib's own modules the actor gives the means and the log standard deviations.
+    """
 
     def setup(self) -> None:
         """Build the networks from the spaces and `model_config["hidden"]`."""
         hidden = self.model_config.get("hidden", PAPER_HIDDEN)
-        actions = self.action_space.shape[0]
-        self.actor = mlp(self.observation_space["observation"].shape[0], hidden, actions, output_gain=0.01)
+        outputs = 2 * self.action_space.shape[0]
+        self.actor = mlp(self.observation_space["observation"].shape[0], hidden, outputs, output_gain=0.01)
         self.critic = mlp(self.observation_space["state"].shape[0], hidden, 1, output_gain=1.0)
-        self.log_std = nn.Parameter(torch.full((actions,), float(self.model_config.get("log_std", 0.0))))
 
     def _forward(self, batch: dict[str, Any], **_: Any) -> dict[str, Any]:
-        mean = self.actor(batch[Columns.OBS]["observation"])
-        return {Columns.ACTION_DIST_INPUTS: torch.cat([mean, self.log_std.expand_as(mean)], dim=-1)}
+        mean, log_std = self.actor(batch[Columns.OBS]["observation"]).chunk(2, dim=-1)
+        return {Columns.ACTION_DIST_INPUTS: torch.cat([mean, log_std.clamp(*LOG_STD)], dim=-1)}
 
     def compute_values(self, batch: dict[str, Any], embeddings: Any = None) -> Any:
         """Give the value of the global state."""
@@ -56,8 +61,8 @@ def _linear(inputs: int, outputs: int, gain: float) -> nn.Linear:
 def export_policy(module: CentralCriticModule) -> MlpPolicy:
     """Take the actor out as a policy that runs on NumPy alone."""
     linears = [layer for layer in module.actor if isinstance(layer, nn.Linear)]
-    layers = [Layer(_array(linear.weight), _array(linear.bias)) for linear in linears]
-    return MlpPolicy(layers, log_std=_array(module.log_std))
+    layers = [Layer(_array(linear.weight.T), _array(linear.bias)) for linear in linears]
+    return MlpPolicy(layers, head="gaussian")
 
 
 def _array(parameter: Any) -> Any:

@@ -1,0 +1,80 @@
+"""The kernel's shared library: found, loaded, and its statuses turned into errors."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from . import _abi
+from .errors import ActionError, ConfigError, EpisodeOverError, JcasError, SnapshotError
+
+_SUFFIXES = (".so", ".dylib", ".dll")
+_MESSAGE_CAPACITY = 1024
+
+_ERRORS: dict[int, type[JcasError]] = {
+    _abi.JCAS_ERROR_CONFIG: ConfigError,
+    _abi.JCAS_ERROR_NAN: ActionError,
+    _abi.JCAS_ERROR_EPISODE_OVER: EpisodeOverError,
+    _abi.JCAS_ERROR_CORRUPT: SnapshotError,
+    _abi.JCAS_ERROR_MODEL_MISMATCH: SnapshotError,
+}
+
+
+def _load() -> ctypes.CDLL:
+    path = os.environ.get("JCAS_LIBRARY") or _bundled()
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise JcasError(f"cannot load the kernel's library {path}: {error}") from error
+    _abi.declare(library)
+    if library.jcas_abi_check(_abi.JCAS_ABI_VERSION):
+        raise JcasError(
+            f"{path} has version {library.jcas_abi_version():#x} of the interface, "
+            f"this package needs {_abi.JCAS_ABI_VERSION:#x}"
+        )
+    return library
+
+
+def _bundled() -> Path:
+    folder = Path(__file__).parent / "_native"
+    for file in sorted(folder.glob("*")):
+        if file.suffix in _SUFFIXES:
+            return file
+    raise JcasError(
+        f"{folder} holds no library: install the package (pip install ./python), "
+        "or name a library in JCAS_LIBRARY"
+    )
+
+
+lib = _load()
+
+
+def fail(status: int, message: str = "") -> None:
+    """Raise the error of a status, with the kernel's own words where it has some."""
+    words = message or lib.jcas_status_string(status).decode()
+    raise _ERRORS.get(status, JcasError)(words, status)
+
+
+def check(status: int) -> None:
+    """Raise unless a status is good."""
+    if status:
+        fail(status)
+
+
+def check_with_message(call: Callable[[ctypes.Array[ctypes.c_char], int], int]) -> None:
+    """Make a call that takes a buffer for the reason of a refusal, and raise with that reason."""
+    message = ctypes.create_string_buffer(_MESSAGE_CAPACITY)
+    status = call(message, _MESSAGE_CAPACITY)
+    if status:
+        fail(status, message.value.decode("utf-8", "replace"))
+
+
+def read_text(call: Callable[[ctypes.Array[ctypes.c_char] | None, int, object], int]) -> str:
+    """Make a call that gives a text: once for its length, once for itself."""
+    length = ctypes.c_size_t()
+    check(call(None, 0, ctypes.byref(length)))
+    text = ctypes.create_string_buffer(length.value + 1)
+    check(call(text, len(text), ctypes.byref(length)))
+    return text.value.decode()

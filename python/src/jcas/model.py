@@ -1,0 +1,99 @@
+"""The model: a legal configuration with everything that can be worked out before the first step."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+from gymnasium import spaces
+
+from . import _abi
+from ._library import check, check_with_message, lib
+from .config import Config, ConfigLike
+
+
+@dataclass(frozen=True)
+class Radio:
+    """Radar and link between two cells, at a pilot density of the sender."""
+
+    sensing_snr_db: float
+    detection_probability: float
+    comm_snr_db: float
+    link_throughput: float
+
+
+class Model:
+    """An immutable model; any number of simulations and batches may share one.
+
+    Args:
+        config: see :class:`~jcas.Config`.
+        **fields: fields that replace those of `config`.
+
+    """
+
+    def __init__(self, config: ConfigLike = None, **fields: object) -> None:
+        self.config = config if isinstance(config, Config) and not fields else Config(config, **fields)
+        handle = ctypes.c_void_p()
+        check_with_message(
+            lambda message, capacity: lib.jcas_model_new(
+                ctypes.byref(self.config.record), ctypes.byref(handle), message, capacity
+            )
+        )
+        self.handle = handle
+        weakref.finalize(self, lib.jcas_model_free, handle)
+        info = _abi.jcas_model_info(struct_size=ctypes.sizeof(_abi.jcas_model_info))
+        check(lib.jcas_model_get_info(handle, ctypes.byref(info)))
+        self.uav_count: int = info.uav_count
+        self.hotspot_count: int = info.hotspot_count
+        self.neighbour_slots: int = info.neighbour_slots
+        self.observation_len: int = info.observation_len
+        self.global_len: int = info.global_len
+        self.snapshot_size: int = info.snapshot_size
+        self.config_hash: int = info.config_hash
+        self.battery_capacity_uj: int = info.battery_capacity_uj
+        self.detection_threshold_db: float = info.detection_threshold_db
+
+    def __reduce__(self) -> tuple[type[Model], tuple[Config]]:
+        return (Model, (self.config,))
+
+    def radio(self, dx: int, dy: int, pilot_density: float) -> Radio:
+        """Radar and link over an offset of cells."""
+        radio = _abi.jcas_radio(struct_size=ctypes.sizeof(_abi.jcas_radio))
+        check(lib.jcas_model_get_radio(self.handle, dx, dy, pilot_density, ctypes.byref(radio)))
+        return Radio(
+            radio.sensing_snr_db, radio.detection_probability, radio.comm_snr_db, radio.link_throughput
+        )
+
+    def depots(self) -> list[tuple[int, int]]:
+        """Return the depots in force: those of the configuration, or the one in the middle."""
+        record = self.config.record
+        if record.depot_count == 0:
+            return [(record.grid_width // 2, record.grid_height // 2)]
+        return [(cell.x, cell.y) for cell in record.depots[: record.depot_count]]
+
+    def observation_space(self, uavs: int | None = None) -> spaces.Box:
+        """Describe one UAV's observation, or the rows of so many UAVs."""
+        low = np.full(self.observation_len, -1.0, np.float32)
+        high = np.ones(self.observation_len, np.float32)
+        high[4] = self._throughput_max()
+        if uavs is not None:
+            low, high = np.tile(low, (uavs, 1)), np.tile(high, (uavs, 1))
+        return spaces.Box(low, high, dtype=np.float32)
+
+    def global_space(self) -> spaces.Box:
+        """Describe the global state."""
+        high = np.ones(self.global_len, np.float32)
+        high[4 : 6 * self.uav_count : 6] = self._throughput_max()
+        return spaces.Box(np.full(self.global_len, -1.0, np.float32), high, dtype=np.float32)
+
+    def _throughput_max(self) -> np.float32:
+        """Bound mean throughput: a neighbour in one's own cell at the lowest pilot density."""
+        nearest = self.radio(0, 0, float(self.config["pilot_density_min"])).link_throughput
+        return np.nextafter(np.float32(max(nearest, 1.0)), np.float32(np.inf))
+
+
+def derive_seed(seed: int, index: int) -> int:
+    """Return the seed with the given index that follows from a seed, as the command line derives them."""
+    return int(lib.jcas_derive_seed(seed, index))

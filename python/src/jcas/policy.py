@@ -1,0 +1,301 @@
+"""Trained policies: read from files, flown on NumPy or ONNX Runtime, written by trainers.
+
+A policy lies in a folder: weights (`policy.safetensors`), the same function for other programs
+(`policy.onnx`), and a card (`policy.json`) that says what it is and what it was trained on. `jcas train`
+writes all three, `jcas.rllib` the first and the last.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from .config import Config
+from .errors import MissingDependencyError, PolicyError
+from .model import Model
+from .spaces import MOTIONS, motion_to_command
+
+Array = npt.NDArray[np.float32]
+Head = Literal["gaussian", "hybrid"]
+
+HEAD_OUTPUTS = {"gaussian": 4, "hybrid": len(MOTIONS) + 2}
+LOG_STD = (-2.3, 1.0)
+"""Bounds of a Gaussian head's log standard deviation."""
+
+CARD = "policy.json"
+WEIGHTS = "policy.safetensors"
+ONNX = "policy.onnx"
+CARD_FORMAT = 1
+
+INPUTS_CLIP = 10.0
+"""Normalised observations are clipped to this on either side."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A linear layer: weights [inputs, outputs] and biases [outputs]."""
+
+    weight: Array
+    bias: Array
+
+
+class MlpPolicy:
+    """Linear layers with ReLU between them, evaluated by NumPy.
+
+    Args:
+        layers: from the observation to the head's outputs.
+        head: `gaussian` (two means, two log standard deviations) or `hybrid` (five motion logits, two
+            parameters of a Beta distribution of the pilot density).
+        inputs: mean and scale by which observations are normalised first.
+        constant_pilot: a pilot command that is held whatever the outputs say.
+        config: the configuration that the policy was trained on.
+
+    """
+
+    def __init__(
+        self,
+        layers: Sequence[Layer],
+        head: Head = "gaussian",
+        *,
+        inputs: tuple[Array, Array] | None = None,
+        constant_pilot: float | None = None,
+        config: Config | None = None,
+    ) -> None:
+        if head not in HEAD_OUTPUTS:
+            raise PolicyError(f"head = {head!r}: must be one of {', '.join(HEAD_OUTPUTS)}")
+        widths = [(layer.weight.shape, layer.bias.shape) for layer in layers]
+        chained = all(left[0][1] == right[0][0] for left, right in zip(widths, widths[1:], strict=False))
+        if not widths or not chained or any(weight[1:] != bias for weight, bias in widths):
+            raise PolicyError(f"layers of shapes {widths} do not follow on each other")
+        if widths[-1][1] != (HEAD_OUTPUTS[head],):
+            raise PolicyError(f"{widths[-1][1][0]} outputs: a {head} head must have {HEAD_OUTPUTS[head]}")
+        self.layers = list(layers)
+        self.head = head
+        self.inputs = inputs
+        self.constant_pilot = constant_pilot
+        self.config = config
+
+    @property
+    def observation_len(self) -> int:
+        """Length of the observations that the policy reads."""
+        return int(self.layers[0].weight.shape[0])
+
+    def check(self, model: Model) -> None:
+        """Refuse a model whose observations do not fit."""
+        _check_length(self.observation_len, model)
+
+    def outputs(self, observations: Array) -> Array:
+        """Evaluate the network: [..., observation length] to [..., outputs]."""
+        hidden = np.asarray(observations, np.float32)
+        if self.inputs is not None:
+            hidden = np.clip((hidden - self.inputs[0]) / self.inputs[1], -INPUTS_CLIP, INPUTS_CLIP)
+        for layer in self.layers[:-1]:
+            hidden = np.maximum(hidden @ layer.weight + layer.bias, 0)
+        last = self.layers[-1]
+        return np.asarray(hidden @ last.weight + last.bias, np.float32)
+
+    def act(
+        self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None
+    ) -> Array:
+        """Choose actions: [..., observation length] to [..., 2].
+
+        Deterministic actions take the most likely motion and the mean pilot density; sampled ones need a
+        generator.
+        """
+        if not deterministic and rng is None:
+            raise PolicyError("deterministic = False: sampled actions need rng, a NumPy generator")
+        sampler = None if deterministic else rng
+        actions = decode(self.head, self.outputs(observations), sampler)
+        if self.constant_pilot is not None:
+            actions[..., 1] = self.constant_pilot
+        return actions
+
+
+    def save(self, folder: str | os.PathLike[str], name: str, config: Config, about: Mapping[str, Any]) -> None:
+        """Write weights and card.
+
+        Args:
+            folder: where to; made if it is not there.
+            name: of the policy, in reports.
+            config: what it was trained on.
+            about: whatever else the card should tell, such as the trainer's settings.
+
+        """
+        try:
+            from safetensors.numpy import save_file
+        except ImportError as error:
+            raise MissingDependencyError("safetensors", "writing a policy", "policy") from error
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        arrays: dict[str, Array] = {}
+        for index, layer in enumerate(self.layers):
+            arrays[f"{index}.weight"] = np.ascontiguousarray(layer.weight, np.float32)
+            arrays[f"{index}.bias"] = np.ascontiguousarray(layer.bias, np.float32).reshape(1, -1)
+        if self.inputs is not None:
+            arrays["inputs.offset"], arrays["inputs.scale"] = self.inputs
+        sizes = [self.observation_len, *(layer.weight.shape[1] for layer in self.layers)]
+        card = {
+            "format": CARD_FORMAT,
+            "name": name,
+            "head": self.head,
+            "architecture": {"kind": "mlp", "sizes": sizes},
+            "normalised_inputs": self.inputs is not None,
+            "constant_pilot_density": None,
+            "mode": "deterministic",
+            "trained_on": [[config["uav_count"], config["hotspot_count"]]],
+            "config": dict(config),
+            "config_hash": f"0x{config.hash:016x}",
+            **about,
+        }
+        _write_whole(target / WEIGHTS, lambda path: save_file(arrays, path))
+        text = json.dumps(card, indent=2) + "\n"
+        _write_whole(target / CARD, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def decode(head: Head, outputs: Array, rng: np.random.Generator | None) -> Array:
+    """Turn a head's outputs into actions: the most likely ones, or draws where there is a generator."""
+    actions = np.empty((*outputs.shape[:-1], 2), np.float32)
+    if head == "gaussian":
+        actions[:] = outputs[..., :2]
+        if rng is not None:
+            deviation = np.exp(np.clip(outputs[..., 2:], *LOG_STD))
+            actions += deviation * rng.standard_normal(actions.shape, np.float32)
+        return np.clip(actions, -1, 1)
+    logits = outputs[..., : len(MOTIONS)]
+    concentration = 1 + np.logaddexp(0, outputs[..., len(MOTIONS) :])
+    alpha, beta = concentration[..., 0], concentration[..., 1]
+    if rng is None:
+        motion, pilot = logits.argmax(axis=-1), alpha / (alpha + beta)
+    else:
+        motion = (logits + rng.gumbel(size=logits.shape)).argmax(axis=-1)
+        pilot = rng.beta(alpha, beta)
+    actions[..., 0] = motion_to_command(motion)
+    actions[..., 1] = 2 * pilot - 1
+    return actions
+
+
+def _check_length(length: int, model: Model) -> None:
+    if length != model.observation_len:
+        raise PolicyError(
+            f"the policy reads observations of length {length}, those of this configuration have length "
+            f"{model.observation_len} ({model.uav_count} UAVs, {model.hotspot_count} hotspots)"
+        )
+
+
+class OnnxPolicy:
+    """A policy in ONNX, evaluated by ONNX Runtime: the way to fly networks other than an MLP.
+
+    Args:
+        path: the file; its inputs are `observations`, its outputs `distribution` and `actions`.
+        head: which distribution the outputs describe, for sampling.
+        config: the configuration that the policy was trained on.
+        threads: of ONNX Runtime.
+
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        head: Head = "gaussian",
+        *,
+        config: Config | None = None,
+        threads: int = 1,
+    ) -> None:
+        try:
+            import onnxruntime
+        except ImportError as error:
+            raise MissingDependencyError("onnxruntime", "an ONNX policy", "onnx") from error
+        settings = onnxruntime.SessionOptions()
+        settings.intra_op_num_threads = threads
+        try:
+            self._session: Any = onnxruntime.InferenceSession(
+                str(path), settings, providers=["CPUExecutionProvider"]
+            )
+        except Exception as error:
+            raise PolicyError(f"{path}: not read by ONNX Runtime: {error}") from error
+        self.head = head
+        self.config = config
+        self.observation_len = int(self._session.get_inputs()[0].shape[1])
+
+    def check(self, model: Model) -> None:
+        """Refuse a model whose observations do not fit."""
+        _check_length(self.observation_len, model)
+
+    def act(
+        self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None
+    ) -> Array:
+        """Choose actions, as :meth:`MlpPolicy.act`."""
+        rows = np.ascontiguousarray(observations, np.float32).reshape(-1, self.observation_len)
+        wanted = "actions" if deterministic else "distribution"
+        (values,) = self._session.run([wanted], {"observations": rows})
+        if not deterministic:
+            if rng is None:
+                raise PolicyError("deterministic = False: sampled actions need rng, a NumPy generator")
+            values = decode(self.head, values, rng)
+        return np.asarray(values, np.float32).reshape(*observations.shape[:-1], 2)
+
+
+def load_policy(path: str | os.PathLike[str]) -> MlpPolicy | OnnxPolicy:
+    """Read a policy: its folder, or an `.onnx` file by itself.
+
+    From a folder an MLP is read from its weights and needs safetensors; any other network is read from
+    its ONNX file and needs onnxruntime.
+    """
+    given = Path(path)
+    if given.suffix == ".onnx":
+        return OnnxPolicy(given)
+    card_path = given / CARD
+    try:
+        card = json.loads(card_path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise PolicyError(f"{card_path}: not JSON: {error}") from error
+    if card.get("format") != CARD_FORMAT:
+        raise PolicyError(f"{card_path}: format = {card.get('format')}: must be {CARD_FORMAT}")
+    config = Config(card["config"])
+    if card["architecture"]["kind"] != "mlp":
+        return OnnxPolicy(given / ONNX, card["head"], config=config)
+    return _load_mlp(given / WEIGHTS, card, config)
+
+
+def _load_mlp(path: Path, card: dict[str, Any], config: Config) -> MlpPolicy:
+    try:
+        from safetensors import SafetensorError
+        from safetensors.numpy import load_file
+    except ImportError as error:
+        raise MissingDependencyError("safetensors", "reading a policy", "policy") from error
+    try:
+        arrays = {name: array.astype(np.float32) for name, array in load_file(path).items()}
+    except SafetensorError as error:
+        raise PolicyError(f"{path}: not safetensors: {error}") from error
+    try:
+        depth = len(card["architecture"]["sizes"]) - 1
+        layers = [Layer(arrays[f"{index}.weight"], arrays[f"{index}.bias"].reshape(-1)) for index in range(depth)]
+        inputs = (arrays["inputs.offset"], arrays["inputs.scale"]) if card["normalised_inputs"] else None
+    except KeyError as error:
+        raise PolicyError(f"{path}: there is no array {error}") from error
+    return MlpPolicy(
+        layers, card["head"], inputs=inputs, constant_pilot=_pilot_command(card, config), config=config
+    )
+
+
+def _pilot_command(card: dict[str, Any], config: Config) -> float | None:
+    """Turn the pilot density that a policy holds into the command that gives it."""
+    density = card.get("constant_pilot_density")
+    if density is None:
+        return None
+    low, high = config["pilot_density_min"], config["pilot_density_max"]
+    return 2 * (density - low) / (high - low) - 1 if high > low else 0.0
+
+
+def _write_whole(path: Path, write: Callable[[Path], Any]) -> None:
+    """Write under another name and rename, so that no half-written file ever carries the name."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    write(temporary)
+    temporary.replace(path)

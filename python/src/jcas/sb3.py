@@ -1,0 +1,87 @@
+"""Stable-Baselines3 over the batch call: every UAV of every mission is one of its environments.
+
+All UAVs share one policy, as in the paper; Stable-Baselines3 sees M · N environments that happen to end
+together and to be paid alike within a mission.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .config import ConfigLike
+from .errors import MissingDependencyError
+from .spaces import uav_action_space
+from .vector import FleetVectorEnv, make_vec
+
+try:
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError as error:
+    raise MissingDependencyError("stable-baselines3", "jcas.sb3", "sb3") from error
+
+
+class FleetVecEnv(VecEnv):  # type: ignore[misc]
+    """M missions of N UAVs as a Stable-Baselines3 vector environment of M · N members."""
+
+    def __init__(self, config: ConfigLike = None, missions: int = 16, **options: Any) -> None:
+        self.envs: FleetVectorEnv = make_vec(config, missions, copy=True, **options)
+        self.uavs = self.envs.model.uav_count
+        self._actions: npt.NDArray[np.float32] | None = None
+        super().__init__(missions * self.uavs, self.envs.model.observation_space(), uav_action_space("box"))
+
+    def reset(self) -> npt.NDArray[np.float32]:
+        """Begin an episode in every mission."""
+        seed = self._seeds[0]
+        self._reset_seeds()
+        return self._rows(self.envs.reset(seed=seed)[0])
+
+    def step_async(self, actions: npt.NDArray[np.float32]) -> None:
+        """Take the actions of the coming step."""
+        self._actions = np.asarray(actions, np.float32).reshape(self.envs.num_envs, self.uavs, 2)
+
+    def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
+        """Step every mission; ended ones begin anew, their last observations are kept in the infos."""
+        observations, rewards, terminated, truncated, infos = self.envs.step(self._actions)
+        members: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        ended = terminated | truncated
+        for mission in np.flatnonzero(ended).tolist():
+            metrics = {name: values[mission] for name, values in infos["final_info"]["metrics"].items()}
+            episode = {"r": float(metrics["return_sum"]), "l": int(metrics["steps"]), "t": 0.0}
+            for uav in range(self.uavs):
+                members[mission * self.uavs + uav] = {
+                    "terminal_observation": infos["final_obs"][mission, uav],
+                    "TimeLimit.truncated": bool(truncated[mission]),
+                    "metrics": metrics,
+                    "episode": episode,
+                    "is_success": bool(terminated[mission]),
+                }
+        return self._rows(observations), np.repeat(rewards, self.uavs), np.repeat(ended, self.uavs), members
+
+    def close(self) -> None:
+        """Release the missions."""
+        self.envs.close()
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Read an attribute of the missions, once for each member asked for."""
+        return [getattr(self.envs, attr_name)] * len(self._chosen(indices))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Refuse: members of a batch have no attributes of their own."""
+        raise AttributeError(f"{attr_name}: the members of a batch cannot be changed one by one")
+
+    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+        """Call a method of the missions, once for each member asked for."""
+        return [getattr(self.envs, method_name)(*method_args, **method_kwargs) for _ in self._chosen(indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Members are never wrapped."""
+        return [False] * len(self._chosen(indices))
+
+    def _rows(self, observations: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        return observations.reshape(self.num_envs, -1)
+
+    def _chosen(self, indices: Any) -> Sequence[int]:
+        return list(self._get_indices(indices))

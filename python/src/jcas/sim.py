@@ -1,0 +1,292 @@
+"""One simulation: stepping, observing, every quantity of its state, snapshots and forks."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _abi
+from ._library import check, fail, lib, read_text
+from .errors import ActionError
+from .model import Model
+from .scene import Scene
+
+Floats = npt.NDArray[np.float32]
+
+UAV = np.dtype(_abi.jcas_uav)
+HOTSPOT = np.dtype(_abi.jcas_hotspot)
+
+
+def _reward_names() -> tuple[str, ...]:
+    names, index = [], 0
+    while (name := lib.jcas_reward_name(index)) is not None:
+        names.append(name.decode())
+        index += 1
+    return tuple(names)
+
+
+REWARD_NAMES = _reward_names()
+"""The components of a reward, in the order in which they are summed."""
+
+
+@dataclass(frozen=True)
+class StepOutcome:
+    """What a step came to: the team's reward, and whether and how the episode ended."""
+
+    reward: float
+    terminated: bool
+    truncated: bool
+
+
+class Sim:
+    """One state of a model. Equal models, seeds and actions give equal bits, everywhere.
+
+    Args:
+        model: the model; kept alive by its simulations.
+        seed: of the first episode.
+
+    """
+
+    def __init__(self, model: Model, seed: int = 0) -> None:
+        self.model = model
+        handle = ctypes.c_void_p()
+        check(lib.jcas_sim_new(model.handle, ctypes.byref(handle)))
+        self.handle = handle
+        weakref.finalize(self, _free, handle, model)
+        self._outcome = _abi.jcas_outcome(struct_size=ctypes.sizeof(_abi.jcas_outcome))
+        self._action_len = 2 * model.uav_count
+        if seed:
+            self.reset(seed)
+
+    def __reduce__(self) -> tuple[Any, tuple[Model, bytes]]:
+        return (_restore, (self.model, self.save()))
+
+    def reset(self, seed: int) -> None:
+        """Begin the episode of a seed."""
+        self._check(lib.jcas_sim_reset(self.handle, seed & (2**64 - 1)))
+
+    def step(self, actions: npt.ArrayLike) -> StepOutcome:
+        """Take one step. `actions` is [N, 2]: (u_dir, u_pilot) of each UAV, clipped to -1 to 1."""
+        pairs = np.ascontiguousarray(actions, dtype=np.float32)
+        if pairs.shape != (self.model.uav_count, 2):
+            raise ActionError(f"actions have shape {pairs.shape}: must be ({self.model.uav_count}, 2)")
+        outcome = self._outcome
+        status = lib.jcas_sim_step(self.handle, pairs.ctypes.data, self._action_len, ctypes.byref(outcome))
+        if status:
+            self._fail(status)
+        return StepOutcome(outcome.reward, outcome.terminated != 0, outcome.truncated != 0)
+
+    def observe(self, out: Floats | None = None) -> Floats:
+        """Observe: a row for each UAV, [N, observation length], written into `out` where given."""
+        shape = (self.model.uav_count, self.model.observation_len)
+        rows = np.empty(shape, np.float32) if out is None else _writable(out, shape)
+        self._check(lib.jcas_sim_observe(self.handle, rows.ctypes.data, rows.size))
+        return rows
+
+    def observe_global(self, out: Floats | None = None) -> Floats:
+        """Observe the global state, [global length], for a centralised critic."""
+        row = np.empty(self.model.global_len, np.float32) if out is None else _writable(out, (self.model.global_len,))
+        self._check(lib.jcas_sim_observe_global(self.handle, row.ctypes.data, row.size))
+        return row
+
+    # Quantities of the state.
+
+    def episode(self) -> _abi.jcas_episode:
+        """Time, phase and the fleet's ledgers, as a record of the C interface."""
+        episode = _abi.jcas_episode(struct_size=ctypes.sizeof(_abi.jcas_episode))
+        self._check(lib.jcas_sim_get_episode(self.handle, ctypes.byref(episode)))
+        return episode
+
+    @property
+    def t(self) -> int:
+        """Steps since the reset."""
+        return int(self.episode().t)
+
+    @property
+    def seed(self) -> int:
+        """Seed of the episode."""
+        return int(self.episode().seed)
+
+    @property
+    def terminated(self) -> bool:
+        """Whether the episode ended because every hotspot is informed."""
+        return self.episode().terminated != 0
+
+    @property
+    def truncated(self) -> bool:
+        """Whether the episode ended at its horizon."""
+        return self.episode().truncated != 0
+
+    @property
+    def mean_throughput(self) -> float:
+        """Mean normalised throughput over all UAVs in the last step."""
+        return float(self.episode().mean_throughput)
+
+    def uavs(self) -> npt.NDArray[np.void]:
+        """Every quantity of every UAV, as a structured array with the fields of the C interface."""
+        uavs = np.empty(self.model.uav_count, UAV)
+        self._check(lib.jcas_sim_get_uavs(self.handle, uavs.ctypes.data_as(_UAV), uavs.size, UAV.itemsize))
+        return uavs
+
+    def hotspots(self) -> npt.NDArray[np.void]:
+        """Every quantity of every hotspot, as a structured array with the fields of the C interface."""
+        hotspots = np.empty(self.model.hotspot_count, HOTSPOT)
+        self._check(
+            lib.jcas_sim_get_hotspots(
+                self.handle, hotspots.ctypes.data_as(_HOTSPOT), hotspots.size, HOTSPOT.itemsize
+            )
+        )
+        return hotspots
+
+    def cells(self) -> npt.NDArray[np.uint32]:
+        """Cells of the UAVs, [N, 2]; y grows upwards."""
+        return _cells(self.uavs())
+
+    def batteries_uj(self) -> npt.NDArray[np.uint64]:
+        """What the batteries hold, in microjoules, [N]."""
+        return self.uavs()["battery_uj"].copy()
+
+    def soc(self) -> npt.NDArray[np.float64]:
+        """States of charge, 0 to 1, [N]."""
+        return self.uavs()["battery_uj"] / self.model.battery_capacity_uj
+
+    def pilot_densities(self) -> npt.NDArray[np.float64]:
+        """Pilot densities, [N]."""
+        return self.uavs()["pilot_density"].copy()
+
+    def hotspot_cells(self) -> npt.NDArray[np.uint32]:
+        """Cells of the hotspots, [n, 2]."""
+        return _cells(self.hotspots())
+
+    def confirmed(self) -> npt.NDArray[np.bool_]:
+        """Which hotspots are confirmed, [n]."""
+        return self.hotspots()["confirmed"] != 0
+
+    def informed(self) -> npt.NDArray[np.bool_]:
+        """Which hotspots every UAV knows, [n]."""
+        return self.hotspots()["informed"] != 0
+
+    def links(self) -> npt.NDArray[np.bool_]:
+        """Who hears whom, [N, N]."""
+        return self._flags(lib.jcas_sim_get_links, (self.model.uav_count, self.model.uav_count))
+
+    def knowledge(self) -> npt.NDArray[np.bool_]:
+        """Which UAV knows which hotspot, [N, n]."""
+        return self._flags(lib.jcas_sim_get_knowledge, (self.model.uav_count, self.model.hotspot_count))
+
+    def visited(self) -> npt.NDArray[np.bool_]:
+        """Cells that any UAV has been in, [H, W]."""
+        record = self.model.config.record
+        return self._flags(lib.jcas_sim_get_visited, (record.grid_height, record.grid_width))
+
+    def reward_components(self) -> dict[str, float]:
+        """Give the components of the last reward by name; their sum, in order, is the reward."""
+        values = np.empty(len(REWARD_NAMES))
+        self._check(lib.jcas_sim_get_rewards(self.handle, values.ctypes.data, values.size))
+        return dict(zip(REWARD_NAMES, values.tolist(), strict=True))
+
+    def metrics(self) -> dict[str, Any]:
+        """What the episode came to, so far."""
+        metrics = _abi.jcas_metrics(struct_size=ctypes.sizeof(_abi.jcas_metrics))
+        self._check(lib.jcas_sim_get_metrics(self.handle, ctypes.byref(metrics)))
+        values = {name: getattr(metrics, name) for name, *_ in metrics._fields_ if name != "struct_size"}
+        return {**values, "terminated": metrics.terminated != 0, "truncated": metrics.truncated != 0}
+
+    # Snapshots.
+
+    def state_hash(self) -> int:
+        """Fingerprint of the state: equal for equal states, on every platform."""
+        value = ctypes.c_uint64()
+        self._check(lib.jcas_sim_hash(self.handle, ctypes.byref(value)))
+        return value.value
+
+    def save(self) -> bytes:
+        """Save the state as bytes that mean the same on every platform."""
+        snapshot = ctypes.create_string_buffer(self.model.snapshot_size)
+        self._check(lib.jcas_sim_save(self.handle, snapshot, len(snapshot)))
+        return snapshot.raw
+
+    def load(self, snapshot: bytes) -> None:
+        """Take up a saved state of an equal configuration; anything else is refused and changes nothing."""
+        self._check(lib.jcas_sim_load(self.handle, snapshot, len(snapshot)))
+
+    def fork(self) -> Sim:
+        """Return an independent twin in the same state."""
+        twin = Sim(self.model)
+        self._check(lib.jcas_sim_fork(self.handle, twin.handle))
+        return twin
+
+    def scene(self, trail: tuple[npt.NDArray[np.uint32], ...] = ()) -> Scene:
+        """What a picture of this moment shows."""
+        config, uavs, hotspots = self.model.config, self.uavs(), self.hotspots()
+        episode, metrics = self.episode(), self.metrics()
+        ended = "success" if episode.terminated else "horizon reached" if episode.truncated else ""
+        return Scene(
+            grid_width=config["grid_width"],
+            grid_height=config["grid_height"],
+            t=episode.t,
+            horizon_steps=config["horizon_steps"],
+            cells=_cells(uavs),
+            soc=uavs["battery_uj"] / self.model.battery_capacity_uj,
+            pilot_density=uavs["pilot_density"],
+            pilot_density_min=config["pilot_density_min"],
+            pilot_density_max=config["pilot_density_max"],
+            grounded=uavs["grounded"] != 0,
+            returning=uavs["returning"] != 0,
+            links=self.links(),
+            depots=np.array(self.model.depots()),
+            hotspots=_cells(hotspots),
+            confirmed=hotspots["confirmed"] != 0,
+            informed=hotspots["informed"] != 0,
+            share_knowing=self.knowledge().mean(axis=0),
+            outcome=ended,
+            readings=(
+                ("Return", f"{metrics['return_sum']:.2f}"),
+                ("Throughput", f"{episode.mean_throughput:.2f}"),
+                ("Energy spent", f"{metrics['energy_kwh']:.3f} kWh"),
+                ("CO2", f"{1000 * metrics['co2_kg']:.1f} g"),
+            ),
+            trail=trail,
+        )
+
+    def _flags(self, read: Any, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+        flags = np.empty(shape, np.bool_)
+        self._check(read(self.handle, flags.ctypes.data, flags.size))
+        return flags
+
+    def _check(self, status: int) -> None:
+        if status:
+            self._fail(status)
+
+    def _fail(self, status: int) -> None:
+        fail(status, read_text(lambda out, size, length: lib.jcas_sim_message(self.handle, out, size, length)))
+
+
+_UAV = ctypes.POINTER(_abi.jcas_uav)
+_HOTSPOT = ctypes.POINTER(_abi.jcas_hotspot)
+
+
+def _free(handle: ctypes.c_void_p, model: Model) -> None:
+    """Free a simulation; that `model` is an argument keeps it alive until then."""
+    lib.jcas_sim_free(handle)
+
+
+def _restore(model: Model, snapshot: bytes) -> Sim:
+    sim = Sim(model)
+    sim.load(snapshot)
+    return sim
+
+
+def _cells(records: npt.NDArray[np.void]) -> npt.NDArray[np.uint32]:
+    return np.stack([records["x"], records["y"]], axis=1)
+
+
+def _writable(out: Floats, shape: tuple[int, ...]) -> Floats:
+    if out.dtype != np.float32 or out.shape != shape or not out.flags.c_contiguous or not out.flags.writeable:
+        raise ValueError(f"out is {out.dtype} of shape {out.shape}: must be writable, contiguous float32 of {shape}")
+    return out

@@ -1,0 +1,147 @@
+"""The Gymnasium environments against Gymnasium's own checker, and against each other."""
+
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+import jcas
+
+
+@pytest.mark.parametrize("kind", ["box", "dict", "tuple"])
+def test_gymnasium_accepts_the_fleet(kind):
+    pytest.importorskip("pygame")
+    env = gymnasium.make("jcas/Fleet-v0", action_space=kind, uav_count=4, render_mode="rgb_array")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+
+
+def test_gymnasium_makes_the_vector_environment():
+    envs = gymnasium.make_vec("jcas/Fleet-v0", num_envs=3, uav_count=4)
+    assert isinstance(envs.unwrapped, jcas.FleetVectorEnv)
+    assert envs.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
+    observations, _ = envs.reset(seed=1)
+    assert observations in envs.observation_space
+    synchronous = gymnasium.make_vec("jcas/Fleet-v0", num_envs=2, vectorization_mode="sync", uav_count=4)
+    assert synchronous.reset(seed=1)[0][0].tobytes() == observations[0].tobytes()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("kind", ["box", "dict", "tuple"])
+def test_members_fly_as_single_fleets_do(kind, threads):
+    fields = {"uav_count": 4, "horizon_steps": 15, "action_space": kind}
+    envs = jcas.make_vec(num_envs=5, threads=threads, global_state=True, **fields)
+    singles = [jcas.FleetEnv(**fields) for _ in range(5)]
+    envs.action_space.seed(3)
+    observations, infos = envs.reset(seed=40)
+    for member, single in enumerate(singles):
+        assert np.array_equal(single.reset(seed=40 + member)[0], observations[member])
+        assert np.array_equal(single.state(), infos["global_state"][member])
+    for step in range(1, 16):
+        actions = envs.action_space.sample()
+        observations, rewards, terminated, truncated, infos = envs.step(actions)
+        assert observations in envs.observation_space
+        assert rewards.shape == terminated.shape == truncated.shape == (5,)
+        for member, single in enumerate(singles):
+            own = part_of(kind, actions, member)
+            observation, reward, over, cut, info = single.step(own)
+            components = list(info["reward_components"].values())
+            assert infos["reward_components"][member].tolist() == components
+            assert rewards[member] == np.float32(reward)
+            assert (terminated[member], truncated[member]) == (over, cut)
+            if over or cut:
+                assert np.array_equal(infos["final_obs"][member], observation)
+                assert np.array_equal(infos["final_global_state"][member], single.state())
+                assert infos["final_info"]["metrics"]["return_sum"][member] == info["metrics"]["return_sum"]
+            else:
+                assert np.array_equal(observations[member], observation)
+                assert np.array_equal(infos["global_state"][member], single.state())
+        assert ("final_obs" in infos) == (step == 15)
+    assert infos["_final_obs"].all() and truncated.all() and not terminated.any()
+    assert not np.array_equal(infos["final_obs"], observations)
+
+
+def part_of(kind, actions, member):
+    if kind == "box":
+        return actions[member]
+    if kind == "dict":
+        return {name: part[member] for name, part in actions.items()}
+    return tuple(part[member] for part in actions)
+
+
+def test_arrays_are_the_kernels_own_and_last_one_step_more():
+    envs = jcas.make_vec(num_envs=2, uav_count=3)
+    actions = np.zeros(envs.action_space.shape, np.float32)
+    first, _ = envs.reset(seed=1)
+    kept = first.copy()
+    second = envs.step(actions)[0]
+    assert np.array_equal(first, kept)
+    third = envs.step(actions)[0]
+    assert np.shares_memory(first, third) and not np.shares_memory(first, second)
+    copying = jcas.make_vec(num_envs=2, uav_count=3, copy=True)
+    first, _ = copying.reset(seed=1)
+    assert not any(np.shares_memory(first, copying.step(actions)[0]) for _ in range(4))
+
+
+def test_without_autoreset_an_ended_member_waits_for_its_reset():
+    envs = jcas.make_vec(num_envs=3, uav_count=3, horizon_steps=2, autoreset_mode=AutoresetMode.DISABLED)
+    envs.reset(seed=1)
+    actions = np.zeros(envs.action_space.shape, np.float32)
+    envs.step(actions)
+    ended, _, _, truncated, infos = envs.step(actions)
+    assert truncated.all() and "final_obs" not in infos
+    assert infos["final_info"]["metrics"]["steps"].tolist() == [2, 2, 2]
+    with pytest.raises(jcas.EpisodeOverError):
+        envs.step(actions)
+    observations, _ = envs.reset(seed=[4, 5, 6], options={"reset_mask": np.array([True, False, True])})
+    assert np.array_equal(observations[1], ended[1])
+    assert np.array_equal(observations[2], jcas.FleetEnv(uav_count=3, horizon_steps=2).reset(seed=6)[0])
+
+
+def test_episodes_of_a_member_differ_and_repeat_with_the_seed():
+    def starts(seed):
+        envs = jcas.make_vec(num_envs=2, uav_count=3, horizon_steps=3, copy=True)
+        envs.reset(seed=seed)
+        steps = [envs.step(np.zeros(envs.action_space.shape, np.float32))[0] for _ in range(9)]
+        return [steps[index] for index in (2, 5, 8)]
+
+    first, again, other = starts(1), starts(1), starts(2)
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    assert not any(np.array_equal(a, b) for a, b in zip(first, other, strict=True))
+    assert not np.array_equal(first[0], first[1]) and not np.array_equal(first[0][0], first[0][1])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"num_envs": 0}, "num_envs = 0"),
+        ({"num_envs": 2, "autoreset_mode": "NextStep"}, "SameStep or Disabled"),
+        ({"num_envs": 2, "render_mode": "human"}, "rgb_array"),
+    ],
+)
+def test_refusals_of_the_vector_environment(options, message):
+    with pytest.raises(jcas.ConfigError, match=message):
+        jcas.make_vec(**options)
+
+
+def test_refused_actions_of_a_batch():
+    envs = jcas.make_vec(num_envs=2, uav_count=3)
+    envs.reset(seed=1)
+    actions = np.zeros((2, 3, 2), np.float32)
+    actions[1, 2, 1] = np.nan
+    with pytest.raises(jcas.ActionError, match="NaN"):
+        envs.step(actions)
+    with pytest.raises(jcas.ActionError, match=r"\(2, 2\).*\(2, 3, 2\)"):
+        envs.step(actions[0, :2])
+
+
+def test_pictures_of_every_member():
+    pytest.importorskip("PIL")
+    envs = jcas.make_vec(num_envs=2, uav_count=3, render_mode="rgb_array")
+    envs.reset(seed=1)
+    frames = envs.render()
+    assert len(frames) == 2 and frames[0].shape == frames[1].shape and not np.array_equal(*frames)

@@ -1,0 +1,68 @@
+"""The declarations are those of the header, and the library is the one they were made for."""
+
+import ctypes
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import jcas
+from jcas import _abi
+from jcas._library import lib
+
+PYTHON = Path(__file__).parents[1]
+
+
+def test_the_declarations_are_fresh():
+    subprocess.run([sys.executable, PYTHON / "generate_abi.py", "--check"], check=True)
+
+
+def test_the_generator_sees_every_function_of_the_header():
+    header = (PYTHON.parent / "include" / "jcas.h").read_text()
+    declared = [line for line in header.splitlines() if "(" in line and line.startswith(("int32_t jcas", "uint", "const char *jcas"))]
+    written = (PYTHON / "src" / "jcas" / "_abi.py").read_text().count(".argtypes")
+    assert written == len(declared) > 50
+
+
+def test_the_library_knows_every_struct_size():
+    config = _abi.jcas_config()
+    assert lib.jcas_config_default(ctypes.byref(config), ctypes.sizeof(config)) == _abi.JCAS_OK
+    assert lib.jcas_config_default(ctypes.byref(config), ctypes.sizeof(config) - 8) == _abi.JCAS_ERROR_STRUCT_SIZE
+    assert (config.uav_count, config.grid_height, config.shaping_charge_weight) == (10, 12, 0.1)
+
+
+def test_versions_agree():
+    from importlib.metadata import PackageNotFoundError, version
+
+    library = lib.jcas_version().decode()
+    assert library == f"{_abi.JCAS_VERSION_MAJOR}.{_abi.JCAS_VERSION_MINOR}.{_abi.JCAS_VERSION_PATCH}"
+    try:
+        assert version("jcas") == library
+    except PackageNotFoundError:
+        # Run from the source tree with JCAS_LIBRARY, without an install.
+        assert "JCAS_LIBRARY" in os.environ
+
+
+def test_models_sims_and_batches_are_freed_in_any_order():
+    code = (
+        "import gc, jcas, numpy as np\n"
+        "class Knot: pass\n"
+        "for _ in range(200):\n"
+        "    model = jcas.Model(uav_count=3); sim = jcas.Sim(model); batch = jcas.Batch(model, 2)\n"
+        "    knot = Knot(); knot.self = knot; knot.things = (model, sim, batch, sim.fork(), batch.member(1))\n"
+        "    del model, sim, batch, knot\n"
+        "gc.collect()\n"
+        "left = jcas.Sim(jcas.Model())\n"
+        "print('alive', left.step(np.zeros((10, 2), np.float32)).reward)\n"
+    )
+    output = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert output.startswith("alive")
+
+
+def test_a_missing_library_says_what_to_do(tmp_path):
+    complaint = subprocess.run(
+        [sys.executable, "-c", "import jcas"], env={**os.environ, "JCAS_LIBRARY": str(tmp_path / "no.so")},
+        capture_output=True, text=True,
+    ).stderr
+    assert "cannot load the kernel's library" in complaint and "no.so" in complaint
+    assert issubclass(jcas.ConfigError, ValueError) and issubclass(jcas.ConfigError, jcas.JcasError)
