@@ -19,6 +19,8 @@ static void tell_versions(void)
     CHECK(strcmp(jcas_status_string(1), "not a status of jcas") == 0);
     CHECK(strcmp(jcas_status_string(INT32_MIN), "not a status of jcas") == 0);
     CHECK(jcas_reward_name(UINT32_MAX) == NULL);
+    CHECK(jcas_derive_seed(1, 0) == jcas_derive_seed(1, 0));
+    CHECK(jcas_derive_seed(1, 0) != jcas_derive_seed(1, UINT64_MAX));
 }
 
 static void begin(struct subject *subject)

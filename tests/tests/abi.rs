@@ -1,0 +1,131 @@
+//! C and C++ programs against the library: what they compute, and that no wrong call gets through.
+//!
+//! What these tests catch: an ABI that computes something else than the kernel, a function that writes
+//! before it has checked, a handle that is believed, an example that no longer compiles.
+
+mod abi_support;
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use abi_support::{compile, compilers, root, run};
+
+const C: &[&str] = &["gcc", "clang"];
+const CPP: &[&str] = &["g++", "clang++"];
+
+fn c_tests(names: &[&str]) -> Vec<PathBuf> {
+    names
+        .iter()
+        .map(|name| root().join("tests/c").join(name))
+        .collect()
+}
+
+#[test]
+fn golden_traces_have_the_same_hashes_through_the_abi() {
+    let folder = root().join("tests/golden");
+    let mut traces: Vec<PathBuf> = fs::read_dir(folder)
+        .expect("the golden traces are there")
+        .map(|entry| entry.expect("a readable folder").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "jsonl"))
+        .collect();
+    traces.sort();
+    assert!(traces.len() >= 14);
+    for compiler in compilers(C) {
+        let replay = compile(compiler, "c11", "replay", &c_tests(&["replay.c"]));
+        let output = run(Command::new(&replay).args(&traces)).stdout;
+        let lines = String::from_utf8(output).expect("text").lines().count();
+        assert_eq!(lines, traces.len());
+    }
+}
+
+#[test]
+fn a_changed_trace_is_noticed() {
+    let trace = root().join("tests/golden/one_uav.jsonl");
+    let text = fs::read_to_string(trace).expect("the golden trace is there");
+    let at = text.rfind("\"state_hash\":\"0x").expect("a hash") + 16;
+    let digit = if &text[at..=at] == "0" { "1" } else { "0" };
+    let changed = format!("{}{digit}{}", &text[..at], &text[at + 1..]);
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("changed.jsonl");
+    fs::write(&path, changed).expect("the target folder can be written");
+    let compiler = compilers(C)[0];
+    let replay = compile(compiler, "c11", "replay-changed", &c_tests(&["replay.c"]));
+    let output = Command::new(replay).arg(path).output().expect("it runs");
+    assert!(!output.status.success());
+    assert!(String::from_utf8_lossy(&output.stderr).contains("state_hash"));
+}
+
+#[test]
+fn every_wrong_call_is_refused() {
+    let sources = c_tests(&[
+        "abuse.c",
+        "abuse_config.c",
+        "abuse_sim.c",
+        "abuse_read.c",
+        "abuse_batch.c",
+    ]);
+    for compiler in compilers(C) {
+        run(&mut Command::new(compile(
+            compiler, "c11", "abuse", &sources,
+        )));
+    }
+}
+
+#[test]
+fn threads_compute_what_one_computes() {
+    let compiler = compilers(C)[0];
+    run(&mut Command::new(compile(
+        compiler,
+        "c11",
+        "threads",
+        &c_tests(&["threads.c"]),
+    )));
+}
+
+/// Every exported function is named by some abuse test, so that none is forgotten.
+#[test]
+fn abuse_leaves_no_function_out() {
+    let header = fs::read_to_string(root().join("include/jcas.h")).expect("the header is there");
+    let mut abuse = String::new();
+    for file in c_tests(&[
+        "abuse.c",
+        "abuse_config.c",
+        "abuse_sim.c",
+        "abuse_read.c",
+        "abuse_batch.c",
+    ]) {
+        abuse += &fs::read_to_string(file).expect("the tests are there");
+    }
+    let functions = abi_support::declared_functions(&header);
+    assert!(functions.len() > 40);
+    for function in functions {
+        assert!(abuse.contains(&function), "{function} is abused nowhere");
+    }
+}
+
+#[test]
+fn examples_compile_and_fly() {
+    for compiler in compilers(C) {
+        for (name, says) in [
+            ("minimal", "5 of 5 hotspots confirmed"),
+            ("batch", "192 episodes ended"),
+            ("external_mobility", "3 known to all"),
+        ] {
+            let source = root().join(format!("examples/c/{name}.c"));
+            let program = compile(compiler, "c11", name, &[source]);
+            let output = String::from_utf8(run(&mut Command::new(program)).stdout).expect("text");
+            assert!(output.contains(says), "{name}: {output}");
+        }
+    }
+    for compiler in compilers(CPP) {
+        let source = root().join("examples/cpp/fleet.cpp");
+        let program = compile(compiler, "c++17", "fleet", &[source]);
+        let output = String::from_utf8(run(&mut Command::new(program)).stdout).expect("text");
+        assert!(output.contains("complete in"), "fleet: {output}");
+    }
+    let lines = fs::read_to_string(root().join("examples/c/minimal.c"))
+        .expect("the example is there")
+        .lines()
+        .count();
+    assert!(lines < 60, "the minimal example has {lines} lines");
+}

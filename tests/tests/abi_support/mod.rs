@@ -1,0 +1,110 @@
+//! Builds C and C++ programs against the library of this workspace.
+// Each test file uses its own part of this module.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the tests lie in the workspace")
+}
+
+/// Runs a command that has to succeed.
+pub fn run(command: &mut Command) -> Output {
+    let output = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(
+        output.status.success(),
+        "{command:?}: {}\n{}{}",
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+/// The compilers that are here, of those that a caller names; at least one has to be.
+pub fn compilers(names: &[&'static str]) -> Vec<&'static str> {
+    let here = |name: &&'static str| {
+        Command::new(name)
+            .arg("--version")
+            .output()
+            .is_ok_and(|output| output.status.success())
+    };
+    let found: Vec<_> = names.iter().copied().filter(here).collect();
+    assert!(!found.is_empty(), "none of {names:?} is installed");
+    found
+}
+
+/// The libraries as cargo built them: static, shared.
+pub fn libraries() -> &'static (PathBuf, PathBuf) {
+    static BUILT: OnceLock<(PathBuf, PathBuf)> = OnceLock::new();
+    BUILT.get_or_init(|| {
+        let mut build = Command::new(env!("CARGO"));
+        build.current_dir(root()).args([
+            "build",
+            "--locked",
+            "--quiet",
+            "--package",
+            "jcas-ffi",
+            "--lib",
+            "--message-format",
+            "json",
+        ]);
+        let output = String::from_utf8(run(&mut build).stdout).expect("cargo writes UTF-8");
+        let file = |ending: &str| {
+            output
+                .split('"')
+                .filter(|text| text.ends_with(ending))
+                .map(PathBuf::from)
+                .next_back()
+                .unwrap_or_else(|| panic!("cargo names no {ending}"))
+        };
+        (file("libjcas.a"), file("libjcas.so"))
+    })
+}
+
+/// Compiles and links a program against the static library.
+pub fn compile(compiler: &str, standard: &str, name: &str, sources: &[PathBuf]) -> PathBuf {
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{compiler}"));
+    let mut command = Command::new(compiler);
+    command
+        .arg(format!("-std={standard}"))
+        .args(["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-g", "-O1"])
+        .arg("-I")
+        .arg(root().join("include"))
+        .args(sources)
+        .arg(&libraries().0)
+        .args(["-lpthread", "-ldl", "-lm", "-o"])
+        .arg(&program);
+    run(&mut command);
+    program
+}
+
+/// Names of the functions that a header declares.
+pub fn declared_functions(header: &str) -> Vec<String> {
+    let code: Vec<&str> = header
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//") && !line.starts_with(" *"))
+        .collect();
+    let mut names: Vec<String> = code
+        .join("\n")
+        .split('(')
+        .filter_map(|before| {
+            let name: String = before
+                .chars()
+                .rev()
+                .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
+                .collect();
+            let name: String = name.chars().rev().collect();
+            name.starts_with("jcas_").then_some(name)
+        })
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}

@@ -1,0 +1,116 @@
+//! The header: fresh, legal by itself in every language that it promises, in the terms of C.
+//!
+//! What these tests catch: a change of the ABI without its header, a symbol that leaks, a field of the
+//! configuration that the C struct lacks.
+
+mod abi_support;
+
+use std::fs;
+use std::process::Command;
+
+use abi_support::{compilers, declared_functions, libraries, root, run};
+use jcas_core::Config;
+
+fn header() -> String {
+    fs::read_to_string(root().join("include/jcas.h")).expect("the header is there")
+}
+
+#[test]
+fn header_is_what_the_sources_generate() {
+    run(Command::new(env!("CARGO")).current_dir(root()).args([
+        "run",
+        "--locked",
+        "--quiet",
+        "--package",
+        "jcas-ffi",
+        "--example",
+        "generate_header",
+        "--",
+        "--check",
+    ]));
+}
+
+#[test]
+fn headers_compile_alone() {
+    let strict = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"];
+    for (names, language, standards, file) in [
+        (
+            ["gcc", "clang"],
+            "c",
+            ["c99", "c11", "c17"].as_slice(),
+            "jcas.h",
+        ),
+        (["g++", "clang++"], "c++", &["c++17", "c++20"], "jcas.h"),
+        (["g++", "clang++"], "c++", &["c++17", "c++20"], "jcas.hpp"),
+    ] {
+        for compiler in compilers(&names) {
+            for standard in standards {
+                let mut command = Command::new(compiler);
+                command
+                    .arg(format!("-std={standard}"))
+                    .args(strict)
+                    .args(["-x", language])
+                    .arg(root().join("include").join(file));
+                // A header compiled as a main file warns of its own `#pragma once`, which these lack.
+                run(&mut command);
+            }
+        }
+    }
+    for compiler in compilers(&["g++", "clang++"]) {
+        for option in ["-DJCAS_EXCEPTIONS", "-fno-exceptions"] {
+            run(Command::new(compiler)
+                .args(["-std=c++17", option])
+                .args(strict)
+                .args(["-x", "c++"])
+                .arg(root().join("include/jcas.hpp")));
+        }
+    }
+}
+
+#[test]
+fn the_library_exports_what_the_header_declares_and_nothing_else() {
+    let output = run(Command::new("nm")
+        .args(["--dynamic", "--defined-only", "--format=posix"])
+        .arg(&libraries().1));
+    let mut exported: Vec<String> = String::from_utf8(output.stdout)
+        .expect("symbols are text")
+        .lines()
+        .filter_map(|line| line.split(' ').next().map(str::to_owned))
+        .collect();
+    exported.sort();
+    assert_eq!(exported, declared_functions(&header()));
+}
+
+#[test]
+fn the_header_speaks_c() {
+    let text = header();
+    for word in [
+        "Rust", "panic", "crate", "slice", "Option<", "usize", "unsafe", "trait", "&mut", "Vec",
+        "enum",
+    ] {
+        assert!(!text.contains(word), "the header says `{word}`");
+    }
+    for line in text.lines().filter(|line| line.starts_with("#define ")) {
+        assert!(line.starts_with("#define JCAS_"), "{line}");
+    }
+    assert!(text.lines().all(|line| line.chars().count() <= 110));
+}
+
+/// The C struct has the kernel's fields, in their order.
+#[test]
+fn jcas_config_has_every_field_of_the_configuration() {
+    let text = header();
+    let begin = text
+        .find("typedef struct jcas_config {")
+        .expect("the struct");
+    let end = begin + text[begin..].find("} jcas_config;").expect("its end");
+    let fields: Vec<&str> = text[begin..end]
+        .lines()
+        .filter(|line| line.ends_with(';') && !line.contains("//"))
+        .filter_map(|line| line.trim_end_matches(';').split(' ').next_back())
+        .map(|name| name.split('[').next().unwrap_or(name))
+        .filter(|name| !["struct_size", "depot_count"].contains(name))
+        .collect();
+    let kernel: Vec<&str> = Config::FIELDS.iter().map(|field| field.name).collect();
+    assert_eq!(fields, kernel);
+}
