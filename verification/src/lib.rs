@@ -10,5 +10,7 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod comparison;
+#[cfg(any(kani, test))]
+mod proofs;
 pub mod sampling;
 pub mod specification;

@@ -80,14 +80,13 @@ fn ledger() -> Vec<Proof> {
 /// Every function of the proof folders that carries a Kani proof attribute.
 fn harnesses() -> Vec<Harness> {
     let mut found = Vec::new();
-    for (package, folder) in [
+    let folders = [
         ("jcas-core", "core/src/proofs"),
         ("jcas-ffi", "ffi/src/proofs"),
-    ] {
-        let Ok(entries) = std::fs::read_dir(root().join(folder)) else {
-            continue;
-        };
-        for entry in entries {
+        ("jcas-verification", "verification/src/proofs"),
+    ];
+    for (package, folder) in folders {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
             let path = entry.unwrap().path();
             let module = path.file_stem().unwrap().to_str().unwrap().to_owned();
             let text = std::fs::read_to_string(&path).unwrap();

@@ -13,7 +13,7 @@ use std::time::Duration;
 const LIMIT: Duration = Duration::from_secs(900);
 
 /// Crates that hold mutants and their twins.
-const CRATES: [&str; 2] = ["core", "ffi"];
+const CRATES: [&str; 3] = ["core", "ffi", "verification"];
 
 /// Tries the mutants that `names` select; true if every one is caught.
 pub fn run(arguments: &[String]) -> Result<bool, String> {
@@ -232,7 +232,7 @@ mod tests {
         let copied = with_members(manifest).unwrap();
         assert_eq!(
             copied,
-            "[workspace]\nmembers = [\"core\", \"ffi\"]\n[profile]\n"
+            "[workspace]\nmembers = [\"core\", \"ffi\", \"verification\"]\n[profile]\n"
         );
         assert!(with_members("[workspace]\n").is_err());
     }

@@ -85,12 +85,14 @@ impl Arbitrary for f64 {
         match word % 8 {
             0 => f64::from_bits(next_word()),
             1 => [
+                1.0,
+                -1.0,
                 f64::NAN,
                 f64::INFINITY,
                 f64::NEG_INFINITY,
                 -0.0,
                 f64::MIN_POSITIVE,
-            ][(word / 8 % 5) as usize],
+            ][(word / 8 % 7) as usize],
             _ => (word >> 11) as f64 / (1u64 << 51) as f64 - 2.0,
         }
     }
@@ -102,12 +104,14 @@ impl Arbitrary for f32 {
         match word % 8 {
             0 => f32::from_bits(next_word() as u32),
             1 => [
+                1.0,
+                -1.0,
                 f32::NAN,
                 f32::INFINITY,
                 f32::NEG_INFINITY,
                 -0.0,
                 f32::MIN_POSITIVE,
-            ][(word / 8 % 5) as usize],
+            ][(word / 8 % 7) as usize],
             _ => (word >> 40) as f32 / (1u32 << 22) as f32 - 2.0,
         }
     }

@@ -21,6 +21,7 @@ mod step;
 
 pub use energy::Ledger;
 pub use reward::Rewards;
+pub use step::motion;
 
 use jcas_core::Config;
 

@@ -134,7 +134,7 @@ impl Specification {
 }
 
 /// k = min(4, floor((u + 1)/2 · 5)) over up, down, left, right, stay.
-fn motion(u_dir: f32) -> (i64, i64) {
+pub fn motion(u_dir: f32) -> (i64, i64) {
     let u = clip(f64::from(u_dir), -1.0, 1.0);
     let index = libm::floor((u + 1.0) / 2.0 * 5.0) as u32;
     match index {
