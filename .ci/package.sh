@@ -1,12 +1,33 @@
 #!/usr/bin/env bash
-# The library, installed as C people install it and used from an outside folder, shared and static:
-# by cargo-c with its pkg-config file, and by CMake.
+# The library, installed as C people install it and used from an outside folder, shared and static: by
+# cargo-c with its pkg-config file, and by CMake, also as a part of another project.
 set -euo pipefail
 
 # Rust's newest cargo-c wants a newer compiler. Unoptimised it builds in a third of the time.
 readonly CARGO_C=0.10.24
 tools=$CARGO_TARGET_DIR/tools
 if [[ $("$tools/bin/cargo-cinstall" --version 2>/dev/null) != *" $CARGO_C+"* ]]; then
+    echo "building cargo-c $CARGO_C"
     CARGO_PROFILE_DEV_DEBUG=0 CARGO_TARGET_DIR=$tools/build \
         cargo install --quiet --locked --debug --root "$tools" cargo-c@$CARGO_C
 fi
+
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+
+echo "cargo-c"
+PATH=$tools/bin:$PATH cargo cinstall --locked --quiet --release --package jcas-ffi \
+    --prefix="$out/cargo-c" --libdir=lib
+tests/package/use.sh pkg-config "$out/cargo-c"
+
+echo "the README's snippets against that installation"
+.ci/snippets.sh "$out/cargo-c"
+
+echo "CMake, installed"
+cmake -B "$out/build" -DCMAKE_INSTALL_PREFIX="$out/cmake" >/dev/null
+cmake --build "$out/build" >/dev/null
+cmake --install "$out/build" >/dev/null
+tests/package/use.sh cmake "$out/cmake"
+
+echo "CMake, add_subdirectory"
+tests/package/use.sh subdirectory
