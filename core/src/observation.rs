@@ -209,57 +209,36 @@ impl<'v> View<'v> {
         let (from, slots) = (self.from(cell), out.len() / 3);
         let (filled, empty) = out.split_at_mut(3 * degree.min(slots));
         empty.fill(0.0);
-        let write = |row: &mut [f32], key: u64| {
+        let keys = &mut keys[..degree];
+        nearest_first(keys, slots);
+        for (row, &key) in filled.chunks_exact_mut(3).zip(&*keys) {
             let other = self.state.cell((key & ((1 << INDEX_BITS) - 1)) as usize);
             let (dx, dy) = from.to(other);
             row[0] = 1.0;
             row[1] = dx;
             row[2] = dy;
-        };
-        let keys = &mut keys[..degree];
-        if degree <= FEW {
-            let ranks = ranks(keys);
-            for (&key, rank) in keys.iter().zip(ranks) {
-                let slot = 3 * rank as usize;
-                if slot < filled.len() {
-                    write(&mut filled[slot..slot + 3], key);
-                }
-            }
-        } else {
-            nearest_first(keys, slots);
-            for (row, &key) in filled.chunks_exact_mut(3).zip(&*keys) {
-                write(row, key);
-            }
         }
         degree
     }
 }
 
-/// Up to this many keys, counting the smaller ones of each beats a sort.
-const FEW: usize = 16;
-
-/// The rank of each of at most [`FEW`] keys, which are in ascending order of their index.
-#[inline]
-fn ranks(keys: &[u64]) -> [i32; FEW] {
-    // Squared distance, then place, in 32 bits: two squares of at most 1023, and 16 places.
-    let mut narrow = [i32::MAX; FEW];
-    for (place, &key) in keys.iter().enumerate() {
-        narrow[place] = ((key >> INDEX_BITS) as i32) << 4 | place as i32;
-    }
-    let mut ranks = [0; FEW];
-    for place in 0..FEW {
-        let key = narrow[place];
-        let mut smaller = 0;
-        for other in narrow {
-            smaller += i32::from(other < key);
-        }
-        ranks[place] = smaller;
-    }
-    ranks
-}
+/// Up to this many keys, insertion beats a general sort: neighbours in one cell are in order already.
+const FEW: usize = 24;
 
 /// Moves the smallest `count` keys to the front, ascending.
 fn nearest_first(keys: &mut [u64], count: usize) {
+    if keys.len() <= FEW {
+        for end in 1..keys.len() {
+            let key = keys[end];
+            let mut slot = end;
+            while slot > 0 && keys[slot - 1] > key {
+                keys[slot] = keys[slot - 1];
+                slot -= 1;
+            }
+            keys[slot] = key;
+        }
+        return;
+    }
     if count < keys.len() {
         keys.select_nth_unstable(count);
     }
