@@ -2,6 +2,7 @@
 # The library, installed as C people install it and used from an outside folder, shared and static: by
 # cargo-c with its pkg-config file, and by CMake, also as a part of another project.
 set -euo pipefail
+shopt -s inherit_errexit
 
 # Rust's newest cargo-c wants a newer compiler. Unoptimised it builds in a third of the time.
 readonly CARGO_C=0.10.24
@@ -12,22 +13,17 @@ if [[ $("$tools/bin/cargo-cinstall" --version 2>/dev/null) != *" $CARGO_C+"* ]];
         cargo install --quiet --locked --debug --root "$tools" cargo-c@$CARGO_C
 fi
 
-out=$(mktemp -d)
-trap 'rm -rf "$out"' EXIT
-
+prefix=$CARGO_TARGET_DIR/installed/cargo-c
 echo "cargo-c"
 PATH=$tools/bin:$PATH cargo cinstall --locked --quiet --release --package jcas-ffi \
-    --prefix="$out/cargo-c" --libdir=lib
-tests/package/use.sh pkg-config "$out/cargo-c"
+    --prefix="$prefix" --libdir=lib
+tests/package/use.sh pkg-config "$prefix"
 
 echo "the README's snippets against that installation"
-.ci/snippets.sh "$out/cargo-c"
+.ci/snippets.sh "$prefix"
 
 echo "CMake, installed"
-cmake -B "$out/build" -DCMAKE_INSTALL_PREFIX="$out/cmake" >/dev/null
-cmake --build "$out/build" >/dev/null
-cmake --install "$out/build" >/dev/null
-tests/package/use.sh cmake "$out/cmake"
+tests/package/use.sh cmake "$(.ci/cmake_install.sh 2>/dev/null)"
 
 echo "CMake, add_subdirectory"
 tests/package/use.sh subdirectory

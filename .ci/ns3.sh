@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# The ns-3 example: ns-3 moves the UAVs and decides who hears whom, and both missions are complete.
+set -euo pipefail
+shopt -s inherit_errexit
+
+prefix=$(.ci/cmake_install.sh 2>/dev/null)
+build=$CARGO_TARGET_DIR/ns3
+cmake -S examples/ns3 -B "$build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+cmake --build "$build" >/dev/null
+flown=$("$build/fleet")
+echo "$flown"
+[[ $(grep -c ' complete ' <<<"$flown") == 2 ]]
