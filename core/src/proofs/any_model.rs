@@ -6,6 +6,7 @@
 
 use super::Model;
 use crate::config::Config;
+#[cfg(not(kani))]
 use crate::proofs::inputs::between;
 #[cfg(not(kani))]
 use crate::proofs::standin as kani;

@@ -7,7 +7,6 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::bits;
 use crate::knowledge::consensus;
 use crate::sensing::{confirms, learn};
 
@@ -234,6 +233,7 @@ mod exhaustive {
 #[cfg(test)]
 mod wide {
     use super::*;
+    use crate::bits;
     use proptest::prelude::*;
 
     /// Fleets of 70 take two words a row; 64-bit knowledge.
