@@ -3,7 +3,7 @@
 set -euo pipefail
 shopt -s inherit_errexit
 
-prefix=$(.ci/cmake_install.sh 2>/dev/null)
+prefix=$(.ci/cmake_install.sh)
 build=$CARGO_TARGET_DIR/ns3
 cmake -S examples/ns3 -B "$build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$build" >/dev/null

@@ -15,7 +15,7 @@ fi
 
 prefix=$CARGO_TARGET_DIR/installed/cargo-c
 echo "cargo-c"
-PATH=$tools/bin:$PATH cargo cinstall --locked --quiet --release --package jcas-ffi \
+PATH=$tools/bin:$PATH cargo cinstall --locked --silent --release --package jcas-ffi \
     --prefix="$prefix" --libdir=lib
 tests/package/use.sh pkg-config "$prefix"
 
@@ -23,7 +23,7 @@ echo "the README's snippets against that installation"
 .ci/snippets.sh "$prefix"
 
 echo "CMake, installed"
-tests/package/use.sh cmake "$(.ci/cmake_install.sh 2>/dev/null)"
+tests/package/use.sh cmake "$(.ci/cmake_install.sh)"
 
 echo "CMake, add_subdirectory"
 tests/package/use.sh subdirectory

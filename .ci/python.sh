@@ -1,13 +1,33 @@
 #!/usr/bin/env bash
-# The Python package, installed from the clone into an environment of its own: style, types, every test,
-# with RLlib on two Ray nodes among them.
+# The Python package: built and installed from the clone into an environment of its own, linted, type-checked,
+# tested; then RLlib on two Ray nodes, Stable-Baselines3, TorchRL and the notebook.
+# PyTorch and Ray are large (some 6 GB unpacked); uv fetches and unpacks them in under a minute.
 set -euo pipefail
 
-venv=$CARGO_TARGET_DIR/python
+venv=${JCAS_VENV:-$CARGO_TARGET_DIR/venv}
 [[ -x $venv/bin/python ]] || python3 -m venv "$venv"
-"$venv/bin/pip" install --quiet --disable-pip-version-check "./python[test,rllib]"
+python=$venv/bin/python
+"$python" -m pip install --quiet --disable-pip-version-check uv
+uv() { "$venv/bin/uv" "$@"; }
 
-cd python
-"$venv/bin/ruff" check .
-"$venv/bin/mypy"
-"$venv/bin/pytest" --run-heavy
+# The README's command, by pip itself.
+"$python" -m pip install --quiet --disable-pip-version-check ./python
+uv pip install --quiet --python "$python" './python[test,rllib,sb3,torchrl,notebook]'
+
+"$venv/bin/ruff" check python examples/*.py
+"$venv/bin/ruff" format --check python examples/*.py
+(cd python && "$venv/bin/mypy")
+
+export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
+"$python" -m pytest -q python/tests --run-heavy
+
+# The README's lines, as they stand.
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+sed -n '/^```python$/,/^```$/p' python/README.md | sed '/^```/d' >"$work/readme.py"
+(cd "$work" && "$python" readme.py && test -s fleet.png)
+
+"$python" examples/plan_by_forking.py
+"$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
+"$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 --episodes 5
+"$python" python/run_notebook.py examples/tour.ipynb
