@@ -1,7 +1,7 @@
 """Plans without learning: tries joint moves on forks of the mission and takes the one that pays best.
 
-    pip install ./python
-    python examples/plan_by_forking.py
+pip install ./python
+python examples/plan_by_forking.py
 """
 
 import argparse

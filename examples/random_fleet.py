@@ -1,7 +1,7 @@
 """Flies a fleet through PettingZoo with random actions and saves the last picture.
 
-    pip install "./python[render]"
-    python examples/random_fleet.py
+pip install "./python[render]"
+python examples/random_fleet.py
 """
 
 from PIL import Image

@@ -1,7 +1,7 @@
 """Trains a shared policy with Stable-Baselines3's PPO and flies it.
 
-    pip install "./python[sb3]"
-    python examples/stable_baselines3_ppo.py --steps 250000
+pip install "./python[sb3]"
+python examples/stable_baselines3_ppo.py --steps 250000
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Trains a fleet with TorchRL: MAPPO, a shared actor and a critic that sees every UAV.
 
-    pip install "./python[torchrl]"
-    python examples/torchrl_mappo.py --iterations 40
+pip install "./python[torchrl]"
+python examples/torchrl_mappo.py --iterations 40
 """
 
 import argparse
@@ -89,7 +89,9 @@ def main() -> None:
     for iteration in range(1, options.iterations + 1):
         with torch.no_grad():
             data = env.rollout(options.steps, policy=actor, break_when_any_done=False)
-            loss.value_estimator(data, params=loss.critic_network_params, target_params=loss.target_critic_network_params)
+            loss.value_estimator(
+                data, params=loss.critic_network_params, target_params=loss.target_critic_network_params
+            )
         for _ in range(10):
             for rows in torch.randperm(data.shape[0]).split(250):
                 losses = loss(data[rows])

@@ -43,8 +43,6 @@ from ctypes import (
     c_void_p,
 )
 
-# ruff: noqa: D101, N801
-
 '''
 
 

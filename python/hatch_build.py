@@ -19,7 +19,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 SHARED_LIBRARY_SUFFIXES = (".so", ".dylib", ".dll")
 
 
-class CargoBuildHook(BuildHookInterface):  # type: ignore[type-arg]
+class CargoBuildHook(BuildHookInterface):
     """Runs `cargo build` for `jcas-ffi` in the workspace that this package lies in."""
 
     PLUGIN_NAME = "custom"
@@ -37,7 +37,10 @@ class CargoBuildHook(BuildHookInterface):  # type: ignore[type-arg]
         native.mkdir(exist_ok=True)
         for stale in native.iterdir():
             stale.unlink()
-        shutil.copy2(library, native / library.name)
+        bundled = native / library.name
+        shutil.copy2(library, bundled)
+        if library.suffix == ".so" and (strip := shutil.which("strip")):
+            subprocess.run([strip, "--strip-unneeded", bundled], check=True)
         platform = os.environ.get("JCAS_WHEEL_PLATFORM") or sysconfig.get_platform()
         build_data["tag"] = f"py3-none-{platform.replace('-', '_').replace('.', '_')}"
         build_data["pure_python"] = False
@@ -48,7 +51,15 @@ def build_library(workspace: Path) -> Path:
     cargo = shutil.which("cargo")
     if cargo is None:
         raise RuntimeError("cargo is not on the PATH: install Rust (https://rustup.rs) to build jcas from source")
-    command = [cargo, "build", "--release", "--package", "jcas-ffi", "--message-format", "json-render-diagnostics"]
+    command = [
+        cargo,
+        "build",
+        "--release",
+        "--package",
+        "jcas-ffi",
+        "--message-format",
+        "json-render-diagnostics",
+    ]
     output = subprocess.run(command, cwd=workspace, check=True, stdout=subprocess.PIPE, text=True).stdout
     for line in output.splitlines():
         message = json.loads(line)

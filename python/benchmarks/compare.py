@@ -5,7 +5,8 @@
 
 Every case runs in a process of its own, with one thread or as many as there are cores, in interleaved rounds;
 the table gives the median. A case whose package is missing says so. PufferLib's environments build only in an environment
-of their own (`pip install pufferlib==1.0.1 filelock psutil`): give its interpreter with --pufferlib-python.
+of their own (`pip install pufferlib==1.0.1 filelock psutil`): give its interpreter with
+--pufferlib-python.
 """
 
 from __future__ import annotations
@@ -21,11 +22,23 @@ from collections.abc import Callable
 from typing import Any
 
 CASES: dict[str, tuple[str, str]] = {
-    "jcas batch": ("run_jcas_batch", "the whole model: radar, links, consensus, energy, carbon, observations"),
+    "jcas batch": (
+        "run_jcas_batch",
+        "the whole model: radar, links, consensus, energy, carbon, observations",
+    ),
     "jcas PettingZoo": ("run_jcas_pettingzoo", "the same, one mission, dicts of agents"),
-    "VMAS discovery": ("run_vmas", "continuous 2-D physics in PyTorch, lidar observations, no links, no energy"),
-    "MPE simple_spread": ("run_mpe", "continuous 2-D physics in NumPy, no sensing, no links, dicts of agents"),
-    "PufferLib simple_spread": ("run_pufferlib", "the same MPE with discrete actions, under PufferLib's emulation and vectorisation"),
+    "VMAS discovery": (
+        "run_vmas",
+        "continuous 2-D physics in PyTorch, lidar observations, no links, no energy",
+    ),
+    "MPE simple_spread": (
+        "run_mpe",
+        "continuous 2-D physics in NumPy, no sensing, no links, dicts of agents",
+    ),
+    "PufferLib simple_spread": (
+        "run_pufferlib",
+        "the same MPE with discrete actions, under PufferLib's emulation and vectorisation",
+    ),
 }
 
 
@@ -109,17 +122,13 @@ def run_pufferlib(options: argparse.Namespace) -> float:
         env = simple_spread_v3.parallel_env(N=options.agents, continuous_actions=False, max_cycles=100)
         return pufferlib.emulation.PettingZooPufferEnv(env=env)
 
-    backend = pufferlib.vector.Serial if options.cores == 1 else pufferlib.vector.Multiprocessing
-    workers = {} if options.cores == 1 else {"num_workers": options.cores}
-    envs = pufferlib.vector.make(make, num_envs=options.cores * 4, backend=backend, **workers)
+    envs = pufferlib.vector.make(make, num_envs=4, backend=pufferlib.vector.Serial)
     envs.reset(seed=1)
     actions = envs.action_space.sample()
-    result = rate(lambda: envs.step(actions), options.cores * 4 * options.agents, options.seconds)
-    envs.close()
-    return result
+    return rate(lambda: envs.step(actions), 4 * options.agents, options.seconds)
 
 
-PROCESSES_FOR_ALL_CORES = ("jcas PettingZoo", "MPE simple_spread")
+PROCESSES_FOR_ALL_CORES = ("jcas PettingZoo", "MPE simple_spread", "PufferLib simple_spread")
 """Cases that know one core only: on all cores, one process runs on each and the rates add up."""
 
 
@@ -130,7 +139,12 @@ def measure(case: str, cores: int, options: argparse.Namespace) -> float | str:
         return "no --pufferlib-python"
     copies = cores if case in PROCESSES_FOR_ALL_CORES else 1
     threads = str(cores if copies == 1 else 1)
-    environment = {**os.environ, "OMP_NUM_THREADS": threads, "MKL_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads}
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": threads,
+        "MKL_NUM_THREADS": threads,
+        "OPENBLAS_NUM_THREADS": threads,
+    }
     command = [
         python, __file__, "--case", case, "--cores", threads, "--agents", str(options.agents),
         "--targets", str(options.targets), "--envs", str(options.envs), "--seconds", str(options.seconds),
@@ -182,13 +196,18 @@ def main() -> None:
     if options.json:
         print(json.dumps({"agents": options.agents, "targets": options.targets, "envs": options.envs, "rows": rows}))
         return
-    print(f"{options.agents} agents, {options.targets} targets, batches of {options.envs}, random actions; "
-          f"median of {options.rounds} rounds of {options.seconds:g} s\n")
+    print(
+        f"{options.agents} agents, {options.targets} targets, batches of {options.envs}, random actions; "
+        f"median of {options.rounds} rounds of {options.seconds:g} s\n"
+    )
     print(f"{'environment':26}{'cores':>6}{'agent-steps/s':>16}{'jcas batch is':>15}  what a step computes")
     for row in rows:
         own = row["agent_steps_per_s"]
-        best = next(other["agent_steps_per_s"] for other in rows
-                    if other["case"] == "jcas batch" and other["cores"] == row["cores"])
+        best = next(
+            other["agent_steps_per_s"]
+            for other in rows
+            if other["case"] == "jcas batch" and other["cores"] == row["cores"]
+        )
         if isinstance(own, str) or isinstance(best, str):
             print(f"{row['case']:26}{row['cores']:>6}  not measured: {own if isinstance(own, str) else best}")
         else:

@@ -19,7 +19,11 @@ def test_the_declarations_are_fresh():
 
 def test_the_generator_sees_every_function_of_the_header():
     header = (PYTHON.parent / "include" / "jcas.h").read_text()
-    declared = [line for line in header.splitlines() if "(" in line and line.startswith(("int32_t jcas", "uint", "const char *jcas"))]
+    declared = [
+        line
+        for line in header.splitlines()
+        if "(" in line and line.startswith(("int32_t jcas", "uint", "const char *jcas"))
+    ]
     written = (PYTHON / "src" / "jcas" / "_abi.py").read_text().count(".argtypes")
     assert written == len(declared) > 50
 
@@ -49,7 +53,7 @@ def test_models_sims_and_batches_are_freed_in_any_order():
         "class Knot: pass\n"
         "for _ in range(200):\n"
         "    model = jcas.Model(uav_count=3); sim = jcas.Sim(model); batch = jcas.Batch(model, 2)\n"
-        "    knot = Knot(); knot.self = knot; knot.things = (model, sim, batch, sim.fork(), batch.member(1))\n"
+        "    knot = Knot(); knot.self = knot; knot.all = (model, sim, batch, sim.fork(), batch.member(1))\n"
         "    del model, sim, batch, knot\n"
         "gc.collect()\n"
         "left = jcas.Sim(jcas.Model())\n"
@@ -61,8 +65,10 @@ def test_models_sims_and_batches_are_freed_in_any_order():
 
 def test_a_missing_library_says_what_to_do(tmp_path):
     complaint = subprocess.run(
-        [sys.executable, "-c", "import jcas"], env={**os.environ, "JCAS_LIBRARY": str(tmp_path / "no.so")},
-        capture_output=True, text=True,
+        [sys.executable, "-c", "import jcas"],
+        env={**os.environ, "JCAS_LIBRARY": str(tmp_path / "no.so")},
+        capture_output=True,
+        text=True,
     ).stderr
     assert "cannot load the kernel's library" in complaint and "no.so" in complaint
     assert issubclass(jcas.ConfigError, ValueError) and issubclass(jcas.ConfigError, jcas.JcasError)

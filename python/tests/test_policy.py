@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ def made(model, head="gaussian", hidden=16, seed=0, **options):
     widths = [model.observation_len, hidden, outputs]
     layers = [
         Layer(rng.normal(0, 0.5, (i, o)).astype(np.float32), rng.normal(0, 0.5, o).astype(np.float32))
-        for i, o in zip(widths, widths[1:], strict=False)
+        for i, o in pairwise(widths)
     ]
     return jcas.MlpPolicy(layers, head, **options)
 
@@ -123,7 +124,11 @@ def test_bootstrap_intervals_are_near_those_of_the_central_limit():
     rows = np.arange(400, dtype=np.float64)[:, None] % 20
     mean, low, high = bootstrap_means(rows)
     half = 1.96 * (399 / 12 / 400) ** 0.5
-    assert mean[0] == 9.5 and low[0] == pytest.approx(9.5 - half, abs=0.1) and high[0] == pytest.approx(9.5 + half, abs=0.1)
+    assert (
+        mean[0] == 9.5
+        and low[0] == pytest.approx(9.5 - half, abs=0.1)
+        and high[0] == pytest.approx(9.5 + half, abs=0.1)
+    )
 
 
 def test_a_report_counts_what_single_missions_give():
@@ -152,7 +157,11 @@ def test_missions_of_a_report_are_those_of_the_command_line():
     command = os.environ.get("JCAS_COMMAND")
     if command is None:
         pytest.skip("JCAS_COMMAND names no jcas command")
-    out = subprocess.run([command, "simulate", "--episodes", "1", "--seed", "7", "--trace", "/dev/stdout", "--json"],
-                         capture_output=True, text=True, check=True).stdout
+    out = subprocess.run(
+        [command, "simulate", "--episodes", "1", "--seed", "7", "--trace", "/dev/stdout", "--json"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
     header = json.loads(out.splitlines()[0])
     assert int(header["seed"], 16) == jcas.model.derive_seed(7, 0)

@@ -65,8 +65,13 @@ def test_informed_hotspots_are_green_and_undetected_ones_are_red():
     assert red(before) > red(after) + 2000 and green(after) > green(before) + 2000
 
 
-@pytest.mark.parametrize("fields", [{"grid_width": 2, "grid_height": 3, "uav_count": 1, "quorum": 1, "hotspot_count": 1},
-                                    {"grid_width": 200, "grid_height": 90, "uav_count": 300, "hotspot_count": 100}])
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"grid_width": 2, "grid_height": 3, "uav_count": 1, "quorum": 1, "hotspot_count": 1},
+        {"grid_width": 200, "grid_height": 90, "uav_count": 300, "hotspot_count": 100},
+    ],
+)
 def test_small_and_large_missions_fit(fields):
     image = render.draw(scene(**fields))
     assert image.shape[0] >= 520 and image.shape[1] < 1400

@@ -15,8 +15,6 @@ from ctypes import (
     c_void_p,
 )
 
-# ruff: noqa: D101, N801
-
 JCAS_VERSION_MAJOR = 0
 JCAS_VERSION_MINOR = 1
 JCAS_VERSION_PATCH = 0

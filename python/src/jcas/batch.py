@@ -46,9 +46,7 @@ class BatchBuffers:
         self.final_observations = np.zeros(rows, np.float32)
         self.final_global_state = np.zeros(wide, np.float32) if global_state else None
         self.final_metrics = np.zeros(num_envs, METRICS)
-        self.record = _abi.jcas_batch_out(
-            struct_size=ctypes.sizeof(_abi.jcas_batch_out), metrics_size=METRICS.itemsize
-        )
+        self.record = _abi.jcas_batch_out(struct_size=ctypes.sizeof(_abi.jcas_batch_out), metrics_size=METRICS.itemsize)
         for field, count, array in (
             ("observations", "observation_count", self.observations),
             ("rewards", "reward_count", self.rewards),
@@ -122,7 +120,10 @@ class Batch:
 
     def _check(self, status: int) -> None:
         if status:
-            fail(status, read_text(lambda out, size, length: lib.jcas_batch_message(self.handle, out, size, length)))
+            fail(
+                status,
+                read_text(lambda out, size, length: lib.jcas_batch_message(self.handle, out, size, length)),
+            )
 
 
 def _free(handle: ctypes.c_void_p, model: Model) -> None:

@@ -131,7 +131,9 @@ def _read_toml(path: Path) -> dict[str, Any]:
     )
     return dict(
         json.loads(
-            read_text(lambda out, capacity, length: lib.jcas_config_to_json(ctypes.byref(record), out, capacity, length))
+            read_text(
+                lambda out, capacity, length: lib.jcas_config_to_json(ctypes.byref(record), out, capacity, length)
+            )
         )
     )
 

@@ -84,8 +84,11 @@ class Report:
                 f"[{quantity.low:.{digits}f}, {quantity.high:.{digits}f}] {quantity.unit}".rstrip()
             )
         return "\n".join(
-            [*lines, "", "In brackets 95 % intervals. A mission without success counts as "
-             f"{self.horizon_steps} steps."]
+            [
+                *lines,
+                "",
+                f"In brackets 95 % intervals. A mission without success counts as {self.horizon_steps} steps.",
+            ]
         )
 
 
@@ -94,7 +97,12 @@ def evaluate(
 ) -> Report:
     """Fly `episodes` missions with the actions that `act` chooses, and report."""
     flown = [
-        _fly(act, model, [derive_seed(seed, k) for k in range(first, min(first + ACTIONS_AT_ONCE, episodes))], threads)
+        _fly(
+            act,
+            model,
+            [derive_seed(seed, k) for k in range(first, min(first + ACTIONS_AT_ONCE, episodes))],
+            threads,
+        )
         for first in range(0, episodes, ACTIONS_AT_ONCE)
     ]
     metrics = np.concatenate(flown)
@@ -168,9 +176,7 @@ def bootstrap_means(
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Give the mean of each column and its bootstrap percentile interval."""
     rng = np.random.default_rng(BOOTSTRAP_SEED)
-    means = np.stack(
-        [rows[rng.integers(0, len(rows), len(rows))].mean(axis=0) for _ in range(RESAMPLES)]
-    )
+    means = np.stack([rows[rng.integers(0, len(rows), len(rows))].mean(axis=0) for _ in range(RESAMPLES)])
     return rows.mean(axis=0), *np.quantile(means, (0.025, 0.975), axis=0)
 
 

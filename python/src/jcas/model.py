@@ -62,9 +62,7 @@ class Model:
         """Radar and link over an offset of cells."""
         radio = _abi.jcas_radio(struct_size=ctypes.sizeof(_abi.jcas_radio))
         check(lib.jcas_model_get_radio(self.handle, dx, dy, pilot_density, ctypes.byref(radio)))
-        return Radio(
-            radio.sensing_snr_db, radio.detection_probability, radio.comm_snr_db, radio.link_throughput
-        )
+        return Radio(radio.sensing_snr_db, radio.detection_probability, radio.comm_snr_db, radio.link_throughput)
 
     def depots(self) -> list[tuple[int, int]]:
         """Return the depots in force: those of the configuration, or the one in the middle."""

@@ -80,9 +80,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
 
     def step(
         self, actions: dict[str, Any]
-    ) -> tuple[
-        dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
-    ]:
+    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """Step every UAV at once.
 
         The reward is the team's, the same for each agent. `infos` hold its components and, at the end of
@@ -157,9 +155,7 @@ def parallel_env(
         **fields: configuration fields that replace those of `config`.
 
     """
-    return JcasParallelEnv(
-        config, action_space=action_space, render_mode=render_mode, max_cycles=max_cycles, **fields
-    )
+    return JcasParallelEnv(config, action_space=action_space, render_mode=render_mode, max_cycles=max_cycles, **fields)
 
 
 def env(config: ConfigLike = None, **options: Any) -> AECEnv[str, Observation, Any]:

@@ -11,6 +11,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
@@ -71,7 +72,7 @@ class MlpPolicy:
         if head not in HEAD_OUTPUTS:
             raise PolicyError(f"head = {head!r}: must be one of {', '.join(HEAD_OUTPUTS)}")
         widths = [(layer.weight.shape, layer.bias.shape) for layer in layers]
-        chained = all(left[0][1] == right[0][0] for left, right in zip(widths, widths[1:], strict=False))
+        chained = all(left[0][1] == right[0][0] for left, right in pairwise(widths))
         if not widths or not chained or any(weight[1:] != bias for weight, bias in widths):
             raise PolicyError(f"layers of shapes {widths} do not follow on each other")
         if widths[-1][1] != (HEAD_OUTPUTS[head],):
@@ -101,9 +102,7 @@ class MlpPolicy:
         last = self.layers[-1]
         return np.asarray(hidden @ last.weight + last.bias, np.float32)
 
-    def act(
-        self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None
-    ) -> Array:
+    def act(self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None) -> Array:
         """Choose actions: [..., observation length] to [..., 2].
 
         Deterministic actions take the most likely motion and the mean pilot density; sampled ones need a
@@ -116,7 +115,6 @@ class MlpPolicy:
         if self.constant_pilot is not None:
             actions[..., 1] = self.constant_pilot
         return actions
-
 
     def save(self, folder: str | os.PathLike[str], name: str, config: Config, about: Mapping[str, Any]) -> None:
         """Write weights and card.
@@ -215,9 +213,7 @@ class OnnxPolicy:
         settings = onnxruntime.SessionOptions()
         settings.intra_op_num_threads = threads
         try:
-            self._session: Any = onnxruntime.InferenceSession(
-                str(path), settings, providers=["CPUExecutionProvider"]
-            )
+            self._session: Any = onnxruntime.InferenceSession(str(path), settings, providers=["CPUExecutionProvider"])
         except Exception as error:
             raise PolicyError(f"{path}: not read by ONNX Runtime: {error}") from error
         self.head = head
@@ -228,9 +224,7 @@ class OnnxPolicy:
         """Refuse a model whose observations do not fit."""
         _check_length(self.observation_len, model)
 
-    def act(
-        self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None
-    ) -> Array:
+    def act(self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None) -> Array:
         """Choose actions, as :meth:`MlpPolicy.act`."""
         rows = np.ascontiguousarray(observations, np.float32).reshape(-1, self.observation_len)
         wanted = "actions" if deterministic else "distribution"
@@ -280,9 +274,7 @@ def _load_mlp(path: Path, card: dict[str, Any], config: Config) -> MlpPolicy:
         inputs = (arrays["inputs.offset"], arrays["inputs.scale"]) if card["normalised_inputs"] else None
     except KeyError as error:
         raise PolicyError(f"{path}: there is no array {error}") from error
-    return MlpPolicy(
-        layers, card["head"], inputs=inputs, constant_pilot=_pilot_command(card, config), config=config
-    )
+    return MlpPolicy(layers, card["head"], inputs=inputs, constant_pilot=_pilot_command(card, config), config=config)
 
 
 def _pilot_command(card: dict[str, Any], config: Config) -> float | None:

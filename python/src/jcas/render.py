@@ -173,7 +173,12 @@ def _draw_hotspots(canvas: Any, plan: _MapPlan) -> None:
         ]
         color = _hotspot_color(scene, hotspot)
         canvas.polygon(diamond, fill=(*color, 60 if color == UNSEEN else 150))
-        canvas.line([*diamond, diamond[0], diamond[1]], fill=color, width=max(3, round(plan.cell * 0.04)), joint="curve")
+        canvas.line(
+            [*diamond, diamond[0], diamond[1]],
+            fill=color,
+            width=max(3, round(plan.cell * 0.04)),
+            joint="curve",
+        )
         if scene.confirmed[hotspot] and not scene.informed[hotspot]:
             ring = half * 1.25
             box = (centre_x - ring, centre_y - ring, centre_x + ring, centre_y + ring)
@@ -239,7 +244,10 @@ def _draw_panel(canvas: Any, plan: _MapPlan) -> None:
     _bar(canvas, (left, y, right, y + 6 * s), scene.t / max(scene.horizon_steps, 1), COMMUNICATING)
     y += 22 * s
     total = len(scene.hotspots)
-    for label, flags, color in (("Confirmed", scene.confirmed, CONFIRMED), ("Informed", scene.informed, INFORMED)):
+    for label, flags, color in (
+        ("Confirmed", scene.confirmed, CONFIRMED),
+        ("Informed", scene.informed, INFORMED),
+    ):
         done = int(flags.sum())
         y = _reading(canvas, left, right, y, label, f"{done} / {total}")
         _bar(canvas, (left, y, right, y + 6 * s), done / max(total, 1), color)

@@ -23,7 +23,7 @@ except ImportError as error:
     raise MissingDependencyError("stable-baselines3", "jcas.sb3", "sb3") from error
 
 
-class FleetVecEnv(VecEnv):  # type: ignore[misc]
+class FleetVecEnv(VecEnv):
     """M missions of N UAVs as a Stable-Baselines3 vector environment of M · N members."""
 
     def __init__(self, config: ConfigLike = None, missions: int = 16, **options: Any) -> None:

@@ -137,9 +137,7 @@ class Sim:
         """Every quantity of every hotspot, as a structured array with the fields of the C interface."""
         hotspots = np.empty(self.model.hotspot_count, HOTSPOT)
         self._check(
-            lib.jcas_sim_get_hotspots(
-                self.handle, hotspots.ctypes.data_as(_HOTSPOT), hotspots.size, HOTSPOT.itemsize
-            )
+            lib.jcas_sim_get_hotspots(self.handle, hotspots.ctypes.data_as(_HOTSPOT), hotspots.size, HOTSPOT.itemsize)
         )
         return hotspots
 

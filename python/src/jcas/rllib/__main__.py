@@ -20,7 +20,16 @@ from ..model import Model
 from ..policy import load_policy
 from . import PAPER, SHARED_POLICY, Hyperparameters, export_policy, ppo_config
 
-COLUMNS = ("iteration", "env_steps", "seconds", "team_return", "success", "mission_steps", "entropy", "env_runners")
+COLUMNS = (
+    "iteration",
+    "env_steps",
+    "seconds",
+    "team_return",
+    "success",
+    "mission_steps",
+    "entropy",
+    "env_runners",
+)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -41,8 +50,12 @@ def _parser() -> argparse.ArgumentParser:
     train = commands.add_parser("train", help="train a shared policy with PPO on this machine or a Ray cluster")
     _mission_options(train)
     train.add_argument("--out", type=Path, required=True, help="folder for the policy, its card and the progress")
-    train.add_argument("--steps", type=int, default=250_000, help="environment steps (default: the paper's %(default)s)")
-    train.add_argument("--batch", type=int, default=PAPER.batch_steps, help="environment steps an iteration (%(default)s)")
+    train.add_argument(
+        "--steps", type=int, default=250_000, help="environment steps (default: the paper's %(default)s)"
+    )
+    train.add_argument(
+        "--batch", type=int, default=PAPER.batch_steps, help="environment steps an iteration (%(default)s)"
+    )
     train.add_argument("--minibatch", type=int, help="samples of a minibatch (default: as many as --batch)")
     train.add_argument("--epochs", type=int, default=PAPER.epochs, help="passes over a batch (%(default)s)")
     train.add_argument("--learning-rate", type=float, default=PAPER.learning_rate, help="(%(default)s)")
@@ -70,7 +83,7 @@ def _mission_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="FIELD=VALUE", help="replace a field; repeatable")
 
 
-def mission_config(options: argparse.Namespace, base: dict[str, Any] | None = None) -> Config:
+def mission_config(options: argparse.Namespace, base: Config | None = None) -> Config:
     """Read the options of a mission, on top of a base where no `--config` is given."""
     fields: dict[str, Any] = {}
     for assignment in options.set:
@@ -177,9 +190,7 @@ def _evaluate(options: argparse.Namespace) -> None:
     policy = load_policy(options.policy)
     model = Model(mission_config(options, policy.config))
     policy.check(model)
-    report = evaluate(
-        policy.act, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy)
-    )
+    report = evaluate(policy.act, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy))
     print(json.dumps(report.to_dict(), indent=2) if options.json else report)
 
 

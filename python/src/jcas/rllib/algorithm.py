@@ -51,9 +51,7 @@ def ppo_config(
 
     Env runners that die are started again, on whichever node has room, and the run goes on meanwhile.
     """
-    module = RLModuleSpec(
-        module_class=CentralCriticModule, model_config={"hidden": list(hyperparameters.hidden)}
-    )
+    module = RLModuleSpec(module_class=CentralCriticModule, model_config={"hidden": list(hyperparameters.hidden)})
     fields: dict[str, Any] = dict(config)
     return (
         PPOConfig()
@@ -88,7 +86,7 @@ def ppo_config(
     )
 
 
-class MissionMetrics(RLlibCallback):  # type: ignore[misc]
+class MissionMetrics(RLlibCallback):
     """Logs what missions came to: the team's return, success, and mission time."""
 
     def on_episode_end(self, *, episode: Any, metrics_logger: Any, **_: Any) -> None:

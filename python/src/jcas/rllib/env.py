@@ -16,7 +16,7 @@ from ..spaces import uav_action_space
 SHARED_POLICY = "shared"
 
 
-class JcasMultiAgentEnv(MultiAgentEnv):  # type: ignore[misc]
+class JcasMultiAgentEnv(MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
@@ -30,9 +30,7 @@ class JcasMultiAgentEnv(MultiAgentEnv):  # type: ignore[misc]
         self.sim = Sim(self.model)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
-        observation = spaces.Dict(
-            {"observation": self.model.observation_space(), "state": self.model.global_space()}
-        )
+        observation = spaces.Dict({"observation": self.model.observation_space(), "state": self.model.global_space()})
         self.observation_spaces = dict.fromkeys(self.possible_agents, observation)
         self.action_spaces = dict.fromkeys(self.possible_agents, uav_action_space("box"))
         self._seeds = np.random.default_rng()
@@ -61,13 +59,13 @@ class JcasMultiAgentEnv(MultiAgentEnv):  # type: ignore[misc]
         rewards = dict.fromkeys(self.possible_agents, outcome.reward)
         infos: dict[str, Any] = {}
         if outcome.terminated or outcome.truncated:
-            infos = dict.fromkeys(self.possible_agents, {"metrics": self.sim.metrics()})
+            metrics = self.sim.metrics()
+            infos = {agent: {"metrics": metrics} for agent in self.possible_agents}
         return self._observations(), rewards, terminated, truncated, infos
 
     def _observations(self) -> dict[str, Any]:
         state = self.sim.observe_global()
         rows = self.sim.observe()
         return {
-            agent: {"observation": row, "state": state}
-            for agent, row in zip(self.possible_agents, rows, strict=True)
+            agent: {"observation": row, "state": state} for agent, row in zip(self.possible_agents, rows, strict=True)
         }

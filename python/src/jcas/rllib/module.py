@@ -19,7 +19,7 @@ LOG_STD = (-2.3, 1.0)
 """Bounds of the log standard deviation: from a quarter of a motion's bin to beyond the whole range."""
 
 
-class CentralCriticModule(TorchRLModule, ValueFunctionAPI):  # type: ignore[misc]
+class CentralCriticModule(TorchRLModule, ValueFunctionAPI):
     """A Gaussian actor on `observation` and a value function on `state`, both plain MLPs.
 
     As in RLlib's own modules the actor gives the means and the log standard deviations.

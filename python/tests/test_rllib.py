@@ -1,0 +1,150 @@
+"""RLlib on a Ray cluster of two nodes: training improves, and a killed env runner comes back."""
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.heavy
+
+# Small enough to learn within seconds: two of three UAVs have to meet at one hotspot.
+MISSION = {
+    "grid_width": 5, "grid_height": 5, "uav_count": 3, "hotspot_count": 1, "quorum": 2, "horizon_steps": 25,
+    "radar_cross_section_dbsm": 12, "reward_throughput": 0,
+}  # fmt: skip
+NODE_SECONDS = 90
+RECOVERY_SECONDS = 150
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def start_node(log, *options):
+    """A Ray node in the foreground of a process of its own; it ends when that process is terminated."""
+    ray = Path(sys.executable).with_name("ray")
+    command = [
+        str(ray), "start", "--block", "--num-cpus", "1", "--object-store-memory", "100000000",
+        "--disable-usage-stats", *options,
+    ]  # fmt: skip
+    return subprocess.Popen(command, stdout=log.open("w"), stderr=subprocess.STDOUT)
+
+
+def wait_for(condition, seconds, what, log=None):
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            return
+        time.sleep(0.5)
+    raise AssertionError(f"{what} took more than {seconds} s" + (f":\n{log.read_text()[-2000:]}" if log else ""))
+
+
+def listening(port):
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """A head and a second node that joins it by address, both on loopback."""
+    pytest.importorskip("ray")
+    import ray
+
+    tmp_path = tmp_path_factory.mktemp("ray")
+    port = free_port()
+    address = f"127.0.0.1:{port}"
+    with contextlib.ExitStack() as nodes:
+
+        def node(name, *options):
+            log = tmp_path / f"{name}.log"
+            process = start_node(log, *options)
+            nodes.callback(lambda: (process.terminate(), process.wait(30)))
+            return log
+
+        log = node(
+            "head",
+            "--head",
+            "--port",
+            str(port),
+            "--node-ip-address",
+            "127.0.0.1",
+            "--include-dashboard",
+            "false",
+        )
+        wait_for(lambda: listening(port), NODE_SECONDS, "the head node", log)
+        log = node("joined", "--address", address, "--node-ip-address", "127.0.0.2")
+        ray.init(address=address, logging_level="error")
+        nodes.callback(ray.shutdown)
+        wait_for(lambda: sum(node["Alive"] for node in ray.nodes()) == 2, NODE_SECONDS, "the second node", log)
+        yield address
+
+
+def where(algorithm):
+    """Node and process of each env runner that answers."""
+
+    def place(_):
+        import ray
+
+        return ray.get_runtime_context().get_node_id(), os.getpid()
+
+    return algorithm.env_runner_group.foreach_env_runner(place, local_env_runner=False)
+
+
+def test_two_nodes_train_and_survive_a_killed_runner(cluster):
+    import jcas
+    from jcas.rllib import Hyperparameters, ppo_config
+    from jcas.rllib.__main__ import iteration_row
+
+    settings = Hyperparameters(batch_steps=1000, minibatch_samples=500, epochs=8, learning_rate=1e-3, hidden=(64, 64))
+    algorithm = ppo_config(jcas.Config(MISSION), settings, env_runners=2, envs_per_runner=4, seed=1).build_algo()
+    try:
+        places = where(algorithm)
+        # A node has room for one runner, so that there is one on each.
+        assert len(places) == 2 and len({node for node, _ in places}) == 2
+        returns = [iteration_row(algorithm.train(), 0.0)["team_return"] for _ in range(3)]
+
+        killed = places[0][1]
+        os.kill(killed, signal.SIGKILL)
+        lost, healthy, deadline = False, 2, time.monotonic() + RECOVERY_SECONDS
+        while not (lost and healthy == 2) and time.monotonic() < deadline:
+            row = iteration_row(algorithm.train(), 0.0)
+            healthy = row["env_runners"]
+            lost = lost or healthy == 1
+            returns.append(row["team_return"])
+        assert lost and healthy == 2
+        after = where(algorithm)
+        assert len({node for node, _ in after}) == 2 and killed not in [process for _, process in after]
+
+        while len(returns) < 9:
+            returns.append(iteration_row(algorithm.train(), 0.0)["team_return"])
+        assert sum(returns[-2:]) / 2 > sum(returns[:2]) / 2 + 1.0, returns
+    finally:
+        algorithm.stop()
+
+
+def test_the_commands_train_on_the_cluster_and_evaluate(cluster, tmp_path):
+    mission = [f"--set={name}={value}" for name, value in MISSION.items()]
+    run = [sys.executable, "-m", "jcas.rllib"]
+    out = tmp_path / "policy"
+    train = subprocess.run(
+        [*run, "train", *mission, "--address", cluster, "--out", out, "--steps", "1500", "--batch", "500",
+         "--hidden", "32,32", "--runners", "1", "--epochs", "2"], capture_output=True, text=True,
+    )  # fmt: skip
+    assert train.returncode == 0, train.stderr[-3000:]
+    assert sorted(os.listdir(out)) == ["policy.json", "policy.safetensors", "progress.csv"]
+    assert len((out / "progress.csv").read_text().splitlines()) >= 4
+    report = subprocess.run([*run, "evaluate", out, "--episodes", "20", "--json"], capture_output=True, text=True)
+    assert report.returncode == 0, report.stderr[-3000:]
+    values = json.loads(report.stdout)
+    assert (values["episodes"], values["uavs"]) == (20, 3) and 0 <= values["success_rate"] <= 1
+    refused = subprocess.run([*run, "evaluate", out, "--uavs", "7"], capture_output=True, text=True)
+    assert refused.returncode == 2 and "7 UAVs" in refused.stderr
