@@ -5,6 +5,7 @@ mod config_source;
 mod error;
 mod files;
 mod interrupt;
+mod learned;
 mod options;
 mod progress;
 mod sweep;
@@ -14,6 +15,10 @@ use std::process::ExitCode;
 use clap::Parser;
 use commands::Command;
 use error::{EXIT_DIFFERENT, Outcome};
+
+/// Keeps the large blocks that training frees and asks for again in every minibatch.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const EXIT_CODES: &str = "\
 Exit codes:

@@ -1,6 +1,6 @@
 //! Options that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jcas_core::rng::derive_seed;
@@ -9,6 +9,7 @@ use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
 
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::CliError;
+use crate::learned;
 
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
@@ -68,7 +69,7 @@ impl MissionOptions {
 /// Who flies.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// random, greedy, swarm, teams or sweep
+    /// random, greedy, swarm, teams, sweep, or the folder of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
     /// Pilot density: min, mid, max, or adaptive (max near an unconfirmed hotspot, min elsewhere)
@@ -90,6 +91,9 @@ pub fn policy_factory(
     pilot: &str,
     model: &Model<'_>,
 ) -> Result<PolicyFactory, CliError> {
+    if learned::is_policy(policy) {
+        return learned::factory(Path::new(policy), model, None);
+    }
     let kind: BaselineKind = policy.parse()?;
     let pilot: PilotMode = pilot.parse()?;
     // Refused here, once, where the model withholds what the baseline reads.

@@ -50,6 +50,14 @@ impl Head {
         }
     }
 
+    /// Outputs that are logits of motions; none where motion is no categorical.
+    pub fn logits(self) -> std::ops::Range<usize> {
+        match self {
+            Head::Gaussian => 0..0,
+            Head::Hybrid => 0..MOTIONS,
+        }
+    }
+
     /// Draws a raw action; returns it with its log-density.
     pub fn sample(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32) {
         match self {

@@ -114,6 +114,10 @@ pub struct Imitation {
     pub teacher_share: f64,
     /// Chance of a random move of a UAV in a step.
     pub noise: f64,
+    /// Factor on the motion logits once imitation is over. A copy of a teacher is unsure where its
+    /// choices are arbitrary, and UAVs that each draw for themselves then scatter; above 1 they agree
+    /// as the most likely motions do.
+    pub sharpening: f32,
 }
 
 /// Named settings.
@@ -191,6 +195,42 @@ impl Settings {
     fn tuned() -> Settings {
         Settings {
             head: Head::Hybrid,
+            network: NetworkKind::Set,
+            actor_hidden: vec![128, 64],
+            critic_hidden: vec![128, 64],
+            environments: 160,
+            workers: 20,
+            batch_steps: 5120,
+            total_steps: 200 * 5120,
+            epochs: 2,
+            minibatch_rows: 2048,
+            critic_minibatch_rows: 256,
+            shard_rows: 128,
+            actor_sample_share: 0.3,
+            learning_rate: 3e-4,
+            critic_learning_rate: 1e-3,
+            schedule: Schedule::Linear,
+            clip: 0.15,
+            kl_max: Some(0.015),
+            discount: 0.99,
+            normalise_values: true,
+            reward_factors: BTreeMap::from([
+                ("energy".to_owned(), 100.0),
+                ("throughput".to_owned(), 0.2),
+                ("shaping_goal".to_owned(), 0.0),
+                ("shaping_charge".to_owned(), 0.0),
+            ]),
+            step_cost: 0.3,
+            imitation: Some(Imitation {
+                teacher: "teams:adaptive".to_owned(),
+                iterations: 60,
+                epochs: 2,
+                learning_rate: 1.5e-3,
+                teacher_share: 0.6,
+                noise: 0.03,
+                sharpening: 2.5,
+            }),
+            critic_warmup_iterations: 4,
             ..Settings::paper()
         }
     }

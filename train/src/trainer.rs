@@ -2,6 +2,7 @@
 
 use crate::environment::{Episode, Shape, VectorEnvironment};
 use crate::network::{Architecture, Network};
+use crate::ppo::adam::Adam;
 use crate::ppo::gae::{self, Trajectories};
 use crate::ppo::normalise::{Affine, Running};
 use crate::ppo::rollout::{ActingPolicy, Rollout, Tutelage, collect};
@@ -195,6 +196,9 @@ impl Trainer {
         let learning = started_learning.elapsed();
 
         self.iterations += 1;
+        if stage == Stage::Imitation && self.stage() != Stage::Imitation {
+            self.sharpen();
+        }
         self.environment_steps += rollouts.iter().map(|r| r.missions() as u64).sum::<u64>();
         let simulation: Duration = rollouts.iter().map(|r| r.simulation).sum();
         let inference: Duration = rollouts.iter().map(|r| r.inference).sum();
@@ -236,6 +240,19 @@ impl Trainer {
                 collect(worker.as_mut(), &policy, steps, tutelage, &mut random)
             })
             .collect()
+    }
+
+    /// Ends imitation: surer motions, and an optimiser without memory of the other loss.
+    fn sharpen(&mut self) {
+        let factor = self.settings.imitation.as_ref().map_or(1.0, |i| i.sharpening);
+        let motions = self.settings.head.logits();
+        for block in self.actor.network.blocks.iter().rev().take(2) {
+            let weights = &mut self.actor.parameters[block.offset..block.offset + block.len()];
+            for row in weights.chunks_exact_mut(block.columns) {
+                row[motions.clone()].iter_mut().for_each(|weight| *weight *= factor);
+            }
+        }
+        self.actor.adam = Adam::new(self.actor.parameters.len());
     }
 
     fn tutelage(&self, stage: Stage) -> Option<Tutelage> {

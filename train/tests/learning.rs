@@ -74,6 +74,7 @@ fn imitation_alone_comes_close_to_the_teacher() {
             learning_rate: 3e-3,
             teacher_share: 0.5,
             noise: 0.1,
+            sharpening: 1.0,
         }),
         ..settings(Head::Hybrid)
     };

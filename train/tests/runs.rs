@@ -37,6 +37,7 @@ fn settings(network: NetworkKind) -> Settings {
             learning_rate: 1e-3,
             teacher_share: 0.5,
             noise: 0.05,
+            sharpening: 1.5,
         }),
         ..Settings::preset(Preset::Paper)
     }

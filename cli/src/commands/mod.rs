@@ -2,10 +2,13 @@
 
 mod bench;
 mod config;
+mod evaluate;
 mod replay;
+mod reproduce;
 mod simulate;
 mod sweep;
 mod trace;
+mod train;
 
 use clap::Subcommand;
 
@@ -16,6 +19,9 @@ use crate::error::{CliError, Outcome};
 pub enum Command {
     Simulate(simulate::Simulate),
     Sweep(sweep::Sweep),
+    Train(train::Train),
+    Evaluate(evaluate::Evaluate),
+    Reproduce(reproduce::Reproduce),
     #[command(subcommand)]
     Trace(trace::Trace),
     Replay(replay::Replay),
@@ -30,6 +36,9 @@ impl Command {
         match self {
             Self::Simulate(command) => command.run(),
             Self::Sweep(command) => command.run(),
+            Self::Train(command) => command.run(),
+            Self::Evaluate(command) => command.run(),
+            Self::Reproduce(command) => command.run(),
             Self::Trace(command) => command.run(),
             Self::Replay(command) => command.run(),
             Self::Config(command) => command.run(),

@@ -117,7 +117,8 @@ pub fn fly(
 }
 
 impl Report<'_> {
-    fn to_text(&self, config: &Config) -> String {
+    /// The report for people.
+    pub fn to_text(&self, config: &Config) -> String {
         let mut text = format!(
             "{} missions: {} UAVs, {} hotspots, policy {}, pilot {}, seed {}\n\n",
             self.summary.episodes, self.uavs, self.hotspots, self.policy, self.pilot, self.seed

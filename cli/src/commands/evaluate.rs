@@ -1,0 +1,121 @@
+//! `jcas evaluate`: how good a policy or baseline is, on fixed seeds.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use jcas_core::Model;
+use jcas_evaluate::mission::Campaign;
+use jcas_train::policy::Mode;
+use jcas_train::run::EVALUATION_SEED;
+
+use super::simulate::{Report, fly};
+use crate::error::{CliError, Outcome};
+use crate::options::{MissionOptions, ThreadOptions, policy_factory};
+use crate::{files, learned};
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas evaluate run --uavs 10 --hotspots 5
+  jcas evaluate run --uavs 10 --hotspots 5 --mode sampled --json
+  jcas evaluate teams --pilot adaptive --uavs 15 --hotspots 7";
+
+/// How a learned policy acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// As the policy's card says
+    Card,
+    /// The most likely motion and the mean pilot density
+    Deterministic,
+    /// A draw that follows from the mission's seed
+    Sampled,
+}
+
+/// Evaluate a trained policy or a baseline on the published seeds
+///
+/// The missions are those of `jcas simulate` with the same seed, whose report this prints. A policy that
+/// was trained for one fleet and number of hotspots is flown with these unless others are asked for; one
+/// whose dimensions do not fit is refused.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Evaluate {
+    /// Folder of a trained policy, or a baseline's name
+    policy: String,
+    /// Pilot density of a baseline: min, mid, max, adaptive
+    #[arg(long, value_name = "MODE", default_value = crate::options::DEFAULT_PILOT)]
+    pilot: String,
+    /// How a learned policy acts
+    #[arg(long, value_enum, default_value_t = ModeName::Card)]
+    mode: ModeName,
+    #[command(flatten)]
+    mission: MissionOptions,
+    /// Missions to fly
+    #[arg(long, value_name = "M", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    episodes: u64,
+    /// Seed; each mission's own seed follows from it
+    #[arg(long, value_name = "S", default_value_t = EVALUATION_SEED)]
+    seed: u64,
+    #[command(flatten)]
+    threads: ThreadOptions,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Evaluate {
+    /// Flies and reports.
+    pub fn run(mut self) -> Result<Outcome, CliError> {
+        let learned = learned::is_policy(&self.policy);
+        if learned {
+            self.default_sizes()?;
+        }
+        let config = self.mission.load()?;
+        let model = Model::new(config)?;
+        let mode = match self.mode {
+            ModeName::Card => None,
+            ModeName::Deterministic => Some(Mode::Deterministic),
+            ModeName::Sampled => Some(Mode::Sampled),
+        };
+        let (factory, pilot) = if learned {
+            (learned::factory(Path::new(&self.policy), &model, mode)?, "learned")
+        } else {
+            (policy_factory(&self.policy, &self.pilot, &model)?, self.pilot.as_str())
+        };
+        let campaign = Campaign { episodes: self.episodes, seed: self.seed };
+        let summary = self.threads.run(|| fly(&model, campaign, &factory, "missions"))??;
+        let report = Report {
+            policy: &self.policy,
+            pilot,
+            uavs: config.uav_count,
+            hotspots: config.hotspot_count,
+            seed: self.seed,
+            config_hash: format!("0x{:016x}", config.hash()),
+            summary,
+        };
+        if self.json {
+            files::print_json(&report)?;
+        } else {
+            files::print(&report.to_text(&config))?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// Sizes of the first mission that the policy was trained on, where none were asked for.
+    fn default_sizes(&mut self) -> Result<(), CliError> {
+        let card = jcas_train::policy::files::load(Path::new(&self.policy))?.card;
+        if let (Some(&(uavs, hotspots)), None, None) =
+            (card.trained_on.first(), self.mission.uavs, self.mission.hotspots)
+        {
+            let given = |field: &str| {
+                let prefix = format!("{field}=");
+                self.mission.config.set.iter().any(|set| set.replace(' ', "").starts_with(&prefix))
+            };
+            if self.mission.config.config.is_none() && !given("uav_count") {
+                self.mission.uavs = Some(uavs);
+            }
+            if self.mission.config.config.is_none() && !given("hotspot_count") {
+                self.mission.hotspots = Some(hotspots);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! `jcas reproduce`: the paper's figures, made on this machine.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use jcas_train::metrics::Row;
+use jcas_train::reproduce::plan::Scale;
+use jcas_train::reproduce::{Narrator, Progress, reproduce};
+use jcas_train::run::Observer;
+
+use crate::error::{CliError, Outcome};
+use crate::options::ThreadOptions;
+use crate::{files, interrupt};
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas reproduce --quick                  minutes; a smaller version of every part
+  jcas reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped";
+
+/// Train, fly and draw the paper's results: CSV, SVG, PNG, one HTML report, claims in Markdown
+///
+/// What is in the folder already is not done again.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Reproduce {
+    /// A smaller version of every part, in minutes
+    #[arg(long)]
+    quick: bool,
+    /// Training seeds
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=100))]
+    seeds: u64,
+    /// Folder for results, policies and figures
+    #[arg(long, short, value_name = "DIR", default_value = "out/reproduce")]
+    out: PathBuf,
+    #[command(flatten)]
+    threads: ThreadOptions,
+}
+
+impl Reproduce {
+    /// Does what is missing.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        let scale = if self.quick { Scale::quick(self.seeds) } else { Scale::full(self.seeds) };
+        files::prepare_folder(&self.out)?;
+        let progress =
+            self.threads.run(|| reproduce(&scale, &self.out, &mut Teller::default()))??;
+        match progress {
+            Progress::Finished => {
+                let report = self.out.join("report.html");
+                files::print(&format!("report: {}\n", report.display()))?;
+                Ok(Outcome::Done)
+            }
+            Progress::Stopped => Err(CliError::Interrupted(format!(
+                "stopped; the same command goes on in {}",
+                self.out.display()
+            ))),
+        }
+    }
+}
+
+/// Tells the chapters, and about ten lines of each training.
+#[derive(Default)]
+struct Teller;
+
+impl Observer for Teller {
+    fn iteration(&mut self, row: &Row, total: u64, left_s: f64) {
+        if row.iteration.is_multiple_of((total / 10).max(1)) {
+            let success = row.success_rate.map_or("-".to_owned(), |rate| format!("{rate:.2}"));
+            eprintln!(
+                "  iteration {} of {total}: success {success}, {:.0} steps/s, {left_s:.0} s left",
+                row.iteration, row.steps_per_s
+            );
+        }
+    }
+
+    fn stop(&mut self) -> bool {
+        interrupt::requested()
+    }
+}
+
+impl Narrator for Teller {
+    fn chapter(&mut self, title: &str) {
+        eprintln!("{title}");
+    }
+}

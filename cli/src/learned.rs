@@ -1,0 +1,42 @@
+//! Trained policies wherever a baseline can be named: a folder with a `policy.json`.
+
+use std::path::Path;
+
+use jcas_core::Model;
+use jcas_train::error::TrainError;
+use jcas_train::policy::Mode;
+use jcas_train::policy::files::{CARD, Stored, load};
+
+use crate::error::CliError;
+use crate::options::PolicyFactory;
+
+/// Whether what was typed names a folder with a trained policy.
+pub fn is_policy(name: &str) -> bool {
+    Path::new(name).join(CARD).is_file()
+}
+
+/// Reads a trained policy and makes sure that it fits the mission.
+pub fn open(folder: &Path, model: &Model<'_>) -> Result<Stored, CliError> {
+    let stored = load(folder)?;
+    stored.check(model)?;
+    Ok(stored)
+}
+
+/// Makes a trained policy for each worker; `mode` absent: as its card says.
+pub fn factory(
+    folder: &Path,
+    model: &Model<'_>,
+    mode: Option<Mode>,
+) -> Result<PolicyFactory, CliError> {
+    let stored = open(folder, model)?;
+    Ok(Box::new(move || Box::new(stored.policy(mode))))
+}
+
+impl From<TrainError> for CliError {
+    fn from(error: TrainError) -> Self {
+        match error {
+            TrainError::File(path, error) => Self::Io(path, error),
+            other => Self::input(other),
+        }
+    }
+}

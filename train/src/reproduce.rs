@@ -1,0 +1,52 @@
+//! The paper's figures again, on this machine: what to fly and train, its results, its pictures.
+//!
+//! Everything is kept in one table, `results.csv`, whose rows are flown once; what is there already
+//! is not flown again, so a reproduction goes on where it was stopped. Figures and texts are made
+//! from the table alone.
+
+pub mod claims;
+pub mod figures;
+pub mod flights;
+pub mod plan;
+pub mod table;
+
+use crate::error::TrainError;
+use crate::run::Observer;
+use crate::store::write_whole;
+use plan::Scale;
+use std::path::Path;
+use table::Table;
+
+/// What is told while it runs; also how it is stopped.
+pub trait Narrator: Observer {
+    /// What begins now.
+    fn chapter(&mut self, title: &str);
+}
+
+/// Whether everything was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// All rows are there; figures and report are written.
+    Finished,
+    /// Stopped when asked; what was done is kept.
+    Stopped,
+}
+
+/// Trains and flies whatever is missing, then draws and writes.
+pub fn reproduce(
+    scale: &Scale,
+    out: &Path,
+    narrator: &mut dyn Narrator,
+) -> Result<Progress, TrainError> {
+    std::fs::create_dir_all(out).map_err(TrainError::file(out))?;
+    let mut table = Table::open(&out.join("results.csv"))?;
+    if flights::fly_all(scale, out, &mut table, narrator)? == Progress::Stopped {
+        return Ok(Progress::Stopped);
+    }
+    narrator.chapter("figures and report");
+    let curves = figures::curves(scale, out)?;
+    figures::write_all(scale, &table, &curves, out)?;
+    let text = claims::markdown(scale, &table, &curves);
+    write_whole(&out.join("results.md"), text.as_bytes())?;
+    Ok(Progress::Finished)
+}

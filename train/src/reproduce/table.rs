@@ -1,0 +1,188 @@
+//! The results of a reproduction, one row for each campaign of missions.
+
+use crate::error::TrainError;
+use crate::store::write_whole;
+use jcas_evaluate::statistics::{Estimate, Summary};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Which campaign a row is of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Key {
+    /// `grid`, `density`, `battery` or `time`.
+    pub experiment: String,
+    /// `mission` or `paper`.
+    pub preset: String,
+    /// UAVs.
+    pub uavs: u32,
+    /// Hotspots.
+    pub hotspots: u32,
+    /// Baseline's name, `learned` (our settings) or `ppo` (the paper's).
+    pub policy: String,
+    /// Pilot rule.
+    pub pilot: String,
+    /// Training seed; 0 for baselines.
+    pub seed: u64,
+    /// What the experiment varies besides: a density, a share; 0 where nothing.
+    pub x: f64,
+}
+
+/// A campaign and what it came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)] // the names are those of the summary's quantities and their intervals
+pub struct Row {
+    pub experiment: String,
+    pub preset: String,
+    pub uavs: u32,
+    pub hotspots: u32,
+    pub policy: String,
+    pub pilot: String,
+    pub seed: u64,
+    pub x: f64,
+    pub episodes: u64,
+    pub success_rate: f64,
+    pub success_rate_low: f64,
+    pub success_rate_high: f64,
+    pub mission_steps: f64,
+    pub mission_steps_low: f64,
+    pub mission_steps_high: f64,
+    pub energy_kwh: f64,
+    pub energy_kwh_low: f64,
+    pub energy_kwh_high: f64,
+    pub throughput: f64,
+    pub throughput_low: f64,
+    pub throughput_high: f64,
+    pub co2_kg: f64,
+    pub co2_kg_low: f64,
+    pub co2_kg_high: f64,
+    pub pilot_density: f64,
+}
+
+impl Row {
+    fn new(key: &Key, summary: &Summary) -> Row {
+        let Key { experiment, preset, uavs, hotspots, policy, pilot, seed, x } = key.clone();
+        let Summary { success_rate, mission_steps, energy_kwh, throughput, co2_kg, .. } = *summary;
+        Row {
+            experiment,
+            preset,
+            uavs,
+            hotspots,
+            policy,
+            pilot,
+            seed,
+            x,
+            episodes: summary.episodes,
+            success_rate: success_rate.value,
+            success_rate_low: success_rate.low,
+            success_rate_high: success_rate.high,
+            mission_steps: mission_steps.value,
+            mission_steps_low: mission_steps.low,
+            mission_steps_high: mission_steps.high,
+            energy_kwh: energy_kwh.value,
+            energy_kwh_low: energy_kwh.low,
+            energy_kwh_high: energy_kwh.high,
+            throughput: throughput.value,
+            throughput_low: throughput.low,
+            throughput_high: throughput.high,
+            co2_kg: co2_kg.value,
+            co2_kg_low: co2_kg.low,
+            co2_kg_high: co2_kg.high,
+            pilot_density: summary.pilot_density.value,
+        }
+    }
+
+    fn is_of(&self, key: &Key) -> bool {
+        self.experiment == key.experiment
+            && self.preset == key.preset
+            && (self.uavs, self.hotspots, self.seed) == (key.uavs, key.hotspots, key.seed)
+            && self.policy == key.policy
+            && self.pilot == key.pilot
+            && self.x == key.x
+    }
+
+    /// A quantity with its interval.
+    pub fn estimate(&self, quantity: Quantity) -> Estimate {
+        let (value, low, high) = match quantity {
+            Quantity::Success => {
+                (self.success_rate, self.success_rate_low, self.success_rate_high)
+            }
+            Quantity::Steps => {
+                (self.mission_steps, self.mission_steps_low, self.mission_steps_high)
+            }
+            Quantity::Energy => (self.energy_kwh, self.energy_kwh_low, self.energy_kwh_high),
+            Quantity::Throughput => (self.throughput, self.throughput_low, self.throughput_high),
+            Quantity::Co2 => (self.co2_kg, self.co2_kg_low, self.co2_kg_high),
+        };
+        Estimate { value, low, high }
+    }
+}
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Success rate.
+    Success,
+    /// Mission time.
+    Steps,
+    /// Energy of the fleet.
+    Energy,
+    /// Normalised throughput.
+    Throughput,
+    /// Carbon.
+    Co2,
+}
+
+/// All rows.
+#[derive(Clone, Debug)]
+pub struct Table {
+    path: PathBuf,
+    /// In the order in which they were flown.
+    pub rows: Vec<Row>,
+}
+
+impl Table {
+    /// What is there already.
+    pub fn open(path: &Path) -> Result<Table, TrainError> {
+        let mut rows = Vec::new();
+        if path.exists() {
+            let mut reader = csv::Reader::from_path(path).map_err(TrainError::format(path))?;
+            for row in reader.deserialize() {
+                rows.push(row.map_err(TrainError::format(path))?);
+            }
+        }
+        Ok(Table { path: path.to_owned(), rows })
+    }
+
+    /// Whether a campaign has been flown.
+    pub fn has(&self, key: &Key) -> bool {
+        self.rows.iter().any(|row| row.is_of(key))
+    }
+
+    /// Adds a campaign and writes the whole table.
+    pub fn add(&mut self, key: &Key, summary: &Summary) -> Result<(), TrainError> {
+        self.rows.push(Row::new(key, summary));
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in &self.rows {
+            writer.serialize(row).map_err(TrainError::format(&self.path))?;
+        }
+        let bytes = writer.into_inner().map_err(TrainError::format(&self.path))?;
+        write_whole(&self.path, &bytes)
+    }
+
+    /// Rows that a condition holds for.
+    pub fn select(&self, condition: impl Fn(&Row) -> bool) -> Vec<&Row> {
+        self.rows.iter().filter(|row| condition(row)).collect()
+    }
+}
+
+/// The mean over rows (seeds or cells), with the mean of their intervals' ends; none without rows.
+pub fn mean(rows: &[&Row], quantity: Quantity) -> Option<Estimate> {
+    if rows.is_empty() {
+        return None;
+    }
+    let count = rows.len() as f64;
+    let over = |of: fn(Estimate) -> f64| {
+        rows.iter().map(|row| of(row.estimate(quantity))).sum::<f64>() / count
+    };
+    Some(Estimate { value: over(|e| e.value), low: over(|e| e.low), high: over(|e| e.high) })
+}
