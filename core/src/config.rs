@@ -7,7 +7,7 @@ mod field;
 pub mod text;
 mod validate;
 
-pub use choices::{ChargeBilling, InformPayment, Preset, TargetVisibility};
+pub use choices::{ChargeBilling, InformPayment, Preset, TargetVisibility, UnknownName};
 pub use depots::{Cell, Depots, MAX_DEPOTS};
 pub use field::{FieldInfo, FieldValue, FieldValues};
 

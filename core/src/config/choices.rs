@@ -1,12 +1,26 @@
 //! The fields that choose between alternatives.
 
+use core::fmt;
 use core::str::FromStr;
 
-use crate::error::{Allowed, ConfigError, Value};
+/// A name that none of the alternatives has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownName {
+    /// What would have been accepted.
+    pub allowed: &'static str,
+}
+
+impl fmt::Display for UnknownName {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "must be {}", self.allowed)
+    }
+}
+
+impl core::error::Error for UnknownName {}
 
 /// Declares an enumeration whose names are the same in files, messages and on the command line.
 macro_rules! choice {
-    ($(#[$meta:meta])* $name:ident, $field:literal, $rule:literal { $( $(#[$variant_meta:meta])* $variant:ident = $text:literal, )+ }) => {
+    ($(#[$meta:meta])* $name:ident, $allowed:literal { $( $(#[$variant_meta:meta])* $variant:ident = $text:literal, )+ }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -32,15 +46,11 @@ macro_rules! choice {
         }
 
         impl FromStr for $name {
-            type Err = ConfigError;
-            fn from_str(text: &str) -> Result<Self, ConfigError> {
+            type Err = UnknownName;
+            fn from_str(text: &str) -> Result<Self, UnknownName> {
                 match text {
                     $( $text => Ok(Self::$variant), )+
-                    _ => Err(ConfigError {
-                        field: $field,
-                        value: Value::Integer(text.len() as u64),
-                        allowed: Allowed::Rule($rule),
-                    }),
+                    _ => Err(UnknownName { allowed: $allowed }),
                 }
             }
         }
@@ -49,7 +59,7 @@ macro_rules! choice {
 
 choice! {
     /// A named set of values for every field.
-    Preset, "preset", "`mission` or `paper`" {
+    Preset, "`mission` or `paper`" {
         /// The paper with its billing and payment corrected; the default.
         Mission = "mission",
         /// The letter of every equation of the paper.
@@ -59,7 +69,7 @@ choice! {
 
 choice! {
     /// What UAVs see of hotspots that they do not know.
-    TargetVisibility, "target_visibility", "`known` or `hidden`" {
+    TargetVisibility, "`known` or `hidden`" {
         /// Every hotspot's position, as in the paper.
         Known = "known",
         /// Positions only of hotspots that the UAV knows.
@@ -69,7 +79,7 @@ choice! {
 
 choice! {
     /// What charging bills to the grid.
-    ChargeBilling, "charge_billing", "`accepted` or `nameplate`" {
+    ChargeBilling, "`accepted` or `nameplate`" {
         /// What the battery accepted.
         Accepted = "accepted",
         /// The charger's rating whenever a UAV is on a depot.
@@ -79,7 +89,7 @@ choice! {
 
 choice! {
     /// When an informed hotspot pays its reward.
-    InformPayment, "inform_payment", "`once` or `every_step`" {
+    InformPayment, "`once` or `every_step`" {
         /// At the step at which it becomes informed.
         Once = "once",
         /// At that step and every later one.

@@ -80,8 +80,13 @@ impl Config {
     pub fn from_fields(mut fields: Map<String, Value>) -> Result<Self, TextError> {
         let preset = match fields.remove("preset") {
             None => Preset::Mission,
-            Some(Value::String(name)) => name.parse().map_err(|_| unknown_preset(&name))?,
-            Some(other) => return Err(unknown_preset(&other.to_string())),
+            Some(Value::String(name)) => name
+                .parse()
+                .map_err(|error| TextError::Syntax(format!("preset = {name}: {error}")))?,
+            Some(other) => {
+                let message = format!("preset = {other}: must be a name in quotes");
+                return Err(TextError::Syntax(message));
+            }
         };
         Self::preset(preset).with_fields(fields)
     }
@@ -125,10 +130,6 @@ impl Config {
     pub fn to_toml(&self) -> String {
         toml::to_string(self).unwrap_or_default()
     }
-}
-
-fn unknown_preset(name: &str) -> TextError {
-    TextError::Syntax(format!("preset = {name}: must be `mission` or `paper`"))
 }
 
 fn not_finite(key: &str, value: f64) -> TextError {
