@@ -215,11 +215,16 @@ pub unsafe extern "C" fn jcas_batch_step(
             let metrics = optional_output(c.final_metrics, c.final_metrics_count, m)?;
             (buffers, metrics)
         };
-        batch.step(actions, auto_reset, buffers, |at, ended: &Metrics| {
-            if let Some(place) = metrics.get_mut(at) {
-                *place = jcas_metrics::of(ended);
-            }
-        })
+        let wanted = !metrics.is_empty();
+        batch.step(
+            actions,
+            auto_reset,
+            buffers,
+            wanted,
+            |at, ended: &Metrics| {
+                metrics[at] = jcas_metrics::of(ended);
+            },
+        )
     })
 }
 

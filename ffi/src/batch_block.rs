@@ -193,15 +193,21 @@ impl BatchBlock {
         Ok(())
     }
 
-    /// Steps every environment and hands the metrics of each ended episode to `ended`.
+    /// Steps every environment and, where wanted, hands the metrics of each ended episode to `ended`.
     pub(crate) fn step(
         &mut self,
         actions: &[f32],
         auto_reset: bool,
         out: BatchOut<'_>,
+        metrics_wanted: bool,
         mut ended: impl FnMut(usize, &Metrics),
     ) -> Result<(), Fault> {
         let model = self.model();
+        let final_metrics: &mut [Metrics] = if metrics_wanted {
+            &mut self.metrics
+        } else {
+            &mut []
+        };
         let stepped = if let Some(pool) = &self.pool {
             // A share must not refuse after another has stepped.
             check_all(model, &self.states, actions).and_then(|()| {
@@ -210,7 +216,7 @@ impl BatchBlock {
                     scratch: &mut self.scratch,
                     actions,
                     out: BatchOut {
-                        final_metrics: &mut self.metrics,
+                        final_metrics,
                         ..out
                     },
                     shares: self.shares,
@@ -223,7 +229,7 @@ impl BatchBlock {
                 scratch: &mut self.scratch,
                 actions,
                 out: BatchOut {
-                    final_metrics: &mut self.metrics,
+                    final_metrics,
                     ..out
                 },
                 shares: 1,
@@ -231,12 +237,14 @@ impl BatchBlock {
             work.run(model, auto_reset)
         };
         stepped.inspect_err(|error| self.refusal = Some(*error))?;
-        for (m, metrics) in self.metrics.iter().enumerate() {
-            if metrics.terminated || metrics.truncated {
-                ended(m, metrics);
+        if metrics_wanted {
+            for (m, metrics) in self.metrics.iter_mut().enumerate() {
+                if metrics.terminated || metrics.truncated {
+                    ended(m, metrics);
+                    *metrics = Metrics::default();
+                }
             }
         }
-        self.metrics.fill(Metrics::default());
         Ok(())
     }
 }

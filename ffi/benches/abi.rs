@@ -1,0 +1,294 @@
+//! What the C ABI costs: the same missions stepped by the kernel's own interface and through the exported
+//! functions, in one run. `cargo bench -p jcas-ffi`.
+//!
+//! Both paths take turns in short blocks, so that whatever else the machine does strikes both alike; each
+//! is told by the median of its blocks. Exported functions are called through pointers that the compiler
+//! cannot see through, as a C program calls them.
+
+use std::hint::black_box;
+use std::ptr;
+use std::time::Instant;
+
+use jcas::*;
+use jcas_core::batch::BatchOut;
+use jcas_core::{Config, Model, Scratch, Sim};
+
+const BLOCKS: usize = 401;
+const BLOCK_SECONDS: f64 = 2e-3;
+
+fn main() {
+    println!("| what | kernel, µs | C ABI, µs | ABI costs |");
+    println!("| --- | --- | --- | --- |");
+    for uavs in [1, 5, 10, 50] {
+        report(&format!("step, N = {uavs}"), one_by_one(uavs, false));
+    }
+    for uavs in [5, 50] {
+        report(
+            &format!("step and observe, N = {uavs}"),
+            one_by_one(uavs, true),
+        );
+    }
+    for (environments, uavs) in [(64, 5), (256, 10)] {
+        let what = format!("batch step of {environments} environments, N = {uavs}");
+        report(&what, batch(environments, uavs));
+    }
+}
+
+fn report(what: &str, (kernel_us, abi_us): (f64, f64)) {
+    let cost = (abi_us / kernel_us - 1.0) * 100.0;
+    println!("| {what} | {kernel_us:.3} | {abi_us:.3} | {cost:+.1} % |");
+}
+
+/// Medians of the time of one call of each, in microseconds.
+fn compare(mut a: impl FnMut(), mut b: impl FnMut()) -> (f64, f64) {
+    let calls = calls_per_block(&mut a);
+    let mut times = [Vec::with_capacity(BLOCKS), Vec::with_capacity(BLOCKS)];
+    for block in 0..2 * BLOCKS {
+        let begun = Instant::now();
+        for _ in 0..calls {
+            if block % 2 == 0 { a() } else { b() }
+        }
+        times[block % 2].push(begun.elapsed().as_secs_f64() / calls as f64 * 1e6);
+    }
+    let [a, b] = times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[BLOCKS / 2]
+    });
+    (a, b)
+}
+
+fn calls_per_block(call: &mut impl FnMut()) -> usize {
+    let begun = Instant::now();
+    let mut calls = 0;
+    while begun.elapsed().as_secs_f64() < 0.1 {
+        call();
+        calls += 1;
+    }
+    ((BLOCK_SECONDS * f64::from(calls) / 0.1) as usize).max(1)
+}
+
+/// Actions that keep a fleet moving; the same for both paths.
+fn actions_of(step: usize, actions: &mut [f32]) {
+    for (index, action) in actions.iter_mut().enumerate() {
+        *action = ((step * 7 + index * 13) % 11) as f32 / 5.0 - 1.0;
+    }
+}
+
+fn one_by_one(uavs: u32, observed: bool) -> (f64, f64) {
+    let config = Config {
+        uav_count: uavs,
+        ..Config::default()
+    };
+    let model = Model::new(config).expect("a legal configuration");
+    let observation_len = model.uav_count() * model.observation_len();
+
+    let mut sim = Sim::new(&model);
+    let (mut actions, mut seen) = (vec![0.0; model.action_len()], vec![0.0; observation_len]);
+    let mut step = 0;
+    let kernel = || {
+        actions_of(step, &mut actions);
+        step += 1;
+        let outcome = sim.step(&actions).expect("a legal step");
+        if observed {
+            sim.observe(&mut seen).expect("the right length");
+        }
+        if outcome.terminated || outcome.truncated {
+            sim.reset(step as u64);
+        }
+    };
+
+    let c_model = c_model(uavs);
+    let c_sim = c_sim(c_model);
+    let c_step = black_box(jcas_sim_step as unsafe extern "C" fn(_, _, _, _) -> i32);
+    let c_observe = black_box(jcas_sim_observe as unsafe extern "C" fn(_, _, _) -> i32);
+    let c_reset = black_box(jcas_sim_reset as unsafe extern "C" fn(_, _) -> i32);
+    let (mut c_actions, mut c_seen) = (vec![0.0; 2 * uavs as usize], vec![0.0f32; observation_len]);
+    let mut c_steps = 0;
+    let abi = || {
+        actions_of(c_steps, &mut c_actions);
+        c_steps += 1;
+        let mut outcome = jcas_outcome {
+            struct_size: size_of::<jcas_outcome>() as u32,
+            terminated: 0,
+            truncated: 0,
+            reserved: 0,
+            reward: 0.0,
+        };
+        // SAFETY: a living simulation, and buffers of these lengths.
+        ok(unsafe { c_step(c_sim, c_actions.as_ptr(), c_actions.len(), &raw mut outcome) });
+        if observed {
+            // SAFETY: as above.
+            ok(unsafe { c_observe(c_sim, c_seen.as_mut_ptr(), c_seen.len()) });
+        }
+        if outcome.terminated + outcome.truncated > 0 {
+            // SAFETY: as above.
+            ok(unsafe { c_reset(c_sim, c_steps as u64) });
+        }
+    };
+    let times = compare(kernel, abi);
+    // SAFETY: both are living handles that nobody uses any more.
+    unsafe {
+        ok(jcas_sim_free(c_sim));
+        ok(jcas_model_free(c_model));
+    }
+    times
+}
+
+fn batch(environments: usize, uavs: u32) -> (f64, f64) {
+    let config = Config {
+        uav_count: uavs,
+        ..Config::default()
+    };
+    let model = Model::new(config).expect("a legal configuration");
+    let seeds: Vec<u64> = (0..environments as u64).collect();
+    let mut buffers = Buffers::new(&model, environments);
+    let mut c_buffers = Buffers::new(&model, environments);
+
+    let mut states = vec![0; environments * model.state_words()];
+    let mut scratch_words = vec![0; Scratch::words_for(&model)];
+    let mut scratch = Scratch::new(&model, &mut scratch_words).expect("enough memory");
+    model
+        .batch_reset(
+            &mut states,
+            &mut scratch,
+            &seeds,
+            &mut buffers.observations,
+            &mut [],
+        )
+        .expect("buffers of the right lengths");
+    let mut step = 0;
+    let kernel = || {
+        actions_of(step, &mut buffers.actions);
+        step += 1;
+        let mut out = BatchOut {
+            observations: &mut buffers.observations,
+            rewards: &mut buffers.rewards,
+            terminated: &mut buffers.terminated,
+            truncated: &mut buffers.truncated,
+            ..BatchOut::default()
+        };
+        model
+            .batch_step(&mut states, &mut scratch, &buffers.actions, true, &mut out)
+            .expect("a legal step");
+    };
+
+    let c_model = c_model(uavs);
+    let mut c_batch = ptr::null_mut();
+    let observation_count = c_buffers.observations.len();
+    // SAFETY: living handles, buffers of these lengths.
+    unsafe {
+        ok(jcas_batch_new(
+            c_model,
+            environments as u32,
+            1,
+            &raw mut c_batch,
+        ));
+        ok(jcas_batch_reset(
+            c_batch,
+            seeds.as_ptr(),
+            seeds.len(),
+            c_buffers.observations.as_mut_ptr(),
+            observation_count,
+            ptr::null_mut(),
+            0,
+        ));
+    }
+    let c_step = black_box(jcas_batch_step as unsafe extern "C" fn(_, _, _, _, _) -> i32);
+    let mut c_steps = 0;
+    let abi = || {
+        actions_of(c_steps, &mut c_buffers.actions);
+        c_steps += 1;
+        let out = c_buffers.out();
+        let actions = &c_buffers.actions;
+        // SAFETY: a living batch, and buffers of these lengths.
+        ok(unsafe { c_step(c_batch, actions.as_ptr(), actions.len(), 1, &raw const out) });
+    };
+    let times = compare(kernel, abi);
+    // SAFETY: both are living handles that nobody uses any more.
+    unsafe {
+        ok(jcas_batch_free(c_batch));
+        ok(jcas_model_free(c_model));
+    }
+    times
+}
+
+struct Buffers {
+    actions: Vec<f32>,
+    observations: Vec<f32>,
+    rewards: Vec<f32>,
+    terminated: Vec<u8>,
+    truncated: Vec<u8>,
+}
+
+impl Buffers {
+    fn new(model: &Model<'_>, environments: usize) -> Self {
+        Self {
+            actions: vec![0.0; environments * model.action_len()],
+            observations: vec![0.0; environments * model.uav_count() * model.observation_len()],
+            rewards: vec![0.0; environments],
+            terminated: vec![0; environments],
+            truncated: vec![0; environments],
+        }
+    }
+
+    fn out(&mut self) -> jcas_batch_out {
+        jcas_batch_out {
+            struct_size: size_of::<jcas_batch_out>() as u32,
+            reserved: 0,
+            observations: self.observations.as_mut_ptr(),
+            observation_count: self.observations.len(),
+            rewards: self.rewards.as_mut_ptr(),
+            reward_count: self.rewards.len(),
+            terminated: self.terminated.as_mut_ptr(),
+            terminated_count: self.terminated.len(),
+            truncated: self.truncated.as_mut_ptr(),
+            truncated_count: self.truncated.len(),
+            global: ptr::null_mut(),
+            global_count: 0,
+            components: ptr::null_mut(),
+            component_count: 0,
+            final_observations: ptr::null_mut(),
+            final_observation_count: 0,
+            final_global: ptr::null_mut(),
+            final_global_count: 0,
+            final_metrics: ptr::null_mut(),
+            final_metrics_count: 0,
+            metrics_size: 0,
+        }
+    }
+}
+
+fn c_model(uavs: u32) -> *mut jcas_model {
+    let text = format!("uav_count = {uavs}");
+    let mut config = std::mem::MaybeUninit::<jcas_config>::uninit();
+    let mut model = ptr::null_mut();
+    // SAFETY: places of these sizes, a text of this length; no message is wanted.
+    unsafe {
+        ok(jcas_config_from_toml(
+            text.as_ptr().cast(),
+            text.len(),
+            config.as_mut_ptr(),
+            size_of::<jcas_config>(),
+            ptr::null_mut(),
+            0,
+        ));
+        ok(jcas_model_new(
+            config.as_ptr(),
+            &raw mut model,
+            ptr::null_mut(),
+            0,
+        ));
+    }
+    model
+}
+
+fn c_sim(model: *const jcas_model) -> *mut jcas_sim {
+    let mut sim = ptr::null_mut();
+    // SAFETY: a living model.
+    ok(unsafe { jcas_sim_new(model, &raw mut sim) });
+    sim
+}
+
+fn ok(status: i32) {
+    assert_eq!(status, JCAS_OK);
+}

@@ -1,0 +1,341 @@
+//! Random sequences of calls through the ABI, beside the same calls of the kernel.
+//!
+//! What this test catches: a call that the ABI accepts and the kernel refuses or the other way round, a
+//! refused call that changes a state, a snapshot that should not have been believed, a panic. It runs a
+//! bounded number of sequences; for longer, `PROPTEST_CASES=100000 cargo test --release -p jcas-tests
+//! --test abi_sequences`.
+
+use std::ptr::{null, null_mut};
+
+use jcas::*;
+use jcas_core::{Cell, Config, Model, Sim, hash};
+use proptest::prelude::*;
+
+/// A call with arguments that may be wrong.
+#[derive(Clone, Debug)]
+enum Call {
+    Reset(u64),
+    Step(Vec<f32>),
+    Begin(Vec<f32>),
+    Positions(Vec<(u32, u32)>),
+    Sense,
+    Communicate,
+    CommunicateOver(Vec<u8>, Option<Vec<f64>>),
+    End,
+    Hotspots(Vec<(u32, u32)>),
+    Batteries(Vec<u64>),
+    Save,
+    LoadSaved,
+    /// The saved bytes with some changed, with or without the checksum that belongs to them.
+    LoadChanged(Vec<(u16, u8)>, bool),
+    LoadCut(u16),
+    LoadBytes(Vec<u8>),
+    /// A twin goes on in the place of the simulation.
+    Fork,
+}
+
+const UAVS: usize = 3;
+const HOTSPOTS: usize = 2;
+
+fn config() -> Config {
+    Config {
+        grid_width: 4,
+        grid_height: 3,
+        uav_count: UAVS as u32,
+        hotspot_count: HOTSPOTS as u32,
+        horizon_steps: 6,
+        quorum: 2,
+        radar_cross_section_dbsm: 20.0,
+        battery_capacity_kwh: 0.003,
+        rtb_threshold_kwh: 0.001,
+        ..Config::default()
+    }
+}
+
+/// Mostly the right number of elements.
+fn about(count: usize) -> impl Strategy<Value = usize> {
+    prop_oneof![12 => Just(count), 1 => Just(count - 1), 1 => Just(count + 1), 1 => Just(0)]
+}
+
+fn several<T: std::fmt::Debug>(
+    element: impl Strategy<Value = T> + Clone,
+    count: usize,
+) -> impl Strategy<Value = Vec<T>> {
+    about(count).prop_flat_map(move |count| prop::collection::vec(element.clone(), count))
+}
+
+fn action() -> impl Strategy<Value = f32> + Clone {
+    prop_oneof![
+        60 => -1.2f32..1.2,
+        1 => Just(f32::NAN),
+        1 => Just(f32::INFINITY),
+        1 => any::<f32>(),
+    ]
+}
+
+fn cell() -> impl Strategy<Value = (u32, u32)> + Clone {
+    prop_oneof![30 => (0u32..4, 0u32..3), 1 => any::<(u32, u32)>()]
+}
+
+fn charge() -> impl Strategy<Value = u64> + Clone {
+    prop_oneof![20 => 0u64..=10_800_000_000, 1 => any::<u64>()]
+}
+
+fn links() -> impl Strategy<Value = Vec<u8>> {
+    let symmetric = prop::collection::vec(any::<bool>(), 3).prop_map(|pair| {
+        let mut links = vec![0; UAVS * UAVS];
+        for (index, (i, k)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            links[i * UAVS + k] = u8::from(pair[index]);
+            links[k * UAVS + i] = 7 * u8::from(pair[index]);
+        }
+        links
+    });
+    prop_oneof![8 => symmetric, 1 => several(0u8..2, UAVS * UAVS)]
+}
+
+fn call() -> impl Strategy<Value = Call> {
+    let throughput = prop_oneof![9 => 0.0f64..3.0, 1 => any::<f64>()];
+    prop_oneof![
+        1 => any::<u64>().prop_map(Call::Reset),
+        8 => several(action(), 2 * UAVS).prop_map(Call::Step),
+        8 => several(action(), 2 * UAVS).prop_map(Call::Begin),
+        3 => several(cell(), UAVS).prop_map(Call::Positions),
+        8 => Just(Call::Sense),
+        4 => Just(Call::Communicate),
+        6 => (links(), prop::option::of(several(throughput, UAVS)))
+            .prop_map(|(links, throughput)| Call::CommunicateOver(links, throughput)),
+        8 => Just(Call::End),
+        1 => several(cell(), HOTSPOTS).prop_map(Call::Hotspots),
+        1 => several(charge(), UAVS).prop_map(Call::Batteries),
+        2 => Just(Call::Save),
+        1 => Just(Call::LoadSaved),
+        3 => (prop::collection::vec(any::<(u16, u8)>(), 1..4), any::<bool>())
+            .prop_map(|(changes, mended)| Call::LoadChanged(changes, mended)),
+        1 => any::<u16>().prop_map(Call::LoadCut),
+        1 => prop::collection::vec(any::<u8>(), 0..64).prop_map(Call::LoadBytes),
+        1 => Just(Call::Fork),
+    ]
+}
+
+/// The same simulation twice: through the ABI, and by the kernel itself.
+struct Pair<'m> {
+    model: *mut jcas_model,
+    sim: *mut jcas_sim,
+    kernel: Sim<'m>,
+    saved: Vec<u8>,
+}
+
+impl<'m> Pair<'m> {
+    fn new(model: &'m Model<'m>) -> Self {
+        let text = serde_json::to_string(model.config()).expect("a configuration is a record");
+        let mut config = std::mem::MaybeUninit::<jcas_config>::uninit();
+        let (mut c_model, mut sim) = (null_mut(), null_mut());
+        // SAFETY: a text and places of these sizes; no message is wanted.
+        unsafe {
+            let size = size_of::<jcas_config>();
+            let text = (text.as_ptr().cast(), text.len());
+            ok(jcas_config_from_json(
+                text.0,
+                text.1,
+                config.as_mut_ptr(),
+                size,
+                null_mut(),
+                0,
+            ));
+            ok(jcas_model_new(
+                config.as_ptr(),
+                &raw mut c_model,
+                null_mut(),
+                0,
+            ));
+            ok(jcas_sim_new(c_model, &raw mut sim));
+        }
+        let kernel = Sim::new(model);
+        let saved = kernel.save();
+        Self {
+            model: c_model,
+            sim,
+            kernel,
+            saved,
+        }
+    }
+
+    fn state_hash(&self) -> u64 {
+        let mut hash = 0;
+        // SAFETY: a living simulation.
+        ok(unsafe { jcas_sim_hash(self.sim, &raw mut hash) });
+        hash
+    }
+
+    /// The bytes that a call loads.
+    fn snapshot(&self, call: &Call) -> Vec<u8> {
+        let mut bytes = self.saved.clone();
+        match call {
+            Call::LoadChanged(changes, mended) => {
+                for (at, bits) in changes {
+                    let at = *at as usize % bytes.len();
+                    bytes[at] ^= bits;
+                }
+                if *mended {
+                    let content = bytes.len() - 8;
+                    let mut checksum = hash::Fnv1a::new();
+                    checksum.write(&bytes[..content]);
+                    bytes[content..].copy_from_slice(&checksum.finish().to_le_bytes());
+                }
+            }
+            Call::LoadCut(length) => bytes.truncate(*length as usize % bytes.len()),
+            Call::LoadBytes(other) => bytes.clone_from(other),
+            _ => {}
+        }
+        bytes
+    }
+
+    /// Makes a call both ways and says whether each accepted it.
+    fn make(&mut self, call: &Call) -> (i32, bool) {
+        let sim = self.sim;
+        let mut outcome = jcas_outcome {
+            struct_size: size_of::<jcas_outcome>() as u32,
+            terminated: 0,
+            truncated: 0,
+            reserved: 0,
+            reward: 0.0,
+        };
+        // SAFETY (of this function): a living simulation, and buffers of the lengths that are named.
+        match call {
+            Call::Reset(seed) => {
+                self.kernel.reset(*seed);
+                (unsafe { jcas_sim_reset(sim, *seed) }, true)
+            }
+            Call::Step(actions) => {
+                let stepped = self.kernel.step(actions);
+                let (data, count) = (actions.as_ptr(), actions.len());
+                let status = unsafe { jcas_sim_step(sim, data, count, &raw mut outcome) };
+                if let Ok(stepped) = stepped {
+                    assert_eq!(stepped.reward.to_bits(), outcome.reward.to_bits());
+                    assert_eq!(u32::from(stepped.terminated), outcome.terminated);
+                    assert_eq!(u32::from(stepped.truncated), outcome.truncated);
+                }
+                (status, stepped.is_ok())
+            }
+            Call::Begin(actions) => {
+                let (data, count) = (actions.as_ptr(), actions.len());
+                let begun = self.kernel.step_begin(actions).is_ok();
+                (unsafe { jcas_sim_step_begin(sim, data, count) }, begun)
+            }
+            Call::Positions(cells) => {
+                let (cells, kernel) = both(cells);
+                let set = self.kernel.set_positions(&kernel).is_ok();
+                (
+                    unsafe { jcas_sim_set_positions(sim, cells.as_ptr(), cells.len()) },
+                    set,
+                )
+            }
+            Call::Sense => {
+                let sensed = self.kernel.step_sense().is_ok();
+                (unsafe { jcas_sim_step_sense(sim) }, sensed)
+            }
+            Call::Communicate => {
+                let done = self.kernel.step_communicate().is_ok();
+                (unsafe { jcas_sim_step_communicate(sim) }, done)
+            }
+            Call::CommunicateOver(links, throughput) => {
+                let done = self
+                    .kernel
+                    .step_communicate_over(links, throughput.as_deref())
+                    .is_ok();
+                let (data, count) = throughput
+                    .as_ref()
+                    .map_or((null(), 0), |values| (values.as_ptr(), values.len()));
+                let status = unsafe {
+                    jcas_sim_step_communicate_over(sim, links.as_ptr(), links.len(), data, count)
+                };
+                (status, done)
+            }
+            Call::End => {
+                let ended = self.kernel.step_end().is_ok();
+                (unsafe { jcas_sim_step_end(sim, &raw mut outcome) }, ended)
+            }
+            Call::Hotspots(cells) => {
+                let (cells, kernel) = both(cells);
+                let set = self.kernel.set_hotspots(&kernel).is_ok();
+                (
+                    unsafe { jcas_sim_set_hotspots(sim, cells.as_ptr(), cells.len()) },
+                    set,
+                )
+            }
+            Call::Batteries(charges) => {
+                let set = self.kernel.set_batteries(charges).is_ok();
+                (
+                    unsafe { jcas_sim_set_batteries(sim, charges.as_ptr(), charges.len()) },
+                    set,
+                )
+            }
+            Call::Save => {
+                self.saved = self.kernel.save();
+                let mut bytes = vec![0u8; self.saved.len()];
+                let status = unsafe { jcas_sim_save(sim, bytes.as_mut_ptr().cast(), bytes.len()) };
+                assert_eq!(bytes, self.saved);
+                (status, true)
+            }
+            Call::LoadSaved | Call::LoadChanged(..) | Call::LoadCut(_) | Call::LoadBytes(_) => {
+                let bytes = self.snapshot(call);
+                let loaded = self.kernel.load(&bytes).is_ok();
+                (
+                    unsafe { jcas_sim_load(sim, bytes.as_ptr().cast(), bytes.len()) },
+                    loaded,
+                )
+            }
+            Call::Fork => {
+                let mut twin = null_mut();
+                let statuses = unsafe {
+                    [
+                        jcas_sim_new(self.model, &raw mut twin),
+                        jcas_sim_fork(sim, twin),
+                        jcas_sim_free(sim),
+                    ]
+                };
+                self.sim = twin;
+                (statuses.into_iter().min().unwrap_or(JCAS_OK), true)
+            }
+        }
+    }
+}
+
+impl Drop for Pair<'_> {
+    fn drop(&mut self) {
+        // SAFETY: living handles that nobody uses any more.
+        unsafe {
+            ok(jcas_sim_free(self.sim));
+            ok(jcas_model_free(self.model));
+        }
+    }
+}
+
+fn both(cells: &[(u32, u32)]) -> (Vec<jcas_cell>, Vec<Cell>) {
+    let c = cells.iter().map(|&(x, y)| jcas_cell { x, y }).collect();
+    (c, cells.iter().map(|&(x, y)| Cell { x, y }).collect())
+}
+
+fn ok(status: i32) {
+    assert_eq!(status, JCAS_OK);
+}
+
+proptest! {
+    #[test]
+    fn any_sequence_of_calls_is_what_the_kernel_does(calls in prop::collection::vec(call(), 1..60)) {
+        let model = Model::new(config()).expect("a legal configuration");
+        let mut pair = Pair::new(&model);
+        for call in &calls {
+            let before = pair.state_hash();
+            let (status, accepted) = pair.make(call);
+            prop_assert_eq!(status == JCAS_OK, accepted, "{:?} gave {}", call, status);
+            prop_assert_ne!(status, JCAS_ERROR_INTERNAL);
+            let after = pair.state_hash();
+            prop_assert_eq!(after, pair.kernel.state_hash());
+            if status != JCAS_OK {
+                prop_assert_eq!(after, before, "{:?} was refused, yet changed the state", call);
+            }
+            prop_assert!(pair.kernel.state().is_valid(&model));
+        }
+    }
+}
