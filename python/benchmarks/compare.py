@@ -4,7 +4,7 @@
     python python/benchmarks/compare.py --agents 10 --targets 5
 
 Every case runs in a process of its own, with one thread or as many as there are cores, in interleaved rounds;
-the table gives the median. A case whose package is missing says so. PufferLib's environments build only in an environment
+the table gives the median. A case whose package is missing says so. PufferLib builds only in an environment
 of their own (`pip install pufferlib==1.0.1 filelock psutil`): give its interpreter with
 --pufferlib-python.
 """
