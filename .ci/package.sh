@@ -15,7 +15,7 @@ fi
 
 prefix=$CARGO_TARGET_DIR/installed/cargo-c
 echo "cargo-c"
-PATH=$tools/bin:$PATH cargo cinstall --locked --silent --release --package jcas-ffi \
+PATH=$tools/bin:$PATH cargo cinstall --locked --release --package jcas-ffi \
     --prefix="$prefix" --libdir=lib
 tests/package/use.sh pkg-config "$prefix"
 
