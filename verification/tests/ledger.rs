@@ -281,3 +281,61 @@ fn the_readme_tells_why_each_proof_is_within_reach() {
         .collect();
     assert_eq!(told, written);
 }
+
+/// `PROOFS.md` is the ledger as a person reads it. `JCAS_BLESS=1 cargo test` writes it anew.
+#[test]
+fn the_table_of_proofs_is_fresh() {
+    let path = root().join("verification/PROOFS.md");
+    let fresh = table(&ledger());
+    if std::env::var_os("JCAS_BLESS").is_some() {
+        let partial = path.with_extension("partial");
+        std::fs::write(&partial, &fresh).unwrap();
+        std::fs::rename(&partial, &path).unwrap();
+    }
+    let written = read("verification/PROOFS.md");
+    assert!(
+        written == fresh,
+        "PROOFS.md is stale: run `JCAS_BLESS=1 cargo test --test ledger`"
+    );
+}
+
+fn table(proofs: &[Proof]) -> String {
+    let mut text = String::from(
+        "# The proofs\n\nWritten from `proofs.toml`; each row is one harness.\n\n\
+         | id | harness | claim | for | rests on | a fault that it notices |\n\
+         | --- | --- | --- | --- | --- | --- |\n",
+    );
+    for proof in proofs {
+        let name = proof.harness.rsplit("::").next().unwrap();
+        let rests = if proof.assumptions.is_empty() {
+            "nothing".to_owned()
+        } else {
+            proof.assumptions.join(", ")
+        };
+        text.push_str(&format!(
+            "| {} | `{name}` | {} | {} | {rests} | {} |\n",
+            proof.id,
+            proof.claim,
+            proof.bound,
+            fault(&proof.mutant),
+        ));
+    }
+    text
+}
+
+/// The edit in one line.
+fn fault(mutant: &Mutant) -> String {
+    let line = |text: &str| {
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        format!("`{}`", words.replace('|', "\\|"))
+    };
+    if mutant.replace.is_empty() {
+        format!("{} left out", line(&mutant.find))
+    } else {
+        format!(
+            "{} in place of {}",
+            line(&mutant.replace),
+            line(&mutant.find)
+        )
+    }
+}
