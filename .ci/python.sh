@@ -4,7 +4,7 @@
 # PyTorch and Ray are large (some 6 GB unpacked); uv fetches and unpacks them in under a minute.
 set -euo pipefail
 
-venv=${JCAS_VENV:-$CARGO_TARGET_DIR/venv}
+venv=$(realpath -m "${JCAS_VENV:-$CARGO_TARGET_DIR/venv}")
 [[ -x $venv/bin/python ]] || python3 -m venv "$venv"
 python=$venv/bin/python
 "$python" -m pip install --quiet --disable-pip-version-check uv
@@ -14,9 +14,12 @@ uv() { "$venv/bin/uv" "$@"; }
 "$python" -m pip install --quiet --disable-pip-version-check ./python
 uv pip install --quiet --python "$python" './python[test,rllib,sb3,torchrl,notebook]'
 
-"$venv/bin/ruff" check python examples/*.py
-"$venv/bin/ruff" format --check python examples/*.py
-(cd python && "$venv/bin/mypy")
+(
+    cd python
+    "$venv/bin/ruff" check . ../examples/*.py
+    "$venv/bin/ruff" format --check . ../examples/*.py
+    "$venv/bin/mypy"
+)
 
 export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
 "$python" -m pytest -q python/tests --run-heavy
