@@ -43,6 +43,9 @@ pub fn prove(proof: &Proof, root: &Path) -> Result<Result<Proven, String>, Strin
     let mut command = Command::new("cargo");
     command
         .current_dir(root)
+        // Kani brings a compiler of its own; the one that runs this task is not to be passed on.
+        .env_remove("RUSTUP_TOOLCHAIN")
+        .env_remove("RUSTC")
         .args([
             "kani",
             "-p",
