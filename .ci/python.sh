@@ -22,6 +22,8 @@ uv pip install --quiet --python "$python" './python[test,rllib,sb3,torchrl,noteb
 )
 
 export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
+# With the command line, where an earlier section has built it: its policies fly the same here.
+[[ ! -x $CARGO_TARGET_DIR/release/jcas ]] || export JCAS_COMMAND=$CARGO_TARGET_DIR/release/jcas
 "$python" -m pytest -q python/tests --run-heavy
 
 # The README's lines, as they stand.

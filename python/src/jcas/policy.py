@@ -212,6 +212,7 @@ class OnnxPolicy:
             raise MissingDependencyError("onnxruntime", "an ONNX policy", "onnx") from error
         settings = onnxruntime.SessionOptions()
         settings.intra_op_num_threads = threads
+        settings.log_severity_level = 3  # Errors; unused constants of a graph are none.
         try:
             self._session: Any = onnxruntime.InferenceSession(str(path), settings, providers=["CPUExecutionProvider"])
         except Exception as error:
