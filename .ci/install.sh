@@ -12,6 +12,9 @@ PACKAGES=(
     # figures and the replay page
     libfontconfig-dev fonts-dejavu-core chromium
 )
+# Not where the machine has them from elsewhere.
+command -v node >/dev/null || PACKAGES+=(nodejs)
+python3 -c 'import ensurepip' 2>/dev/null || PACKAGES+=(python3-venv)
 
 sudo=
 ((EUID == 0)) || sudo=sudo
@@ -30,4 +33,5 @@ echo "installing: ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
 dpkg --print-foreign-architectures | grep -qx arm64 || $sudo dpkg --add-architecture arm64
 $sudo apt-get update -qq
-$sudo apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=300 "${missing[@]}" >/dev/null
+$sudo apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=300 \
+    -o Acquire::Retries=3 "${missing[@]}" >/dev/null
