@@ -14,10 +14,10 @@ import pytest
 
 pytestmark = pytest.mark.heavy
 
-# Small enough to learn within seconds: two of three UAVs have to meet at one hotspot.
+# Small enough to learn within a minute: one of two UAVs has to go to the hotspot and stay there.
 MISSION = {
-    "grid_width": 5, "grid_height": 5, "uav_count": 3, "hotspot_count": 1, "quorum": 2, "horizon_steps": 25,
-    "radar_cross_section_dbsm": 12, "reward_throughput": 0,
+    "grid_width": 5, "grid_height": 5, "uav_count": 2, "hotspot_count": 1, "quorum": 1, "horizon_steps": 20,
+    "radar_cross_section_dbsm": 8, "reward_throughput": 0,
 }  # fmt: skip
 NODE_SECONDS = 90
 RECOVERY_SECONDS = 150
@@ -104,7 +104,7 @@ def test_two_nodes_train_and_survive_a_killed_runner(cluster):
     from jcas.rllib import Hyperparameters, ppo_config
     from jcas.rllib.__main__ import iteration_row
 
-    settings = Hyperparameters(batch_steps=1000, minibatch_samples=500, epochs=8, learning_rate=1e-3, hidden=(64, 64))
+    settings = Hyperparameters(batch_steps=1500, minibatch_samples=500, epochs=10, learning_rate=2e-3, hidden=(64, 64))
     algorithm = ppo_config(jcas.Config(MISSION), settings, env_runners=2, envs_per_runner=4, seed=1).build_algo()
     try:
         places = where(algorithm)
@@ -124,9 +124,9 @@ def test_two_nodes_train_and_survive_a_killed_runner(cluster):
         after = where(algorithm)
         assert len({node for node, _ in after}) == 2 and killed not in [process for _, process in after]
 
-        while len(returns) < 9:
+        while len(returns) < 14:
             returns.append(iteration_row(algorithm.train(), 0.0)["team_return"])
-        assert sum(returns[-2:]) / 2 > sum(returns[:2]) / 2 + 1.0, returns
+        assert sum(returns[-3:]) / 3 > sum(returns[:3]) / 3 + 1.0, returns
     finally:
         algorithm.stop()
 
@@ -145,6 +145,6 @@ def test_the_commands_train_on_the_cluster_and_evaluate(cluster, tmp_path):
     report = subprocess.run([*run, "evaluate", out, "--episodes", "20", "--json"], capture_output=True, text=True)
     assert report.returncode == 0, report.stderr[-3000:]
     values = json.loads(report.stdout)
-    assert (values["episodes"], values["uavs"]) == (20, 3) and 0 <= values["success_rate"] <= 1
+    assert (values["episodes"], values["uavs"]) == (20, 2) and 0 <= values["success_rate"] <= 1
     refused = subprocess.run([*run, "evaluate", out, "--uavs", "7"], capture_output=True, text=True)
     assert refused.returncode == 2 and "7 UAVs" in refused.stderr
