@@ -2,7 +2,7 @@
 //! functions, in one run. `cargo bench -p jcas-ffi`.
 //!
 //! Both paths take turns in short blocks, so that whatever else the machine does strikes both alike; each
-//! is told by the median of its blocks. Exported functions are called through pointers that the compiler
+//! is told by the tenth of its blocks that was disturbed least. Exported functions are called through pointers that the compiler
 //! cannot see through, as a C program calls them.
 
 use std::hint::black_box;
@@ -13,35 +13,69 @@ use jcas::*;
 use jcas_core::batch::BatchOut;
 use jcas_core::{Config, Model, Scratch, Sim};
 
-const BLOCKS: usize = 401;
-const BLOCK_SECONDS: f64 = 2e-3;
+const BLOCKS: usize = 1001;
+const BLOCK_SECONDS: f64 = 1e-3;
+
+/// A call of each path: the kernel's, the ABI's.
+type Paths<'a> = (&'a mut dyn FnMut(), &'a mut dyn FnMut());
 
 fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    if let Some(at) = arguments.iter().position(|argument| argument == "count") {
+        return count(&arguments[at + 1..]);
+    }
     println!("| what | kernel, µs | C ABI, µs | ABI costs |");
     println!("| --- | --- | --- | --- |");
     for uavs in [1, 5, 10, 50] {
-        report(&format!("step, N = {uavs}"), one_by_one(uavs, false));
+        one_by_one(uavs, false, &mut |paths| {
+            report(&format!("step, N = {uavs}"), paths)
+        });
     }
     for uavs in [5, 50] {
-        report(
-            &format!("step and observe, N = {uavs}"),
-            one_by_one(uavs, true),
-        );
+        let what = format!("step and observe, N = {uavs}");
+        one_by_one(uavs, true, &mut |paths| report(&what, paths));
     }
     for (environments, uavs) in [(64, 5), (256, 10)] {
         let what = format!("batch step of {environments} environments, N = {uavs}");
-        report(&what, batch(environments, uavs));
+        batch(environments, uavs, &mut |paths| report(&what, paths));
     }
 }
 
-fn report(what: &str, (kernel_us, abi_us): (f64, f64)) {
+/// `count kernel|abi UAVS CALLS`: nothing but these calls, for a profiler that counts instructions.
+/// `count kernel|abi UAVS CALLS ENVIRONMENTS` for a batch.
+fn count(arguments: &[String]) {
+    let number = |index: usize| {
+        arguments
+            .get(index)
+            .and_then(|text| text.parse::<usize>().ok())
+    };
+    let (Some(uavs), Some(calls)) = (number(1), number(2)) else {
+        panic!("count kernel|abi UAVS CALLS [ENVIRONMENTS]");
+    };
+    let mut run = |(kernel, abi): Paths<'_>| {
+        for _ in 0..calls {
+            if arguments[0] == "abi" {
+                abi()
+            } else {
+                kernel()
+            }
+        }
+    };
+    match number(3) {
+        Some(environments) => batch(environments, uavs as u32, &mut run),
+        None => one_by_one(uavs as u32, false, &mut run),
+    }
+}
+
+fn report(what: &str, (kernel, abi): Paths<'_>) {
+    let (kernel_us, abi_us) = compare(kernel, abi);
     let cost = (abi_us / kernel_us - 1.0) * 100.0;
     println!("| {what} | {kernel_us:.3} | {abi_us:.3} | {cost:+.1} % |");
 }
 
-/// Medians of the time of one call of each, in microseconds.
-fn compare(mut a: impl FnMut(), mut b: impl FnMut()) -> (f64, f64) {
-    let calls = calls_per_block(&mut a);
+/// The time of one call of each in the least disturbed tenth of the blocks, in microseconds.
+fn compare(a: &mut dyn FnMut(), b: &mut dyn FnMut()) -> (f64, f64) {
+    let calls = calls_per_block(a);
     let mut times = [Vec::with_capacity(BLOCKS), Vec::with_capacity(BLOCKS)];
     for block in 0..2 * BLOCKS {
         let begun = Instant::now();
@@ -52,12 +86,12 @@ fn compare(mut a: impl FnMut(), mut b: impl FnMut()) -> (f64, f64) {
     }
     let [a, b] = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
-        times[BLOCKS / 2]
+        times[BLOCKS / 10]
     });
     (a, b)
 }
 
-fn calls_per_block(call: &mut impl FnMut()) -> usize {
+fn calls_per_block(call: &mut dyn FnMut()) -> usize {
     let begun = Instant::now();
     let mut calls = 0;
     while begun.elapsed().as_secs_f64() < 0.1 {
@@ -74,7 +108,7 @@ fn actions_of(step: usize, actions: &mut [f32]) {
     }
 }
 
-fn one_by_one(uavs: u32, observed: bool) -> (f64, f64) {
+fn one_by_one(uavs: u32, observed: bool, use_paths: &mut dyn FnMut(Paths<'_>)) {
     let config = Config {
         uav_count: uavs,
         ..Config::default()
@@ -85,7 +119,7 @@ fn one_by_one(uavs: u32, observed: bool) -> (f64, f64) {
     let mut sim = Sim::new(&model);
     let (mut actions, mut seen) = (vec![0.0; model.action_len()], vec![0.0; observation_len]);
     let mut step = 0;
-    let kernel = || {
+    let mut kernel = || {
         actions_of(step, &mut actions);
         step += 1;
         let outcome = sim.step(&actions).expect("a legal step");
@@ -104,7 +138,7 @@ fn one_by_one(uavs: u32, observed: bool) -> (f64, f64) {
     let c_reset = black_box(jcas_sim_reset as unsafe extern "C" fn(_, _) -> i32);
     let (mut c_actions, mut c_seen) = (vec![0.0; 2 * uavs as usize], vec![0.0f32; observation_len]);
     let mut c_steps = 0;
-    let abi = || {
+    let mut abi = || {
         actions_of(c_steps, &mut c_actions);
         c_steps += 1;
         let mut outcome = jcas_outcome {
@@ -125,16 +159,15 @@ fn one_by_one(uavs: u32, observed: bool) -> (f64, f64) {
             ok(unsafe { c_reset(c_sim, c_steps as u64) });
         }
     };
-    let times = compare(kernel, abi);
+    use_paths((&mut kernel, &mut abi));
     // SAFETY: both are living handles that nobody uses any more.
     unsafe {
         ok(jcas_sim_free(c_sim));
         ok(jcas_model_free(c_model));
     }
-    times
 }
 
-fn batch(environments: usize, uavs: u32) -> (f64, f64) {
+fn batch(environments: usize, uavs: u32, use_paths: &mut dyn FnMut(Paths<'_>)) {
     let config = Config {
         uav_count: uavs,
         ..Config::default()
@@ -157,7 +190,7 @@ fn batch(environments: usize, uavs: u32) -> (f64, f64) {
         )
         .expect("buffers of the right lengths");
     let mut step = 0;
-    let kernel = || {
+    let mut kernel = || {
         actions_of(step, &mut buffers.actions);
         step += 1;
         let mut out = BatchOut {
@@ -195,7 +228,7 @@ fn batch(environments: usize, uavs: u32) -> (f64, f64) {
     }
     let c_step = black_box(jcas_batch_step as unsafe extern "C" fn(_, _, _, _, _) -> i32);
     let mut c_steps = 0;
-    let abi = || {
+    let mut abi = || {
         actions_of(c_steps, &mut c_buffers.actions);
         c_steps += 1;
         let out = c_buffers.out();
@@ -203,13 +236,12 @@ fn batch(environments: usize, uavs: u32) -> (f64, f64) {
         // SAFETY: a living batch, and buffers of these lengths.
         ok(unsafe { c_step(c_batch, actions.as_ptr(), actions.len(), 1, &raw const out) });
     };
-    let times = compare(kernel, abi);
+    use_paths((&mut kernel, &mut abi));
     // SAFETY: both are living handles that nobody uses any more.
     unsafe {
         ok(jcas_batch_free(c_batch));
         ok(jcas_model_free(c_model));
     }
-    times
 }
 
 struct Buffers {

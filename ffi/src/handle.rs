@@ -46,6 +46,9 @@ pub(crate) struct SimBlock {
     seal: u64,
     memory: Memory,
     model: *const ModelBlock,
+    /// The model's sizes, kept here so that no call works them out again.
+    state_words: usize,
+    scratch_words: usize,
     /// The kernel's last refusal, for its words.
     pub(crate) refusal: Option<Error>,
 }
@@ -249,7 +252,7 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
     let block = unsafe { &mut *at };
     // SAFETY: a model cannot be freed while it has simulations.
     let model = unsafe { &(*block.model).model };
-    let (state, scratch) = (model.state_words(), Scratch::words_for(model));
+    let (state, scratch) = (block.state_words, block.scratch_words);
     // SAFETY: the block was laid out with these words after it, which are no part of `block`.
     let words = unsafe { words_after(at, 2 * state + scratch) };
     let (words, rest) = words.split_at_mut(state);
@@ -278,7 +281,7 @@ pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
     // SAFETY: the words of the state follow the block.
     let first = unsafe { at.add(1) };
     // SAFETY: as many as the model's states have.
-    let words = unsafe { slice::from_raw_parts(first.cast(), model.state_words()) };
+    let words = unsafe { slice::from_raw_parts(first.cast(), block.state_words) };
     Ok(Seen {
         model,
         words,
@@ -306,6 +309,8 @@ impl SimBlock {
             seal: Self::seal(block),
             memory,
             model,
+            state_words: model.get().state_words(),
+            scratch_words: Scratch::words_for(model.get()),
             refusal: None,
         };
         // SAFETY: in front of the words, aligned by the layout.

@@ -112,3 +112,19 @@ pub(crate) fn guard(body: impl FnOnce() -> Result<(), Fault>) -> i32 {
         Err(_) => JCAS_ERROR_INTERNAL,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_a_status() {
+        let status = guard(|| {
+            let empty: [u8; 0] = [];
+            let index = std::hint::black_box(3);
+            let _ = empty.get(index).expect("nothing is there");
+            Ok(())
+        });
+        assert_eq!(status, JCAS_ERROR_INTERNAL);
+    }
+}

@@ -82,6 +82,36 @@ fn threads_compute_what_one_computes() {
     )));
 }
 
+#[test]
+fn nothing_is_allocated_in_the_callers_memory() {
+    for compiler in compilers(C) {
+        let source = c_tests(&["no_allocation.c"]);
+        run(&mut Command::new(compile(
+            compiler,
+            "c11",
+            "no_allocation",
+            &source,
+        )));
+    }
+}
+
+#[test]
+fn owners_own_with_and_without_exceptions() {
+    let source = c_tests(&["owners.cpp"]);
+    for compiler in compilers(CPP) {
+        run(&mut Command::new(compile(
+            compiler, "c++17", "owners", &source,
+        )));
+        let throwing = root().join("tests/c/owners_throwing.cpp");
+        run(&mut Command::new(compile(
+            compiler,
+            "c++17",
+            "throwing",
+            &[throwing],
+        )));
+    }
+}
+
 /// Every exported function is named by some abuse test, so that none is forgotten.
 #[test]
 fn abuse_leaves_no_function_out() {

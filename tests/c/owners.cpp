@@ -1,0 +1,100 @@
+// The C++ owners: what they return, what they throw if asked to, and that they end what they own.
+#ifdef WITH_EXCEPTIONS
+#define JCAS_EXCEPTIONS
+#endif
+#include <jcas.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#define CHECK(condition)                                                                                \
+    do {                                                                                                \
+        if (!(condition)) {                                                                             \
+            std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                \
+            std::exit(1);                                                                               \
+        }                                                                                               \
+    } while (0)
+
+static void refuse_configurations()
+{
+    auto wrong = jcas::configuration_from_toml("uav_count = 0");
+    CHECK(!wrong && wrong.code() == JCAS_ERROR_CONFIG);
+    CHECK(wrong.message() == "uav_count = 0: must be a number from 1 to 4096");
+    CHECK(!jcas::preset("best") && jcas::preset("paper"));
+    CHECK(!jcas::configuration_from_json("") && jcas::configuration_from_json("{\"quorum\": 2}")->quorum == 2);
+    jcas_config config = jcas::configuration();
+    config.pilot_density_min = 0.9;
+    auto model = jcas::model::create(config);
+    CHECK(!model && model.message().find("pilot_density_min = 0.9") == 0);
+#ifdef WITH_EXCEPTIONS
+    bool thrown = false;
+    try {
+        model.take();
+    } catch (const jcas::error &error) {
+        thrown = error.code() == JCAS_ERROR_CONFIG;
+    }
+    CHECK(thrown);
+#endif
+}
+
+static void fly(const jcas::model &model)
+{
+    jcas::sim sim = jcas::sim::create(model).take();
+    sim.reset(5).check();
+    std::vector<float> actions(model.info().action_len, 0.0f);
+    CHECK(sim.step(actions));
+    auto refused = sim.step(jcas::span<const float>(actions.data(), 3));
+    CHECK(!refused && refused.code() == JCAS_ERROR_LENGTH);
+    actions[0] = NAN;
+    auto nan = sim.step(actions);
+    CHECK(!nan && nan.message() == "actions[0][0] = NaN: must be a number (clipped to -1..1)");
+    actions[0] = 0;
+
+    const std::vector<unsigned char> snapshot = sim.save();
+    const std::uint64_t hash = sim.hash();
+    jcas::sim twin = jcas::sim::create(model).take();
+    CHECK(twin.load(snapshot) && twin.hash() == hash);
+    CHECK(twin.step_begin(actions) && twin.step_sense() && twin.step_communicate() && twin.step_end());
+    CHECK(twin.hash() != hash && twin.fork_from(sim) && twin.hash() == hash);
+    jcas::sim moved = std::move(twin);
+    CHECK(moved.hash() == hash && twin.get() == nullptr);
+    CHECK(moved.episode().t == 1 && moved.metrics().steps == 1 && moved.rewards().size() == 12);
+    CHECK(moved.uavs().size() == model.info().uav_count);
+    std::vector<jcas_hotspot> hotspots(model.info().hotspot_count);
+    CHECK(moved.hotspots(hotspots) && hotspots[0].x == moved.hotspots()[0].x);
+}
+
+static void fly_batch(const jcas::model &model)
+{
+    jcas::batch batch = jcas::batch::create(model, 3, 2).take();
+    const std::vector<std::uint64_t> seeds = {1, 2, 3};
+    CHECK(batch.reset(seeds));
+    std::vector<float> actions(3 * model.info().action_len, 0.0f);
+    for (int step = 0; step < 200; step++)
+        CHECK(batch.step(actions));
+    CHECK(batch.final_metrics[0].truncated == 1 && batch.final_metrics[0].steps == 100);
+    jcas::sim sim = jcas::sim::create(model).take();
+    CHECK(batch.copy_to(2, sim) && sim.episode().seed == jcas_derive_seed(jcas_derive_seed(3, 0), 0));
+    CHECK(batch.copy_to(3, sim).code() == JCAS_ERROR_ARGUMENT);
+}
+
+int main()
+{
+    CHECK(jcas::check_abi());
+    refuse_configurations();
+    {
+        jcas::model model = jcas::model::create(jcas::configuration()).take();
+        CHECK(model.config().uav_count == 10 && model.radio(0, 0, 0.3)->link_throughput > 1);
+        CHECK(!model.radio(99, 0, 0.3));
+        fly(model);
+        fly_batch(model);
+        // Nothing is left that uses the model.
+        jcas_model *handle = const_cast<jcas_model *>(model.get());
+        jcas_sim *sim = nullptr;
+        CHECK(jcas_sim_new(handle, &sim) == JCAS_OK && jcas_model_free(handle) == JCAS_ERROR_IN_USE);
+        CHECK(jcas_sim_free(sim) == JCAS_OK);
+    }
+    std::puts("owners own");
+    return 0;
+}
