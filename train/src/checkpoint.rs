@@ -29,9 +29,21 @@ struct Notes {
 
 fn model_arrays(name: &str, model: &Trainable, arrays: &mut Vec<Array>) {
     let shape = [model.parameters.len()];
-    arrays.push(Array::f32(&format!("{name}.parameters"), &shape, &model.parameters));
-    arrays.push(Array::f32(&format!("{name}.mean"), &shape, &model.adam.mean));
-    arrays.push(Array::f32(&format!("{name}.square"), &shape, &model.adam.square));
+    arrays.push(Array::f32(
+        &format!("{name}.parameters"),
+        &shape,
+        &model.parameters,
+    ));
+    arrays.push(Array::f32(
+        &format!("{name}.mean"),
+        &shape,
+        &model.adam.mean,
+    ));
+    arrays.push(Array::f32(
+        &format!("{name}.square"),
+        &shape,
+        &model.adam.square,
+    ));
 }
 
 fn read_model(name: &str, model: &mut Trainable, arrays: &Arrays) -> Result<(), String> {
@@ -100,7 +112,10 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
     let arrays = Arrays::decode(bytes)?;
     let notes: Notes = serde_json::from_str(&arrays.notes).map_err(|error| error.to_string())?;
     if notes.format != FORMAT {
-        return Err(format!("checkpoint format {}, this version reads {FORMAT}", notes.format));
+        return Err(format!(
+            "checkpoint format {}, this version reads {FORMAT}",
+            notes.format
+        ));
     }
     if notes.run != run {
         return Err(format!(
@@ -120,7 +135,12 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
     trainer.actor.adam.steps = notes.actor_updates;
     trainer.critic.adam.steps = notes.critic_updates;
     let [observations, global, values] = notes.statistics_counts;
-    read_statistics("observations", &mut trainer.observation_statistics, observations, &arrays)?;
+    read_statistics(
+        "observations",
+        &mut trainer.observation_statistics,
+        observations,
+        &arrays,
+    )?;
     read_statistics("global", &mut trainer.global_statistics, global, &arrays)?;
     read_statistics("values", &mut trainer.value_statistics, values, &arrays)?;
     for (index, worker) in trainer.workers.iter_mut().enumerate() {

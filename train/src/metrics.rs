@@ -127,7 +127,11 @@ impl Row {
             ("missions/energy_kwh", self.energy_kwh_mean),
             ("missions/throughput", self.throughput_mean),
         ];
-        scalars.extend(missions.into_iter().filter_map(|(name, value)| Some((name, value?))));
+        scalars.extend(
+            missions
+                .into_iter()
+                .filter_map(|(name, value)| Some((name, value?))),
+        );
         scalars
     }
 }
@@ -145,8 +149,15 @@ impl MetricsFile {
             Ok(text) if iterations > 0 => text,
             _ => String::new(),
         };
-        let lines = text.lines().take(iterations as usize + 1).map(str::to_owned).collect();
-        Ok(MetricsFile { path: path.to_owned(), lines })
+        let lines = text
+            .lines()
+            .take(iterations as usize + 1)
+            .map(str::to_owned)
+            .collect();
+        Ok(MetricsFile {
+            path: path.to_owned(),
+            lines,
+        })
     }
 
     /// Adds a row; [`MetricsFile::write`] puts it on disk.
@@ -154,8 +165,12 @@ impl MetricsFile {
         let mut writer = csv::WriterBuilder::new()
             .has_headers(self.lines.is_empty())
             .from_writer(Vec::new());
-        writer.serialize(row).map_err(TrainError::format(&self.path))?;
-        let bytes = writer.into_inner().map_err(TrainError::format(&self.path))?;
+        writer
+            .serialize(row)
+            .map_err(TrainError::format(&self.path))?;
+        let bytes = writer
+            .into_inner()
+            .map_err(TrainError::format(&self.path))?;
         let text = String::from_utf8(bytes).map_err(TrainError::format(&self.path))?;
         self.lines.extend(text.lines().map(str::to_owned));
         Ok(())

@@ -81,12 +81,20 @@ impl Network {
         let blocks = shapes
             .into_iter()
             .map(|(name, rows, columns)| {
-                let block = Block { name, rows, columns, offset };
+                let block = Block {
+                    name,
+                    rows,
+                    columns,
+                    offset,
+                };
                 offset += block.len();
                 block
             })
             .collect();
-        Network { architecture, blocks }
+        Network {
+            architecture,
+            blocks,
+        }
     }
 
     /// Length of the flat parameter vector.
@@ -107,7 +115,11 @@ impl Network {
                 let values = parameters[block.offset..block.offset + block.len()].to_vec();
                 let data = TensorData::new(values, [block.rows, block.columns]);
                 let tensor = Tensor::<2>::from_data(data, device);
-                if device.is_autodiff() { tensor.require_grad() } else { tensor }
+                if device.is_autodiff() {
+                    tensor.require_grad()
+                } else {
+                    tensor
+                }
             })
             .collect()
     }
@@ -124,9 +136,10 @@ impl Network {
     /// Multiply-adds of one row's forward pass in matrix products.
     pub fn products(&self, shape: &Shape) -> u64 {
         match &self.architecture {
-            Architecture::Mlp { sizes } => {
-                sizes.windows(2).map(|pair| (pair[0] * pair[1]) as u64).sum()
-            }
+            Architecture::Mlp { sizes } => sizes
+                .windows(2)
+                .map(|pair| (pair[0] * pair[1]) as u64)
+                .sum(),
             Architecture::SetActor { hidden, outputs } => {
                 set::actor_products(hidden, *outputs, shape)
             }

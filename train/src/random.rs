@@ -28,5 +28,8 @@ pub enum Purpose {
 
 /// Stream for a use inside an iteration: `a` < 2^32 (iteration), `b` < 2^24 (worker, epoch).
 pub fn stream_for(seed: u64, purpose: Purpose, a: u64, b: u64) -> ChaCha8Rng {
-    stream(seed, (purpose as u64) << 56 | (a & 0xffff_ffff) << 24 | (b & 0xff_ffff))
+    stream(
+        seed,
+        (purpose as u64) << 56 | (a & 0xffff_ffff) << 24 | (b & 0xff_ffff),
+    )
 }

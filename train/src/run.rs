@@ -73,21 +73,31 @@ pub enum Ending {
 impl Plan {
     /// Names the run in its checkpoint, so that another is not continued by mistake.
     fn identity(&self) -> String {
-        let hashes: Vec<String> =
-            self.configs.iter().map(|config| format!("0x{:016x}", config.hash())).collect();
+        let hashes: Vec<String> = self
+            .configs
+            .iter()
+            .map(|config| format!("0x{:016x}", config.hash()))
+            .collect();
         let settings = serde_json::to_string(&self.settings).unwrap_or_default();
         format!("configurations {}; settings {settings}", hashes.join(", "))
     }
 
     fn models(&self) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
         let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
-        self.configs.iter().map(|&config| Model::new(config).map(Arc::new).map_err(refused)).collect()
+        self.configs
+            .iter()
+            .map(|&config| Model::new(config).map(Arc::new).map_err(refused))
+            .collect()
     }
 
     fn constant_pilot(&self) -> Option<f32> {
         let config = self.configs[0];
         let density = self.settings.constant_pilot?;
-        Some(pilot_action(config.pilot_density_min, config.pilot_density_max, density))
+        Some(pilot_action(
+            config.pilot_density_min,
+            config.pilot_density_max,
+            density,
+        ))
     }
 
     /// A trainer at its start.
@@ -124,11 +134,7 @@ impl Plan {
 
     /// Trains to the end, or until the observer stops it. A run that its folder already holds is
     /// continued if `resume`, else refused.
-    pub fn train(
-        &self,
-        resume: bool,
-        observer: &mut dyn Observer,
-    ) -> Result<Ending, TrainError> {
+    pub fn train(&self, resume: bool, observer: &mut dyn Observer) -> Result<Ending, TrainError> {
         std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
         let checkpoint = self.out.join(CHECKPOINT);
         let mut trainer = self.trainer()?;
@@ -163,13 +169,16 @@ impl Plan {
             let total = trainer.total_iterations();
             let left_s = speed.seconds_per_iteration() * (total - trainer.iterations) as f64;
             observer.iteration(&row, total, left_s);
-            let due = trainer.iterations.is_multiple_of(trainer.settings.checkpoint_every as u64);
+            let due = trainer
+                .iterations
+                .is_multiple_of(trainer.settings.checkpoint_every as u64);
             if due || trainer.finished() {
                 checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
                 metrics.write()?;
             }
         }
-        self.conclude(&trainer, &mut speed).map(|card| Ending::Finished(Box::new(card)))
+        self.conclude(&trainer, &mut speed)
+            .map(|card| Ending::Finished(Box::new(card)))
     }
 
     /// The actor as it stands, apart from the trainer.
@@ -204,7 +213,11 @@ impl Plan {
             normalised_inputs: !actor.inputs.offset.is_empty(),
             constant_pilot_density: self.settings.constant_pilot,
             mode: better_mode(&evaluations),
-            trained_on: self.configs.iter().map(|c| (c.uav_count, c.hotspot_count)).collect(),
+            trained_on: self
+                .configs
+                .iter()
+                .map(|c| (c.uav_count, c.hotspot_count))
+                .collect(),
             config,
             config_hash: format!("0x{:016x}", config.hash()),
             settings: self.settings.clone(),
@@ -229,7 +242,11 @@ fn better_mode(evaluations: &[Evaluation]) -> Mode {
     };
     // Ten steps of mission time weigh as much as one mission in ten.
     let score = |mode| mean(mode, |e| e.success_rate) - 0.01 * mean(mode, |e| e.mission_steps_mean);
-    if score(Mode::Sampled) > score(Mode::Deterministic) { Mode::Sampled } else { Mode::Deterministic }
+    if score(Mode::Sampled) > score(Mode::Deterministic) {
+        Mode::Sampled
+    } else {
+        Mode::Deterministic
+    }
 }
 
 /// Flies missions with an actor and sums them up.
@@ -248,9 +265,8 @@ pub fn evaluate(
     )
     .map_err(|error| TrainError::Setting(error.to_string()))?;
     let horizon = model.config().horizon_steps;
-    let mean = |of: &dyn Fn(&Metrics) -> f64| {
-        missions.iter().map(of).sum::<f64>() / missions.len() as f64
-    };
+    let mean =
+        |of: &dyn Fn(&Metrics) -> f64| missions.iter().map(of).sum::<f64>() / missions.len() as f64;
     Ok(Evaluation {
         uav_count: model.config().uav_count,
         hotspot_count: model.config().hotspot_count,

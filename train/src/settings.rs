@@ -137,7 +137,9 @@ impl std::str::FromStr for Preset {
         match name {
             "paper" => Ok(Preset::Paper),
             "tuned" => Ok(Preset::Tuned),
-            _ => Err(format!("training preset: {name:?} is not one of paper, tuned")),
+            _ => Err(format!(
+                "training preset: {name:?} is not one of paper, tuned"
+            )),
         }
     }
 }
@@ -201,9 +203,9 @@ impl Settings {
             environments: 160,
             workers: 20,
             batch_steps: 5120,
-            total_steps: 200 * 5120,
+            total_steps: 100 * 5120,
             epochs: 2,
-            minibatch_rows: 2048,
+            minibatch_rows: 1024,
             critic_minibatch_rows: 256,
             shard_rows: 128,
             actor_sample_share: 0.3,
@@ -223,7 +225,7 @@ impl Settings {
             step_cost: 0.3,
             imitation: Some(Imitation {
                 teacher: "teams:adaptive".to_owned(),
-                iterations: 60,
+                iterations: 100,
                 epochs: 2,
                 learning_rate: 1.5e-3,
                 teacher_share: 0.6,
@@ -300,7 +302,10 @@ impl Settings {
 
     /// Iterations before PPO proper: imitation, then the critic's warm-up.
     pub fn preparation(&self) -> u64 {
-        let imitation = self.imitation.as_ref().map_or(0, |imitation| imitation.iterations);
+        let imitation = self
+            .imitation
+            .as_ref()
+            .map_or(0, |imitation| imitation.iterations);
         (imitation + self.critic_warmup_iterations) as u64
     }
 }

@@ -90,8 +90,12 @@ impl Speed {
                 0.0
             }
         };
-        self.learning_gflops =
-            blend(self.learning_gflops, learning_before, row.learning_gflops, learning);
+        self.learning_gflops = blend(
+            self.learning_gflops,
+            learning_before,
+            row.learning_gflops,
+            learning,
+        );
         let (before, wall) = (self.training_s, row.wall_s);
         self.steps_per_s = blend(self.steps_per_s, before, row.steps_per_s, wall);
         self.samples_per_s = blend(self.samples_per_s, before, row.samples_per_s, wall);

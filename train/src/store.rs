@@ -38,24 +38,47 @@ impl Array {
     /// Of f32.
     pub fn f32(name: &str, shape: &[usize], values: &[f32]) -> Array {
         let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
-        Array { name: name.to_owned(), dtype: Dtype::F32, shape: shape.to_vec(), bytes }
+        Array {
+            name: name.to_owned(),
+            dtype: Dtype::F32,
+            shape: shape.to_vec(),
+            bytes,
+        }
     }
 
     /// Of f32 values rounded to half precision.
     pub fn f16(name: &str, shape: &[usize], values: &[f32]) -> Array {
-        let bytes = values.iter().flat_map(|&x| half::f16::from_f32(x).to_le_bytes()).collect();
-        Array { name: name.to_owned(), dtype: Dtype::F16, shape: shape.to_vec(), bytes }
+        let bytes = values
+            .iter()
+            .flat_map(|&x| half::f16::from_f32(x).to_le_bytes())
+            .collect();
+        Array {
+            name: name.to_owned(),
+            dtype: Dtype::F16,
+            shape: shape.to_vec(),
+            bytes,
+        }
     }
 
     /// Of f64.
     pub fn f64(name: &str, values: &[f64]) -> Array {
         let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
-        Array { name: name.to_owned(), dtype: Dtype::F64, shape: vec![values.len()], bytes }
+        Array {
+            name: name.to_owned(),
+            dtype: Dtype::F64,
+            shape: vec![values.len()],
+            bytes,
+        }
     }
 
     /// Of bytes.
     pub fn bytes(name: &str, bytes: Vec<u8>) -> Array {
-        Array { name: name.to_owned(), dtype: Dtype::U8, shape: vec![bytes.len()], bytes }
+        Array {
+            name: name.to_owned(),
+            dtype: Dtype::U8,
+            shape: vec![bytes.len()],
+            bytes,
+        }
     }
 }
 
@@ -85,7 +108,10 @@ impl<'a> Arrays<'a> {
     pub fn decode(bytes: &'a [u8]) -> Result<Arrays<'a>, String> {
         let text = |error: safetensors::SafeTensorError| error.to_string();
         let (_, metadata) = safetensors::SafeTensors::read_metadata(bytes).map_err(text)?;
-        let notes = metadata.metadata().as_ref().and_then(|notes| notes.get(NOTES).cloned());
+        let notes = metadata
+            .metadata()
+            .as_ref()
+            .and_then(|notes| notes.get(NOTES).cloned());
         Ok(Arrays {
             tensors: safetensors::SafeTensors::deserialize(bytes).map_err(text)?,
             notes: notes.ok_or("the metadata entry \"jcas\" is missing")?,
@@ -93,7 +119,10 @@ impl<'a> Arrays<'a> {
     }
 
     fn raw(&self, name: &str) -> Result<(Dtype, Cow<'a, [u8]>), String> {
-        let view = self.tensors.tensor(name).map_err(|_| format!("array {name:?} is missing"))?;
+        let view = self
+            .tensors
+            .tensor(name)
+            .map_err(|_| format!("array {name:?} is missing"))?;
         Ok((view.dtype(), Cow::Borrowed(view.data())))
     }
 
@@ -101,9 +130,10 @@ impl<'a> Arrays<'a> {
     pub fn f32(&self, name: &str, length: usize) -> Result<Vec<f32>, String> {
         let (dtype, bytes) = self.raw(name)?;
         let values: Vec<f32> = match dtype {
-            Dtype::F32 => {
-                bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
-            }
+            Dtype::F32 => bytes
+                .chunks_exact(4)
+                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+                .collect(),
             Dtype::F16 => bytes
                 .chunks_exact(2)
                 .map(|b| half::f16::from_le_bytes([b[0], b[1]]).to_f32())
@@ -136,6 +166,8 @@ fn check_length(name: &str, got: usize, expected: usize) -> Result<(), String> {
     if got == expected {
         Ok(())
     } else {
-        Err(format!("array {name:?} has {got} entries, expected {expected}"))
+        Err(format!(
+            "array {name:?} has {got} entries, expected {expected}"
+        ))
     }
 }

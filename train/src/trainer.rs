@@ -6,8 +6,8 @@ use crate::ppo::adam::Adam;
 use crate::ppo::gae::{self, Trajectories};
 use crate::ppo::normalise::{Affine, Running};
 use crate::ppo::rollout::{ActingPolicy, Rollout, Tutelage, collect};
-use crate::ppo::update::{ActorObjective, Pass, Step, Sums, Trainable, evaluate};
 use crate::ppo::schedule::Schedule;
+use crate::ppo::update::{ActorObjective, Pass, Step, Sums, Trainable, evaluate};
 use crate::random::{Purpose, stream_for};
 use crate::settings::{NetworkKind, Settings};
 use burn_tensor::Device;
@@ -119,7 +119,9 @@ fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
                 hidden: settings.actor_hidden.clone(),
                 outputs,
             }),
-            Network::new(Architecture::SetCritic { hidden: settings.critic_hidden.clone() }),
+            Network::new(Architecture::SetCritic {
+                hidden: settings.critic_hidden.clone(),
+            }),
         ),
     }
 }
@@ -132,7 +134,10 @@ impl Trainer {
     ) -> Result<Trainer, String> {
         settings.validate()?;
         let device = device_named(&settings.device)?;
-        let shape = workers.first().ok_or("workers: there must be at least one")?.shape();
+        let shape = workers
+            .first()
+            .ok_or("workers: there must be at least one")?
+            .shape();
         let (actor, critic) = networks(&settings, &shape);
         let mut random = stream_for(settings.seed, Purpose::Weights, 0, 0);
         let actor = Trainable::new(actor, 0.01, &mut random);
@@ -143,7 +148,9 @@ impl Trainer {
         }
         let mixed = workers.iter().any(|worker| worker.shape() != shape);
         if mixed && settings.network == NetworkKind::Mlp {
-            return Err("network: mlp has one input size, so all missions must be of one size".into());
+            return Err(
+                "network: mlp has one input size, so all missions must be of one size".into(),
+            );
         }
         Ok(Trainer {
             observation_statistics: Running::new(shape.observation_len),
@@ -206,7 +213,10 @@ impl Trainer {
             index: self.iterations,
             stage,
             environment_steps: self.environment_steps,
-            finished: rollouts.iter().flat_map(|r| r.finished.iter().copied()).collect(),
+            finished: rollouts
+                .iter()
+                .flat_map(|r| r.finished.iter().copied())
+                .collect(),
             actor,
             critic,
             explained_variance,
@@ -244,12 +254,18 @@ impl Trainer {
 
     /// Ends imitation: surer motions, and an optimiser without memory of the other loss.
     fn sharpen(&mut self) {
-        let factor = self.settings.imitation.as_ref().map_or(1.0, |i| i.sharpening);
+        let factor = self
+            .settings
+            .imitation
+            .as_ref()
+            .map_or(1.0, |i| i.sharpening);
         let motions = self.settings.head.logits();
         for block in self.actor.network.blocks.iter().rev().take(2) {
             let weights = &mut self.actor.parameters[block.offset..block.offset + block.len()];
             for row in weights.chunks_exact_mut(block.columns) {
-                row[motions.clone()].iter_mut().for_each(|weight| *weight *= factor);
+                row[motions.clone()]
+                    .iter_mut()
+                    .for_each(|weight| *weight *= factor);
             }
         }
         self.actor.adam = Adam::new(self.actor.parameters.len());
@@ -283,7 +299,10 @@ impl Trainer {
     /// Value units: what the critic's output is multiplied by and added to.
     fn value_units(&self) -> (f32, f32) {
         if self.settings.normalise_values && self.value_statistics.count > 0.0 {
-            (self.value_statistics.offset()[0], self.value_statistics.scale()[0])
+            (
+                self.value_statistics.offset()[0],
+                self.value_statistics.scale()[0],
+            )
         } else {
             (0.0, 1.0)
         }
@@ -295,8 +314,11 @@ impl Trainer {
         let (offset, scale) = self.value_units();
         let (discount, lambda) = (self.settings.discount, self.settings.gae_lambda);
         for rollout in rollouts {
-            let endings: Vec<f32> =
-                rollout.endings.iter().flat_map(|(_, state)| state.iter().copied()).collect();
+            let endings: Vec<f32> = rollout
+                .endings
+                .iter()
+                .flat_map(|(_, state)| state.iter().copied())
+                .collect();
             let value = |states: &[f32]| -> Vec<f32> {
                 evaluate(&self.critic, states, &inputs, &rollout.shape, &self.device)
                     .iter()
@@ -329,13 +351,23 @@ impl Trainer {
         let observation_inputs = self.observation_inputs();
         let global_inputs = self.affine(&self.global_statistics);
         if self.settings.normalise_values {
-            rollouts.iter().for_each(|rollout| self.value_statistics.update(&rollout.targets));
+            rollouts
+                .iter()
+                .for_each(|rollout| self.value_statistics.update(&rollout.targets));
         }
         let value_units = self.value_units();
         let settings = self.settings.clone();
         let autodiff = self.device.clone().autodiff();
-        let actor_pass = Pass { rollouts, inputs: &observation_inputs, device: &autodiff };
-        let critic_pass = Pass { rollouts, inputs: &global_inputs, device: &autodiff };
+        let actor_pass = Pass {
+            rollouts,
+            inputs: &observation_inputs,
+            device: &autodiff,
+        };
+        let critic_pass = Pass {
+            rollouts,
+            inputs: &global_inputs,
+            device: &autodiff,
+        };
 
         let done = self.iterations.saturating_sub(settings.preparation());
         let progress = done as f64 / settings.iterations().max(1) as f64;
@@ -373,11 +405,17 @@ impl Trainer {
         for epoch in 0..epochs as u64 {
             let mut random =
                 stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
-            let critic =
-                critic_pass.improve_critic(&mut self.critic, value_units, &critic_step, &mut random);
+            let critic = critic_pass.improve_critic(
+                &mut self.critic,
+                value_units,
+                &critic_step,
+                &mut random,
+            );
             critic_sums.merge(&critic);
             let over = |sums: &Sums| {
-                settings.kl_max.is_some_and(|max| sums.kl / sums.rows.max(1.0) > max)
+                settings
+                    .kl_max
+                    .is_some_and(|max| sums.kl / sums.rows.max(1.0) > max)
             };
             if stage == Stage::CriticWarmup || over(&actor_sums) {
                 continue;
@@ -389,7 +427,13 @@ impl Trainer {
                 let share = settings.actor_sample_share;
                 actor_pass.imitate(&mut self.actor, head, share, &actor_step, &mut random)
             } else {
-                actor_pass.improve_actor(&mut self.actor, head, &objective, &actor_step, &mut random)
+                actor_pass.improve_actor(
+                    &mut self.actor,
+                    head,
+                    &objective,
+                    &actor_step,
+                    &mut random,
+                )
             };
             actor_sums.operations += operations;
             epochs_run += 1;
@@ -415,10 +459,21 @@ fn explained_variance(rollouts: &[Rollout]) -> f64 {
         }
         square / count - (sum / count) * (sum / count)
     };
-    let targets = || rollouts.iter().flat_map(|r| r.targets.iter().map(|&x| f64::from(x)));
-    let errors = rollouts
-        .iter()
-        .flat_map(|r| r.targets.iter().zip(&r.values).map(|(&t, &v)| f64::from(t - v)));
+    let targets = || {
+        rollouts
+            .iter()
+            .flat_map(|r| r.targets.iter().map(|&x| f64::from(x)))
+    };
+    let errors = rollouts.iter().flat_map(|r| {
+        r.targets
+            .iter()
+            .zip(&r.values)
+            .map(|(&t, &v)| f64::from(t - v))
+    });
     let total = variance(&mut targets());
-    if total < 1e-12 { 0.0 } else { 1.0 - variance(&mut { errors }) / total }
+    if total < 1e-12 {
+        0.0
+    } else {
+        1.0 - variance(&mut { errors }) / total
+    }
 }

@@ -90,7 +90,10 @@ fn imitation_alone_comes_close_to_the_teacher() {
 #[test]
 fn threads_do_not_change_the_policy() {
     let train = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| {
             let settings = settings(Head::Hybrid);
             let mut trainer = Trainer::new(settings.clone(), workers(&settings)).unwrap();

@@ -8,7 +8,7 @@ use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{LearnedPolicy, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
 use jcas_train::settings::{Imitation, NetworkKind, Preset, Settings};
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 
 fn settings(network: NetworkKind) -> Settings {
@@ -44,13 +44,24 @@ fn settings(network: NetworkKind) -> Settings {
 }
 
 fn config() -> Config {
-    Config { uav_count: 4, hotspot_count: 3, horizon_steps: 20, ..Config::default() }
+    Config {
+        uav_count: 4,
+        hotspot_count: 3,
+        horizon_steps: 20,
+        ..Config::default()
+    }
 }
 
 fn plan(name: &str, settings: Settings) -> Plan {
     let out = std::env::temp_dir().join(format!("jcas-train-{}-{name}", std::process::id()));
     let _ = std::fs::remove_dir_all(&out);
-    Plan { settings, configs: vec![config()], out, name: name.into(), precision: Precision::Single }
+    Plan {
+        settings,
+        configs: vec![config()],
+        out,
+        name: name.into(),
+        precision: Precision::Single,
+    }
 }
 
 /// Asks to stop after some iterations.
@@ -88,7 +99,9 @@ fn a_resumed_run_ends_as_if_never_stopped() {
         let lines = |plan: &Plan| -> Vec<String> {
             let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
             // The first 17 columns are the same in every run; the rest are times.
-            text.lines().map(|line| line.split(',').take(17).collect::<Vec<_>>().join(",")).collect()
+            text.lines()
+                .map(|line| line.split(',').take(17).collect::<Vec<_>>().join(","))
+                .collect()
         };
         assert_eq!(lines(&whole), lines(&parts));
         assert_eq!(lines(&whole).len(), 8);
@@ -109,7 +122,11 @@ fn a_resumed_run_ends_as_if_never_stopped() {
 fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
     let first = plan("held", settings(NetworkKind::Mlp));
     first.train(false, &mut StopAfter(1)).unwrap();
-    let again = first.train(false, &mut Unwatched).err().unwrap().to_string();
+    let again = first
+        .train(false, &mut Unwatched)
+        .err()
+        .unwrap()
+        .to_string();
     assert!(again.contains("--resume"), "{again}");
     let mut other = first.clone();
     other.settings.discount = 0.9;
@@ -165,7 +182,11 @@ fn a_policy_that_does_not_fit_is_refused() {
     let plan = plan("fit", settings(NetworkKind::Mlp));
     plan.train(false, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
-    let other = Model::new(Config { uav_count: 6, ..config() }).unwrap();
+    let other = Model::new(Config {
+        uav_count: 6,
+        ..config()
+    })
+    .unwrap();
     let refusal = stored.check(&other).unwrap_err().to_string();
     for part in ["32", "38", "uav_count = 4", "uav_count = 6"] {
         assert!(refusal.contains(part), "{part} is missing in: {refusal}");
@@ -179,7 +200,12 @@ fn sampled_flights_repeat() {
     let plan = plan("sampled", settings(NetworkKind::Set));
     plan.train(false, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
-    let model = Model::new(Config { uav_count: 7, hotspot_count: 2, ..config() }).unwrap();
+    let model = Model::new(Config {
+        uav_count: 7,
+        hotspot_count: 2,
+        ..config()
+    })
+    .unwrap();
     stored.check(&model).unwrap();
     let fly = |seed: u64| {
         let mut policy = stored.policy(Some(Mode::Sampled));
@@ -198,7 +224,9 @@ fn sampled_flights_repeat() {
 #[test]
 fn onnxruntime_gives_the_same_actions() {
     let python = std::env::var("JCAS_ONNX_PYTHON").unwrap_or_else(|_| "python3".into());
-    let has = std::process::Command::new(&python).args(["-c", "import onnxruntime"]).output();
+    let has = std::process::Command::new(&python)
+        .args(["-c", "import onnxruntime"])
+        .output();
     if !has.is_ok_and(|output| output.status.success()) {
         eprintln!("{python} has no onnxruntime: not compared");
         return;
@@ -208,7 +236,13 @@ fn onnxruntime_gives_the_same_actions() {
         (NetworkKind::Mlp, Head::Hybrid),
         (NetworkKind::Set, Head::Hybrid),
     ] {
-        let plan = plan(&format!("onnx-{network:?}-{head:?}"), Settings { head, ..settings(network) });
+        let plan = plan(
+            &format!("onnx-{network:?}-{head:?}"),
+            Settings {
+                head,
+                ..settings(network)
+            },
+        );
         plan.train(false, &mut Unwatched).unwrap();
         let model = Model::new(config()).unwrap();
         let stored = files::load(&plan.out).unwrap();
@@ -220,12 +254,18 @@ fn onnxruntime_gives_the_same_actions() {
             .chunks_exact(head.output_len())
             .flat_map(|row| head.action(head.deterministic(row)))
             .collect();
-        compare(&python, &plan.out, &observations, [&outputs, &actions], model.uav_count());
+        compare(
+            &python,
+            &plan.out,
+            &observations,
+            [&outputs, &actions],
+            model.uav_count(),
+        );
         std::fs::remove_dir_all(&plan.out).unwrap();
     }
 }
 
-fn compare(python: &str, folder: &PathBuf, input: &[f32], expected: [&[f32]; 2], rows: usize) {
+fn compare(python: &str, folder: &Path, input: &[f32], expected: [&[f32]; 2], rows: usize) {
     let script = "
 import json, sys, numpy, onnxruntime
 given = json.load(sys.stdin)
@@ -244,6 +284,11 @@ for name, want in zip(('distribution', 'actions'), given['expected']):
         .spawn()
         .unwrap();
     let given = serde_json::json!({ "input": input, "rows": rows, "expected": expected });
-    child.stdin.take().unwrap().write_all(given.to_string().as_bytes()).unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(given.to_string().as_bytes())
+        .unwrap();
     assert!(child.wait().unwrap().success());
 }

@@ -76,12 +76,23 @@ impl Evaluate {
             ModeName::Sampled => Some(Mode::Sampled),
         };
         let (factory, pilot) = if learned {
-            (learned::factory(Path::new(&self.policy), &model, mode)?, "learned")
+            (
+                learned::factory(Path::new(&self.policy), &model, mode)?,
+                "learned",
+            )
         } else {
-            (policy_factory(&self.policy, &self.pilot, &model)?, self.pilot.as_str())
+            (
+                policy_factory(&self.policy, &self.pilot, &model)?,
+                self.pilot.as_str(),
+            )
         };
-        let campaign = Campaign { episodes: self.episodes, seed: self.seed };
-        let summary = self.threads.run(|| fly(&model, campaign, &factory, "missions"))??;
+        let campaign = Campaign {
+            episodes: self.episodes,
+            seed: self.seed,
+        };
+        let summary = self
+            .threads
+            .run(|| fly(&model, campaign, &factory, "missions"))??;
         let report = Report {
             policy: &self.policy,
             pilot,
@@ -102,12 +113,18 @@ impl Evaluate {
     /// Sizes of the first mission that the policy was trained on, where none were asked for.
     fn default_sizes(&mut self) -> Result<(), CliError> {
         let card = jcas_train::policy::files::load(Path::new(&self.policy))?.card;
-        if let (Some(&(uavs, hotspots)), None, None) =
-            (card.trained_on.first(), self.mission.uavs, self.mission.hotspots)
-        {
+        if let (Some(&(uavs, hotspots)), None, None) = (
+            card.trained_on.first(),
+            self.mission.uavs,
+            self.mission.hotspots,
+        ) {
             let given = |field: &str| {
                 let prefix = format!("{field}=");
-                self.mission.config.set.iter().any(|set| set.replace(' ', "").starts_with(&prefix))
+                self.mission
+                    .config
+                    .set
+                    .iter()
+                    .any(|set| set.replace(' ', "").starts_with(&prefix))
             };
             if self.mission.config.config.is_none() && !given("uav_count") {
                 self.mission.uavs = Some(uavs);

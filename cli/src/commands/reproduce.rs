@@ -39,10 +39,15 @@ pub struct Reproduce {
 impl Reproduce {
     /// Does what is missing.
     pub fn run(self) -> Result<Outcome, CliError> {
-        let scale = if self.quick { Scale::quick(self.seeds) } else { Scale::full(self.seeds) };
+        let scale = if self.quick {
+            Scale::quick(self.seeds)
+        } else {
+            Scale::full(self.seeds)
+        };
         files::prepare_folder(&self.out)?;
-        let progress =
-            self.threads.run(|| reproduce(&scale, &self.out, &mut Teller::default()))??;
+        let progress = self
+            .threads
+            .run(|| reproduce(&scale, &self.out, &mut Teller::default()))??;
         match progress {
             Progress::Finished => {
                 let report = self.out.join("report.html");
@@ -64,7 +69,9 @@ struct Teller;
 impl Observer for Teller {
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64) {
         if row.iteration.is_multiple_of((total / 10).max(1)) {
-            let success = row.success_rate.map_or("-".to_owned(), |rate| format!("{rate:.2}"));
+            let success = row
+                .success_rate
+                .map_or("-".to_owned(), |rate| format!("{rate:.2}"));
             eprintln!(
                 "  iteration {} of {total}: success {success}, {:.0} steps/s, {left_s:.0} s left",
                 row.iteration, row.steps_per_s

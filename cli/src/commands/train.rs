@@ -43,10 +43,20 @@ pub struct Train {
     #[command(flatten)]
     config: ConfigOptions,
     /// UAVs in the fleet; several with commas
-    #[arg(long, value_name = "N", value_delimiter = ',', help_heading = "Configuration")]
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        help_heading = "Configuration"
+    )]
     uavs: Vec<u32>,
     /// Hotspots to find; several with commas
-    #[arg(long, value_name = "n", value_delimiter = ',', help_heading = "Configuration")]
+    #[arg(
+        long,
+        value_name = "n",
+        value_delimiter = ',',
+        help_heading = "Configuration"
+    )]
     hotspots: Vec<u32>,
     /// Training settings to start from
     #[arg(long, value_enum, default_value_t = TrainingPreset::Tuned, help_heading = "Training")]
@@ -93,7 +103,9 @@ impl Train {
         }
         let plan = self.plan(settings)?;
         let mut watcher = Watcher::new(plan.settings.preparation() + plan.settings.iterations());
-        let ending = self.threads.run(|| plan.train(self.resume, &mut watcher))??;
+        let ending = self
+            .threads
+            .run(|| plan.train(self.resume, &mut watcher))??;
         watcher.bar.finish_and_clear();
         match ending {
             Ending::Finished(card) => {
@@ -108,15 +120,20 @@ impl Train {
     }
 
     fn plan(&self, settings: Settings) -> Result<Plan, CliError> {
-        let name = self.name.clone().or_else(|| {
-            Some(self.out.file_name()?.to_string_lossy().into_owned())
-        });
+        let name = self
+            .name
+            .clone()
+            .or_else(|| Some(self.out.file_name()?.to_string_lossy().into_owned()));
         Ok(Plan {
             settings,
             configs: self.configs()?,
             out: self.out.clone(),
             name: name.unwrap_or_else(|| "policy".to_owned()),
-            precision: if self.half { Precision::Half } else { Precision::Single },
+            precision: if self.half {
+                Precision::Half
+            } else {
+                Precision::Single
+            },
         })
     }
 
@@ -124,7 +141,11 @@ impl Train {
         let source = self.config.source()?;
         let base = source.resolve()?;
         let or = |given: &[u32], configured: u32| {
-            if given.is_empty() { vec![configured] } else { given.to_vec() }
+            if given.is_empty() {
+                vec![configured]
+            } else {
+                given.to_vec()
+            }
         };
         let mut configs = Vec::new();
         for uavs in or(&self.uavs, base.uav_count) {
@@ -146,7 +167,9 @@ impl Train {
         let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;
         if let Some(path) = &self.train_config {
             let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
-            let json = path.extension().is_some_and(|extension| extension == "json");
+            let json = path
+                .extension()
+                .is_some_and(|extension| extension == "json");
             let fields: Table = if json {
                 serde_json::from_str(&text).map_err(|error| CliError::file(path, error))?
             } else {
@@ -170,13 +193,17 @@ impl Train {
 /// Puts `setting=value` into a table; `none` takes a setting away, a dot reaches into a table.
 fn assign(table: &mut Table, assignment: &str) -> Result<(), CliError> {
     let (setting, text) = assignment.split_once('=').ok_or_else(|| {
-        CliError::input(format!("--train-set {assignment}: must be of the form setting=value"))
+        CliError::input(format!(
+            "--train-set {assignment}: must be of the form setting=value"
+        ))
     })?;
     let (setting, text) = (setting.trim(), text.trim());
     let (table, setting) = match setting.split_once('.') {
         None => (table, setting),
         Some((outer, inner)) => {
-            let entry = table.entry(outer).or_insert_with(|| toml::Value::Table(Table::new()));
+            let entry = table
+                .entry(outer)
+                .or_insert_with(|| toml::Value::Table(Table::new()));
             let inside = entry.as_table_mut().ok_or_else(|| {
                 CliError::input(format!("--train-set {assignment}: {outer} is no table"))
             })?;
@@ -229,7 +256,9 @@ impl Watcher {
         let style = indicatif::ProgressStyle::with_template("[{bar:24}] {pos}/{len} {msg}")
             .expect("the template is valid")
             .progress_chars("=> ");
-        Watcher { bar: ProgressBar::new(iterations).with_style(style) }
+        Watcher {
+            bar: ProgressBar::new(iterations).with_style(style),
+        }
     }
 }
 

@@ -112,7 +112,11 @@ impl VectorEnvironment for Beacon {
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
         let global_len = self.shape().global_len;
         let mut rows = observations.chunks_exact_mut(3);
-        for (mission, global) in self.missions.iter().zip(global.chunks_exact_mut(global_len)) {
+        for (mission, global) in self
+            .missions
+            .iter()
+            .zip(global.chunks_exact_mut(global_len))
+        {
             for position in &mission.positions {
                 let row = rows.next().expect("one row for each UAV");
                 row[0] = (mission.beacon[0] - position[0]) as f32 / SIDE as f32;

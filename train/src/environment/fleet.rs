@@ -27,18 +27,32 @@ impl Treatment {
         step_cost: f64,
         constant_pilot: Option<f32>,
     ) -> Result<Treatment, String> {
-        let mut treatment = Treatment { factors: [1.0; COMPONENTS], step_cost, constant_pilot };
+        let mut treatment = Treatment {
+            factors: [1.0; COMPONENTS],
+            step_cost,
+            constant_pilot,
+        };
         for (name, &factor) in factors {
-            let index = NAMES.iter().position(|known| known == name).ok_or_else(|| {
-                format!("reward_factors.{name}: no such component; allowed: {}", NAMES.join(", "))
-            })?;
+            let index = NAMES
+                .iter()
+                .position(|known| known == name)
+                .ok_or_else(|| {
+                    format!(
+                        "reward_factors.{name}: no such component; allowed: {}",
+                        NAMES.join(", ")
+                    )
+                })?;
             treatment.factors[index] = factor;
         }
         Ok(treatment)
     }
 
     fn reward(&self, components: &[f64]) -> f32 {
-        let paid: f64 = components.iter().zip(&self.factors).map(|(c, f)| c * f).sum();
+        let paid: f64 = components
+            .iter()
+            .zip(&self.factors)
+            .map(|(c, f)| c * f)
+            .sum();
         (paid - self.step_cost) as f32
     }
 }
@@ -109,11 +123,22 @@ impl Fleet {
     }
 
     fn start_teachers(&mut self) {
-        let Some((kind, pilot)) = self.teacher else { return };
-        self.teachers = (0..self.environments).map(|_| kind.build_privileged(pilot)).collect();
+        let Some((kind, pilot)) = self.teacher else {
+            return;
+        };
+        self.teachers = (0..self.environments)
+            .map(|_| kind.build_privileged(pilot))
+            .collect();
         let words = self.model.state_words();
-        for (teacher, state) in self.teachers.iter_mut().zip(self.states.chunks_exact(words)) {
-            let state = self.model.state(state).expect("the slab holds states of this model");
+        for (teacher, state) in self
+            .teachers
+            .iter_mut()
+            .zip(self.states.chunks_exact(words))
+        {
+            let state = self
+                .model
+                .state(state)
+                .expect("the slab holds states of this model");
             teacher.reset(&self.model, state.seed());
         }
     }
@@ -134,8 +159,9 @@ impl VectorEnvironment for Fleet {
     }
 
     fn reset(&mut self, seed: u64) {
-        let seeds: Vec<u64> =
-            (0..self.environments as u64).map(|m| derive_seed(seed, m)).collect();
+        let seeds: Vec<u64> = (0..self.environments as u64)
+            .map(|m| derive_seed(seed, m))
+            .collect();
         let mut scratch =
             Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
         self.model
@@ -158,7 +184,9 @@ impl VectorEnvironment for Fleet {
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
         self.held.copy_from_slice(actions);
         if let Some(pilot) = self.treatment.constant_pilot {
-            self.held.chunks_exact_mut(2).for_each(|action| action[1] = pilot);
+            self.held
+                .chunks_exact_mut(2)
+                .for_each(|action| action[1] = pilot);
         }
         let [terminated, truncated] = &mut self.ended;
         let mut scratch =
@@ -216,7 +244,10 @@ impl VectorEnvironment for Fleet {
     }
 
     fn save(&self) -> Vec<u8> {
-        self.states.iter().flat_map(|word| word.to_le_bytes()).collect()
+        self.states
+            .iter()
+            .flat_map(|word| word.to_le_bytes())
+            .collect()
     }
 
     /// Observations follow from the states; teachers begin anew with the next batch.

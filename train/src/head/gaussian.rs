@@ -72,10 +72,8 @@ mod tests {
         let outputs = [0.2f32, -0.6, -0.7, 0.4];
         for _ in 0..50 {
             let (raw, log_prob) = sample(&outputs, &mut random);
-            let tensor = Tensor::<2>::from_data(
-                TensorData::new(outputs.to_vec(), [1, 4]),
-                &Device::flex(),
-            );
+            let tensor =
+                Tensor::<2>::from_data(TensorData::new(outputs.to_vec(), [1, 4]), &Device::flex());
             let from_tensors = densities(tensor, &raw).log_prob.into_scalar::<f32>();
             assert!((log_prob - from_tensors).abs() < 1e-5);
         }

@@ -67,9 +67,7 @@ pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32
         }
     }
     let (alpha, beta) = concentrations(outputs);
-    let pilot: f64 = Beta::new(alpha, beta)
-        .expect("α, β ≥ 1")
-        .sample(random);
+    let pilot: f64 = Beta::new(alpha, beta).expect("α, β ≥ 1").sample(random);
     let pilot = (pilot as f32).clamp(MARGIN, 1.0 - MARGIN);
     let log_prob = log_probs[motion] + beta_log_density(alpha, beta, f64::from(pilot));
     ([motion as f32, pilot], log_prob as f32)
@@ -186,7 +184,10 @@ mod tests {
     fn ln_gamma_matches_factorials_and_the_half_integer() {
         let mut factorial = 1.0f64;
         for n in 1..15 {
-            assert!((ln_gamma(f64::from(n)) - factorial.ln()).abs() < 1e-6, "n = {n}");
+            assert!(
+                (ln_gamma(f64::from(n)) - factorial.ln()).abs() < 1e-6,
+                "n = {n}"
+            );
             factorial *= f64::from(n);
         }
         let half = (std::f64::consts::PI.sqrt() / 2.0).ln();
@@ -214,7 +215,10 @@ mod tests {
             let (raw, log_prob) = sample(&outputs, &mut random);
             assert!((0.0..MOTIONS as f32).contains(&raw[0]) && (0.0..1.0).contains(&raw[1]));
             let (from_tensors, _) = of(raw, outputs);
-            assert!((log_prob - from_tensors).abs() < 2e-4, "round {round}: {log_prob} {from_tensors}");
+            assert!(
+                (log_prob - from_tensors).abs() < 2e-4,
+                "round {round}: {log_prob} {from_tensors}"
+            );
         }
     }
 

@@ -38,7 +38,9 @@ struct Value {
 
 /// CRC-32C as the record format masks it (TensorFlow, `crc32c.h`).
 fn masked_crc(bytes: &[u8]) -> u32 {
-    crc32c::crc32c(bytes).rotate_right(15).wrapping_add(0xa282_ead8)
+    crc32c::crc32c(bytes)
+        .rotate_right(15)
+        .wrapping_add(0xa282_ead8)
 }
 
 /// A record: length, its checksum, data, its checksum.
@@ -62,7 +64,11 @@ impl EventFile {
     /// simply begins another.
     pub fn create(folder: &Path) -> Result<EventFile, TrainError> {
         let now = now();
-        let name = format!("events.out.tfevents.{:010}.{}.jcas", now as u64, std::process::id());
+        let name = format!(
+            "events.out.tfevents.{:010}.{}.jcas",
+            now as u64,
+            std::process::id()
+        );
         let path = folder.join(name);
         let file = OpenOptions::new()
             .create(true)
@@ -97,12 +103,16 @@ impl EventFile {
 
     fn record(&mut self, event: &Event) -> Result<(), TrainError> {
         let record = frame(&event.encode_to_vec());
-        self.file.write_all(&record).map_err(TrainError::file(&self.path))
+        self.file
+            .write_all(&record)
+            .map_err(TrainError::file(&self.path))
     }
 }
 
 fn now() -> f64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |time| time.as_secs_f64())
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0.0, |time| time.as_secs_f64())
 }
 
 #[cfg(test)]
@@ -113,7 +123,7 @@ mod tests {
     #[test]
     fn the_checksum_is_the_masked_castagnoli_one() {
         let crc = 0x8a91_36aa_u32;
-        let masked = (crc >> 15 | crc << 17).wrapping_add(0xa282_ead8);
+        let masked = crc.rotate_right(15).wrapping_add(0xa282_ead8);
         assert_eq!(masked_crc(&[0; 32]), masked);
     }
 
@@ -137,6 +147,9 @@ mod tests {
         assert_eq!(read[0].file_version.as_deref(), Some("brain.Event:2"));
         assert_eq!(read[1].step, 7);
         let values = &read[1].summary.as_ref().unwrap().value;
-        assert_eq!((values[1].tag.as_str(), values[1].simple_value), ("b", Some(-2.0)));
+        assert_eq!(
+            (values[1].tag.as_str(), values[1].simple_value),
+            ("b", Some(-2.0))
+        );
     }
 }

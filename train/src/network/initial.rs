@@ -12,7 +12,11 @@ pub(super) fn orthogonal(blocks: &[Block], output_gain: f64, random: &mut ChaCha
         if block.rows == 1 {
             parameters.extend(std::iter::repeat_n(0.0, block.len()));
         } else {
-            let gain = if index == last { output_gain } else { std::f64::consts::SQRT_2 };
+            let gain = if index == last {
+                output_gain
+            } else {
+                std::f64::consts::SQRT_2
+            };
             parameters.extend(matrix(block.rows, block.columns, gain, random));
         }
     }
@@ -27,14 +31,21 @@ fn matrix(rows: usize, columns: usize, gain: f64, random: &mut ChaCha8Rng) -> Ve
         let mut vector: Vec<f64> = (0..length).map(|_| StandardNormal.sample(random)).collect();
         for earlier in &basis {
             let overlap: f64 = vector.iter().zip(earlier).map(|(a, b)| a * b).sum();
-            vector.iter_mut().zip(earlier).for_each(|(a, b)| *a -= overlap * b);
+            vector
+                .iter_mut()
+                .zip(earlier)
+                .for_each(|(a, b)| *a -= overlap * b);
         }
         let norm = vector.iter().map(|a| a * a).sum::<f64>().sqrt();
         vector.iter_mut().for_each(|a| *a /= norm);
         basis.push(vector);
     }
     let entry = |row: usize, column: usize| {
-        if rows <= columns { basis[row][column] } else { basis[column][row] }
+        if rows <= columns {
+            basis[row][column]
+        } else {
+            basis[column][row]
+        }
     };
     (0..rows * columns)
         .map(|index| (gain * entry(index / columns, index % columns)) as f32)

@@ -35,7 +35,9 @@ mod tests {
     use burn_tensor::Device;
 
     fn tiny() -> (Network, Vec<f32>) {
-        let network = Network::new(Architecture::Mlp { sizes: vec![2, 2, 1] });
+        let network = Network::new(Architecture::Mlp {
+            sizes: vec![2, 2, 1],
+        });
         // W0 = [[1, -1], [2, 1]], b0 = [0, 1], W1 = [[3], [-2]], b1 = [0.5].
         (network, vec![1.0, -1.0, 2.0, 1.0, 0.0, 1.0, 3.0, -2.0, 0.5])
     }

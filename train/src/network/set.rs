@@ -55,7 +55,12 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize) -> Shapes {
     layer(&mut shapes, "hotspot.2", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
     shapes.push(("hotspot.others".into(), HOTSPOT_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "score", HOTSPOT_WIDTH, HEADS);
-    trunk(&mut shapes, HEADS * HOTSPOT_WIDTH + UAV_WIDTH + OWN, hidden, outputs);
+    trunk(
+        &mut shapes,
+        HEADS * HOTSPOT_WIDTH + UAV_WIDTH + OWN,
+        hidden,
+        outputs,
+    );
     shapes
 }
 
@@ -130,7 +135,7 @@ fn pool(set: Tensor<3>) -> Tensor<2> {
 }
 
 /// Adds one row of fields to every element of its set.
-fn to_each(set: Tensor<3>, row: Tensor<2>) -> Tensor<3> {
+fn added_to_each(set: Tensor<3>, row: Tensor<2>) -> Tensor<3> {
     set + row.unsqueeze_dim::<3>(1)
 }
 
@@ -178,13 +183,20 @@ pub(super) fn actor(weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> T
 
     let distance = distances(
         [field(&hotspots, 0), field(&hotspots, 1)],
-        [field(&hotspots, 0).zeros_like(), field(&hotspots, 1).zeros_like()],
+        [
+            field(&hotspots, 0).zeros_like(),
+            field(&hotspots, 1).zeros_like(),
+        ],
         shape,
     );
     let (neighbours, at, around) = if k == 0 {
         weights.0.by_ref().take(4).for_each(drop);
         let none = distance.zeros_like();
-        (Tensor::zeros([rows, UAV_WIDTH], &input.device()), none.clone(), none)
+        (
+            Tensor::zeros([rows, UAV_WIDTH], &input.device()),
+            none.clone(),
+            none,
+        )
     } else {
         let slots = set_of(&input, slots_first, k, SLOT_FIELDS);
         let present = field(&slots, 0);
@@ -192,12 +204,17 @@ pub(super) fn actor(weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> T
         let embedded = relu(weights.each(embedded)) * present.clone();
         let apart = distances(
             [field(&hotspots, 0), field(&hotspots, 1)],
-            [field(&slots, 1).swap_dims(1, 2), field(&slots, 2).swap_dims(1, 2)],
+            [
+                field(&slots, 1).swap_dims(1, 2),
+                field(&slots, 2).swap_dims(1, 2),
+            ],
             shape,
         );
         let present = present.swap_dims(1, 2);
         let count = |reach: f32| {
-            (nearness(apart.clone(), reach) * present.clone()).sum_dim(2).div_scalar(CROWD)
+            (nearness(apart.clone(), reach) * present.clone())
+                .sum_dim(2)
+                .div_scalar(CROWD)
         };
         (pool(embedded), count(1.0), count(4.0))
     };
@@ -216,12 +233,12 @@ pub(super) fn actor(weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> T
     );
     let context = Tensor::cat(vec![own.clone(), neighbours.clone()], 1);
     let embedded = weights.each(features);
-    let embedded = relu(to_each(embedded, context.matmul(weights.take())));
+    let embedded = relu(added_to_each(embedded, context.matmul(weights.take())));
     let embedded = relu(weights.each(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
     let others = pool(embedded.clone());
     let embedded = weights.each(embedded);
-    let embedded = relu(to_each(embedded, others.matmul(weights.take())));
+    let embedded = relu(added_to_each(embedded, others.matmul(weights.take())));
     let attention = softmax(weights.each(embedded.clone()), 1);
     let attended = attention.swap_dims(1, 2).matmul(embedded);
     let attended = attended.reshape([rows, HEADS * HOTSPOT_WIDTH]);
@@ -238,18 +255,20 @@ pub(super) fn critic(weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> 
 
     let apart = distances(
         [field(&hotspots, 0), field(&hotspots, 1)],
-        [field(&uavs, 0).swap_dims(1, 2), field(&uavs, 1).swap_dims(1, 2)],
+        [
+            field(&uavs, 0).swap_dims(1, 2),
+            field(&uavs, 1).swap_dims(1, 2),
+        ],
         shape,
     );
-    let count =
-        |reach: f32| nearness(apart.clone(), reach).sum_dim(2).div_scalar(CROWD);
+    let count = |reach: f32| nearness(apart.clone(), reach).sum_dim(2).div_scalar(CROWD);
     let features = Tensor::cat(vec![hotspots, count(1.0), count(4.0), count(12.0)], 2);
 
     let fleet = relu(weights.each(uavs));
     let fleet = pool(relu(weights.each(fleet)));
     let context = Tensor::cat(vec![common.clone(), fleet.clone()], 1);
     let embedded = weights.each(features);
-    let embedded = relu(to_each(embedded, context.matmul(weights.take())));
+    let embedded = relu(added_to_each(embedded, context.matmul(weights.take())));
     let embedded = pool(relu(weights.each(embedded)));
     weights.trunk(Tensor::cat(vec![embedded, fleet, common], 1))
 }
@@ -292,13 +311,18 @@ mod tests {
 
     fn row(length: usize) -> Vec<f32> {
         let mut random = crate::random::stream(9, 1);
-        (0..length).map(|_| random.random_range(-1.0f32..1.0)).collect()
+        (0..length)
+            .map(|_| random.random_range(-1.0f32..1.0))
+            .collect()
     }
 
     // Swapping two hotspots, or two neighbours, changes nothing; changing one does.
     #[test]
     fn the_actor_does_not_see_the_order_of_its_sets() {
-        let architecture = Architecture::SetActor { hidden: vec![16], outputs: 7 };
+        let architecture = Architecture::SetActor {
+            hidden: vec![16],
+            outputs: 7,
+        };
         let shape = shape(4, 3);
         let row = row(shape.observation_len);
         let mut swapped = row.clone();
@@ -335,7 +359,10 @@ mod tests {
     // The same weights serve any size, a fleet of one included.
     #[test]
     fn one_set_of_weights_serves_every_size() {
-        let actor = Architecture::SetActor { hidden: vec![16, 8], outputs: 7 };
+        let actor = Architecture::SetActor {
+            hidden: vec![16, 8],
+            outputs: 7,
+        };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);
             let outputs = outputs(&actor, &row(shape.observation_len), &shape);

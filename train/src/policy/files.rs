@@ -161,7 +161,13 @@ fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
         let (low, high) = (card.config.pilot_density_min, card.config.pilot_density_max);
         crate::environment::fleet::pilot_action(low, high, density)
     });
-    Ok(Actor { network, parameters, head: card.head, inputs, constant_pilot })
+    Ok(Actor {
+        network,
+        parameters,
+        head: card.head,
+        inputs,
+        constant_pilot,
+    })
 }
 
 /// Reads weights and card.
@@ -170,13 +176,19 @@ pub fn load(folder: &Path) -> Result<Stored, TrainError> {
     let text = std::fs::read_to_string(&path).map_err(TrainError::file(&path))?;
     let card: Card = serde_json::from_str(&text).map_err(TrainError::format(&path))?;
     if card.format != FORMAT {
-        let what = format!("format: {} is not read by this version, only {FORMAT}", card.format);
+        let what = format!(
+            "format: {} is not read by this version, only {FORMAT}",
+            card.format
+        );
         return Err(TrainError::Format(path, what));
     }
     let path = folder.join(WEIGHTS);
     let bytes = std::fs::read(&path).map_err(TrainError::file(&path))?;
     let actor = read_actor(&bytes, &card).map_err(TrainError::format(&path))?;
-    Ok(Stored { card, actor: Arc::new(actor) })
+    Ok(Stored {
+        card,
+        actor: Arc::new(actor),
+    })
 }
 
 impl Stored {
@@ -211,12 +223,19 @@ impl Stored {
 
     /// Ready to fly; `mode` absent: as the card says.
     pub fn policy(&self, mode: Option<Mode>) -> LearnedPolicy {
-        LearnedPolicy::new(&self.card.name, self.actor.clone(), mode.unwrap_or(self.card.mode))
+        LearnedPolicy::new(
+            &self.card.name,
+            self.actor.clone(),
+            mode.unwrap_or(self.card.mode),
+        )
     }
 }
 
 fn describe(config: &Config) -> String {
-    format!("uav_count = {}, hotspot_count = {}", config.uav_count, config.hotspot_count)
+    format!(
+        "uav_count = {}, hotspot_count = {}",
+        config.uav_count, config.hotspot_count
+    )
 }
 
 fn visibility(visibility: TargetVisibility) -> &'static str {

@@ -40,7 +40,10 @@ pub fn encode(actor: &Actor, shape: &Shape) -> Vec<u8> {
         .iter()
         .map(|block| {
             let values = &actor.parameters[block.offset..block.offset + block.len()];
-            graph.constant(&[block.rows as i64, block.columns as i64].map(|x| x as usize), values)
+            graph.constant(
+                &[block.rows as i64, block.columns as i64].map(|x| x as usize),
+                values,
+            )
         })
         .collect();
     let outputs = match &actor.network.architecture {

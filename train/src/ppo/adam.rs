@@ -45,7 +45,11 @@ impl Adam {
         if !norm.is_finite() {
             return norm;
         }
-        let scale = if norm > max_norm { max_norm / norm } else { 1.0 };
+        let scale = if norm > max_norm {
+            max_norm / norm
+        } else {
+            1.0
+        };
         self.steps += 1;
         let steps = self.steps.min(i32::MAX as u64) as i32;
         let mean_correction = 1.0 - BETA_MEAN.powi(steps);

@@ -35,7 +35,11 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
     for environment in 0..environments {
         let mut following = 0.0;
         for row in (environment..rewards.len()).step_by(environments).rev() {
-            let next_value = if terminated[row] { 0.0 } else { next_values[row] };
+            let next_value = if terminated[row] {
+                0.0
+            } else {
+                next_values[row]
+            };
             let delta = rewards[row] + discount * next_value - values[row];
             if terminated[row] || truncated[row] {
                 following = 0.0;

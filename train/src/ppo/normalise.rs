@@ -58,7 +58,11 @@ impl Running {
             .iter()
             .map(|deviation| {
                 let variance = deviation / self.count.max(1.0);
-                if variance > 1e-6 { variance.sqrt() as f32 } else { 1.0 }
+                if variance > 1e-6 {
+                    variance.sqrt() as f32
+                } else {
+                    1.0
+                }
             })
             .collect()
     }

@@ -109,12 +109,7 @@ pub fn collect(
         };
         let samples = outputs.chunks_exact(policy.head.output_len());
         for (row, output) in samples.enumerate() {
-            // A learner that draws while it is still unsure scatters the fleet, and would be taught
-            // about situations that the trained policy never meets.
-            let (raw, log_prob) = match tutelage {
-                Some(_) => (policy.head.deterministic(output), 0.0),
-                None => policy.head.sample(output, random),
-            };
+            let (raw, log_prob) = policy.head.sample(output, random);
             let place = rows.start + row;
             rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
             rollout.log_probs[place] = log_prob;

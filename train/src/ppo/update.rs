@@ -30,7 +30,11 @@ impl Trainable {
     pub fn new(network: Network, output_gain: f64, random: &mut ChaCha8Rng) -> Trainable {
         let parameters = network.initial(output_gain, random);
         let adam = Adam::new(parameters.len());
-        Trainable { network, parameters, adam }
+        Trainable {
+            network,
+            parameters,
+            adam,
+        }
     }
 }
 
@@ -172,17 +176,29 @@ impl Pass<'_> {
         random: &mut ChaCha8Rng,
     ) -> Sums {
         let rows_of = |rollout: &Rollout| rollout.log_probs.len();
-        let shards =
-            shards(self.rollouts, rows_of, objective.sample_share, step.shard_rows, random);
-        descend(actor, &shards, step, |network, parameters, minibatch, rows| {
-            let scale = self.advantage_scale(minibatch, objective.normalise_advantages);
-            minibatch
-                .par_iter()
-                .map(|shard| {
-                    self.actor_gradient(network, parameters, head, objective, shard, scale, rows)
-                })
-                .collect()
-        })
+        let shards = shards(
+            self.rollouts,
+            rows_of,
+            objective.sample_share,
+            step.shard_rows,
+            random,
+        );
+        descend(
+            actor,
+            &shards,
+            step,
+            |network, parameters, minibatch, rows| {
+                let scale = self.advantage_scale(minibatch, objective.normalise_advantages);
+                minibatch
+                    .par_iter()
+                    .map(|shard| {
+                        self.actor_gradient(
+                            network, parameters, head, objective, shard, scale, rows,
+                        )
+                    })
+                    .collect()
+            },
+        )
     }
 
     /// Mean and standard deviation of the advantages of a minibatch's rows.
@@ -220,9 +236,10 @@ impl Pass<'_> {
         minibatch_rows: usize,
     ) -> (Vec<f32>, Sums) {
         let shape = self.shape(shard);
-        let (weights, outputs) = self.outputs(network, parameters, shard, shape.observation_len, |r| {
-            &r.observations
-        });
+        let (weights, outputs) =
+            self.outputs(network, parameters, shard, shape.observation_len, |r| {
+                &r.observations
+            });
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
         let old = matrix(self.gather(shard, 1, |r| &r.log_probs), 1, self.device);
         let advantages = shard
@@ -234,7 +251,9 @@ impl Pass<'_> {
         let densities = head.densities(outputs, &raw);
         let log_ratio = densities.log_prob - old;
         let ratio = log_ratio.clone().exp();
-        let clipped = ratio.clone().clamp(1.0 - objective.clip, 1.0 + objective.clip);
+        let clipped = ratio
+            .clone()
+            .clamp(1.0 - objective.clip, 1.0 + objective.clip);
         let gain = (ratio.clone() * advantages.clone()).min_pair(clipped * advantages);
         let bonus = densities.entropy.clone().mul_scalar(objective.entropy);
         let loss = (gain + bonus).sum().neg().div_scalar(minibatch_rows as f64);
@@ -263,22 +282,38 @@ impl Pass<'_> {
         step: &Step,
         random: &mut ChaCha8Rng,
     ) -> Sums {
-        let shards = shards(self.rollouts, Rollout::missions, 1.0, step.shard_rows, random);
-        descend(critic, &shards, step, |network, parameters, minibatch, rows| {
-            minibatch
-                .par_iter()
-                .map(|shard| {
-                    let shape = self.shape(shard);
-                    let (weights, outputs) =
-                        self.outputs(network, parameters, shard, shape.global_len, |r| &r.global);
-                    let mut targets = self.gather(shard, 1, |r| &r.targets);
-                    targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
-                    let targets = matrix(targets, 1, self.device);
-                    let loss = (outputs - targets).square().sum().div_scalar(2.0 * rows as f64);
-                    self.finish(network, &weights, &shape, loss, shard.len(), rows)
-                })
-                .collect()
-        })
+        let shards = shards(
+            self.rollouts,
+            Rollout::missions,
+            1.0,
+            step.shard_rows,
+            random,
+        );
+        descend(
+            critic,
+            &shards,
+            step,
+            |network, parameters, minibatch, rows| {
+                minibatch
+                    .par_iter()
+                    .map(|shard| {
+                        let shape = self.shape(shard);
+                        let (weights, outputs) =
+                            self.outputs(network, parameters, shard, shape.global_len, |r| {
+                                &r.global
+                            });
+                        let mut targets = self.gather(shard, 1, |r| &r.targets);
+                        targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
+                        let targets = matrix(targets, 1, self.device);
+                        let loss = (outputs - targets)
+                            .square()
+                            .sum()
+                            .div_scalar(2.0 * rows as f64);
+                        self.finish(network, &weights, &shape, loss, shard.len(), rows)
+                    })
+                    .collect()
+            },
+        )
     }
 
     /// One epoch of imitation of the teacher's actions.
@@ -292,22 +327,27 @@ impl Pass<'_> {
     ) -> Sums {
         let rows_of = |rollout: &Rollout| rollout.log_probs.len();
         let shards = shards(self.rollouts, rows_of, share, step.shard_rows, random);
-        descend(actor, &shards, step, |network, parameters, minibatch, rows| {
-            minibatch
-                .par_iter()
-                .map(|shard| {
-                    let shape = self.shape(shard);
-                    let (weights, outputs) =
-                        self.outputs(network, parameters, shard, shape.observation_len, |r| {
-                            &r.observations
-                        });
-                    let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
-                    let loss = head.imitation_loss(outputs, &lessons);
-                    let loss = loss.sum().div_scalar(rows as f64);
-                    self.finish(network, &weights, &shape, loss, shard.len(), rows)
-                })
-                .collect()
-        })
+        descend(
+            actor,
+            &shards,
+            step,
+            |network, parameters, minibatch, rows| {
+                minibatch
+                    .par_iter()
+                    .map(|shard| {
+                        let shape = self.shape(shard);
+                        let (weights, outputs) =
+                            self.outputs(network, parameters, shard, shape.observation_len, |r| {
+                                &r.observations
+                            });
+                        let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
+                        let loss = head.imitation_loss(outputs, &lessons);
+                        let loss = loss.sum().div_scalar(rows as f64);
+                        self.finish(network, &weights, &shape, loss, shard.len(), rows)
+                    })
+                    .collect()
+            },
+        )
     }
 
     fn outputs(
@@ -360,7 +400,9 @@ fn descend(
         let parts = gradients(&model.network, &model.parameters, minibatch, rows);
         let mut sum = vec![0.0; model.parameters.len()];
         for (part, sums) in &parts {
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            sum.iter_mut()
+                .zip(part)
+                .for_each(|(sum, part)| *sum += part);
             total.merge(sums);
         }
         let norm = model.adam.step(

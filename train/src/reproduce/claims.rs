@@ -31,13 +31,17 @@ fn at_fleet(
     uavs: u32,
     quantity: Quantity,
 ) -> Option<f64> {
-    let rows: Vec<&Row> =
-        rows(table, preset, policy, pilot).into_iter().filter(|row| row.uavs == uavs).collect();
+    let rows: Vec<&Row> = rows(table, preset, policy, pilot)
+        .into_iter()
+        .filter(|row| row.uavs == uavs)
+        .collect();
     mean(&rows, quantity).map(|estimate| estimate.value)
 }
 
 fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or("not measured".to_owned(), |value| format!("{value:.digits$}"))
+    value.map_or("not measured".to_owned(), |value| {
+        format!("{value:.digits$}")
+    })
 }
 
 /// Who is measured against the claims, by preset.
@@ -53,7 +57,11 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
         let who = (preset, policy, pilot);
         let tag = format!("preset `{preset}`, {settings}");
         let over = |quantity| -> Vec<Option<f64>> {
-            scale.fleets.iter().map(|&n| at_fleet(table, who, n, quantity)).collect()
+            scale
+                .fleets
+                .iter()
+                .map(|&n| at_fleet(table, who, n, quantity))
+                .collect()
         };
         for (uavs, published) in [(10, 0.73), (15, 0.97)] {
             let measured = at_fleet(table, who, uavs, Quantity::Success);
@@ -84,7 +92,10 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
         });
         let constant = (preset, policy, "constant");
         for (uavs, text) in [
-            (10, "adaptive and constant pilot within about 5 points at N = 10"),
+            (
+                10,
+                "adaptive and constant pilot within about 5 points at N = 10",
+            ),
             (15, "adaptive pilot up to about 10 points better at N = 15"),
         ] {
             let gap = at_fleet(table, who, uavs, Quantity::Success)
@@ -93,7 +104,13 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
             claims.push(Claim {
                 paper: format!("{text} ({tag})"),
                 measured: gap.map_or("not measured".to_owned(), |gap| format!("{gap:+.1} points")),
-                holds: gap.map(|gap| if uavs == 10 { gap.abs() <= 5.0 } else { gap >= 5.0 }),
+                holds: gap.map(|gap| {
+                    if uavs == 10 {
+                        gap.abs() <= 5.0
+                    } else {
+                        gap >= 5.0
+                    }
+                }),
             });
         }
         let throughput = |who| at_fleet(table, who, 15, Quantity::Throughput);
@@ -128,7 +145,10 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
 /// Whether the last third of the iterations still adds a tenth of the gain of the whole training.
 fn flat_after_40(curves: &[Curve]) -> Claim {
     let paper = "the return is flat after about 40 iterations".to_owned();
-    let long: Vec<&Curve> = curves.iter().filter(|curve| curve.returns.len() >= 60).collect();
+    let long: Vec<&Curve> = curves
+        .iter()
+        .filter(|curve| curve.returns.len() >= 60)
+        .collect();
     if long.is_empty() {
         return Claim {
             paper,
@@ -186,12 +206,18 @@ fn verdict(holds: Option<bool>) -> (&'static str, Tone) {
 pub fn report_table(scale: &Scale, table: &Table, curves: &[Curve]) -> ReportTable {
     ReportTable {
         caption: "The paper's claims".to_owned(),
-        head: ["The paper", "Measured here", ""].map(str::to_owned).to_vec(),
+        head: ["The paper", "Measured here", ""]
+            .map(str::to_owned)
+            .to_vec(),
         rows: claims(scale, table, curves)
             .into_iter()
             .map(|claim| {
                 let (text, tone) = verdict(claim.holds);
-                vec![claim.paper.into(), claim.measured.into(), Cell::from(text).tone(tone)]
+                vec![
+                    claim.paper.into(),
+                    claim.measured.into(),
+                    Cell::from(text).tone(tone),
+                ]
             })
             .collect(),
     }
@@ -222,7 +248,9 @@ pub fn bars(scale: &Scale, table: &Table) -> Vec<Bar> {
         let baselines = table.select(|row| here(row) && row.policy != "learned");
         let best = baselines.into_iter().max_by(|a, b| {
             let key = |row: &Row| (row.success_rate, -row.mission_steps, -row.energy_kwh);
-            key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal)
+            key(a)
+                .partial_cmp(&key(b))
+                .unwrap_or(std::cmp::Ordering::Equal)
         });
         let learned =
             table.select(|row| here(row) && row.policy == "learned" && row.pilot == "adaptive");
@@ -255,7 +283,10 @@ impl Bar {
         let [success, steps, energy, throughput] = self.learned;
         let best = &self.best;
         let change = |learned: f64, best: f64| {
-            format!("{learned:.3} ({:+.1} %)", 100.0 * (learned / best.max(1e-9) - 1.0))
+            format!(
+                "{learned:.3} ({:+.1} %)",
+                100.0 * (learned / best.max(1e-9) - 1.0)
+            )
         };
         [
             format!("{}", self.cell.0),
@@ -277,8 +308,16 @@ impl Bar {
     }
 }
 
-const BAR_HEAD: [&str; 8] =
-    ["N", "n", "best baseline", "success", "steps", "energy (kWh)", "throughput", "reached"];
+const BAR_HEAD: [&str; 8] = [
+    "N",
+    "n",
+    "best baseline",
+    "success",
+    "steps",
+    "energy (kWh)",
+    "throughput",
+    "reached",
+];
 
 /// The cells as a table of the report.
 pub fn bar_table(scale: &Scale, table: &Table) -> ReportTable {
@@ -303,7 +342,11 @@ pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve]) -> String {
         "# Results\n\nMade by `jcas reproduce{}` from its `results.csv`: {} missions a cell on the \
          seeds of campaign {}, {} training seed(s).\n\n## The paper's claims\n\n\
          | the paper | measured here | |\n| --- | --- | --- |\n",
-        if scale.name == "quick" { " --quick" } else { "" },
+        if scale.name == "quick" {
+            " --quick"
+        } else {
+            ""
+        },
         scale.episodes,
         crate::run::EVALUATION_SEED,
         scale.seeds.len()
@@ -315,7 +358,11 @@ pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve]) -> String {
     text += "\n## Every cell against the best baseline\n\n";
     text += "The best baseline has the highest success, then the shortest missions, among five \
              baselines with adaptive and with full pilot density.\n\n";
-    text += &format!("| {} |\n|{}\n", BAR_HEAD.join(" | "), " --- |".repeat(BAR_HEAD.len()));
+    text += &format!(
+        "| {} |\n|{}\n",
+        BAR_HEAD.join(" | "),
+        " --- |".repeat(BAR_HEAD.len())
+    );
     for bar in bars(scale, table) {
         text += &format!("| {} | {} |\n", bar.texts().join(" | "), bar.verdict().0);
     }
@@ -327,7 +374,13 @@ mod tests {
     use super::*;
 
     fn curve(returns: Vec<f64>) -> Curve {
-        Curve { uavs: 10, hotspots: 5, seed: 0, returns, training_s: 1.0 }
+        Curve {
+            uavs: 10,
+            hotspots: 5,
+            seed: 0,
+            returns,
+            training_s: 1.0,
+        }
     }
 
     #[test]

@@ -37,8 +37,9 @@ pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
     let mut curves = Vec::new();
     for &(uavs, hotspots) in &scale.paper_cells {
         for &seed in &scale.seeds {
-            let folder =
-                out.join(POLICIES).join(format!("ppo-{uavs}x{hotspots}-adaptive-s{seed}"));
+            let folder = out
+                .join(POLICIES)
+                .join(format!("ppo-{uavs}x{hotspots}-adaptive-s{seed}"));
             curves.push(Curve {
                 uavs,
                 hotspots,
@@ -92,7 +93,12 @@ const QUANTITIES: [(&str, &str, &str, Quantity); 4] = [
     ("success", "success rate", "", Quantity::Success),
     ("mission_time", "mission time", "steps", Quantity::Steps),
     ("energy", "energy spent", "kWh", Quantity::Energy),
-    ("throughput", "normalised throughput", "", Quantity::Throughput),
+    (
+        "throughput",
+        "normalised throughput",
+        "",
+        Quantity::Throughput,
+    ),
 ];
 
 fn grid_rows<'a>(table: &'a Table, policy: &str, pilot: &str) -> Vec<&'a Row> {
@@ -104,17 +110,17 @@ fn grid_rows<'a>(table: &'a Table, policy: &str, pilot: &str) -> Vec<&'a Row> {
     })
 }
 
-fn points(
-    rows: &[&Row],
-    xs: &[u32],
-    quantity: Quantity,
-    x_of: impl Fn(&Row) -> u32,
-) -> Vec<Point> {
+fn points(rows: &[&Row], xs: &[u32], quantity: Quantity, x_of: impl Fn(&Row) -> u32) -> Vec<Point> {
     xs.iter()
         .filter_map(|&x| {
             let at: Vec<&Row> = rows.iter().copied().filter(|row| x_of(row) == x).collect();
             let estimate = mean(&at, quantity)?;
-            Some(Point::interval(f64::from(x), estimate.value, estimate.low, estimate.high))
+            Some(Point::interval(
+                f64::from(x),
+                estimate.value,
+                estimate.low,
+                estimate.high,
+            ))
         })
         .collect()
 }
@@ -138,7 +144,10 @@ fn over_fleets(scale: &Scale, table: &Table, index: usize) -> Figure {
     .note(note(scale));
     for (name, policy, pilot) in COMPARED {
         let rows = grid_rows(table, policy, pilot);
-        figure = figure.with(Series::line(name, points(&rows, &scale.fleets, quantity, |r| r.uavs)));
+        figure = figure.with(Series::line(
+            name,
+            points(&rows, &scale.fleets, quantity, |r| r.uavs),
+        ));
     }
     if quantity == Quantity::Success {
         let published = vec![Point::new(10.0, 0.73), Point::new(15.0, 0.97)];
@@ -174,17 +183,26 @@ fn over_hotspots(scale: &Scale, table: &Table, index: usize, uavs: u32) -> Figur
 }
 
 fn training_returns(scale: &Scale, curves: &[Curve]) -> Figure {
-    let uavs = scale.paper_cells.iter().map(|cell| cell.0).find(|&n| n == 10);
+    let uavs = scale
+        .paper_cells
+        .iter()
+        .map(|cell| cell.0)
+        .find(|&n| n == 10);
     let uavs = uavs.unwrap_or(scale.paper_cells[0].0);
     let mut figure = Figure::new(
         format!("Return over training iterations, the paper's settings, N = {uavs}"),
         Axis::new("iteration of 4096 environment steps", ""),
         Axis::new("mean episode return", ""),
     )
-    .note(format!("Band: least to greatest of {} training seed(s).", scale.seeds.len()));
+    .note(format!(
+        "Band: least to greatest of {} training seed(s).",
+        scale.seeds.len()
+    ));
     for &hotspots in &scale.hotspots {
-        let runs: Vec<&Curve> =
-            curves.iter().filter(|c| (c.uavs, c.hotspots) == (uavs, hotspots)).collect();
+        let runs: Vec<&Curve> = curves
+            .iter()
+            .filter(|c| (c.uavs, c.hotspots) == (uavs, hotspots))
+            .collect();
         let length = runs.iter().map(|run| run.returns.len()).min().unwrap_or(0);
         let points = (0..length)
             .map(|k| {
@@ -221,9 +239,14 @@ fn training_times(scale: &Scale, curves: &[Curve]) -> Figure {
         Axis::new("UAVs", ""),
         Axis::new("wall time", "s"),
     )
-    .note("62 iterations at the pace measured here; the paper: eight processes of a Xeon Gold 6444Y.")
+    .note(
+        "62 iterations at the pace measured here; the paper: eight processes of a Xeon Gold 6444Y.",
+    )
     .with(Series::line("this machine", measured))
-    .with(Series::line("the paper", paper.map(|(x, y)| Point::new(x, y)).to_vec()))
+    .with(Series::line(
+        "the paper",
+        paper.map(|(x, y)| Point::new(x, y)).to_vec(),
+    ))
 }
 
 fn trade_off(scale: &Scale, table: &Table) -> Figure {
@@ -251,8 +274,11 @@ fn trade_off(scale: &Scale, table: &Table) -> Figure {
     )
     .note("The learned motions with the pilot density held at the value beside each point.")
     .with(
-        Series::line("held pilot density", held.iter().map(|(point, _)| *point).collect())
-            .labels(held.iter().map(|(_, label)| label.clone())),
+        Series::line(
+            "held pilot density",
+            held.iter().map(|(point, _)| *point).collect(),
+        )
+        .labels(held.iter().map(|(_, label)| label.clone())),
     );
     for (name, policy, pilot) in COMPARED.iter().take(4) {
         let rows: Vec<&Row> = grid_rows(table, policy, pilot)
@@ -280,7 +306,12 @@ fn batteries(scale: &Scale, table: &Table, quantity: Quantity, title: &str, unit
                     row.experiment == "battery" && row.policy == policy && row.x == share
                 });
                 let estimate = mean(&rows, quantity)?;
-                Some(Point::interval(share, estimate.value, estimate.low, estimate.high))
+                Some(Point::interval(
+                    share,
+                    estimate.value,
+                    estimate.low,
+                    estimate.high,
+                ))
             })
             .collect();
         figure = figure.with(Series::line(policy, points));
@@ -342,7 +373,10 @@ pub fn write_all(
     report.text("What the paper says, what was measured here, and whether it holds.");
     report.table(&claims::report_table(scale, table, curves));
 
-    let mut gallery = Gallery { report: &mut report, out };
+    let mut gallery = Gallery {
+        report: &mut report,
+        out,
+    };
     gallery.section("Training with the paper's settings");
     gallery.add("training_returns", &training_returns(scale, curves), "")?;
     gallery.add("training_time", &training_times(scale, curves), "")?;

@@ -37,7 +37,12 @@ pub(super) fn fly_all(
     table: &mut Table,
     narrator: &mut dyn Narrator,
 ) -> Result<Progress, TrainError> {
-    let mut flights = Flights { scale, out, table, narrator };
+    let mut flights = Flights {
+        scale,
+        out,
+        table,
+        narrator,
+    };
     flights.baselines()?;
     for &seed in &scale.seeds {
         for constant in [None, Some(CONSTANT_PILOT)] {
@@ -61,7 +66,11 @@ pub(super) fn fly_all(
             }
         }
     }
-    Ok(if flights.stopped() { Progress::Stopped } else { Progress::Finished })
+    Ok(if flights.stopped() {
+        Progress::Stopped
+    } else {
+        Progress::Finished
+    })
 }
 
 fn key(experiment: &str, config: &Config, policy: &str, pilot: &str, seed: u64, x: f64) -> Key {
@@ -73,7 +82,12 @@ fn key(experiment: &str, config: &Config, policy: &str, pilot: &str, seed: u64, 
     };
     Key {
         experiment: experiment.to_owned(),
-        preset: if *config == as_paper { "paper" } else { "mission" }.to_owned(),
+        preset: if *config == as_paper {
+            "paper"
+        } else {
+            "mission"
+        }
+        .to_owned(),
         uavs: config.uav_count,
         hotspots: config.hotspot_count,
         policy: policy.to_owned(),
@@ -95,10 +109,14 @@ impl Flights<'_> {
         }
         let refused = |error: &dyn std::fmt::Display| TrainError::Setting(error.to_string());
         let model = Model::new(config).map_err(|error| refused(&error))?;
-        let campaign = Campaign { episodes: self.scale.episodes, seed: EVALUATION_SEED };
+        let campaign = Campaign {
+            episodes: self.scale.episodes,
+            seed: EVALUATION_SEED,
+        };
         let missions = fly(&model, campaign, make, &|| ControlFlow::Continue(()))
             .map_err(|error| refused(&error))?;
-        self.table.add(key, &Summary::of(&missions, config.horizon_steps))
+        self.table
+            .add(key, &Summary::of(&missions, config.horizon_steps))
     }
 
     fn baselines(&mut self) -> Result<(), TrainError> {
@@ -118,9 +136,15 @@ impl Flights<'_> {
     /// A policy with our settings for the whole grid; none if stopped meanwhile.
     fn tuned(&mut self, seed: u64, constant: Option<f64>) -> Result<Option<Stored>, TrainError> {
         let name = format!("learned-{}-s{seed}", pilot_name(constant));
-        let settings = Settings { seed, constant_pilot: constant, ..self.scale.tuned.clone() };
+        let settings = Settings {
+            seed,
+            constant_pilot: constant,
+            ..self.scale.tuned.clone()
+        };
         let cells = self.scale.cells();
-        let configs = cells.iter().map(|&(uavs, hotspots)| self.scale.mission(uavs, hotspots));
+        let configs = cells
+            .iter()
+            .map(|&(uavs, hotspots)| self.scale.mission(uavs, hotspots));
         self.trained(&name, settings, configs.collect())
     }
 
@@ -135,7 +159,13 @@ impl Flights<'_> {
         if !out.join(CARD).exists() {
             self.narrator.chapter(&format!("training {name}"));
             let precision = Precision::Single;
-            let plan = Plan { settings, configs, out: out.clone(), name: name.to_owned(), precision };
+            let plan = Plan {
+                settings,
+                configs,
+                out: out.clone(),
+                name: name.to_owned(),
+                precision,
+            };
             let narrator: &mut dyn Narrator = self.narrator;
             if matches!(plan.train(true, narrator)?, Ending::Stopped) {
                 return Ok(None);
@@ -150,7 +180,8 @@ impl Flights<'_> {
         seed: u64,
         constant: Option<f64>,
     ) -> Result<(), TrainError> {
-        self.narrator.chapter(&format!("flying {} over the grid", policy.card.name));
+        self.narrator
+            .chapter(&format!("flying {} over the grid", policy.card.name));
         for (uavs, hotspots) in self.scale.cells() {
             let config = self.scale.mission(uavs, hotspots);
             let key = key("grid", &config, "learned", pilot_name(constant), seed, 0.0);
@@ -165,10 +196,11 @@ impl Flights<'_> {
         let (uavs, hotspots) = self.scale.hard_cell();
         let config = self.scale.mission(uavs, hotspots);
         for &density in &self.scale.densities {
-            let held =
-                pilot_action(config.pilot_density_min, config.pilot_density_max, density);
-            let actor =
-                Arc::new(Actor { constant_pilot: Some(held), ..Actor::clone(&policy.actor) });
+            let held = pilot_action(config.pilot_density_min, config.pilot_density_max, density);
+            let actor = Arc::new(Actor {
+                constant_pilot: Some(held),
+                ..Actor::clone(&policy.actor)
+            });
             let key = key("density", &config, "learned", "held", seed, density);
             let mode = policy.card.mode;
             self.campaign(&key, config, &|| {
@@ -200,8 +232,7 @@ impl Flights<'_> {
         }
         let (uavs, hotspots) = self.scale.hard_cell();
         let config = self.scale.mission(uavs, hotspots);
-        let model =
-            Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
+        let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
         let bins = observe_approach(&model, policy, self.scale.episodes.min(100))
             .map_err(|error| TrainError::Setting(error.to_string()))?;
         let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
@@ -223,7 +254,11 @@ impl Flights<'_> {
     ) -> Result<bool, TrainError> {
         let pilot = pilot_name(constant);
         let name = format!("ppo-{uavs}x{hotspots}-{pilot}-s{seed}");
-        let settings = Settings { seed, constant_pilot: constant, ..self.scale.paper.clone() };
+        let settings = Settings {
+            seed,
+            constant_pilot: constant,
+            ..self.scale.paper.clone()
+        };
         let config = self.scale.paper_mission(uavs, hotspots);
         let Some(policy) = self.trained(&name, settings, vec![config])? else {
             return Ok(false);
@@ -235,7 +270,11 @@ impl Flights<'_> {
 }
 
 fn pilot_name(constant: Option<f64>) -> &'static str {
-    if constant.is_some() { "constant" } else { "adaptive" }
+    if constant.is_some() {
+        "constant"
+    } else {
+        "adaptive"
+    }
 }
 
 /// For each Manhattan distance: how many UAV-steps, and the sum of their pilot densities.
@@ -250,7 +289,10 @@ fn observe_approach(
     let mut policy = policy.policy(Some(Mode::Deterministic));
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     let mut actions = vec![0.0; model.action_len()];
-    let campaign = Campaign { episodes, seed: EVALUATION_SEED };
+    let campaign = Campaign {
+        episodes,
+        seed: EVALUATION_SEED,
+    };
     for episode in 0..episodes {
         let seed = campaign.episode_seed(episode);
         sim.reset(seed);

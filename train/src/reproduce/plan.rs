@@ -34,7 +34,10 @@ pub const CONSTANT_PILOT: f64 = 0.3;
 pub const PAPER_ITERATIONS: u64 = 62;
 
 fn grid(fleets: &[u32], hotspots: &[u32]) -> Vec<(u32, u32)> {
-    fleets.iter().flat_map(|&n| hotspots.iter().map(move |&h| (n, h))).collect()
+    fleets
+        .iter()
+        .flat_map(|&n| hotspots.iter().map(move |&h| (n, h)))
+        .collect()
 }
 
 impl Scale {
@@ -69,7 +72,7 @@ impl Scale {
         tuned.evaluation_episodes = 1;
         tuned.critic_warmup_iterations = 0;
         if let Some(imitation) = &mut tuned.imitation {
-            imitation.iterations = 30;
+            imitation.iterations = 50;
         }
         let paper = Settings {
             total_steps: 6 * 4096,
@@ -92,13 +95,21 @@ impl Scale {
 
     /// The mission of a cell in our preset.
     pub fn mission(&self, uavs: u32, hotspots: u32) -> Config {
-        Config { uav_count: uavs, hotspot_count: hotspots, ..Config::default() }
+        Config {
+            uav_count: uavs,
+            hotspot_count: hotspots,
+            ..Config::default()
+        }
     }
 
     /// The mission of a cell as the paper's equations have it.
     pub fn paper_mission(&self, uavs: u32, hotspots: u32) -> Config {
         let base = Config::preset(jcas_core::Preset::Paper);
-        Config { uav_count: uavs, hotspot_count: hotspots, ..base }
+        Config {
+            uav_count: uavs,
+            hotspot_count: hotspots,
+            ..base
+        }
     }
 
     /// The whole grid.

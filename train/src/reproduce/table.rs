@@ -60,8 +60,24 @@ pub struct Row {
 
 impl Row {
     fn new(key: &Key, summary: &Summary) -> Row {
-        let Key { experiment, preset, uavs, hotspots, policy, pilot, seed, x } = key.clone();
-        let Summary { success_rate, mission_steps, energy_kwh, throughput, co2_kg, .. } = *summary;
+        let Key {
+            experiment,
+            preset,
+            uavs,
+            hotspots,
+            policy,
+            pilot,
+            seed,
+            x,
+        } = key.clone();
+        let Summary {
+            success_rate,
+            mission_steps,
+            energy_kwh,
+            throughput,
+            co2_kg,
+            ..
+        } = *summary;
         Row {
             experiment,
             preset,
@@ -103,12 +119,16 @@ impl Row {
     /// A quantity with its interval.
     pub fn estimate(&self, quantity: Quantity) -> Estimate {
         let (value, low, high) = match quantity {
-            Quantity::Success => {
-                (self.success_rate, self.success_rate_low, self.success_rate_high)
-            }
-            Quantity::Steps => {
-                (self.mission_steps, self.mission_steps_low, self.mission_steps_high)
-            }
+            Quantity::Success => (
+                self.success_rate,
+                self.success_rate_low,
+                self.success_rate_high,
+            ),
+            Quantity::Steps => (
+                self.mission_steps,
+                self.mission_steps_low,
+                self.mission_steps_high,
+            ),
             Quantity::Energy => (self.energy_kwh, self.energy_kwh_low, self.energy_kwh_high),
             Quantity::Throughput => (self.throughput, self.throughput_low, self.throughput_high),
             Quantity::Co2 => (self.co2_kg, self.co2_kg_low, self.co2_kg_high),
@@ -150,7 +170,10 @@ impl Table {
                 rows.push(row.map_err(TrainError::format(path))?);
             }
         }
-        Ok(Table { path: path.to_owned(), rows })
+        Ok(Table {
+            path: path.to_owned(),
+            rows,
+        })
     }
 
     /// Whether a campaign has been flown.
@@ -163,9 +186,13 @@ impl Table {
         self.rows.push(Row::new(key, summary));
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in &self.rows {
-            writer.serialize(row).map_err(TrainError::format(&self.path))?;
+            writer
+                .serialize(row)
+                .map_err(TrainError::format(&self.path))?;
         }
-        let bytes = writer.into_inner().map_err(TrainError::format(&self.path))?;
+        let bytes = writer
+            .into_inner()
+            .map_err(TrainError::format(&self.path))?;
         write_whole(&self.path, &bytes)
     }
 
@@ -182,7 +209,14 @@ pub fn mean(rows: &[&Row], quantity: Quantity) -> Option<Estimate> {
     }
     let count = rows.len() as f64;
     let over = |of: fn(Estimate) -> f64| {
-        rows.iter().map(|row| of(row.estimate(quantity))).sum::<f64>() / count
+        rows.iter()
+            .map(|row| of(row.estimate(quantity)))
+            .sum::<f64>()
+            / count
     };
-    Some(Estimate { value: over(|e| e.value), low: over(|e| e.low), high: over(|e| e.high) })
+    Some(Estimate {
+        value: over(|e| e.value),
+        low: over(|e| e.low),
+        high: over(|e| e.high),
+    })
 }

@@ -131,17 +131,34 @@ pub(super) struct Graph {
 
 /// A matrix of f32 with free rows.
 fn rows_of(name: &str, columns: usize) -> ValueInfo {
-    let rows = Dimension { dim_value: None, dim_param: Some("rows".to_owned()) };
-    let columns = Dimension { dim_value: Some(columns as i64), dim_param: None };
-    let shape = Some(ShapeProto { dim: vec![rows, columns] });
-    let tensor_type = Some(TensorType { elem_type: FLOAT, shape });
-    ValueInfo { name: name.to_owned(), kind: Some(TypeProto { tensor_type }) }
+    let rows = Dimension {
+        dim_value: None,
+        dim_param: Some("rows".to_owned()),
+    };
+    let columns = Dimension {
+        dim_value: Some(columns as i64),
+        dim_param: None,
+    };
+    let shape = Some(ShapeProto {
+        dim: vec![rows, columns],
+    });
+    let tensor_type = Some(TensorType {
+        elem_type: FLOAT,
+        shape,
+    });
+    ValueInfo {
+        name: name.to_owned(),
+        kind: Some(TypeProto { tensor_type }),
+    }
 }
 
 impl Graph {
     pub(super) fn new(name: &str) -> Graph {
         Graph {
-            proto: GraphProto { name: name.to_owned(), ..GraphProto::default() },
+            proto: GraphProto {
+                name: name.to_owned(),
+                ..GraphProto::default()
+            },
             names: 0,
         }
     }
@@ -200,7 +217,12 @@ impl Graph {
     }
 
     /// Any operation with integer attributes.
-    pub(super) fn op(&mut self, op_type: &str, inputs: &[&Value], integers: &[(&str, i64)]) -> Value {
+    pub(super) fn op(
+        &mut self,
+        op_type: &str,
+        inputs: &[&Value],
+        integers: &[(&str, i64)],
+    ) -> Value {
         let attributes = integers
             .iter()
             .map(|&(name, i)| Attribute {
@@ -256,7 +278,11 @@ impl Graph {
     /// Sum along an axis, which stays with length 1 where `keep`.
     pub(super) fn sum(&mut self, value: &Value, axis: i64, keep: bool) -> Value {
         let axis = self.integers(&[axis]);
-        self.op("ReduceSum", &[value, &axis], &[("keepdims", i64::from(keep))])
+        self.op(
+            "ReduceSum",
+            &[value, &axis],
+            &[("keepdims", i64::from(keep))],
+        )
     }
 
     pub(super) fn concat(&mut self, values: &[&Value], axis: i64) -> Value {
@@ -274,7 +300,10 @@ impl Graph {
             ir_version: IR_VERSION,
             producer_name: "jcas".to_owned(),
             graph: Some(self.proto),
-            opset_import: vec![OperatorSetId { domain: String::new(), version: OPSET }],
+            opset_import: vec![OperatorSetId {
+                domain: String::new(),
+                version: OPSET,
+            }],
         }
         .encode_to_vec()
     }

@@ -13,7 +13,10 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn take(&mut self) -> Value {
-        self.weights.next().expect("as many weights as blocks").clone()
+        self.weights
+            .next()
+            .expect("as many weights as blocks")
+            .clone()
     }
 
     fn linear(&mut self, x: &Value) -> Value {
@@ -36,14 +39,15 @@ impl Builder<'_> {
         self.scaled(&sum, 1.0 / CROWD)
     }
 
-    fn to_each(&mut self, set: &Value, row: &Value) -> Value {
+    fn added_to_each(&mut self, set: &Value, row: &Value) -> Value {
         let row = self.graph.reshape(row, &[0, 1, HOTSPOT_WIDTH as i64]);
         self.graph.binary("Add", set, &row)
     }
 
     fn set_of(&mut self, input: &Value, first: usize, count: usize, fields: usize) -> Value {
         let columns = self.graph.columns(input, first, first + count * fields);
-        self.graph.reshape(&columns, &[0, count as i64, fields as i64])
+        self.graph
+            .reshape(&columns, &[0, count as i64, fields as i64])
     }
 
     fn field(&mut self, set: &Value, index: usize) -> Value {
@@ -67,13 +71,18 @@ impl Builder<'_> {
 }
 
 pub(super) fn actor(graph: &mut Graph, weights: &[Value], input: Value, shape: &Shape) -> Value {
-    let mut b = Builder { graph, weights: weights.iter() };
+    let mut b = Builder {
+        graph,
+        weights: weights.iter(),
+    };
     let (n, k) = (shape.hotspots, shape.neighbour_slots);
     let hotspots = b.set_of(&input, OWN_FIRST, n, HOTSPOT_FIELDS);
     let slots_first = OWN_FIRST + HOTSPOT_FIELDS * n;
     let tail_first = slots_first + SLOT_FIELDS * k;
     let head = b.graph.columns(&input, 0, OWN_FIRST);
-    let tail = b.graph.columns(&input, tail_first, tail_first + OWN - OWN_FIRST);
+    let tail = b
+        .graph
+        .columns(&input, tail_first, tail_first + OWN - OWN_FIRST);
     let own = b.graph.concat(&[&head, &tail], 1);
 
     let (hotspot_x, hotspot_y) = (b.field(&hotspots, 0), b.field(&hotspots, 1));
@@ -112,12 +121,14 @@ pub(super) fn actor(graph: &mut Graph, weights: &[Value], input: Value, shape: &
     let [x_cells, _] = shape.position_cells();
     let far = b.scaled(&distance, 1.0 / (2.0 * x_cells));
     let (here, near) = (b.nearness(&distance, 1.0), b.nearness(&distance, 4.0));
-    let features = b.graph.concat(&[&hotspots, &far, &here, &near, &at, &around], 2);
+    let features = b
+        .graph
+        .concat(&[&hotspots, &far, &here, &near, &at, &around], 2);
     let context = b.graph.concat(&[&own, &neighbours], 1);
     let embedded = b.linear(&features);
     let weight = b.take();
     let context = b.graph.binary("MatMul", &context, &weight);
-    let embedded = b.to_each(&embedded, &context);
+    let embedded = b.added_to_each(&embedded, &context);
     let embedded = b.relu(&embedded);
     let embedded = b.linear(&embedded);
     let embedded = b.relu(&embedded);
@@ -125,13 +136,15 @@ pub(super) fn actor(graph: &mut Graph, weights: &[Value], input: Value, shape: &
     let embedded = b.linear(&embedded);
     let weight = b.take();
     let others = b.graph.binary("MatMul", &others, &weight);
-    let embedded = b.to_each(&embedded, &others);
+    let embedded = b.added_to_each(&embedded, &others);
     let embedded = b.relu(&embedded);
     let scores = b.linear(&embedded);
     let attention = b.graph.op("Softmax", &[&scores], &[("axis", 1)]);
     let attention = b.graph.swap(&attention);
     let attended = b.graph.binary("MatMul", &attention, &embedded);
-    let attended = b.graph.reshape(&attended, &[0, (HEADS * HOTSPOT_WIDTH) as i64]);
+    let attended = b
+        .graph
+        .reshape(&attended, &[0, (HEADS * HOTSPOT_WIDTH) as i64]);
     let mut hidden = b.graph.concat(&[&attended, &neighbours, &own], 1);
     hidden = b.linear(&hidden);
     while b.weights.len() > 0 {
