@@ -1,0 +1,101 @@
+//! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
+
+use jcas_train::metrics::Row;
+use jcas_train::reproduce::plan::Scale;
+use jcas_train::reproduce::{Narrator, Progress, reproduce};
+use jcas_train::run::Observer;
+use jcas_train::settings::Settings;
+
+struct Silent {
+    chapters: Vec<String>,
+    stop_after: usize,
+}
+
+impl Observer for Silent {
+    fn iteration(&mut self, _row: &Row, _total: u64, _left_s: f64) {}
+
+    fn stop(&mut self) -> bool {
+        self.chapters.len() > self.stop_after
+    }
+}
+
+impl Narrator for Silent {
+    fn chapter(&mut self, title: &str) {
+        self.chapters.push(title.to_owned());
+    }
+}
+
+fn narrator(stop_after: usize) -> Silent {
+    Silent { chapters: Vec::new(), stop_after }
+}
+
+fn small(settings: &Settings, workers: usize) -> Settings {
+    Settings {
+        actor_hidden: vec![16],
+        critic_hidden: vec![16],
+        environments: 2 * workers,
+        workers,
+        batch_steps: 8 * workers,
+        total_steps: 8 * workers as u64,
+        epochs: 1,
+        evaluation_episodes: 1,
+        critic_warmup_iterations: 0,
+        imitation: settings.imitation.clone().map(|mut imitation| {
+            imitation.iterations = 1;
+            imitation
+        }),
+        ..settings.clone()
+    }
+}
+
+fn scale() -> Scale {
+    let quick = Scale::quick(1);
+    Scale {
+        fleets: vec![10, 15],
+        hotspots: vec![1, 2],
+        episodes: 2,
+        tuned: small(&quick.tuned, 4),
+        paper: small(&quick.paper, 2),
+        paper_cells: vec![(10, 1), (10, 2)],
+        densities: vec![0.01, 0.3],
+        renewable_shares: vec![0.0, 1.0],
+        ..quick
+    }
+}
+
+#[test]
+fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
+    let out = std::env::temp_dir().join(format!("jcas-reproduce-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&out);
+    let stopped = reproduce(&scale(), &out, &mut narrator(2)).unwrap();
+    assert_eq!(stopped, Progress::Stopped);
+    let done = reproduce(&scale(), &out, &mut narrator(usize::MAX)).unwrap();
+    assert_eq!(done, Progress::Finished);
+
+    let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
+    // Per cell ten baselines and two learned policies; then densities, batteries, the paper's cells.
+    assert_eq!(results.lines().count(), 1 + 4 * 12 + 2 + 2 * 2 + 2 * 2);
+    for file in [
+        "training_returns",
+        "training_time",
+        "success_over_uavs",
+        "throughput_over_hotspots_n15",
+        "trade_off",
+        "approach",
+        "battery_co2",
+    ] {
+        for kind in ["svg", "png"] {
+            let path = out.join(format!("{file}.{kind}"));
+            assert!(path.metadata().unwrap().len() > 500, "{}", path.display());
+        }
+    }
+    let page = std::fs::read_to_string(out.join("results.md")).unwrap();
+    assert!(page.contains("success 0.73 at N = 10"), "{page}");
+    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("</html>"));
+
+    let mut again = narrator(usize::MAX);
+    reproduce(&scale(), &out, &mut again).unwrap();
+    assert!(!again.chapters.iter().any(|chapter| chapter.starts_with("training")));
+    assert_eq!(std::fs::read_to_string(out.join("results.csv")).unwrap(), results);
+    std::fs::remove_dir_all(&out).unwrap();
+}
