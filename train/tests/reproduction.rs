@@ -26,7 +26,10 @@ impl Narrator for Silent {
 }
 
 fn narrator(stop_after: usize) -> Silent {
-    Silent { chapters: Vec::new(), stop_after }
+    Silent {
+        chapters: Vec::new(),
+        stop_after,
+    }
 }
 
 fn small(settings: &Settings, workers: usize) -> Settings {
@@ -91,11 +94,23 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     }
     let page = std::fs::read_to_string(out.join("results.md")).unwrap();
     assert!(page.contains("success 0.73 at N = 10"), "{page}");
-    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("</html>"));
+    assert!(
+        std::fs::read_to_string(out.join("report.html"))
+            .unwrap()
+            .contains("</html>")
+    );
 
     let mut again = narrator(usize::MAX);
     reproduce(&scale(), &out, &mut again).unwrap();
-    assert!(!again.chapters.iter().any(|chapter| chapter.starts_with("training")));
-    assert_eq!(std::fs::read_to_string(out.join("results.csv")).unwrap(), results);
+    assert!(
+        !again
+            .chapters
+            .iter()
+            .any(|chapter| chapter.starts_with("training"))
+    );
+    assert_eq!(
+        std::fs::read_to_string(out.join("results.csv")).unwrap(),
+        results
+    );
     std::fs::remove_dir_all(&out).unwrap();
 }
