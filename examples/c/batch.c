@@ -28,11 +28,20 @@ static void *allocate(size_t count, size_t size)
     return memory;
 }
 
-/* A small generator of the example's own: the kernel's draws do not depend on it. */
-static float random_action(uint64_t *state)
+/* From its own observation, a UAV flies to the first hotspot that is not confirmed: after five numbers of
+ * its own, each hotspot has its offset along x and y, whether it is confirmed, and whether it is known. */
+static void act(const float *observation, uint32_t hotspots, float *action)
 {
-    *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (float)(*state >> 40) / 8388608.0f - 1.0f;
+    const float *target = observation + 5;
+    for (uint32_t j = 1; j < hotspots && target[2] != 0; j++)
+        target += 4;
+    if (target[0] != 0)
+        action[0] = target[0] > 0 ? JCAS_MOVE_RIGHT : JCAS_MOVE_LEFT;
+    else if (target[1] != 0)
+        action[0] = target[1] > 0 ? JCAS_MOVE_UP : JCAS_MOVE_DOWN;
+    else
+        action[0] = JCAS_MOVE_STAY;
+    action[1] = 1;
 }
 
 int main(int argc, char **argv)
@@ -74,12 +83,11 @@ int main(int argc, char **argv)
         seeds[m] = m;
     stop_on(jcas_batch_reset(batch, seeds, environments, out.observations, observed, NULL, 0), "reset");
 
-    uint64_t state = 1;
     unsigned episodes = 0;
     double confirmed = 0, energy_kwh = 0;
     for (int step = 0; step < STEPS; step++) {
-        for (size_t i = 0; i < acted; i++)
-            actions[i] = random_action(&state);
+        for (size_t i = 0; i < (size_t)environments * info.uav_count; i++)
+            act(out.observations + i * info.observation_len, info.hotspot_count, actions + 2 * i);
         stop_on(jcas_batch_step(batch, actions, acted, 1, &out), "step");
         for (uint32_t m = 0; m < environments; m++) {
             if (out.terminated[m] || out.truncated[m]) {

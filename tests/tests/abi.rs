@@ -138,7 +138,7 @@ fn examples_compile_and_fly() {
     for compiler in compilers(C) {
         for (name, says) in [
             ("minimal", "5 of 5 hotspots confirmed"),
-            ("batch", "192 episodes ended"),
+            ("batch", "313 episodes ended"),
             ("external_mobility", "3 known to all"),
         ] {
             let source = root().join(format!("examples/c/{name}.c"));
