@@ -47,7 +47,7 @@ impl Reproduce {
         files::prepare_folder(&self.out)?;
         let progress = self
             .threads
-            .run(|| reproduce(&scale, &self.out, &mut Teller::default()))??;
+            .run(|| reproduce(&scale, &self.out, &mut Teller))??;
         match progress {
             Progress::Finished => {
                 let report = self.out.join("report.html");
@@ -63,7 +63,6 @@ impl Reproduce {
 }
 
 /// Tells the chapters, and about ten lines of each training.
-#[derive(Default)]
 struct Teller;
 
 impl Observer for Teller {
