@@ -75,8 +75,7 @@ impl Scale {
             imitation.iterations = 50;
         }
         let paper = Settings {
-            total_steps: 6 * 4096,
-            epochs: 3,
+            total_steps: 4 * 4096,
             evaluation_episodes: 10,
             ..full.paper.clone()
         };
