@@ -5,3 +5,4 @@ set -euo pipefail
 
 cargo test --locked --release --package jcas-tests --test golden
 cargo test --locked --release --package jcas-train
+cargo test --locked --release --package jcas --test training

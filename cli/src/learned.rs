@@ -15,6 +15,11 @@ pub fn is_policy(name: &str) -> bool {
     Path::new(name).join(CARD).is_file()
 }
 
+/// The pilot rule that a report names: a trained policy follows its own.
+pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
+    if is_policy(policy) { "learned" } else { pilot }
+}
+
 /// Reads a trained policy and makes sure that it fits the mission.
 pub fn open(folder: &Path, model: &Model<'_>) -> Result<Stored, CliError> {
     let stored = load(folder)?;

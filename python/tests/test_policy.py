@@ -163,3 +163,20 @@ def test_policies_of_the_command_line_fly_the_same_here(tmp_path, network):
         assert report[name] == pytest.approx(theirs[name], rel=1e-4), name
     assert set(report) - {"policy"} == set(theirs) - {"policy", "pilot"}
     assert report["config_hash"] == theirs["config_hash"]
+
+
+def test_the_command_flies_a_policy_that_was_written_here(tmp_path):
+    command = os.environ.get("JCAS_COMMAND")
+    if command is None:
+        pytest.skip("JCAS_COMMAND names no jcas command")
+    pytest.importorskip("safetensors")
+    model = jcas.Model(uav_count=4, hotspot_count=2)
+    policy = made(model)
+    policy.save(tmp_path / "mine", "mine", model.config, {"trainer": "another", "seed": 3})
+    told = subprocess.run(
+        [command, "evaluate", tmp_path / "mine", "--episodes", "40", "--json"],
+        check=True, capture_output=True, text=True,
+    ).stdout  # fmt: skip
+    theirs, ours = json.loads(told), evaluate(policy.act, model, episodes=40, seed=1).to_dict()
+    for name in ("mission_steps_mean", "energy_kwh_mean", "return_mean"):
+        assert ours[name] == pytest.approx(theirs[name], rel=1e-4), name

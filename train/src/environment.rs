@@ -5,6 +5,7 @@
 
 pub mod beacon;
 pub mod fleet;
+pub mod gather;
 
 /// Sizes that every environment of one group shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,6 +4,7 @@ pub mod tensorboard;
 
 use crate::environment::Episode;
 use crate::error::TrainError;
+use crate::policy::files::Evaluation;
 use crate::store::write_whole;
 use crate::trainer::{Iteration, Stage};
 use serde::Serialize;
@@ -46,7 +47,11 @@ pub struct Row {
     pub gradient_norm: f64,
     /// Learning rate of the actor.
     pub learning_rate: f64,
-    /// Wall time of the iteration.
+    /// Share of the evaluation's missions that succeeded; empty where none was flown.
+    pub evaluated_success_rate: Option<f64>,
+    /// Steps of the evaluation's missions; one that failed counts its horizon.
+    pub evaluated_mission_steps: Option<f64>,
+    /// Wall time of the iteration, evaluation left out.
     pub wall_s: f64,
     /// Environment steps in each second of it.
     pub steps_per_s: f64,
@@ -102,7 +107,19 @@ impl Row {
             inference_share: collecting * (1.0 - iteration.simulation_share),
             learning_share: learning / wall,
             learning_gflops: operations / learning.max(1e-9) / 1e9,
+            evaluated_success_rate: None,
+            evaluated_mission_steps: None,
         }
+    }
+
+    /// Adds an evaluation: means over its missions' sizes, in the mode that does better.
+    pub fn evaluated(&mut self, evaluations: &[Evaluation]) {
+        let mean = |of: fn(&Evaluation) -> f64| {
+            let sum: f64 = evaluations.iter().map(of).sum();
+            (!evaluations.is_empty()).then(|| sum / evaluations.len() as f64)
+        };
+        self.evaluated_success_rate = mean(|e| e.success_rate);
+        self.evaluated_mission_steps = mean(|e| e.mission_steps_mean);
     }
 
     /// Names and values of what is plotted.
@@ -126,6 +143,8 @@ impl Row {
             ("missions/steps", self.mission_steps_mean),
             ("missions/energy_kwh", self.energy_kwh_mean),
             ("missions/throughput", self.throughput_mean),
+            ("evaluation/success_rate", self.evaluated_success_rate),
+            ("evaluation/mission_steps", self.evaluated_mission_steps),
         ];
         scalars.extend(
             missions

@@ -46,7 +46,24 @@ pub fn reproduce(
     narrator.chapter("figures and report");
     let curves = figures::curves(scale, out)?;
     figures::write_all(scale, &table, &curves, out)?;
-    let text = claims::markdown(scale, &table, &curves);
+    let text = claims::markdown(scale, &table, &curves, "");
     write_whole(&out.join("results.md"), text.as_bytes())?;
     Ok(Progress::Finished)
+}
+
+/// Writes the page of claims of a finished reproduction to a place of its own, its pictures into a folder
+/// beside it.
+pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError> {
+    let table = Table::open(&out.join("results.csv"))?;
+    let curves = figures::curves(scale, out)?;
+    let folder = page.with_extension("");
+    std::fs::create_dir_all(&folder).map_err(TrainError::file(&folder))?;
+    for (name, _) in claims::PICTURES {
+        let picture = out.join(format!("{name}.png"));
+        let bytes = std::fs::read(&picture).map_err(TrainError::file(&picture))?;
+        write_whole(&folder.join(format!("{name}.png")), &bytes)?;
+    }
+    let beside = folder.file_name().unwrap_or_default().to_string_lossy();
+    let text = claims::markdown(scale, &table, &curves, &format!("{beside}/"));
+    write_whole(page, text.as_bytes())
 }

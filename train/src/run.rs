@@ -112,9 +112,8 @@ impl Plan {
                 models.len()
             )));
         }
-        let factors = &settings.reward_factors;
-        let treatment = Treatment::new(factors, settings.step_cost, self.constant_pilot())
-            .map_err(TrainError::Setting)?;
+        let treatment =
+            Treatment::new(settings, self.constant_pilot()).map_err(TrainError::Setting)?;
         let teacher = match &settings.imitation {
             Some(imitation) => {
                 Some(teacher_named(&imitation.teacher).map_err(TrainError::Setting)?)
@@ -162,8 +161,12 @@ impl Plan {
                 .iter()
                 .map(|worker| (worker.shape().rows() * trainer.settings.steps_per_batch()) as u64)
                 .sum();
-            let row = Row::of(&iteration, trainer.settings.batch_steps as u64, samples);
+            let mut row = Row::of(&iteration, trainer.settings.batch_steps as u64, samples);
             speed.add(&row);
+            let every = self.settings.evaluate_every as u64;
+            if every > 0 && trainer.iterations.is_multiple_of(every) {
+                row.evaluated(&in_better_mode(&self.evaluations(&trainer)?));
+            }
             metrics.push(&row)?;
             events.scalars(row.iteration, &row.scalars())?;
             let total = trainer.total_iterations();
@@ -192,17 +195,24 @@ impl Plan {
         }
     }
 
+    /// The policy as it stands on every mission it is trained for, in both modes.
+    fn evaluations(&self, trainer: &Trainer) -> Result<Vec<Evaluation>, TrainError> {
+        let actor = Arc::new(self.actor(trainer));
+        let episodes = self.settings.evaluation_episodes as u64;
+        let mut evaluations = Vec::new();
+        for model in self.models()? {
+            for mode in [Mode::Deterministic, Mode::Sampled] {
+                evaluations.push(evaluate(&model, &actor, mode, episodes, EVALUATION_SEED)?);
+            }
+        }
+        Ok(evaluations)
+    }
+
     /// Evaluates in both modes, keeps the better, writes policy and speed.
     fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Card, TrainError> {
         let actor = Arc::new(self.actor(trainer));
         let started = Instant::now();
-        let mut evaluations = Vec::new();
-        for model in self.models()? {
-            for mode in [Mode::Deterministic, Mode::Sampled] {
-                let episodes = self.settings.evaluation_episodes as u64;
-                evaluations.push(evaluate(&model, &actor, mode, episodes, EVALUATION_SEED)?);
-            }
-        }
+        let evaluations = self.evaluations(trainer)?;
         speed.evaluation_s = started.elapsed().as_secs_f64();
         let config = self.configs[0];
         let card = Card {
@@ -220,8 +230,8 @@ impl Plan {
                 .collect(),
             config,
             config_hash: format!("0x{:016x}", config.hash()),
-            settings: self.settings.clone(),
-            environment_steps: trainer.environment_steps,
+            settings: Some(self.settings.clone()),
+            environment_steps: Some(trainer.environment_steps),
             evaluations,
         };
         let shape = shape_of(&self.models()?[0]);
@@ -247,6 +257,13 @@ fn better_mode(evaluations: &[Evaluation]) -> Mode {
     } else {
         Mode::Deterministic
     }
+}
+
+/// The evaluations in the mode that does better.
+fn in_better_mode(evaluations: &[Evaluation]) -> Vec<Evaluation> {
+    let mode = better_mode(evaluations);
+    let of_mode = evaluations.iter().filter(|e| e.mode == mode);
+    of_mode.cloned().collect()
 }
 
 /// Flies missions with an actor and sums them up.

@@ -75,6 +75,12 @@ pub struct Settings {
     pub reward_factors: BTreeMap<String, f64>,
     /// Subtracted from the reward of every step while training.
     pub step_cost: f64,
+    /// Weight of a potential that rewards gathering at one hotspot; 0: none.
+    #[serde(default)]
+    pub gather_weight: f64,
+    /// UAVs whose way counts in it: the nearest so many.
+    #[serde(default)]
+    pub gather_uavs: usize,
     /// Start from a teacher's actions; absent: from nothing.
     pub imitation: Option<Imitation>,
     /// Iterations in which only the critic learns, after imitation.
@@ -186,6 +192,8 @@ impl Settings {
             constant_pilot: None,
             reward_factors: BTreeMap::new(),
             step_cost: 0.0,
+            gather_weight: 0.0,
+            gather_uavs: 3,
             imitation: None,
             critic_warmup_iterations: 0,
             evaluate_every: 0,

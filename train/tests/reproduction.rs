@@ -1,8 +1,8 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
 use jcas_train::metrics::Row;
-use jcas_train::reproduce::plan::Scale;
-use jcas_train::reproduce::{Narrator, Progress, reproduce};
+use jcas_train::reproduce::plan::{Scale, variations};
+use jcas_train::reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::run::Observer;
 use jcas_train::settings::Settings;
 
@@ -60,6 +60,7 @@ fn scale() -> Scale {
         tuned: small(&quick.tuned, 4),
         paper: small(&quick.paper, 2),
         paper_cells: vec![(10, 1), (10, 2)],
+        variations: variations()[..2].to_vec(),
         densities: vec![0.01, 0.3],
         renewable_shares: vec![0.0, 1.0],
         ..quick
@@ -76,8 +77,9 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     assert_eq!(done, Progress::Finished);
 
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
-    // Per cell ten baselines and two learned policies; then densities, batteries, the paper's cells.
-    assert_eq!(results.lines().count(), 1 + 4 * 12 + 2 + 2 * 2 + 2 * 2);
+    // Per cell ten baselines and two learned policies; then densities, batteries, the paper's cells and
+    // variations.
+    assert_eq!(results.lines().count(), 1 + 4 * 12 + 2 + 2 * 2 + 2 * 2 + 2);
     for file in [
         "training_returns",
         "training_time",
@@ -99,6 +101,14 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
             .unwrap()
             .contains("</html>")
     );
+
+    let page = out.join("docs/results.md");
+    std::fs::create_dir_all(page.parent().unwrap()).unwrap();
+    publish(&scale(), &out, &page).unwrap();
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.contains("](results/trade_off.png)"), "{text}");
+    assert!(text.contains("| inform_once |"), "{text}");
+    assert!(out.join("docs/results/trade_off.png").exists());
 
     let mut again = narrator(usize::MAX);
     reproduce(&scale(), &out, &mut again).unwrap();

@@ -10,8 +10,8 @@ use jcas_train::run::EVALUATION_SEED;
 
 use super::simulate::{Report, fly};
 use crate::error::{CliError, Outcome};
+use crate::learned;
 use crate::options::{MissionOptions, ThreadOptions, policy_factory};
-use crate::{files, learned};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,16 +75,10 @@ impl Evaluate {
             ModeName::Deterministic => Some(Mode::Deterministic),
             ModeName::Sampled => Some(Mode::Sampled),
         };
-        let (factory, pilot) = if learned {
-            (
-                learned::factory(Path::new(&self.policy), &model, mode)?,
-                "learned",
-            )
+        let factory = if learned {
+            learned::factory(Path::new(&self.policy), &model, mode)?
         } else {
-            (
-                policy_factory(&self.policy, &self.pilot, &model)?,
-                self.pilot.as_str(),
-            )
+            policy_factory(&self.policy, &self.pilot, &model)?
         };
         let campaign = Campaign {
             episodes: self.episodes,
@@ -93,20 +87,11 @@ impl Evaluate {
         let summary = self
             .threads
             .run(|| fly(&model, campaign, &factory, "missions"))??;
-        let report = Report {
-            policy: &self.policy,
-            pilot,
-            uavs: config.uav_count,
-            hotspots: config.hotspot_count,
-            seed: self.seed,
-            config_hash: format!("0x{:016x}", config.hash()),
-            summary,
-        };
-        if self.json {
-            files::print_json(&report)?;
-        } else {
-            files::print(&report.to_text(&config))?;
-        }
+        let who = (
+            self.policy.as_str(),
+            learned::pilot_rule(&self.policy, &self.pilot),
+        );
+        Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use jcas_train::metrics::Row;
 use jcas_train::reproduce::plan::Scale;
-use jcas_train::reproduce::{Narrator, Progress, reproduce};
+use jcas_train::reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::run::Observer;
 
 use crate::error::{CliError, Outcome};
@@ -15,7 +15,8 @@ use crate::{files, interrupt};
 const EXAMPLES: &str = "\
 Examples:
   jcas reproduce --quick                  minutes; a smaller version of every part
-  jcas reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped";
+  jcas reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped
+  jcas reproduce --paper-hotspots 5       the whole grid, the paper's own training at n = 5 only";
 
 /// Train, fly and draw the paper's results: CSV, SVG, PNG, one HTML report, claims in Markdown
 ///
@@ -32,6 +33,18 @@ pub struct Reproduce {
     /// Folder for results, policies and figures
     #[arg(long, short, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
+    /// Only these fleet sizes, with commas
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    uavs: Vec<u32>,
+    /// Only these numbers of hotspots, with commas
+    #[arg(long, value_name = "n", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    hotspots: Vec<u32>,
+    /// With the paper's settings, which take a training a cell, only these of them
+    #[arg(long, value_name = "n", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    paper_hotspots: Vec<u32>,
+    /// Write the page of claims here as well, its pictures into a folder beside it
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     #[command(flatten)]
     threads: ThreadOptions,
 }
@@ -44,12 +57,16 @@ impl Reproduce {
         } else {
             Scale::full(self.seeds)
         };
+        let scale = scale.only(&self.uavs, &self.hotspots, &self.paper_hotspots);
         files::prepare_folder(&self.out)?;
         let progress = self
             .threads
             .run(|| reproduce(&scale, &self.out, &mut Teller))??;
         match progress {
             Progress::Finished => {
+                if let Some(page) = &self.page {
+                    publish(&scale, &self.out, page)?;
+                }
                 let report = self.out.join("report.html");
                 files::print(&format!("report: {}\n", report.display()))?;
                 Ok(Outcome::Done)

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
 use crate::options::{MissionOptions, PolicyFactory, PolicyOptions, ThreadOptions};
-use crate::{files, interrupt, progress};
+use crate::{files, interrupt, learned, progress};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -64,6 +64,8 @@ pub struct Report<'a> {
     /// What came out.
     #[serde(flatten)]
     pub summary: Summary,
+    #[serde(skip)]
+    horizon_steps: u32,
 }
 
 impl Simulate {
@@ -82,20 +84,9 @@ impl Simulate {
         let summary = self
             .threads
             .run(|| fly(&model, campaign, &factory, "missions"))??;
-        let report = Report {
-            policy: &self.policy.policy,
-            pilot: &self.policy.pilot,
-            uavs: config.uav_count,
-            hotspots: config.hotspot_count,
-            seed: self.seed,
-            config_hash: format!("0x{:016x}", config.hash()),
-            summary,
-        };
-        if self.json {
-            files::print_json(&report)?;
-        } else {
-            files::print(&report.to_text(&config))?;
-        }
+        let PolicyOptions { policy, pilot } = &self.policy;
+        let who = (policy.as_str(), learned::pilot_rule(policy, pilot));
+        Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)
     }
 }
@@ -116,9 +107,36 @@ pub fn fly(
     Ok(Summary::of(&missions?, model.config().horizon_steps))
 }
 
-impl Report<'_> {
-    /// The report for people.
-    pub fn to_text(&self, config: &Config) -> String {
+impl<'a> Report<'a> {
+    /// Of missions that a policy flew with a pilot rule.
+    pub fn new(
+        (policy, pilot): (&'a str, &'a str),
+        config: &Config,
+        seed: u64,
+        summary: Summary,
+    ) -> Self {
+        Self {
+            policy,
+            pilot,
+            uavs: config.uav_count,
+            hotspots: config.hotspot_count,
+            seed,
+            config_hash: format!("0x{:016x}", config.hash()),
+            summary,
+            horizon_steps: config.horizon_steps,
+        }
+    }
+
+    /// Prints the report for people, or as JSON.
+    pub fn print(&self, json: bool) -> Result<(), CliError> {
+        if json {
+            files::print_json(self)
+        } else {
+            files::print(&self.to_text())
+        }
+    }
+
+    fn to_text(&self) -> String {
         let mut text = format!(
             "{} missions: {} UAVs, {} hotspots, policy {}, pilot {}, seed {}\n\n",
             self.summary.episodes, self.uavs, self.hotspots, self.policy, self.pilot, self.seed
@@ -133,7 +151,7 @@ impl Report<'_> {
         }
         text += &format!(
             "\nIn brackets 95 % intervals. A mission without success counts as {} steps.\n",
-            config.horizon_steps
+            self.horizon_steps
         );
         text
     }

@@ -227,7 +227,7 @@ fn summary(card: &Card, plan: &Plan) -> String {
     let mut text = format!(
         "{}: trained for {} environment steps; flown {:?} from now on\n\n",
         plan.out.display(),
-        card.environment_steps,
+        card.environment_steps.unwrap_or_default(),
         card.mode
     )
     .to_lowercase();

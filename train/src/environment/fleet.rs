@@ -1,12 +1,13 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
+use super::gather::Gather;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
+use crate::settings::Settings;
 use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Metrics, Model, Scratch};
 use jcas_evaluate::policy::{Baseline, BaselineKind, PilotMode, Policy};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What training changes about the missions it flies.
@@ -18,21 +19,24 @@ pub struct Treatment {
     pub step_cost: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
+    /// Potential added, with its discount.
+    pub gather: (Gather, f64),
 }
 
 impl Treatment {
     /// From the settings' names; an unknown component is refused.
-    pub fn new(
-        factors: &BTreeMap<String, f64>,
-        step_cost: f64,
-        constant_pilot: Option<f32>,
-    ) -> Result<Treatment, String> {
+    pub fn new(settings: &Settings, constant_pilot: Option<f32>) -> Result<Treatment, String> {
+        let gather = Gather {
+            weight: settings.gather_weight,
+            uavs: settings.gather_uavs,
+        };
         let mut treatment = Treatment {
             factors: [1.0; COMPONENTS],
-            step_cost,
+            step_cost: settings.step_cost,
             constant_pilot,
+            gather: (gather, f64::from(settings.discount)),
         };
-        for (name, &factor) in factors {
+        for (name, &factor) in &settings.reward_factors {
             let index = NAMES
                 .iter()
                 .position(|known| known == name)
@@ -47,13 +51,14 @@ impl Treatment {
         Ok(treatment)
     }
 
-    fn reward(&self, components: &[f64]) -> f32 {
+    /// Of one step, with the gathering potential before and after it.
+    fn reward(&self, components: &[f64], [before, after]: [f64; 2]) -> f32 {
         let paid: f64 = components
             .iter()
             .zip(&self.factors)
             .map(|(c, f)| c * f)
             .sum();
-        (paid - self.step_cost) as f32
+        (paid - self.step_cost + self.gather.1 * after - before) as f32
     }
 }
 
@@ -91,6 +96,7 @@ pub struct Fleet {
     ended: [Vec<u8>; 2],
     metrics: Vec<Metrics>,
     held: Vec<f32>,
+    potentials: Vec<f64>,
 }
 
 impl Fleet {
@@ -116,10 +122,22 @@ impl Fleet {
             ended: [vec![0; environments], vec![0; environments]],
             metrics: vec![Metrics::default(); environments],
             held: vec![0.0; environments * 2 * uavs],
+            potentials: vec![0.0; environments],
             model,
         };
         fleet.reset(0);
         fleet
+    }
+
+    fn potential(&self, mission: usize) -> f64 {
+        let words = self.model.state_words();
+        let state = &self.states[mission * words..(mission + 1) * words];
+        let state = self.model.state(state).expect("a state of this model");
+        self.treatment.gather.0.potential(&self.model, &state)
+    }
+
+    fn note_potentials(&mut self) {
+        self.potentials = (0..self.environments).map(|m| self.potential(m)).collect();
     }
 
     fn start_teachers(&mut self) {
@@ -173,6 +191,7 @@ impl VectorEnvironment for Fleet {
                 &mut self.global,
             )
             .expect("buffers are sized for this model");
+        self.note_potentials();
         self.start_teachers();
     }
 
@@ -213,9 +232,19 @@ impl VectorEnvironment for Fleet {
         out.finished.clear();
         for m in 0..self.environments {
             let components = &self.components[m * COMPONENTS..(m + 1) * COMPONENTS];
-            out.rewards[m] = self.treatment.reward(components);
-            out.terminated[m] = terminated[m] == 1;
-            out.truncated[m] = truncated[m] == 1;
+            out.terminated[m] = self.ended[0][m] == 1;
+            out.truncated[m] = self.ended[1][m] == 1;
+            // The state is that of the next mission where this one has ended: its own last potential is
+            // 0 where all is done, and about what it was where the time ran out.
+            let before = self.potentials[m];
+            let now = self.potential(m);
+            let after = match (out.terminated[m], out.truncated[m]) {
+                (true, _) => 0.0,
+                (_, true) => before,
+                _ => now,
+            };
+            out.rewards[m] = self.treatment.reward(components, [before, after]);
+            self.potentials[m] = now;
             if out.terminated[m] || out.truncated[m] {
                 out.finished.push(Episode::of(&self.metrics[m]));
                 if let Some(teacher) = self.teachers.get_mut(m) {
@@ -276,6 +305,7 @@ impl VectorEnvironment for Fleet {
             jcas_core::observation::observe_global(&self.model, &state, global)
                 .map_err(|error| error.to_string())?;
         }
+        self.note_potentials();
         Ok(())
     }
 }

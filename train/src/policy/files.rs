@@ -23,9 +23,9 @@ pub const ONNX: &str = "policy.onnx";
 
 const FORMAT: u32 = 1;
 
-/// What a policy is, where it comes from and how it did.
+/// What a policy is, where it comes from and how it did. Other trainers (`jcas.rllib`) write cards as
+/// well, without what they do not know and with more of their own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Card {
     /// Version of this card.
     pub format: u32,
@@ -47,11 +47,14 @@ pub struct Card {
     pub config: Config,
     /// Its hash.
     pub config_hash: String,
-    /// Settings of the training run.
-    pub settings: Settings,
+    /// Settings of the training run, where `jcas train` made it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<Settings>,
     /// Environment steps it was trained for.
-    pub environment_steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_steps: Option<u64>,
     /// Evaluations after training.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evaluations: Vec<Evaluation>,
 }
 

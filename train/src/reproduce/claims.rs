@@ -55,7 +55,7 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
     let mut claims = Vec::new();
     for (preset, (policy, pilot), settings) in PRESETS {
         let who = (preset, policy, pilot);
-        let tag = format!("preset `{preset}`, {settings}");
+        let tag = format!("preset `{preset}`, {settings}{}", cells_told(scale, preset));
         let over = |quantity| -> Vec<Option<f64>> {
             scale
                 .fleets
@@ -140,6 +140,18 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
         });
     }
     claims
+}
+
+/// Which numbers of hotspots a claim's means run over, where these are not the whole grid's.
+fn cells_told(scale: &Scale, preset: &str) -> String {
+    let mut trained: Vec<u32> = scale.paper_cells.iter().map(|cell| cell.1).collect();
+    trained.sort_unstable();
+    trained.dedup();
+    if preset == "mission" || trained == scale.hotspots {
+        return String::new();
+    }
+    let trained: Vec<String> = trained.iter().map(u32::to_string).collect();
+    format!(", n = {}", trained.join(", "))
 }
 
 /// Whether the last third of the iterations still adds a tenth of the gain of the whole training.
@@ -308,6 +320,21 @@ impl Bar {
     }
 }
 
+/// Pictures that the page shows, of those that [`super::figures`] draws.
+pub const PICTURES: [(&str, &str); 8] = [
+    ("success_over_uavs", "Success over fleet size"),
+    ("mission_time_over_uavs", "Mission time over fleet size"),
+    ("energy_over_uavs", "Energy over fleet size"),
+    ("throughput_over_uavs", "Throughput over fleet size"),
+    ("training_returns", "Return over training iterations"),
+    ("trade_off", "Success against throughput"),
+    (
+        "approach",
+        "Pilot density over distance to the nearest unconfirmed hotspot",
+    ),
+    ("battery_co2", "Carbon over renewable share"),
+];
+
 const BAR_HEAD: [&str; 8] = [
     "N",
     "n",
@@ -336,8 +363,79 @@ pub fn bar_table(scale: &Scale, table: &Table) -> ReportTable {
     }
 }
 
-/// The same as a Markdown page.
-pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve]) -> String {
+const VARIATION_HEAD: [&str; 6] = [
+    "changed",
+    "tests",
+    "success",
+    "steps",
+    "energy (kWh)",
+    "throughput",
+];
+
+/// What becomes of the paper's training when one thing is changed; first as the paper has it.
+fn variation_rows(scale: &Scale, table: &Table) -> Vec<[String; 6]> {
+    let Some(cell) = scale.variation_cell() else {
+        return Vec::new();
+    };
+    let line = |name: &str, tests: &str, rows: &[&Row]| -> Option<[String; 6]> {
+        let of = |quantity, digits| {
+            mean(rows, quantity).map(|e| {
+                format!(
+                    "{:.digits$} [{:.digits$}, {:.digits$}]",
+                    e.value, e.low, e.high
+                )
+            })
+        };
+        Some([
+            name.to_owned(),
+            tests.to_owned(),
+            of(Quantity::Success, 3)?,
+            of(Quantity::Steps, 1)?,
+            of(Quantity::Energy, 3)?,
+            of(Quantity::Throughput, 3)?,
+        ])
+    };
+    let of_cell = |rows: Vec<&'_ Row>| -> Vec<Row> {
+        let rows = rows
+            .into_iter()
+            .filter(|row| (row.uavs, row.hotspots) == cell);
+        rows.cloned().collect()
+    };
+    let paper = of_cell(rows(table, "paper", "ppo", "adaptive"));
+    let varied = scale.variations.iter().map(|variation| {
+        let rows =
+            table.select(|row| row.experiment == "variation" && row.policy == variation.name);
+        (variation.name, variation.tests, of_cell(rows))
+    });
+    std::iter::once(("nothing", "the paper's equations and settings", paper))
+        .chain(varied)
+        .filter_map(|(name, tests, rows)| line(name, tests, &rows.iter().collect::<Vec<_>>()))
+        .collect()
+}
+
+/// The variations as a table of the report.
+pub fn variation_table(scale: &Scale, table: &Table) -> ReportTable {
+    let (uavs, hotspots) = scale.variation_cell().unwrap_or_default();
+    ReportTable {
+        caption: format!("The paper's training with one thing changed, N = {uavs}, n = {hotspots}"),
+        head: VARIATION_HEAD.map(str::to_owned).to_vec(),
+        rows: variation_rows(scale, table)
+            .into_iter()
+            .map(|row| row.map(Cell::from).to_vec())
+            .collect(),
+    }
+}
+
+fn markdown_head(names: &[&str]) -> String {
+    format!(
+        "| {} |\n|{}\n",
+        names.join(" | "),
+        " --- |".repeat(names.len())
+    )
+}
+
+/// The same as a Markdown page, with the pictures that lie in `pictures` (relative to the page).
+pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve], pictures: &str) -> String {
     let mut text = format!(
         "# Results\n\nMade by `jcas reproduce{}` from its `results.csv`: {} missions a cell on the \
          seeds of campaign {}, {} training seed(s).\n\n## The paper's claims\n\n\
@@ -358,13 +456,24 @@ pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve]) -> String {
     text += "\n## Every cell against the best baseline\n\n";
     text += "The best baseline has the highest success, then the shortest missions, among five \
              baselines with adaptive and with full pilot density.\n\n";
-    text += &format!(
-        "| {} |\n|{}\n",
-        BAR_HEAD.join(" | "),
-        " --- |".repeat(BAR_HEAD.len())
-    );
+    text += &markdown_head(&BAR_HEAD);
     for bar in bars(scale, table) {
         text += &format!("| {} | {} |\n", bar.texts().join(" | "), bar.verdict().0);
+    }
+    let variations = variation_rows(scale, table);
+    if let (Some((uavs, hotspots)), true) = (scale.variation_cell(), variations.len() > 1) {
+        text += &format!(
+            "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
+             n = {hotspots}, with one thing changed at a time.\n\n"
+        );
+        text += &markdown_head(&VARIATION_HEAD);
+        for row in variations {
+            text += &format!("| {} |\n", row.join(" | "));
+        }
+    }
+    text += "\n## Pictures\n";
+    for (name, title) in PICTURES {
+        text += &format!("\n![{title}]({pictures}{name}.png)\n");
     }
     text
 }

@@ -402,6 +402,10 @@ pub fn write_all(
     gallery.add("battery_success", &success, "")?;
     gallery.section("Every cell against the best baseline");
     report.table(&claims::bar_table(scale, table));
+    if !scale.variations.is_empty() {
+        report.section("What the paper's training hangs on");
+        report.table(&claims::variation_table(scale, table));
+    }
     let path = out.join("report.html");
     report.write(&path).map_err(|error| drawn(&path)(error))
 }

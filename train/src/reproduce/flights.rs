@@ -1,6 +1,6 @@
 //! Training and flying what the table lacks.
 
-use super::plan::{CONSTANT_PILOT, Scale};
+use super::plan::{CONSTANT_PILOT, Scale, Variation};
 use super::table::{Key, Table};
 use super::{Narrator, Progress};
 use crate::environment::fleet::pilot_action;
@@ -63,6 +63,13 @@ pub(super) fn fly_all(
                 if !flights.paper(uavs, hotspots, seed, constant)? {
                     return Ok(Progress::Stopped);
                 }
+            }
+        }
+    }
+    for variation in &scale.variations {
+        for &seed in &scale.seeds {
+            if !flights.variation(variation, seed)? {
+                return Ok(Progress::Stopped);
             }
         }
     }
@@ -264,6 +271,26 @@ impl Flights<'_> {
             return Ok(false);
         };
         let key = key("grid", &config, "ppo", pilot, seed, 0.0);
+        self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
+        Ok(true)
+    }
+
+    /// The paper's settings with one thing changed; false if stopped meanwhile.
+    fn variation(&mut self, variation: &Variation, seed: u64) -> Result<bool, TrainError> {
+        let Some((uavs, hotspots)) = self.scale.variation_cell() else {
+            return Ok(true);
+        };
+        let mut config = self.scale.paper_mission(uavs, hotspots);
+        let mut settings = Settings {
+            seed,
+            ..self.scale.paper.clone()
+        };
+        (variation.apply)(&mut config, &mut settings);
+        let name = format!("ppo-{uavs}x{hotspots}-{}-s{seed}", variation.name);
+        let Some(policy) = self.trained(&name, settings, vec![config])? else {
+            return Ok(false);
+        };
+        let key = key("variation", &config, variation.name, "adaptive", seed, 0.0);
         self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
         Ok(true)
     }

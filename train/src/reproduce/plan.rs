@@ -1,7 +1,8 @@
 //! How much of the paper's grid is trained and flown.
 
+use crate::head::Head;
 use crate::settings::{Preset, Settings};
-use jcas_core::Config;
+use jcas_core::{Config, InformPayment};
 
 /// Size of a reproduction.
 #[derive(Clone, Debug)]
@@ -22,10 +23,55 @@ pub struct Scale {
     pub paper: Settings,
     /// Cells (N, n) that are trained with the paper's settings.
     pub paper_cells: Vec<(u32, u32)>,
+    /// What is changed of the paper's settings, one thing at a time, to see what a result hangs on.
+    pub variations: Vec<Variation>,
     /// Held pilot densities of the trade-off.
     pub densities: Vec<f64>,
     /// Renewable shares of the small-battery missions.
     pub renewable_shares: Vec<f64>,
+}
+
+/// One change of the paper's model or of its training.
+#[derive(Clone, Debug)]
+pub struct Variation {
+    /// Name in files.
+    pub name: &'static str,
+    /// What is changed, and what it tests.
+    pub tests: &'static str,
+    /// The change.
+    pub apply: fn(&mut Config, &mut Settings),
+}
+
+/// Changes that could explain what PPO learns under the paper's equations.
+pub fn variations() -> Vec<Variation> {
+    let variation = |name, tests, apply| Variation { name, tests, apply };
+    vec![
+        variation(
+            "inform_once",
+            "an informed hotspot pays once, not at every step: finishing late no longer pays more",
+            |config, _| config.inform_payment = InformPayment::Once,
+        ),
+        variation(
+            "no_throughput_reward",
+            "no reward for throughput, which pays for stalling as well",
+            |config, _| config.reward_throughput = 0.0,
+        ),
+        variation(
+            "discount_099",
+            "γ = 0.99: a far reward counts",
+            |_, settings| settings.discount = 0.99,
+        ),
+        variation(
+            "easier_detection",
+            "detection threshold 7 dB, not 13.1: over a hotspot a UAV sees it in every other step",
+            |config, _| config.detection_threshold_db = Some(7.0),
+        ),
+        variation(
+            "hybrid_head",
+            "categorical motion and Beta pilot density, not five bins of a normal variable",
+            |_, settings| settings.head = Head::Hybrid,
+        ),
+    ]
 }
 
 /// Pilot density of the paper's constant model.
@@ -52,6 +98,7 @@ impl Scale {
             tuned: Settings::preset(Preset::Tuned),
             paper: Settings::preset(Preset::Paper),
             paper_cells: grid(&fleets, &hotspots),
+            variations: variations(),
             densities: vec![0.01, 0.05, 0.10, 0.15, 0.20, 0.25, 0.30],
             renewable_shares: vec![0.0, 0.1, 0.25, 0.5, 0.75, 1.0],
             fleets,
@@ -83,6 +130,7 @@ impl Scale {
             name: "quick",
             episodes: 40,
             paper_cells: grid(&[5], &hotspots),
+            variations: Vec::new(),
             densities: vec![0.01, 0.10, 0.20, 0.30],
             renewable_shares: vec![0.0, 0.5, 1.0],
             tuned,
@@ -90,6 +138,18 @@ impl Scale {
             hotspots,
             ..full
         }
+    }
+
+    /// Only these fleets and numbers of hotspots, and of the latter only some with the paper's settings;
+    /// empty: as they are.
+    pub fn only(mut self, fleets: &[u32], hotspots: &[u32], paper_hotspots: &[u32]) -> Scale {
+        let or = |given: &[u32], all: &[u32]| if given.is_empty() { all } else { given }.to_vec();
+        self.fleets = or(fleets, &self.fleets);
+        self.hotspots = or(hotspots, &self.hotspots);
+        if self.name == "full" || !paper_hotspots.is_empty() {
+            self.paper_cells = grid(&self.fleets, &or(paper_hotspots, &self.hotspots));
+        }
+        self
     }
 
     /// The mission of a cell in our preset.
@@ -124,6 +184,14 @@ impl Scale {
             renewable_share,
             ..self.mission(10, 5)
         }
+    }
+
+    /// The cell on which variations are tried: N = 10, as near to n = 5 as was trained.
+    pub fn variation_cell(&self) -> Option<(u32, u32)> {
+        let cells = self.paper_cells.iter().copied();
+        cells
+            .filter(|&(uavs, _)| uavs == 10)
+            .min_by_key(|&(_, hotspots)| hotspots.abs_diff(5))
     }
 
     /// The cell of the trade-off and of the approach: N = 10 with the most hotspots.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Which campaign a row is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Key {
-    /// `grid`, `density`, `battery` or `time`.
+    /// `grid`, `density`, `battery` or `variation`.
     pub experiment: String,
     /// `mission` or `paper`.
     pub preset: String,
@@ -17,7 +17,7 @@ pub struct Key {
     pub uavs: u32,
     /// Hotspots.
     pub hotspots: u32,
-    /// Baseline's name, `learned` (our settings) or `ppo` (the paper's).
+    /// Baseline's name, `learned` (our settings), `ppo` (the paper's) or a variation's name.
     pub policy: String,
     /// Pilot rule.
     pub pilot: String,
