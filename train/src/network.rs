@@ -1,7 +1,7 @@
 //! Actor and critic networks: a layout of named weight blocks over one flat parameter vector.
 //!
 //! The parameters are plain numbers; tensors are made of them where they are used, one set for
-//! each shard of a minibatch. That keeps the optimiser, checkpoints and policy files free of the
+//! each minibatch. That keeps the optimiser, checkpoints and policy files free of the
 //! tensor library, and lets shards run on different cores without sharing a graph.
 
 pub mod initial;
@@ -124,12 +124,16 @@ impl Network {
             .collect()
     }
 
-    /// Outputs (rows × outputs) for inputs (rows × fields) of missions of this shape.
-    pub fn forward(&self, weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> Tensor<2> {
+    /// Outputs (rows × outputs) for inputs (rows × fields) of missions of this shape, where the
+    /// weights are.
+    pub fn forward(&self, weights: &[Tensor<2>], inputs: Vec<f32>, shape: &Shape) -> Tensor<2> {
         match &self.architecture {
-            Architecture::Mlp { .. } => mlp::forward(weights, input),
-            Architecture::SetActor { .. } => set::actor(weights, input, shape),
-            Architecture::SetCritic { .. } => set::critic(weights, input, shape),
+            Architecture::Mlp { sizes } => {
+                let inputs = matrix(inputs, sizes[0], &weights[0].device());
+                mlp::forward(weights, inputs)
+            }
+            Architecture::SetActor { .. } => set::actor(weights, &inputs, shape),
+            Architecture::SetCritic { .. } => set::critic(weights, &inputs, shape),
         }
     }
 

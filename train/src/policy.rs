@@ -5,7 +5,7 @@ pub mod onnx;
 
 use crate::environment::Shape;
 use crate::head::Head;
-use crate::network::{Network, matrix, values};
+use crate::network::{Network, values};
 use crate::ppo::normalise::Affine;
 use crate::random::stream;
 use burn_tensor::{Device, Tensor};
@@ -43,7 +43,6 @@ pub struct LearnedPolicy {
     name: String,
     actor: Arc<Actor>,
     mode: Mode,
-    device: Device,
     weights: Vec<Tensor<2>>,
     observations: Vec<f32>,
     random: ChaCha8Rng,
@@ -58,7 +57,6 @@ impl LearnedPolicy {
             weights: actor.network.tensors(&actor.parameters, &device),
             actor,
             mode,
-            device,
             observations: Vec::new(),
             random: stream(0, 0),
         }
@@ -68,7 +66,6 @@ impl LearnedPolicy {
     pub fn outputs(&mut self, shape: &Shape, observations: &[f32]) -> Vec<f32> {
         let mut inputs = observations.to_vec();
         self.actor.inputs.apply(&mut inputs);
-        let inputs = matrix(inputs, shape.observation_len, &self.device);
         values(self.actor.network.forward(&self.weights, inputs, shape))
     }
 }

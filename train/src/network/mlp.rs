@@ -31,7 +31,7 @@ pub(super) fn forward(weights: &[Tensor<2>], input: Tensor<2>) -> Tensor<2> {
 #[cfg(test)]
 mod tests {
     use crate::environment::Shape;
-    use crate::network::{Architecture, Network, flat_gradient, matrix, values};
+    use crate::network::{Architecture, Network, flat_gradient, values};
     use burn_tensor::Device;
 
     fn tiny() -> (Network, Vec<f32>) {
@@ -49,7 +49,7 @@ mod tests {
         let (network, parameters) = tiny();
         let device = Device::flex();
         let weights = network.tensors(&parameters, &device);
-        let input = matrix(vec![1.0, 1.0, -1.0, 0.0], 2, &device);
+        let input = vec![1.0, 1.0, -1.0, 0.0];
         let output = network.forward(&weights, input, &Shape::default());
         assert_eq!(values(output), [7.5, -3.5]);
     }
@@ -60,7 +60,7 @@ mod tests {
         let (network, parameters) = tiny();
         let device = Device::flex().autodiff();
         let weights = network.tensors(&parameters, &device);
-        let input = matrix(vec![1.0, 1.0], 2, &device);
+        let input = vec![1.0, 1.0];
         let loss = network.forward(&weights, input, &Shape::default()).sum();
         let gradient = flat_gradient(&network, &weights, loss.backward());
         assert_eq!(gradient, [3.0, -2.0, 3.0, -2.0, 3.0, -2.0, 3.0, 1.0, 1.0]);

@@ -5,6 +5,11 @@
 //! because a sum over pairs would cost a layer to learn: how near a hotspot is in cells, and how
 //! many UAVs are at or around it.
 
+mod features;
+#[cfg(test)]
+mod reference;
+
+use super::matrix;
 use crate::environment::Shape;
 use burn_tensor::Tensor;
 use burn_tensor::activation::{relu, softmax};
@@ -112,12 +117,20 @@ impl Weights<'_> {
         input.matmul(self.take()) + self.take()
     }
 
-    /// The same linear map of every element of a set (rows × elements × fields).
-    fn each(&mut self, set: Tensor<3>) -> Tensor<3> {
-        let [rows, elements, fields] = set.dims();
-        let output = self.linear(set.reshape([rows * elements, fields]));
-        let width = output.dims()[1];
-        output.reshape([rows, elements, width])
+    /// x·W + b for inputs whose last field is what b is multiplied by: one product, no addition.
+    fn augmented(&mut self, input: Tensor<2>) -> Tensor<2> {
+        input.matmul(Tensor::cat(vec![self.take(), self.take()], 0))
+    }
+
+    /// (x·W + b) + y·V for every x of a set, with one y for each set; b is added to y·V, of which
+    /// there are fewer.
+    fn with_context(&mut self, set: Tensor<2>, context: Tensor<2>) -> Tensor<2> {
+        let (weight, bias) = (self.take(), self.take());
+        let context = context.matmul(self.take()) + bias;
+        let [rows, width] = context.dims();
+        let elements = set.dims()[0] / rows;
+        let set = set.matmul(weight).reshape([rows, elements, width]);
+        (set + context.unsqueeze_dim::<3>(1)).reshape([rows * elements, width])
     }
 
     fn trunk(&mut self, input: Tensor<2>) -> Tensor<2> {
@@ -129,156 +142,78 @@ impl Weights<'_> {
     }
 }
 
-/// Sum over the elements of a set, in units of [`CROWD`].
-fn pool(set: Tensor<3>) -> Tensor<2> {
-    set.sum_dim(1).div_scalar(CROWD).squeeze_dim::<2>(1)
-}
-
-/// Adds one row of fields to every element of its set.
-fn added_to_each(set: Tensor<3>, row: Tensor<2>) -> Tensor<3> {
-    set + row.unsqueeze_dim::<3>(1)
-}
-
-/// Columns `first..first + count·fields` as a set of `count` elements.
-fn set_of(input: &Tensor<2>, first: usize, count: usize, fields: usize) -> Tensor<3> {
-    let rows = input.dims()[0];
-    input
-        .clone()
-        .narrow(1, first, count * fields)
-        .reshape([rows, count, fields])
-}
-
-/// Manhattan distances in cells between elements (rows × a × 1) and (rows × 1 × b) of two sets.
-fn distances(a: [Tensor<3>; 2], b: [Tensor<3>; 2], shape: &Shape) -> Tensor<3> {
-    let [ax, ay] = a;
-    let [bx, by] = b;
-    let [x_cells, y_cells] = shape.position_cells();
-    (ax - bx).abs().mul_scalar(x_cells) + (ay - by).abs().mul_scalar(y_cells)
-}
-
-/// 1 at distance 0, falling evenly to 0 at `reach` cells.
-fn nearness(distance: Tensor<3>, reach: f32) -> Tensor<3> {
-    relu(distance.div_scalar(-reach).add_scalar(1.0))
-}
-
-fn field(set: &Tensor<3>, index: usize) -> Tensor<3> {
-    set.clone().narrow(2, index, 1)
+/// Sum over the elements of each of `rows` sets.
+fn sum(set: Tensor<2>, rows: usize) -> Tensor<2> {
+    let [all, width] = set.dims();
+    set.reshape([rows, all / rows, width])
+        .sum_dim(1)
+        .reshape([rows, width])
 }
 
 /// Actor outputs for observations (rows × 11 + 4n + 3k).
-pub(super) fn actor(weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> Tensor<2> {
+pub(super) fn actor(weights: &[Tensor<2>], observations: &[f32], shape: &Shape) -> Tensor<2> {
+    let device = weights[0].device();
     let mut weights = Weights(weights.iter());
-    let (n, k) = (shape.hotspots, shape.neighbour_slots);
-    let rows = input.dims()[0];
-    let hotspots = set_of(&input, OWN_FIRST, n, HOTSPOT_FIELDS);
-    let slots_first = OWN_FIRST + HOTSPOT_FIELDS * n;
-    let tail_first = slots_first + SLOT_FIELDS * k;
-    let own = Tensor::cat(
-        vec![
-            input.clone().narrow(1, 0, OWN_FIRST),
-            input.clone().narrow(1, tail_first, OWN - OWN_FIRST),
-        ],
-        1,
-    );
+    let observed = features::observed(observations, shape);
+    let rows = observed.empty.len();
+    let own = matrix(observed.own, OWN, &device);
 
-    let distance = distances(
-        [field(&hotspots, 0), field(&hotspots, 1)],
-        [
-            field(&hotspots, 0).zeros_like(),
-            field(&hotspots, 1).zeros_like(),
-        ],
-        shape,
-    );
-    let (neighbours, at, around) = if k == 0 {
+    let neighbours = if shape.neighbour_slots == 0 {
         weights.0.by_ref().take(4).for_each(drop);
-        let none = distance.zeros_like();
-        (
-            Tensor::zeros([rows, UAV_WIDTH], &input.device()),
-            none.clone(),
-            none,
-        )
+        Tensor::zeros([rows, UAV_WIDTH], &device)
     } else {
-        let slots = set_of(&input, slots_first, k, SLOT_FIELDS);
-        let present = field(&slots, 0);
-        let embedded = relu(weights.each(slots.clone()));
-        let embedded = relu(weights.each(embedded)) * present.clone();
-        let apart = distances(
-            [field(&hotspots, 0), field(&hotspots, 1)],
-            [
-                field(&slots, 1).swap_dims(1, 2),
-                field(&slots, 2).swap_dims(1, 2),
-            ],
-            shape,
-        );
-        let present = present.swap_dims(1, 2);
-        let count = |reach: f32| {
-            (nearness(apart.clone(), reach) * present.clone())
-                .sum_dim(2)
-                .div_scalar(CROWD)
-        };
-        (pool(embedded), count(1.0), count(4.0))
+        // An empty slot is all zeros, the field for the bias too, so after the second layer it
+        // holds relu(b): taking that off the sum is cheaper than masking every slot.
+        let embedded = matrix(observed.slots, SLOT_FIELDS + 1, &device);
+        let embedded = relu(weights.augmented(embedded));
+        let (weight, bias) = (weights.take(), weights.take());
+        let embedded = relu(embedded.matmul(weight) + bias.clone());
+        let empty = matrix(observed.empty, 1, &device).matmul(relu(bias));
+        (sum(embedded, rows) - empty).div_scalar(CROWD)
     };
 
-    let [x_cells, _] = shape.position_cells();
-    let features = Tensor::cat(
-        vec![
-            hotspots,
-            distance.clone().div_scalar(2.0 * x_cells),
-            nearness(distance.clone(), 1.0),
-            nearness(distance, 4.0),
-            at,
-            around,
-        ],
-        2,
-    );
     let context = Tensor::cat(vec![own.clone(), neighbours.clone()], 1);
-    let embedded = weights.each(features);
-    let embedded = relu(added_to_each(embedded, context.matmul(weights.take())));
-    let embedded = relu(weights.each(embedded));
+    let hotspots = matrix(observed.hotspots, HOTSPOT_FEATURES, &device);
+    let embedded = relu(weights.with_context(hotspots, context));
+    let embedded = relu(weights.linear(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
-    let others = pool(embedded.clone());
-    let embedded = weights.each(embedded);
-    let embedded = relu(added_to_each(embedded, others.matmul(weights.take())));
-    let attention = softmax(weights.each(embedded.clone()), 1);
-    let attended = attention.swap_dims(1, 2).matmul(embedded);
+    let others = sum(embedded.clone(), rows).div_scalar(CROWD);
+    let embedded = relu(weights.with_context(embedded, others));
+    // The scores' bias is the same for every hotspot, so the softmax over hotspots cancels it.
+    let scores = embedded.clone().matmul(weights.take());
+    weights.take();
+    let scores = scores.reshape([rows, shape.hotspots, HEADS]);
+    let attention = softmax(scores.swap_dims(1, 2), 2);
+    let attended = attention.matmul(embedded.reshape([rows, shape.hotspots, HOTSPOT_WIDTH]));
     let attended = attended.reshape([rows, HEADS * HOTSPOT_WIDTH]);
     weights.trunk(Tensor::cat(vec![attended, neighbours, own], 1))
 }
 
 /// Values of global states (rows × 6N + 4n + 4).
-pub(super) fn critic(weights: &[Tensor<2>], input: Tensor<2>, shape: &Shape) -> Tensor<2> {
+pub(super) fn critic(weights: &[Tensor<2>], states: &[f32], shape: &Shape) -> Tensor<2> {
+    let device = weights[0].device();
     let mut weights = Weights(weights.iter());
-    let (agents, n) = (shape.agents, shape.hotspots);
-    let uavs = set_of(&input, 0, agents, UAV_FIELDS);
-    let hotspots = set_of(&input, UAV_FIELDS * agents, n, HOTSPOT_FIELDS);
-    let common = input.narrow(1, UAV_FIELDS * agents + HOTSPOT_FIELDS * n, COMMON);
+    let overseen = features::overseen(states, shape);
+    let common = matrix(overseen.common, COMMON, &device);
+    let rows = common.dims()[0];
 
-    let apart = distances(
-        [field(&hotspots, 0), field(&hotspots, 1)],
-        [
-            field(&uavs, 0).swap_dims(1, 2),
-            field(&uavs, 1).swap_dims(1, 2),
-        ],
-        shape,
-    );
-    let count = |reach: f32| nearness(apart.clone(), reach).sum_dim(2).div_scalar(CROWD);
-    let features = Tensor::cat(vec![hotspots, count(1.0), count(4.0), count(12.0)], 2);
-
-    let fleet = relu(weights.each(uavs));
-    let fleet = pool(relu(weights.each(fleet)));
+    let uavs = matrix(overseen.uavs, UAV_FIELDS + 1, &device);
+    let fleet = relu(weights.augmented(uavs));
+    let fleet = sum(relu(weights.linear(fleet)), rows).div_scalar(CROWD);
     let context = Tensor::cat(vec![common.clone(), fleet.clone()], 1);
-    let embedded = weights.each(features);
-    let embedded = relu(added_to_each(embedded, context.matmul(weights.take())));
-    let embedded = pool(relu(weights.each(embedded)));
+    let hotspots = matrix(overseen.hotspots, TARGET_FEATURES, &device);
+    let embedded = relu(weights.with_context(hotspots, context));
+    let embedded = sum(relu(weights.linear(embedded)), rows).div_scalar(CROWD);
     weights.trunk(Tensor::cat(vec![embedded, fleet, common], 1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::{Architecture, Network, matrix, values};
+    use crate::network::{Architecture, Network, values};
     use burn_tensor::Device;
     use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
 
     fn shape(agents: usize, hotspots: usize) -> Shape {
         Shape {
@@ -302,18 +237,88 @@ mod tests {
         let (network, parameters) = network(architecture.clone());
         let device = Device::flex();
         let weights = network.tensors(&parameters, &device);
-        values(network.forward(&weights, matrix(row.to_vec(), row.len(), &device), shape))
+        values(network.forward(&weights, row.to_vec(), shape))
     }
 
     fn close(a: &[f32], b: &[f32]) -> bool {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4)
     }
 
-    fn row(length: usize) -> Vec<f32> {
-        let mut random = crate::random::stream(9, 1);
+    fn row(length: usize, random: &mut ChaCha8Rng) -> Vec<f32> {
         (0..length)
             .map(|_| random.random_range(-1.0f32..1.0))
             .collect()
+    }
+
+    /// A row whose first neighbour slots are taken and whose others are all zeros, as the kernel
+    /// writes them.
+    fn observation(shape: &Shape, random: &mut ChaCha8Rng) -> Vec<f32> {
+        let mut row = row(shape.observation_len, random);
+        let taken = random.random_range(0..=shape.neighbour_slots);
+        let first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
+        let slots = &mut row[first..first + SLOT_FIELDS * shape.neighbour_slots];
+        for (index, slot) in slots.chunks_exact_mut(SLOT_FIELDS).enumerate() {
+            if index < taken {
+                slot[0] = 1.0;
+            } else {
+                slot.fill(0.0);
+            }
+        }
+        row
+    }
+
+    /// Weights with biases: fresh ones are zero.
+    fn weights(network: &Network, random: &mut ChaCha8Rng) -> Vec<f32> {
+        row(network.parameters(), random)
+            .iter()
+            .map(|x| 0.3 * x)
+            .collect()
+    }
+
+    fn relative_error(a: &[f32], b: &[f32]) -> f32 {
+        assert_eq!(a.len(), b.len());
+        let size = b.iter().fold(1.0f32, |size, x| size.max(x.abs()));
+        let error = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        error.fold(0.0, f32::max) / size
+    }
+
+    // Several rows at once, so that a mix-up of rows and elements shows.
+    #[test]
+    fn both_networks_are_what_they_are_row_by_row() {
+        let mut random = crate::random::stream(4, 0);
+        for (agents, hotspots) in [(1, 1), (2, 5), (10, 7), (20, 11)] {
+            let shape = shape(agents, hotspots);
+            let actor = Network::new(Architecture::SetActor {
+                hidden: vec![24, 16],
+                outputs: 7,
+            });
+            let critic = Network::new(Architecture::SetCritic { hidden: vec![16] });
+            for (network, is_actor) in [(&actor, true), (&critic, false)] {
+                let parameters = weights(network, &mut random);
+                let rows: Vec<Vec<f32>> = (0..9)
+                    .map(|_| {
+                        if is_actor {
+                            observation(&shape, &mut random)
+                        } else {
+                            row(shape.global_len, &mut random)
+                        }
+                    })
+                    .collect();
+                let tensors = network.tensors(&parameters, &Device::flex());
+                let fast = values(network.forward(&tensors, rows.concat(), &shape));
+                let reference = if is_actor {
+                    reference::actor
+                } else {
+                    reference::critic
+                };
+                let plain: Vec<f32> = rows
+                    .iter()
+                    .flat_map(|row| reference(network, &parameters, row, &shape))
+                    .collect();
+                let error = relative_error(&fast, &plain);
+                assert!(error < 1e-5, "{agents} UAVs, {hotspots} hotspots: {error}");
+            }
+        }
     }
 
     // Swapping two hotspots, or two neighbours, changes nothing; changing one does.
@@ -324,7 +329,7 @@ mod tests {
             outputs: 7,
         };
         let shape = shape(4, 3);
-        let row = row(shape.observation_len);
+        let row = observation(&shape, &mut crate::random::stream(9, 1));
         let mut swapped = row.clone();
         for field in 0..4 {
             swapped.swap(5 + field, 5 + 8 + field);
@@ -342,7 +347,7 @@ mod tests {
     fn the_critic_does_not_see_the_order_of_its_sets() {
         let architecture = Architecture::SetCritic { hidden: vec![16] };
         let shape = shape(3, 2);
-        let row = row(shape.global_len);
+        let row = row(shape.global_len, &mut crate::random::stream(9, 1));
         let mut swapped = row.clone();
         for field in 0..6 {
             swapped.swap(field, 12 + field);
@@ -365,7 +370,8 @@ mod tests {
         };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);
-            let outputs = outputs(&actor, &row(shape.observation_len), &shape);
+            let row = observation(&shape, &mut crate::random::stream(9, 1));
+            let outputs = outputs(&actor, &row, &shape);
             assert_eq!(outputs.len(), 7);
             assert!(outputs.iter().all(|x| x.is_finite()));
         }

@@ -2,7 +2,7 @@
 
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::Head;
-use crate::network::{Network, matrix, values};
+use crate::network::{Network, values};
 use crate::ppo::normalise::Affine;
 use burn_tensor::{Device, Tensor};
 use rand::RngExt;
@@ -162,7 +162,6 @@ fn act(
 ) -> Vec<f32> {
     let mut inputs = observations.to_vec();
     policy.inputs.apply(&mut inputs);
-    let inputs = matrix(inputs, shape.observation_len, policy.device);
     values(policy.network.forward(weights, inputs, shape))
 }
 

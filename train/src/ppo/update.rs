@@ -187,14 +187,13 @@ impl Pass<'_> {
             actor,
             &shards,
             step,
-            |network, parameters, minibatch, rows| {
+            self.device,
+            |network, weights, minibatch, rows| {
                 let scale = self.advantage_scale(minibatch, objective.normalise_advantages);
                 minibatch
                     .par_iter()
                     .map(|shard| {
-                        self.actor_gradient(
-                            network, parameters, head, objective, shard, scale, rows,
-                        )
+                        self.actor_gradient(network, weights, head, objective, shard, scale, rows)
                     })
                     .collect()
             },
@@ -228,7 +227,7 @@ impl Pass<'_> {
     fn actor_gradient(
         &self,
         network: &Network,
-        parameters: &[f32],
+        weights: &[Tensor<2>],
         head: Head,
         objective: &ActorObjective,
         shard: &Shard,
@@ -237,7 +236,7 @@ impl Pass<'_> {
     ) -> (Vec<f32>, Sums) {
         let shape = self.shape(shard);
         let (weights, outputs) =
-            self.outputs(network, parameters, shard, shape.observation_len, |r| {
+            self.outputs(network, weights, shard, shape.observation_len, |r| {
                 &r.observations
             });
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
@@ -293,15 +292,14 @@ impl Pass<'_> {
             critic,
             &shards,
             step,
-            |network, parameters, minibatch, rows| {
+            self.device,
+            |network, weights, minibatch, rows| {
                 minibatch
                     .par_iter()
                     .map(|shard| {
                         let shape = self.shape(shard);
                         let (weights, outputs) =
-                            self.outputs(network, parameters, shard, shape.global_len, |r| {
-                                &r.global
-                            });
+                            self.outputs(network, weights, shard, shape.global_len, |r| &r.global);
                         let mut targets = self.gather(shard, 1, |r| &r.targets);
                         targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
                         let targets = matrix(targets, 1, self.device);
@@ -331,13 +329,14 @@ impl Pass<'_> {
             actor,
             &shards,
             step,
-            |network, parameters, minibatch, rows| {
+            self.device,
+            |network, weights, minibatch, rows| {
                 minibatch
                     .par_iter()
                     .map(|shard| {
                         let shape = self.shape(shard);
                         let (weights, outputs) =
-                            self.outputs(network, parameters, shard, shape.observation_len, |r| {
+                            self.outputs(network, weights, shard, shape.observation_len, |r| {
                                 &r.observations
                             });
                         let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
@@ -353,15 +352,15 @@ impl Pass<'_> {
     fn outputs(
         &self,
         network: &Network,
-        parameters: &[f32],
+        weights: &[Tensor<2>],
         shard: &[Row],
         columns: usize,
         of: impl Fn(&Rollout) -> &[f32],
     ) -> (Vec<Tensor<2>>, Tensor<2>) {
-        let weights = network.tensors(parameters, self.device);
+        // The same numbers for every shard, but a graph of its own.
+        let weights: Vec<_> = weights.iter().map(|w| w.clone().detach()).collect();
         let mut inputs = self.gather(shard, columns, of);
         self.inputs.apply(&mut inputs);
-        let inputs = matrix(inputs, columns, self.device);
         let outputs = network.forward(&weights, inputs, &self.shape(shard));
         (weights, outputs)
     }
@@ -391,13 +390,15 @@ fn descend(
     model: &mut Trainable,
     shards: &[Shard],
     step: &Step,
-    gradients: impl Fn(&Network, &[f32], &[Shard], usize) -> Vec<(Vec<f32>, Sums)>,
+    device: &Device,
+    gradients: impl Fn(&Network, &[Tensor<2>], &[Shard], usize) -> Vec<(Vec<f32>, Sums)>,
 ) -> Sums {
     let mut total = Sums::default();
     let shards_per_minibatch = (step.minibatch_rows / step.shard_rows).max(1);
     for minibatch in shards.chunks(shards_per_minibatch) {
         let rows = minibatch.iter().map(Vec::len).sum();
-        let parts = gradients(&model.network, &model.parameters, minibatch, rows);
+        let weights = model.network.tensors(&model.parameters, device);
+        let parts = gradients(&model.network, &weights, minibatch, rows);
         let mut sum = vec![0.0; model.parameters.len()];
         for (part, sums) in &parts {
             sum.iter_mut()
@@ -432,7 +433,6 @@ pub fn evaluate(
             let mut states = states.to_vec();
             inputs.apply(&mut states);
             let weights = critic.network.tensors(&critic.parameters, device);
-            let states = matrix(states, shape.global_len, device);
             values(critic.network.forward(&weights, states, shape))
         })
         .collect()

@@ -1,4 +1,6 @@
-//! The set actor as a graph; line by line the twin of `network::set::actor`.
+//! The set actor as a graph: the function of `network::set::actor`, from the bare observation on.
+//!
+//! What that module works out in plain loops, or leaves out because it cancels, is written out here.
 
 use super::graph::{Graph, Value};
 use crate::environment::Shape;

@@ -1,0 +1,123 @@
+//! What the set networks read of a row, laid out for their matrix products.
+//!
+//! None of it has a gradient, so plain loops work it out once, outside the tensor library: as
+//! tensor operations, distances and counts took many small passes over memory.
+
+use super::{
+    COMMON, CROWD, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN, OWN_FIRST, SLOT_FIELDS, TARGET_FEATURES,
+    UAV_FIELDS,
+};
+use crate::environment::Shape;
+
+/// Inputs of the actor's products.
+pub(super) struct Observed {
+    /// The UAV itself, rows × [`OWN`].
+    pub own: Vec<f32>,
+    /// Neighbour slots and whether they are taken, rows × slots × ([`SLOT_FIELDS`] + 1).
+    pub slots: Vec<f32>,
+    /// Empty slots of each row.
+    pub empty: Vec<f32>,
+    /// Rows × hotspots × [`HOTSPOT_FEATURES`].
+    pub hotspots: Vec<f32>,
+}
+
+/// Inputs of the critic's products.
+pub(super) struct Overseen {
+    /// Rows × [`COMMON`].
+    pub common: Vec<f32>,
+    /// UAVs and a 1, rows × UAVs × ([`UAV_FIELDS`] + 1).
+    pub uavs: Vec<f32>,
+    /// Rows × hotspots × [`TARGET_FEATURES`].
+    pub hotspots: Vec<f32>,
+}
+
+/// 1 at distance 0, falling evenly to 0 at `reach` cells.
+fn nearness(distance: f32, reach: f32) -> f32 {
+    (1.0 - distance / reach).max(0.0)
+}
+
+/// Manhattan distance in cells.
+fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
+    dx.abs() * x_cells + dy.abs() * y_cells
+}
+
+/// Reads observations (rows × 11 + 4n + 3k).
+pub(super) fn observed(rows: &[f32], shape: &Shape) -> Observed {
+    let (n, k) = (shape.hotspots, shape.neighbour_slots);
+    let length = OWN + HOTSPOT_FIELDS * n + SLOT_FIELDS * k;
+    let count = rows.len() / length;
+    let cells = shape.position_cells();
+    let mut out = Observed {
+        own: Vec::with_capacity(count * OWN),
+        slots: Vec::with_capacity(count * k * (SLOT_FIELDS + 1)),
+        empty: Vec::with_capacity(count),
+        hotspots: Vec::with_capacity(count * n * HOTSPOT_FEATURES),
+    };
+    for row in rows.chunks_exact(length) {
+        let (head, rest) = row.split_at(OWN_FIRST);
+        let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * n);
+        let (slots, tail) = rest.split_at(SLOT_FIELDS * k);
+        out.own.extend_from_slice(head);
+        out.own.extend_from_slice(tail);
+        let mut taken = 0.0;
+        for slot in slots.chunks_exact(SLOT_FIELDS) {
+            let present = slot[0];
+            out.slots.extend_from_slice(slot);
+            out.slots.push(present);
+            taken += present;
+        }
+        out.empty.push(k as f32 - taken);
+        for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
+            let far = distance(hotspot[0], hotspot[1], cells);
+            let (mut at, mut around) = (0.0, 0.0);
+            for slot in slots.chunks_exact(SLOT_FIELDS) {
+                let apart = distance(hotspot[0] - slot[1], hotspot[1] - slot[2], cells);
+                at += slot[0] * nearness(apart, 1.0);
+                around += slot[0] * nearness(apart, 4.0);
+            }
+            out.hotspots.extend_from_slice(hotspot);
+            out.hotspots.extend_from_slice(&[
+                far / (2.0 * cells[0]),
+                nearness(far, 1.0),
+                nearness(far, 4.0),
+                at / CROWD,
+                around / CROWD,
+            ]);
+        }
+    }
+    out
+}
+
+/// Reads global states (rows × 6N + 4n + 4).
+pub(super) fn overseen(rows: &[f32], shape: &Shape) -> Overseen {
+    let (agents, n) = (shape.agents, shape.hotspots);
+    let length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
+    let count = rows.len() / length;
+    let cells = shape.position_cells();
+    let mut out = Overseen {
+        common: Vec::with_capacity(count * COMMON),
+        uavs: Vec::with_capacity(count * agents * (UAV_FIELDS + 1)),
+        hotspots: Vec::with_capacity(count * n * TARGET_FEATURES),
+    };
+    for row in rows.chunks_exact(length) {
+        let (uavs, rest) = row.split_at(UAV_FIELDS * agents);
+        let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * n);
+        out.common.extend_from_slice(common);
+        for uav in uavs.chunks_exact(UAV_FIELDS) {
+            out.uavs.extend_from_slice(uav);
+            out.uavs.push(1.0);
+        }
+        for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
+            let mut near = [0.0; 3];
+            for uav in uavs.chunks_exact(UAV_FIELDS) {
+                let apart = distance(hotspot[0] - uav[0], hotspot[1] - uav[1], cells);
+                for (sum, reach) in near.iter_mut().zip([1.0, 4.0, 12.0]) {
+                    *sum += nearness(apart, reach);
+                }
+            }
+            out.hotspots.extend_from_slice(hotspot);
+            out.hotspots.extend(near.map(|sum| sum / CROWD));
+        }
+    }
+    out
+}

@@ -1,0 +1,166 @@
+//! The set networks written out row by row and element by element, to compare the products with.
+
+use super::{COMMON, CROWD, HEADS, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS, UAV_WIDTH};
+use crate::environment::Shape;
+use crate::network::{Block, Network};
+
+/// Blocks of a network in their order.
+struct Blocks<'a> {
+    parameters: &'a [f32],
+    blocks: std::slice::Iter<'a, Block>,
+}
+
+impl<'a> Blocks<'a> {
+    fn of(network: &'a Network, parameters: &'a [f32]) -> Blocks<'a> {
+        Blocks {
+            parameters,
+            blocks: network.blocks.iter(),
+        }
+    }
+
+    /// A map x → x·W of the next block.
+    fn product(&mut self) -> impl Fn(&[f32]) -> Vec<f32> + use<'a> {
+        let block = self.blocks.next().unwrap();
+        let weight = &self.parameters[block.offset..block.offset + block.len()];
+        move |x: &[f32]| {
+            assert_eq!(x.len(), block.rows);
+            (0..block.columns)
+                .map(|j| {
+                    (0..block.rows)
+                        .map(|i| x[i] * weight[i * block.columns + j])
+                        .sum()
+                })
+                .collect()
+        }
+    }
+
+    /// A map x → x·W + b of the next two.
+    fn linear(&mut self) -> impl Fn(&[f32]) -> Vec<f32> + use<'a> {
+        let (weight, bias) = (self.product(), self.product());
+        move |x: &[f32]| plus(&weight(x), &bias(&[1.0]))
+    }
+
+    fn trunk(&mut self, input: &[f32]) -> Vec<f32> {
+        let mut hidden = self.linear()(input);
+        while self.blocks.len() > 0 {
+            hidden = self.linear()(&relu(&hidden));
+        }
+        hidden
+    }
+}
+
+fn plus(a: &[f32], b: &[f32]) -> Vec<f32> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+fn relu(x: &[f32]) -> Vec<f32> {
+    x.iter().map(|x| x.max(0.0)).collect()
+}
+
+fn pool(width: usize, set: &[Vec<f32>]) -> Vec<f32> {
+    let sum = set.iter().fold(vec![0.0; width], |sum, x| plus(&sum, x));
+    sum.iter().map(|sum| sum / CROWD).collect()
+}
+
+/// Distance in cells between two positions.
+fn apart(a: [f32; 2], b: [f32; 2], shape: &Shape) -> f32 {
+    let [x_cells, y_cells] = shape.position_cells();
+    (a[0] - b[0]).abs() * x_cells + (a[1] - b[1]).abs() * y_cells
+}
+
+fn near(distance: f32, reach: f32) -> f32 {
+    (1.0 - distance / reach).max(0.0)
+}
+
+/// The actor's outputs for one observation.
+pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
+    let mut blocks = Blocks::of(network, parameters);
+    let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
+    let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
+    let own = [&row[..OWN_FIRST], &row[tail_first..]].concat();
+    let hotspots = || row[OWN_FIRST..slots_first].chunks_exact(HOTSPOT_FIELDS);
+    let present = || {
+        let slots = row[slots_first..tail_first].chunks_exact(SLOT_FIELDS);
+        slots.filter(|slot| slot[0] == 1.0)
+    };
+
+    let (first, second) = (blocks.linear(), blocks.linear());
+    let neighbours: Vec<_> = present()
+        .map(|slot| relu(&second(&relu(&first(slot)))))
+        .collect();
+    let neighbours = pool(UAV_WIDTH, &neighbours);
+
+    let features = |hotspot: &[f32]| {
+        let place = [hotspot[0], hotspot[1]];
+        let count = |reach: f32| -> f32 {
+            let each = present().map(|slot| near(apart(place, [slot[1], slot[2]], shape), reach));
+            each.sum::<f32>() / CROWD
+        };
+        let far = apart(place, [0.0; 2], shape);
+        let derived = [
+            far / (2.0 * shape.position_cells()[0]),
+            near(far, 1.0),
+            near(far, 4.0),
+            count(1.0),
+            count(4.0),
+        ];
+        [hotspot, &derived].concat()
+    };
+    let (first, context) = (blocks.linear(), blocks.product());
+    let context = context(&[&own[..], &neighbours].concat());
+    let (second, third, others) = (blocks.linear(), blocks.linear(), blocks.product());
+    let embedded: Vec<_> = hotspots()
+        .map(|hotspot| relu(&plus(&first(&features(hotspot)), &context)))
+        .map(|x| relu(&second(&x)))
+        .collect();
+    let others = others(&pool(embedded[0].len(), &embedded));
+    let embedded: Vec<_> = embedded
+        .iter()
+        .map(|x| relu(&plus(&third(x), &others)))
+        .collect();
+
+    let score = blocks.linear();
+    let scores: Vec<_> = embedded.iter().map(|x| score(x)).collect();
+    let mut attended = Vec::new();
+    for head in 0..HEADS {
+        let weights: Vec<f32> = scores.iter().map(|scores| scores[head].exp()).collect();
+        let total: f32 = weights.iter().sum();
+        attended.extend((0..embedded[0].len()).map(|j| {
+            let terms = weights.iter().zip(&embedded).map(|(w, x)| w / total * x[j]);
+            terms.sum::<f32>()
+        }));
+    }
+    blocks.trunk(&[&attended[..], &neighbours, &own].concat())
+}
+
+/// The critic's output for one global state.
+pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
+    let mut blocks = Blocks::of(network, parameters);
+    let (uavs, rest) = row.split_at(UAV_FIELDS * shape.agents);
+    let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
+    assert_eq!(common.len(), COMMON);
+    let uavs = || uavs.chunks_exact(UAV_FIELDS);
+
+    let (first, second) = (blocks.linear(), blocks.linear());
+    let fleet: Vec<_> = uavs()
+        .map(|uav| relu(&second(&relu(&first(uav)))))
+        .collect();
+    let fleet = pool(UAV_WIDTH, &fleet);
+
+    let (first, context, second) = (blocks.linear(), blocks.product(), blocks.linear());
+    let context = context(&[common, &fleet].concat());
+    let embedded: Vec<_> = hotspots
+        .chunks_exact(HOTSPOT_FIELDS)
+        .map(|hotspot| {
+            let place = [hotspot[0], hotspot[1]];
+            let count = |reach: f32| -> f32 {
+                let each = uavs().map(|uav| near(apart(place, [uav[0], uav[1]], shape), reach));
+                each.sum::<f32>() / CROWD
+            };
+            let features = [hotspot, &[count(1.0), count(4.0), count(12.0)]].concat();
+            relu(&second(&relu(&plus(&first(&features), &context))))
+        })
+        .collect();
+    let embedded = pool(embedded[0].len(), &embedded);
+    blocks.trunk(&[&embedded[..], &fleet, common].concat())
+}
