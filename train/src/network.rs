@@ -150,6 +150,15 @@ impl Network {
             Architecture::SetCritic { hidden } => set::critic_products(hidden, shape),
         }
     }
+
+    /// Those of them that multiply inputs, not what another layer gave.
+    pub fn input_products(&self, shape: &Shape) -> u64 {
+        match &self.architecture {
+            Architecture::Mlp { sizes } => (sizes[0] * sizes[1]) as u64,
+            Architecture::SetActor { .. } => set::actor_input_products(shape),
+            Architecture::SetCritic { .. } => set::critic_input_products(shape),
+        }
+    }
 }
 
 /// Gradient of all blocks as one flat vector; a block that the loss does not touch gives zeros.

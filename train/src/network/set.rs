@@ -83,7 +83,8 @@ pub(super) fn critic_blocks(hidden: &[usize]) -> Shapes {
 /// Multiply-adds of one observation's forward pass.
 pub(super) fn actor_products(hidden: &[usize], outputs: usize, shape: &Shape) -> u64 {
     let neighbour = SLOT_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
-    let hotspot = HOTSPOT_WIDTH * (HOTSPOT_FEATURES + 2 * HOTSPOT_WIDTH + HEADS);
+    // Attention is two products with every hotspot: its scores, and the sum that they weigh.
+    let hotspot = HOTSPOT_WIDTH * (HOTSPOT_FEATURES + 2 * HOTSPOT_WIDTH + 2 * HEADS);
     let once = HOTSPOT_WIDTH * (OWN + UAV_WIDTH + HOTSPOT_WIDTH);
     let mut sizes = vec![HEADS * HOTSPOT_WIDTH + UAV_WIDTH + OWN];
     sizes.extend_from_slice(hidden);
@@ -102,6 +103,18 @@ pub(super) fn critic_products(hidden: &[usize], shape: &Shape) -> u64 {
     sizes.push(1);
     let trunk: usize = sizes.windows(2).map(|pair| pair[0] * pair[1]).sum();
     (uav * shape.agents + hotspot * shape.hotspots + once + trunk) as u64
+}
+
+/// Those of the actor's layers that read the observation, whose gradient nobody needs.
+pub(super) fn actor_input_products(shape: &Shape) -> u64 {
+    let neighbour = SLOT_FIELDS * UAV_WIDTH * shape.neighbour_slots;
+    (neighbour + HOTSPOT_FEATURES * HOTSPOT_WIDTH * shape.hotspots) as u64
+}
+
+/// Those of the critic's layers that read the global state.
+pub(super) fn critic_input_products(shape: &Shape) -> u64 {
+    let uav = UAV_FIELDS * UAV_WIDTH * shape.agents;
+    (uav + TARGET_FEATURES * HOTSPOT_WIDTH * shape.hotspots) as u64
 }
 
 /// Takes weights in the order of the blocks.

@@ -105,11 +105,11 @@ impl Sums {
     }
 }
 
-/// Operations of a forward and backward pass: three products a layer, less the first layer's
-/// input gradient, which nobody needs.
+/// Operations of a forward and backward pass: three products a layer, less the gradients of
+/// inputs, which nobody needs.
 fn operations(network: &Network, shape: &Shape, rows: usize) -> f64 {
-    let first = network.blocks.first().map_or(0, |block| block.len()) as f64;
-    rows as f64 * (6.0 * network.products(shape) as f64 - 2.0 * first)
+    let (all, inputs) = (network.products(shape), network.input_products(shape));
+    rows as f64 * (6.0 * all as f64 - 2.0 * inputs as f64)
 }
 
 /// Shuffled shards over rows of equal shape; every minibatch is a run of whole shards.
