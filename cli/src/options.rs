@@ -72,7 +72,8 @@ pub struct PolicyOptions {
     /// random, greedy, swarm, teams, sweep, or the folder of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
-    /// Pilot density: min, mid, max, or adaptive (max near an unconfirmed hotspot, min elsewhere)
+    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed hotspot, min
+    /// elsewhere)
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }

@@ -91,7 +91,17 @@ fn unknown_names() {
         folder.path(),
         &["simulate", "--pilot", "most"],
         INPUT,
-        &["pilot = most", "min, mid, max, adaptive"],
+        &["pilot = most", "min, mid, max, adaptive, or a density"],
+    );
+    refuses(
+        folder.path(),
+        &["simulate", "--pilot", "0.4"],
+        INPUT,
+        &[
+            "pilot = 0.4",
+            "0.01 (pilot_density_min)",
+            "0.3 (pilot_density_max)",
+        ],
     );
     refuses(
         folder.path(),

@@ -2,7 +2,7 @@
 
 use crate::checkpoint;
 use crate::environment::VectorEnvironment;
-use crate::environment::fleet::{Fleet, Treatment, pilot_action, teacher_named};
+use crate::environment::fleet::{Fleet, Treatment, teacher_named};
 use crate::error::TrainError;
 use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
@@ -14,6 +14,7 @@ use crate::store::write_whole;
 use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
 use jcas_evaluate::mission::{self, Campaign};
+use jcas_evaluate::policy::action_of;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -91,13 +92,8 @@ impl Plan {
     }
 
     fn constant_pilot(&self) -> Option<f32> {
-        let config = self.configs[0];
         let density = self.settings.constant_pilot?;
-        Some(pilot_action(
-            config.pilot_density_min,
-            config.pilot_density_max,
-            density,
-        ))
+        Some(action_of(&self.configs[0], density))
     }
 
     /// A trainer at its start.

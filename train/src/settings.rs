@@ -211,7 +211,7 @@ impl Settings {
             environments: 160,
             workers: 20,
             batch_steps: 5120,
-            total_steps: 100 * 5120,
+            total_steps: 80 * 5120,
             epochs: 2,
             minibatch_rows: 1024,
             critic_minibatch_rows: 256,
@@ -233,7 +233,7 @@ impl Settings {
             step_cost: 0.3,
             imitation: Some(Imitation {
                 teacher: "teams:adaptive".to_owned(),
-                iterations: 100,
+                iterations: 200,
                 epochs: 2,
                 learning_rate: 1.5e-3,
                 teacher_share: 0.6,

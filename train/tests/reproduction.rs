@@ -79,7 +79,10 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
     // Per cell ten baselines and two learned policies; then densities, batteries, the paper's cells and
     // variations.
-    assert_eq!(results.lines().count(), 1 + 4 * 12 + 2 + 2 * 2 + 2 * 2 + 2);
+    assert_eq!(
+        results.lines().count(),
+        1 + 4 * 12 + 2 * 2 + 2 * 2 + 2 * 2 + 2
+    );
     for file in [
         "training_returns",
         "training_time",

@@ -40,7 +40,7 @@ pub enum ModeName {
 pub struct Evaluate {
     /// Folder of a trained policy, or a baseline's name
     policy: String,
-    /// Pilot density of a baseline: min, mid, max, adaptive
+    /// Pilot density of a baseline: a number such as 0.15, min, mid, max, adaptive
     #[arg(long, value_name = "MODE", default_value = crate::options::DEFAULT_PILOT)]
     pilot: String,
     /// How a learned policy acts

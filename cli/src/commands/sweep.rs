@@ -22,7 +22,7 @@ const EXAMPLES: &str = "\
 Examples:
   jcas sweep
   jcas sweep --policy greedy,swarm,teams --pilot max,adaptive --hotspots 7 --out baselines
-  jcas sweep --uavs 10 --hotspots 5 --pilot max --vary pilot_density_max=0.05,0.1,0.3 --out pilot
+  jcas sweep --uavs 10 --hotspots 5,11 --pilot 0.01,0.1,0.2,0.3 --out pilot
   jcas sweep --uavs 4,6,8 --vary battery_capacity_kwh=0.02,0.05,0.2 --episodes 500 --out battery
 
 Every option with a list flies every combination. Ctrl-C keeps the finished cells; the same \
@@ -47,7 +47,7 @@ pub struct Sweep {
     /// Policies: random, greedy, swarm, teams, sweep
     #[arg(long, value_name = "POLICY,POLICY", value_delimiter = ',', default_value = DEFAULT_POLICY, help_heading = "Lists")]
     policy: Vec<String>,
-    /// Pilot densities: min, mid, max, adaptive
+    /// Pilot densities: numbers such as 0.15, min, mid, max, adaptive
     #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
     pilot: Vec<String>,
     /// Values of any field; may be repeated

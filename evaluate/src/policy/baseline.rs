@@ -67,12 +67,14 @@ impl BaselineKind {
     /// Builds the baseline.
     ///
     /// # Errors
-    /// [`PolicyError::Hidden`] where it reads positions that the model withholds from the UAVs.
+    /// [`PolicyError::Hidden`] where it reads positions that the model withholds from the UAVs,
+    /// [`PolicyError::PilotOutOfRange`] where the mission does not allow the pilot density.
     pub fn build(self, model: &Model<'_>, pilot: PilotMode) -> Result<Baseline, PolicyError> {
         let hidden = model.config().target_visibility == TargetVisibility::Hidden;
         if hidden && self.reads_positions() {
             return Err(PolicyError::Hidden(self));
         }
+        pilot.check(model.config())?;
         Ok(self.build_privileged(pilot))
     }
 
@@ -89,6 +91,7 @@ impl BaselineKind {
         Baseline {
             kind: self,
             pilot,
+            pilot_name: pilot.name(),
             steering,
             motions: Vec::new(),
         }
@@ -113,13 +116,22 @@ impl FromStr for BaselineKind {
 }
 
 /// Why a baseline cannot be had.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PolicyError {
     /// No baseline has this name.
     UnknownPolicy(String),
     /// No pilot mode has this name.
     UnknownPilot(String),
+    /// The mission does not allow this pilot density.
+    PilotOutOfRange {
+        /// What was asked for.
+        density: f64,
+        /// The least that is allowed.
+        low: f64,
+        /// The most that is allowed.
+        high: f64,
+    },
     /// It needs positions that are hidden.
     Hidden(BaselineKind),
 }
@@ -133,7 +145,11 @@ impl fmt::Display for PolicyError {
             ),
             Self::UnknownPilot(name) => write!(
                 out,
-                "pilot = {name}: must be one of min, mid, max, adaptive"
+                "pilot = {name}: must be one of min, mid, max, adaptive, or a density such as 0.15"
+            ),
+            Self::PilotOutOfRange { density, low, high } => write!(
+                out,
+                "pilot = {density}: must be a density from {low} (pilot_density_min) to {high} (pilot_density_max)"
             ),
             Self::Hidden(kind) => write!(
                 out,
@@ -150,6 +166,7 @@ impl std::error::Error for PolicyError {}
 pub struct Baseline {
     kind: BaselineKind,
     pilot: PilotMode,
+    pilot_name: String,
     steering: Box<dyn Steering>,
     motions: Vec<Motion>,
 }
@@ -160,7 +177,7 @@ impl Policy for Baseline {
     }
 
     fn pilot(&self) -> &str {
-        self.pilot.name()
+        &self.pilot_name
     }
 
     fn reset(&mut self, model: &Model<'_>, seed: u64) {

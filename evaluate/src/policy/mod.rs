@@ -38,7 +38,7 @@ pub use baseline::{Baseline, BaselineKind, PolicyError, Steering};
 pub use charge::stays_to_charge;
 pub use gather::gather;
 pub use greedy::Greedy;
-pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode};
+pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode, action_of};
 pub use quorum::quorum_probability;
 pub use random::Random;
 pub use route::route;

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use jcas_core::{Model, StateRef, TargetVisibility};
+use jcas_core::{Config, Model, StateRef, TargetVisibility};
 
 use super::baseline::PolicyError;
 
@@ -15,7 +15,7 @@ use super::baseline::PolicyError;
 pub const ADAPTIVE_RANGE_CELLS: u32 = 1;
 
 /// The choice of pilot density.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PilotMode {
     /// Always the least: the best links, the weakest sensing.
     Min,
@@ -26,20 +26,34 @@ pub enum PilotMode {
     /// The most near an unconfirmed hotspot, the least elsewhere. Where positions are hidden: the most
     /// while any hotspot is unconfirmed.
     Adaptive,
+    /// Always this density, kept within the mission's bounds.
+    Held(f64),
 }
 
 impl PilotMode {
-    /// All modes.
+    /// All modes that have a name.
     pub const ALL: [Self; 4] = [Self::Min, Self::Mid, Self::Max, Self::Adaptive];
 
     /// As it is typed.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Min => "min",
-            Self::Mid => "mid",
-            Self::Max => "max",
-            Self::Adaptive => "adaptive",
+            Self::Min => "min".to_owned(),
+            Self::Mid => "mid".to_owned(),
+            Self::Max => "max".to_owned(),
+            Self::Adaptive => "adaptive".to_owned(),
+            Self::Held(density) => density.to_string(),
+        }
+    }
+
+    /// Refuses a density that the mission does not allow.
+    pub(super) fn check(self, config: &Config) -> Result<(), PolicyError> {
+        let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+        match self {
+            Self::Held(density) if !(low <= density && density <= high) => {
+                Err(PolicyError::PilotOutOfRange { density, low, high })
+            }
+            _ => Ok(()),
         }
     }
 
@@ -52,6 +66,7 @@ impl PilotMode {
             Self::Max => 1.0,
             Self::Adaptive if target_in_range(model, state, uav) => 1.0,
             Self::Adaptive => -1.0,
+            Self::Held(density) => action_of(model.config(), density),
         }
     }
 
@@ -66,8 +81,19 @@ impl PilotMode {
             Self::Min => low,
             Self::Mid => low + 0.5 * (high - low),
             Self::Max | Self::Adaptive => high,
+            Self::Held(density) => density.clamp(low, high),
         }
     }
+}
+
+/// The action component u_pilot that gives a density: the kernel's map, inverted.
+#[must_use]
+pub fn action_of(config: &Config, density: f64) -> f32 {
+    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+    if high <= low {
+        return 0.0;
+    }
+    (2.0 * (density - low) / (high - low) - 1.0).clamp(-1.0, 1.0) as f32
 }
 
 fn target_in_range(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> bool {
@@ -81,7 +107,7 @@ fn target_in_range(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> bool 
 
 impl fmt::Display for PilotMode {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(self.name())
+        out.write_str(&self.name())
     }
 }
 
@@ -89,9 +115,15 @@ impl FromStr for PilotMode {
     type Err = PolicyError;
 
     fn from_str(text: &str) -> Result<Self, PolicyError> {
+        let held = || {
+            text.parse()
+                .ok()
+                .filter(|density: &f64| density.is_finite())
+        };
         Self::ALL
             .into_iter()
             .find(|mode| mode.name() == text)
+            .or_else(|| held().map(Self::Held))
             .ok_or_else(|| PolicyError::UnknownPilot(text.to_owned()))
     }
 }

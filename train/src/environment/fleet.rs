@@ -62,14 +62,6 @@ impl Treatment {
     }
 }
 
-/// The pilot action that holds a density within [low, high]: the kernel's map, inverted.
-pub fn pilot_action(low: f64, high: f64, density: f64) -> f32 {
-    if high <= low {
-        return 0.0;
-    }
-    (2.0 * (density - low) / (high - low) - 1.0).clamp(-1.0, 1.0) as f32
-}
-
 /// A teacher by name, such as `swarm:adaptive`.
 pub fn teacher_named(name: &str) -> Result<(BaselineKind, PilotMode), String> {
     let (kind, pilot) = name

@@ -10,6 +10,7 @@ use crate::ppo::normalise::Affine;
 use crate::settings::Settings;
 use crate::store::{Array, Arrays, encode, write_whole};
 use jcas_core::{Config, Model, TargetVisibility};
+use jcas_evaluate::policy::action_of;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
@@ -160,10 +161,9 @@ fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
         (_, true) => return Err("normalised_inputs: only an MLP has input statistics".to_owned()),
         (_, false) => Affine::default(),
     };
-    let constant_pilot = card.constant_pilot_density.map(|density| {
-        let (low, high) = (card.config.pilot_density_min, card.config.pilot_density_max);
-        crate::environment::fleet::pilot_action(low, high, density)
-    });
+    let constant_pilot = card
+        .constant_pilot_density
+        .map(|density| action_of(&card.config, density));
     Ok(Actor {
         network,
         parameters,

@@ -259,27 +259,28 @@ fn trade_off(scale: &Scale, table: &Table) -> Figure {
                 .x_interval(throughput.low, throughput.high),
         )
     };
-    let held: Vec<(Point, String)> = scale
-        .densities
-        .iter()
-        .filter_map(|&density| {
-            let rows = table.select(|row| row.experiment == "density" && row.x == density);
-            Some((place(&rows)?, format!("{density:.2}")))
-        })
-        .collect();
     let mut figure = Figure::new(
         format!("Success against throughput, N = {uavs}, n = {hotspots}"),
         Axis::new("normalised throughput", ""),
         Axis::new("success rate", ""),
     )
-    .note("The learned motions with the pilot density held at the value beside each point.")
-    .with(
-        Series::line(
-            "held pilot density",
-            held.iter().map(|(point, _)| *point).collect(),
-        )
-        .labels(held.iter().map(|(_, label)| label.clone())),
-    );
+    .note("Lines: the same motions with the pilot density held at the value beside each point.");
+    for policy in ["learned", "teams"] {
+        let held: Vec<(Point, String)> = scale
+            .densities
+            .iter()
+            .filter_map(|&density| {
+                let rows = table.select(|row| {
+                    row.experiment == "density" && row.policy == policy && row.x == density
+                });
+                Some((place(&rows)?, format!("{density:.2}")))
+            })
+            .collect();
+        let points = held.iter().map(|(point, _)| *point).collect();
+        let labels = held.iter().map(|(_, label)| label.clone());
+        let name = format!("{policy}, held pilot density");
+        figure = figure.with(Series::line(name, points).labels(labels));
+    }
     for (name, policy, pilot) in COMPARED.iter().take(4) {
         let rows: Vec<&Row> = grid_rows(table, policy, pilot)
             .into_iter()

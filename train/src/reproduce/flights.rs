@@ -3,7 +3,6 @@
 use super::plan::{CONSTANT_PILOT, Scale, Variation};
 use super::table::{Key, Table};
 use super::{Narrator, Progress};
-use crate::environment::fleet::pilot_action;
 use crate::error::TrainError;
 use crate::policy::files::{CARD, Precision, Stored, load};
 use crate::policy::{Actor, LearnedPolicy, Mode};
@@ -12,7 +11,7 @@ use crate::settings::Settings;
 use crate::store::write_whole;
 use jcas_core::{Config, Model, Sim};
 use jcas_evaluate::mission::{Campaign, fly};
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
+use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_evaluate::statistics::Summary;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -132,7 +131,7 @@ impl Flights<'_> {
             let config = self.scale.mission(uavs, hotspots);
             for kind in BaselineKind::ALL {
                 for pilot in [PilotMode::Adaptive, PilotMode::Max] {
-                    let key = key("grid", &config, kind.name(), pilot.name(), 0, 0.0);
+                    let key = key("grid", &config, kind.name(), &pilot.name(), 0, 0.0);
                     self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
                 }
             }
@@ -197,21 +196,27 @@ impl Flights<'_> {
         Ok(())
     }
 
-    /// Success against throughput: the learned motions with the pilot density held.
+    /// Success against throughput: the motions of the learned policy and of `teams`, the pilot density held.
     fn trade_off(&mut self, policy: &Stored, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("sensing against communication");
         let (uavs, hotspots) = self.scale.hard_cell();
         let config = self.scale.mission(uavs, hotspots);
         for &density in &self.scale.densities {
-            let held = pilot_action(config.pilot_density_min, config.pilot_density_max, density);
+            let held = action_of(&config, density);
             let actor = Arc::new(Actor {
                 constant_pilot: Some(held),
                 ..Actor::clone(&policy.actor)
             });
-            let key = key("density", &config, "learned", "held", seed, density);
+            let key_of = |policy, seed| key("density", &config, policy, "held", seed, density);
+            let key = key_of("learned", seed);
             let mode = policy.card.mode;
             self.campaign(&key, config, &|| {
                 Box::new(LearnedPolicy::new("held", actor.clone(), mode))
+            })?;
+            let key = key_of("teams", 0);
+            let pilot = PilotMode::Held(density);
+            self.campaign(&key, config, &|| {
+                Box::new(BaselineKind::Teams.build_privileged(pilot))
             })?;
         }
         Ok(())

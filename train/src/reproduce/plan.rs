@@ -67,6 +67,15 @@ pub fn variations() -> Vec<Variation> {
             |config, _| config.detection_threshold_db = Some(7.0),
         ),
         variation(
+            "easier_mission",
+            "threshold 7 dB, a quorum of one, no reward for throughput: all three hurdles taken away",
+            |config, _| {
+                config.detection_threshold_db = Some(7.0);
+                config.quorum = 1;
+                config.reward_throughput = 0.0;
+            },
+        ),
+        variation(
             "hybrid_head",
             "categorical motion and Beta pilot density, not five bins of a normal variable",
             |_, settings| settings.head = Head::Hybrid,
@@ -119,7 +128,7 @@ impl Scale {
         tuned.evaluation_episodes = 1;
         tuned.critic_warmup_iterations = 0;
         if let Some(imitation) = &mut tuned.imitation {
-            imitation.iterations = 50;
+            imitation.iterations = 80;
         }
         let paper = Settings {
             total_steps: 4 * 4096,
