@@ -26,13 +26,13 @@ pub trait Narrator: Observer {
 /// Whether everything was done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// All rows are there; figures and report are written.
+    /// All rows are there.
     Finished,
-    /// Stopped when asked; what was done is kept.
+    /// Stopped when asked; figures and report show what was done.
     Stopped,
 }
 
-/// Trains and flies whatever is missing, then draws and writes.
+/// Trains and flies whatever is missing, then draws and writes what is there, also when stopped.
 pub fn reproduce(
     scale: &Scale,
     out: &Path,
@@ -40,18 +40,16 @@ pub fn reproduce(
 ) -> Result<Progress, TrainError> {
     std::fs::create_dir_all(out).map_err(TrainError::file(out))?;
     let mut table = Table::open(&out.join("results.csv"))?;
-    if flights::fly_all(scale, out, &mut table, narrator)? == Progress::Stopped {
-        return Ok(Progress::Stopped);
-    }
+    let progress = flights::fly_all(scale, out, &mut table, narrator)?;
     narrator.chapter("figures and report");
     let curves = figures::curves(scale, out)?;
     figures::write_all(scale, &table, &curves, out)?;
     let text = claims::markdown(scale, &table, &curves, "");
     write_whole(&out.join("results.md"), text.as_bytes())?;
-    Ok(Progress::Finished)
+    Ok(progress)
 }
 
-/// Writes the page of claims of a finished reproduction to a place of its own, its pictures into a folder
+/// Writes the page of claims of a reproduction to a place of its own, its pictures into a folder
 /// beside it.
 pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError> {
     let table = Table::open(&out.join("results.csv"))?;

@@ -232,9 +232,12 @@ impl Plan {
         };
         let shape = shape_of(&self.models()?[0]);
         save(&self.out, &actor, &card, &shape, self.precision)?;
-        let path = self.out.join(SPEED);
-        let text = serde_json::to_string_pretty(speed).map_err(TrainError::format(&path))?;
-        write_whole(&path, (text + "\n").as_bytes())?;
+        // A finished run that is only written again has timed nothing.
+        if speed.iterations > 0 {
+            let path = self.out.join(SPEED);
+            let text = serde_json::to_string_pretty(speed).map_err(TrainError::format(&path))?;
+            write_whole(&path, (text + "\n").as_bytes())?;
+        }
         Ok(card)
     }
 }

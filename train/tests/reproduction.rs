@@ -73,6 +73,7 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     let _ = std::fs::remove_dir_all(&out);
     let stopped = reproduce(&scale(), &out, &mut narrator(2)).unwrap();
     assert_eq!(stopped, Progress::Stopped);
+    assert!(out.join("report.html").exists());
     let done = reproduce(&scale(), &out, &mut narrator(usize::MAX)).unwrap();
     assert_eq!(done, Progress::Finished);
 

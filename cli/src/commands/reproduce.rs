@@ -62,18 +62,18 @@ impl Reproduce {
         let progress = self
             .threads
             .run(|| reproduce(&scale, &self.out, &mut Teller))??;
+        if let Some(page) = &self.page {
+            publish(&scale, &self.out, page)?;
+        }
+        let report = self.out.join("report.html");
         match progress {
             Progress::Finished => {
-                if let Some(page) = &self.page {
-                    publish(&scale, &self.out, page)?;
-                }
-                let report = self.out.join("report.html");
                 files::print(&format!("report: {}\n", report.display()))?;
                 Ok(Outcome::Done)
             }
             Progress::Stopped => Err(CliError::Interrupted(format!(
-                "stopped; the same command goes on in {}",
-                self.out.display()
+                "stopped; {} shows what there is, the same command goes on",
+                report.display()
             ))),
         }
     }

@@ -5,7 +5,8 @@ use super::flights::POLICIES;
 use super::plan::{PAPER_ITERATIONS, Scale};
 use super::table::{Quantity, Row, Table, mean};
 use crate::error::TrainError;
-use crate::run::{METRICS, SPEED};
+use crate::policy::files::CARD;
+use crate::run::METRICS;
 use jcas_evaluate::figures::report::Report;
 use jcas_evaluate::figures::{Axis, Draw, Figure, FigureError, Point, Series};
 use std::path::Path;
@@ -32,7 +33,7 @@ impl Curve {
     }
 }
 
-/// The training curves of the adaptive runs with the paper's settings.
+/// The training curves of the adaptive runs with the paper's settings, as far as they are trained.
 pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
     let mut curves = Vec::new();
     for &(uavs, hotspots) in &scale.paper_cells {
@@ -40,41 +41,35 @@ pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
             let folder = out
                 .join(POLICIES)
                 .join(format!("ppo-{uavs}x{hotspots}-adaptive-s{seed}"));
+            if !folder.join(CARD).exists() {
+                continue;
+            }
+            let (returns, wall_s) = iterations(&folder.join(METRICS))?;
             curves.push(Curve {
                 uavs,
                 hotspots,
                 seed,
-                returns: returns(&folder.join(METRICS))?,
-                training_s: training_time(&folder.join(SPEED))?,
+                returns,
+                training_s: wall_s.iter().sum(),
             });
         }
     }
     Ok(curves)
 }
 
-fn returns(path: &Path) -> Result<Vec<f64>, TrainError> {
+/// Mean return and wall time of each iteration. A run that was stopped and continued has them all here.
+fn iterations(path: &Path) -> Result<(Vec<f64>, Vec<f64>), TrainError> {
     #[derive(serde::Deserialize)]
     struct Line {
         return_mean: Option<f64>,
+        wall_s: f64,
     }
     let mut reader = csv::Reader::from_path(path).map_err(TrainError::format(path))?;
-    reader
-        .deserialize::<Line>()
-        .map(|line| {
-            let line = line.map_err(TrainError::format(path))?;
-            Ok(line.return_mean.unwrap_or(f64::NAN))
-        })
-        .collect()
-}
-
-fn training_time(path: &Path) -> Result<f64, TrainError> {
-    #[derive(serde::Deserialize)]
-    struct Times {
-        training_s: f64,
-    }
-    let text = std::fs::read_to_string(path).map_err(TrainError::file(path))?;
-    let times: Times = serde_json::from_str(&text).map_err(TrainError::format(path))?;
-    Ok(times.training_s)
+    let lines = reader.deserialize::<Line>().map(|line| {
+        let line = line.map_err(TrainError::format(path))?;
+        Ok((line.return_mean.unwrap_or(f64::NAN), line.wall_s))
+    });
+    lines.collect()
 }
 
 /// Who is compared in the figures over fleets and hotspots: name, condition.
@@ -335,6 +330,9 @@ fn approach(scale: &Scale, out: &Path) -> Result<Figure, TrainError> {
     .note("The learned policy, deterministic.");
     for &seed in &scale.seeds {
         let path = out.join(format!("approach-s{seed}.csv"));
+        if !path.exists() {
+            continue;
+        }
         let mut reader = csv::Reader::from_path(&path).map_err(TrainError::format(&path))?;
         let points = reader
             .deserialize::<Line>()

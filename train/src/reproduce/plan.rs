@@ -69,10 +69,14 @@ pub fn variations() -> Vec<Variation> {
         variation(
             "easier_mission",
             "threshold 7 dB, a quorum of one, no reward for throughput: all three hurdles taken away",
+            |config, _| easier(config),
+        ),
+        variation(
+            "easier_mission_inform_once",
+            "the same, and an informed hotspot pays once",
             |config, _| {
-                config.detection_threshold_db = Some(7.0);
-                config.quorum = 1;
-                config.reward_throughput = 0.0;
+                easier(config);
+                config.inform_payment = InformPayment::Once;
             },
         ),
         variation(
@@ -81,6 +85,13 @@ pub fn variations() -> Vec<Variation> {
             |_, settings| settings.head = Head::Hybrid,
         ),
     ]
+}
+
+/// A mission that PPO can stumble upon: one detection is enough, and nothing pays for hovering in contact.
+fn easier(config: &mut Config) {
+    config.detection_threshold_db = Some(7.0);
+    config.quorum = 1;
+    config.reward_throughput = 0.0;
 }
 
 /// Pilot density of the paper's constant model.
@@ -128,7 +139,7 @@ impl Scale {
         tuned.evaluation_episodes = 1;
         tuned.critic_warmup_iterations = 0;
         if let Some(imitation) = &mut tuned.imitation {
-            imitation.iterations = 80;
+            imitation.iterations = 150;
         }
         let paper = Settings {
             total_steps: 4 * 4096,
