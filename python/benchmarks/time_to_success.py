@@ -3,7 +3,8 @@
     python python/benchmarks/time_to_success.py --command target/release/jcas
 
 Same environment, same networks, same PPO settings (the paper's), one run each after the other on this machine.
-Success is what each trainer sees in its own missions, sampled actions, as a mean over the last hundred.
+Success is what each trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the
+hundredth on: the first to end are those that went well.
 
 The mission is one that PPO learns from nothing: a small grid, one detection is enough, a radar that sees a
 hotspot below it in every other step, no reward for throughput. `--set` makes another of it.
@@ -84,7 +85,7 @@ def train_jcas(options: argparse.Namespace) -> Curve:
             while len(recent) > 1 and sum(missions for missions, _ in list(recent)[1:]) >= 100:
                 recent.popleft()
         flown = sum(missions for missions, _ in recent)
-        share = sum(missions * success for missions, success in recent) / max(flown, 1)
+        share = sum(missions * success for missions, success in recent) / flown if flown >= 100 else 0.0
         curve.append((seconds, int(row["environment_steps"]), share))
     return curve
 
@@ -126,7 +127,7 @@ def train_sb3(options: argparse.Namespace) -> Curve:
             return True
 
         def _on_rollout_end(self) -> None:
-            share = sum(self.last) / max(len(self.last), 1)
+            share = sum(self.last) / 100 if len(self.last) == 100 else 0.0
             curve.append((time.monotonic() - began, self.num_timesteps // options.uavs, share))
 
     began = time.monotonic()
