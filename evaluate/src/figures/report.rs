@@ -14,7 +14,7 @@ pub struct Report {
     body: String,
 }
 
-/// Rows of text under a head; numbers are aligned to the right.
+/// Rows of text under a head; columns of numbers are aligned to the right.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// What the table shows.
@@ -122,15 +122,14 @@ impl Report {
 
     /// Adds a table.
     pub fn table(&mut self, table: &Table) -> &mut Self {
-        let is_numeric = |column: usize| {
-            table
-                .rows
-                .first()
-                .and_then(|row| row.get(column))
-                .is_some_and(|cell| is_number(&cell.text))
-        };
+        let numeric: Vec<bool> = (0..table.head.len())
+            .map(|column| {
+                let mut cells = table.rows.iter().filter_map(|row| row.get(column));
+                cells.all(|cell| is_number(&cell.text))
+            })
+            .collect();
         let head = |(column, name): (usize, &String)| {
-            let class = if is_numeric(column) {
+            let class = if numeric[column] {
                 " class=\"number\""
             } else {
                 ""
@@ -138,7 +137,11 @@ impl Report {
             format!("<th scope=\"col\"{class}>{}</th>", escape(name))
         };
         let head: String = table.head.iter().enumerate().map(head).collect();
-        let rows: String = table.rows.iter().map(|cells| row(cells)).collect();
+        let rows: String = table
+            .rows
+            .iter()
+            .map(|cells| row(cells, &numeric))
+            .collect();
         self.push(&format!(
             "<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>",
             inline(&table.caption)
@@ -188,7 +191,7 @@ impl Report {
     }
 }
 
-fn row(cells: &[Cell]) -> String {
+fn row(cells: &[Cell], numeric: &[bool]) -> String {
     let cells: String = cells
         .iter()
         .enumerate()
@@ -199,7 +202,11 @@ fn row(cells: &[Cell]) -> String {
                 Tone::Good => "good",
                 Tone::Bad => "bad",
             };
-            let kind = if is_number(&cell.text) { "number" } else { "" };
+            let kind = if numeric.get(column) == Some(&true) {
+                "number"
+            } else {
+                ""
+            };
             let class = format!("{kind} {tone}").trim().to_owned();
             let class = if class.is_empty() {
                 String::new()
@@ -304,5 +311,18 @@ mod tests {
             assert!(is_number(text), "{text}");
         }
         assert!(!is_number("N = 5") && !is_number("-"));
+    }
+
+    #[test]
+    fn a_column_with_words_in_it_stays_on_the_left() {
+        let row = |text: &str| vec![Cell::from(text)];
+        let table = Table {
+            caption: String::new(),
+            head: vec!["measured".to_owned()],
+            rows: vec![row("0.9"), row("not measured")],
+        };
+        let mut report = Report::new("Mixed", "");
+        report.table(&table);
+        assert!(!report.html().contains("class=\"number\""));
     }
 }
