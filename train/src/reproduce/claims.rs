@@ -98,13 +98,23 @@ pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
             ),
             (15, "adaptive pilot up to about 10 points better at N = 15"),
         ] {
-            let gap = at_fleet(table, who, uavs, Quantity::Success)
-                .zip(at_fleet(table, constant, uavs, Quantity::Success))
-                .map(|(adaptive, constant)| 100.0 * (adaptive - constant));
+            let pair = at_fleet(table, who, uavs, Quantity::Success).zip(at_fleet(
+                table,
+                constant,
+                uavs,
+                Quantity::Success,
+            ));
+            let gap = pair.map(|(adaptive, constant)| 100.0 * (adaptive - constant));
+            // Two policies that never succeed say nothing about pilots.
+            let tells = pair.is_some_and(|(adaptive, constant)| adaptive + constant > 0.0);
             claims.push(Claim {
                 paper: format!("{text} ({tag})"),
-                measured: gap.map_or("not measured".to_owned(), |gap| format!("{gap:+.1} points")),
-                holds: gap.map(|gap| {
+                measured: match gap {
+                    None => "not measured".to_owned(),
+                    Some(_) if !tells => "neither ever succeeds".to_owned(),
+                    Some(gap) => format!("{gap:+.1} points"),
+                },
+                holds: gap.filter(|_| tells).map(|gap| {
                     if uavs == 10 {
                         gap.abs() <= 5.0
                     } else {
