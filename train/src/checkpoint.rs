@@ -110,7 +110,9 @@ pub fn load(trainer: &mut Trainer, run: &str, path: &Path) -> Result<(), TrainEr
 
 fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
     let arrays = Arrays::decode(bytes)?;
-    let notes: Notes = serde_json::from_str(&arrays.notes).map_err(|error| error.to_string())?;
+    let notes = arrays.notes.as_deref();
+    let notes = notes.ok_or("the metadata entry \"jcas\" is missing")?;
+    let notes: Notes = serde_json::from_str(notes).map_err(|error| error.to_string())?;
     if notes.format != FORMAT {
         return Err(format!(
             "checkpoint format {}, this version reads {FORMAT}",

@@ -99,8 +99,8 @@ pub fn encode(arrays: &[Array], notes: &str) -> Result<Vec<u8>, String> {
 /// Arrays of a file that was read.
 pub struct Arrays<'a> {
     tensors: safetensors::SafeTensors<'a>,
-    /// The JSON note.
-    pub notes: String,
+    /// The JSON note; files of other programs have none.
+    pub notes: Option<String>,
 }
 
 impl<'a> Arrays<'a> {
@@ -114,7 +114,7 @@ impl<'a> Arrays<'a> {
             .and_then(|notes| notes.get(NOTES).cloned());
         Ok(Arrays {
             tensors: safetensors::SafeTensors::deserialize(bytes).map_err(text)?,
-            notes: notes.ok_or("the metadata entry \"jcas\" is missing")?,
+            notes,
         })
     }
 
@@ -169,5 +169,27 @@ fn check_length(name: &str, got: usize, expected: usize) -> Result<(), String> {
         Err(format!(
             "array {name:?} has {got} entries, expected {expected}"
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_another_program_is_read_without_a_note() {
+        let weight = Array::f32("0.weight", &[1, 2], &[0.5, -1.0]);
+        let ours = encode(&[weight], "{}").unwrap();
+        assert_eq!(Arrays::decode(&ours).unwrap().notes.as_deref(), Some("{}"));
+
+        let data: Vec<u8> = [0.5f32, -1.0]
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
+        let view = safetensors::tensor::TensorView::new(Dtype::F32, vec![1, 2], &data).unwrap();
+        let theirs = safetensors::serialize([("0.weight", view)], None).unwrap();
+        let arrays = Arrays::decode(&theirs).unwrap();
+        assert_eq!(arrays.notes, None);
+        assert_eq!(arrays.f32("0.weight", 2).unwrap(), [0.5, -1.0]);
     }
 }
