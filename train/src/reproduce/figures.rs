@@ -198,6 +198,9 @@ fn training_returns(scale: &Scale, curves: &[Curve]) -> Figure {
             .iter()
             .filter(|c| (c.uavs, c.hotspots) == (uavs, hotspots))
             .collect();
+        if runs.is_empty() {
+            continue;
+        }
         let length = runs.iter().map(|run| run.returns.len()).min().unwrap_or(0);
         let points = (0..length)
             .map(|k| {
