@@ -17,7 +17,7 @@ const SMALL: [&str; 21] = [
     "train",
     "--uavs=3",
     "--hotspots=2",
-    "--steps=10240",
+    "--steps=40960",
     "--train-set=network=mlp",
     "--train-set=actor_hidden=[32]",
     "--train-set=critic_hidden=[32]",

@@ -76,10 +76,8 @@ pub struct Settings {
     /// Subtracted from the reward of every step while training.
     pub step_cost: f64,
     /// Weight of a potential that rewards gathering at one hotspot; 0: none.
-    #[serde(default)]
     pub gather_weight: f64,
     /// UAVs whose way counts in it: the nearest so many.
-    #[serde(default)]
     pub gather_uavs: usize,
     /// Start from a teacher's actions; absent: from nothing.
     pub imitation: Option<Imitation>,
@@ -257,6 +255,7 @@ impl Settings {
             ("shard_rows", self.shard_rows),
             ("evaluation_episodes", self.evaluation_episodes),
             ("checkpoint_every", self.checkpoint_every),
+            ("gather_uavs", self.gather_uavs),
         ];
         for (field, value) in positive {
             if value == 0 {
@@ -284,6 +283,12 @@ impl Settings {
             if !(value > 0.0 && value <= 1.0) {
                 return Err(format!("{field}: {value} is not in (0, 1]"));
             }
+        }
+        if !(self.gather_weight >= 0.0 && self.gather_weight.is_finite()) {
+            return Err(format!(
+                "gather_weight: {} is not allowed, it must be a number of at least 0",
+                self.gather_weight
+            ));
         }
         for (field, value) in [
             ("learning_rate", self.learning_rate),

@@ -122,6 +122,9 @@ impl Fleet {
     }
 
     fn potential(&self, mission: usize) -> f64 {
+        if self.treatment.gather.0.weight == 0.0 {
+            return 0.0;
+        }
         let words = self.model.state_words();
         let state = &self.states[mission * words..(mission + 1) * words];
         let state = self.model.state(state).expect("a state of this model");

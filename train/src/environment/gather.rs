@@ -11,16 +11,13 @@ use jcas_core::{Model, StateRef};
 pub struct Gather {
     /// Weight; 0 leaves it out.
     pub weight: f64,
-    /// Nearest UAVs that count; more than the fleet has are all of it.
+    /// Nearest UAVs that count, at least one; more than the fleet has are all of it.
     pub uavs: usize,
 }
 
 impl Gather {
     /// Φ(s) = −w · (unconfirmed hotspots + least mean way of the nearest UAVs in units of W + H − 2).
     pub fn potential(&self, model: &Model<'_>, state: &StateRef<'_>) -> f64 {
-        if self.weight == 0.0 {
-            return 0.0;
-        }
         let config = model.config();
         let far = f64::from((config.grid_width + config.grid_height - 2).max(1));
         let mut left = 0;
@@ -36,7 +33,7 @@ impl Gather {
                 *way = state.cell(uav).manhattan(cell);
             }
             ways.sort_unstable();
-            let counted = &ways[..self.uavs.clamp(1, ways.len())];
+            let counted = &ways[..self.uavs.min(ways.len())];
             let mean = f64::from(counted.iter().sum::<u32>()) / counted.len() as f64;
             nearest = nearest.min(mean / far);
         }
