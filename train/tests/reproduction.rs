@@ -126,5 +126,20 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
         std::fs::read_to_string(out.join("results.csv")).unwrap(),
         results
     );
+
+    // Another reproduction does not take these results for its own.
+    let refused = |scale: Scale| {
+        let error = reproduce(&scale, &out, &mut narrator(usize::MAX)).unwrap_err();
+        error.to_string()
+    };
+    let told = refused(Scale {
+        episodes: 3,
+        ..scale()
+    });
+    assert!(told.contains("campaigns of 2 missions"), "{told}");
+    let mut other = scale();
+    other.tuned.step_cost += 0.1;
+    let told = refused(other);
+    assert!(told.contains("other settings"), "{told}");
     std::fs::remove_dir_all(&out).unwrap();
 }

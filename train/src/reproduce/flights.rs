@@ -4,7 +4,7 @@ use super::plan::{CONSTANT_PILOT, Scale, Variation};
 use super::table::{Key, Table};
 use super::{Narrator, Progress};
 use crate::error::TrainError;
-use crate::policy::files::{CARD, Precision, Stored, load};
+use crate::policy::files::{CARD, Card, Precision, Stored, load};
 use crate::policy::{Actor, LearnedPolicy, Mode};
 use crate::run::{EVALUATION_SEED, Ending, Plan};
 use crate::settings::Settings;
@@ -110,7 +110,20 @@ impl Flights<'_> {
 
     /// One campaign, unless it is there.
     fn campaign(&mut self, key: &Key, config: Config, make: Factory) -> Result<(), TrainError> {
-        if self.table.has(key) || self.stopped() {
+        let episodes = self.scale.episodes;
+        match self.table.find(key) {
+            Some(row) if row.episodes != episodes => {
+                return Err(TrainError::Setting(format!(
+                    "{}: holds campaigns of {} missions, this reproduction flies {episodes}; \
+                     give another folder",
+                    self.out.display(),
+                    row.episodes
+                )));
+            }
+            Some(_) => return Ok(()),
+            None => {}
+        }
+        if self.stopped() {
             return Ok(());
         }
         let refused = |error: &dyn std::fmt::Display| TrainError::Setting(error.to_string());
@@ -166,8 +179,8 @@ impl Flights<'_> {
             self.narrator.chapter(&format!("training {name}"));
             let precision = Precision::Single;
             let plan = Plan {
-                settings,
-                configs,
+                settings: settings.clone(),
+                configs: configs.clone(),
                 out: out.clone(),
                 name: name.to_owned(),
                 precision,
@@ -177,7 +190,14 @@ impl Flights<'_> {
                 return Ok(None);
             }
         }
-        load(&out).map(Some)
+        let policy = load(&out)?;
+        if !is_of(&policy.card, &settings, &configs) {
+            return Err(TrainError::Setting(format!(
+                "{}: was trained with other settings or on other missions; give another folder",
+                out.display()
+            )));
+        }
+        Ok(Some(policy))
     }
 
     fn grid(
@@ -299,6 +319,20 @@ impl Flights<'_> {
         self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
         Ok(true)
     }
+}
+
+/// Whether a policy was trained with these settings and on these missions at least.
+fn is_of(card: &Card, settings: &Settings, configs: &[Config]) -> bool {
+    card.settings.as_ref() == Some(settings)
+        && configs.iter().all(|config| {
+            let sized = Config {
+                uav_count: card.config.uav_count,
+                hotspot_count: card.config.hotspot_count,
+                ..*config
+            };
+            let cell = (config.uav_count, config.hotspot_count);
+            sized == card.config && card.trained_on.contains(&cell)
+        })
 }
 
 fn pilot_name(constant: Option<f64>) -> &'static str {

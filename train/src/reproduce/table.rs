@@ -176,9 +176,9 @@ impl Table {
         })
     }
 
-    /// Whether a campaign has been flown.
-    pub fn has(&self, key: &Key) -> bool {
-        self.rows.iter().any(|row| row.is_of(key))
+    /// The campaign, if it has been flown.
+    pub fn find(&self, key: &Key) -> Option<&Row> {
+        self.rows.iter().find(|row| row.is_of(key))
     }
 
     /// Adds a campaign and writes the whole table.
