@@ -5,7 +5,7 @@ pub mod tensorboard;
 use crate::environment::Episode;
 use crate::error::TrainError;
 use crate::policy::files::Evaluation;
-use crate::store::write_whole;
+use crate::store::{csv_bytes, write_whole};
 use crate::trainer::{Iteration, Stage};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -181,15 +181,8 @@ impl MetricsFile {
 
     /// Adds a row; [`MetricsFile::write`] puts it on disk.
     pub fn push(&mut self, row: &Row) -> Result<(), TrainError> {
-        let mut writer = csv::WriterBuilder::new()
-            .has_headers(self.lines.is_empty())
-            .from_writer(Vec::new());
-        writer
-            .serialize(row)
-            .map_err(TrainError::format(&self.path))?;
-        let bytes = writer
-            .into_inner()
-            .map_err(TrainError::format(&self.path))?;
+        let rows = std::slice::from_ref(row);
+        let bytes = csv_bytes(rows, self.lines.is_empty(), &self.path)?;
         let text = String::from_utf8(bytes).map_err(TrainError::format(&self.path))?;
         self.lines.extend(text.lines().map(str::to_owned));
         Ok(())

@@ -11,6 +11,21 @@ use std::path::Path;
 /// Key of the one metadata entry that holds everything that is no array, as JSON.
 const NOTES: &str = "jcas";
 
+/// Rows as CSV, with a line of names or without; `path` is what errors name.
+pub fn csv_bytes<T: serde::Serialize>(
+    rows: &[T],
+    names: bool,
+    path: &Path,
+) -> Result<Vec<u8>, TrainError> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(names)
+        .from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).map_err(TrainError::format(path))?;
+    }
+    writer.into_inner().map_err(TrainError::format(path))
+}
+
 /// Writes under a temporary name beside `path`, flushes to disk and renames, so that a crash at any
 /// moment leaves the old file or the new one.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {

@@ -288,30 +288,19 @@ impl Pass<'_> {
             step.shard_rows,
             random,
         );
-        descend(
-            critic,
-            &shards,
-            step,
-            self.device,
-            |network, weights, minibatch, rows| {
-                minibatch
-                    .par_iter()
-                    .map(|shard| {
-                        let shape = self.shape(shard);
-                        let (weights, outputs) =
-                            self.outputs(network, weights, shard, shape.global_len, |r| &r.global);
-                        let mut targets = self.gather(shard, 1, |r| &r.targets);
-                        targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
-                        let targets = matrix(targets, 1, self.device);
-                        let loss = (outputs - targets)
-                            .square()
-                            .sum()
-                            .div_scalar(2.0 * rows as f64);
-                        self.finish(network, &weights, &shape, loss, shard.len(), rows)
-                    })
-                    .collect()
-            },
-        )
+        self.descend_by_shard(critic, &shards, step, |network, weights, shard, rows| {
+            let shape = self.shape(shard);
+            let (weights, outputs) =
+                self.outputs(network, weights, shard, shape.global_len, |r| &r.global);
+            let mut targets = self.gather(shard, 1, |r| &r.targets);
+            targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
+            let targets = matrix(targets, 1, self.device);
+            let loss = (outputs - targets)
+                .square()
+                .sum()
+                .div_scalar(2.0 * rows as f64);
+            self.finish(network, &weights, &shape, loss, shard.len(), rows)
+        })
     }
 
     /// One epoch of imitation of the teacher's actions.
@@ -325,25 +314,36 @@ impl Pass<'_> {
     ) -> Sums {
         let rows_of = |rollout: &Rollout| rollout.log_probs.len();
         let shards = shards(self.rollouts, rows_of, share, step.shard_rows, random);
+        self.descend_by_shard(actor, &shards, step, |network, weights, shard, rows| {
+            let shape = self.shape(shard);
+            let (weights, outputs) =
+                self.outputs(network, weights, shard, shape.observation_len, |r| {
+                    &r.observations
+                });
+            let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
+            let loss = head.imitation_loss(outputs, &lessons);
+            let loss = loss.sum().div_scalar(rows as f64);
+            self.finish(network, &weights, &shape, loss, shard.len(), rows)
+        })
+    }
+
+    /// Descends where the gradient of a shard needs to know of no other shard.
+    fn descend_by_shard(
+        &self,
+        model: &mut Trainable,
+        shards: &[Shard],
+        step: &Step,
+        gradient: impl Fn(&Network, &[Tensor<2>], &Shard, usize) -> (Vec<f32>, Sums) + Sync,
+    ) -> Sums {
         descend(
-            actor,
-            &shards,
+            model,
+            shards,
             step,
             self.device,
             |network, weights, minibatch, rows| {
                 minibatch
                     .par_iter()
-                    .map(|shard| {
-                        let shape = self.shape(shard);
-                        let (weights, outputs) =
-                            self.outputs(network, weights, shard, shape.observation_len, |r| {
-                                &r.observations
-                            });
-                        let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
-                        let loss = head.imitation_loss(outputs, &lessons);
-                        let loss = loss.sum().div_scalar(rows as f64);
-                        self.finish(network, &weights, &shape, loss, shard.len(), rows)
-                    })
+                    .map(|shard| gradient(network, weights, shard, rows))
                     .collect()
             },
         )

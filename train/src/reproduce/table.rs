@@ -1,7 +1,7 @@
 //! The results of a reproduction, one row for each campaign of missions.
 
 use crate::error::TrainError;
-use crate::store::write_whole;
+use crate::store::{csv_bytes, write_whole};
 use jcas_evaluate::statistics::{Estimate, Summary};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -184,15 +184,7 @@ impl Table {
     /// Adds a campaign and writes the whole table.
     pub fn add(&mut self, key: &Key, summary: &Summary) -> Result<(), TrainError> {
         self.rows.push(Row::new(key, summary));
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in &self.rows {
-            writer
-                .serialize(row)
-                .map_err(TrainError::format(&self.path))?;
-        }
-        let bytes = writer
-            .into_inner()
-            .map_err(TrainError::format(&self.path))?;
+        let bytes = csv_bytes(&self.rows, true, &self.path)?;
         write_whole(&self.path, &bytes)
     }
 
