@@ -1,6 +1,6 @@
 //! Everything around the kernel that flies missions and reports on them, without learning:
 //!
-//! - [`policy`]: what chooses actions, and the baselines;
+//! - [`policy`]: what chooses actions, and the baselines (the crate `jcas-policy`);
 //! - [`mission`]: one episode, or many over all cores;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
@@ -16,7 +16,8 @@
 #[cfg(feature = "figures")]
 pub mod figures;
 pub mod mission;
-pub mod policy;
 pub mod replay;
 pub mod statistics;
 pub mod trace;
+
+pub use jcas_policy as policy;

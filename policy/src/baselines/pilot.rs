@@ -5,7 +5,7 @@ use core::str::FromStr;
 
 use jcas_core::{Config, Model, StateRef, TargetVisibility};
 
-use super::baseline::PolicyError;
+use super::error::PolicyError;
 
 /// `adaptive` senses at full pilot density within this Manhattan distance of an unconfirmed hotspot.
 ///

@@ -3,7 +3,7 @@
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
-use super::baseline::{Steering, can_fly};
+use super::steering::{Steering, can_fly};
 
 /// One flock. A quorum in one step is a matter of numbers: ten UAVs over a hotspot confirm it in about
 /// five steps where five need thirty, so that flying apart rarely pays with few UAVs.

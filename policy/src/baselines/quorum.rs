@@ -15,7 +15,7 @@ pub fn quorum_probability(team: usize, quorum: usize, detection: f64) -> f64 {
     }
     let miss = 1.0 - detection;
     // P(exactly k), from k = 0 upward; the sum below the quorum is what is missing from one.
-    let mut exactly = miss.powf(team as f64);
+    let mut exactly = libm::pow(miss, team as f64);
     let mut below = 0.0;
     for k in 0..quorum {
         below += exactly;

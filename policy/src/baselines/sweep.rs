@@ -3,9 +3,9 @@
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
-use super::baseline::{Steering, can_fly};
 use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
+use super::steering::{Steering, can_fly};
 
 /// Detection is taken into account up to this many cells from a lane.
 const REACH_CELLS: u32 = 4;
@@ -192,12 +192,15 @@ fn chance(
         // Before and after the hotspot alike.
         let missed: f64 = missed_from(0)
             * (1..=reach)
-                .map(|along| missed_from(along).powi(2))
+                .map(|along| {
+                    let missed = missed_from(along);
+                    missed * missed
+                })
                 .product::<f64>();
         if passes < 1.0 {
             passes * (1.0 - missed)
         } else {
-            1.0 - missed.powf(passes)
+            1.0 - libm::pow(missed, passes)
         }
     };
     // Offsets from the nearest of two lanes that lie `spacing` apart.

@@ -1,5 +1,4 @@
-//! Policies: whatever turns the state of a mission into the next actions, and the baselines that every
-//! learned policy is compared with.
+//! The scripted policies that every learned one is compared with.
 //!
 //! # What a baseline reads
 //!
@@ -24,55 +23,30 @@
 
 mod baseline;
 mod charge;
+mod error;
 mod gather;
 mod greedy;
+mod kind;
 mod pilot;
 mod quorum;
 mod random;
 mod route;
+mod steering;
 mod swarm;
 mod sweep;
 mod teams;
 
-pub use baseline::{Baseline, BaselineKind, PolicyError, Steering};
+pub use baseline::Baseline;
 pub use charge::stays_to_charge;
+pub use error::PolicyError;
 pub use gather::gather;
 pub use greedy::Greedy;
+pub use kind::BaselineKind;
 pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode, action_of};
 pub use quorum::quorum_probability;
 pub use random::Random;
 pub use route::route;
+pub use steering::Steering;
 pub use swarm::Swarm;
 pub use sweep::Sweep;
 pub use teams::Teams;
-
-use jcas_core::{Model, StateRef};
-
-/// Decides the actions of a whole fleet, step by step.
-pub trait Policy: Send {
-    /// What reports and traces call it.
-    fn name(&self) -> &str;
-
-    /// What reports and traces call its choice of pilot density: a [`PilotMode`], or `learned`.
-    fn pilot(&self) -> &str {
-        "learned"
-    }
-
-    /// Called before the first step of every episode. All randomness has to follow from `seed`.
-    fn reset(&mut self, model: &Model<'_>, seed: u64) {
-        let _ = (model, seed);
-    }
-
-    /// Whether [`Policy::see`] has to be called before each [`Policy::act`].
-    fn reads_observations(&self) -> bool {
-        false
-    }
-
-    /// Hands over what the UAVs observe, one row for each UAV.
-    fn see(&mut self, observations: &[f32]) {
-        let _ = observations;
-    }
-
-    /// Writes (u_dir, u_pilot) of each UAV into `actions`, whose length is twice the number of UAVs.
-    fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]);
-}

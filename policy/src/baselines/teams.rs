@@ -5,10 +5,10 @@ use jcas_core::{Cell, Model, Motion, StateRef};
 use pathfinding::matrix::Matrix;
 use pathfinding::prelude::kuhn_munkres_min;
 
-use super::baseline::{Steering, can_fly};
 use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
 use super::route::route;
+use super::steering::{Steering, can_fly};
 
 /// Above this many UAVs the assignment keeps the teams as they were formed, nearest first: the optimal
 /// one costs the cube of their number.

@@ -3,7 +3,7 @@
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
-use super::baseline::can_fly;
+use super::steering::can_fly;
 
 /// Sends every UAV toward the meeting point of the fleet.
 ///

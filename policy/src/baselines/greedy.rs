@@ -3,7 +3,7 @@
 use jcas_core::motion::toward;
 use jcas_core::{Model, Motion, StateRef};
 
-use super::baseline::Steering;
+use super::steering::Steering;
 
 /// Every UAV for itself. As the fleet starts from one cell, most of it flies together all the same;
 /// ties go to the hotspot with the lower index.

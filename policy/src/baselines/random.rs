@@ -3,7 +3,7 @@
 use jcas_core::rng::{self, Purpose};
 use jcas_core::{Model, Motion, StateRef};
 
-use super::baseline::Steering;
+use super::steering::Steering;
 
 /// A random walk. Its draws are a pure function of the episode's seed, the step and the UAV, under a
 /// purpose of their own, so that they share no draw with the kernel.

@@ -1,0 +1,53 @@
+//! Which baselines there are.
+
+use core::fmt;
+
+/// Which baseline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaselineKind {
+    /// [`Random`](super::Random).
+    Random,
+    /// [`Greedy`](super::Greedy).
+    Greedy,
+    /// [`Swarm`](super::Swarm).
+    Swarm,
+    /// [`Teams`](super::Teams).
+    Teams,
+    /// [`Sweep`](super::Sweep).
+    Sweep,
+}
+
+impl BaselineKind {
+    /// All baselines.
+    pub const ALL: [Self; 5] = [
+        Self::Random,
+        Self::Greedy,
+        Self::Swarm,
+        Self::Teams,
+        Self::Sweep,
+    ];
+
+    /// As it is typed.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Greedy => "greedy",
+            Self::Swarm => "swarm",
+            Self::Teams => "teams",
+            Self::Sweep => "sweep",
+        }
+    }
+
+    /// Whether it steers by the positions of hotspots that no UAV knows yet.
+    #[must_use]
+    pub fn reads_positions(self) -> bool {
+        matches!(self, Self::Greedy | Self::Swarm | Self::Teams)
+    }
+}
+
+impl fmt::Display for BaselineKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
