@@ -4,5 +4,5 @@
 set -euo pipefail
 
 cargo test --locked --release --package jcas-tests --test golden
-cargo test --locked --release --package jcas-train
+cargo test --locked --release --package jcas-train --package jcas-reproduce
 cargo test --locked --release --package jcas --test training

@@ -14,7 +14,6 @@ pub mod network;
 pub mod policy;
 pub mod ppo;
 pub mod random;
-pub mod reproduce;
 pub mod run;
 pub mod settings;
 pub mod speed;

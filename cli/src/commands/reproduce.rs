@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use jcas_reproduce::plan::Scale;
+use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
-use jcas_train::reproduce::plan::Scale;
-use jcas_train::reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::run::Observer;
 
 use crate::error::{CliError, Outcome};

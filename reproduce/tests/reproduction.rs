@@ -1,8 +1,8 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
+use jcas_reproduce::plan::{Scale, variations};
+use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
-use jcas_train::reproduce::plan::{Scale, variations};
-use jcas_train::reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::run::Observer;
 use jcas_train::settings::Settings;
 

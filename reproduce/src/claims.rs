@@ -456,7 +456,7 @@ pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve], pictures: &str) 
             ""
         },
         scale.episodes,
-        crate::run::EVALUATION_SEED,
+        jcas_train::run::EVALUATION_SEED,
         scale.seeds.len()
     );
     for claim in claims(scale, table, curves) {

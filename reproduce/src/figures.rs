@@ -4,11 +4,11 @@ use super::claims;
 use super::flights::POLICIES;
 use super::plan::{PAPER_ITERATIONS, Scale};
 use super::table::{Quantity, Row, Table, mean};
-use crate::error::TrainError;
-use crate::policy::files::CARD;
-use crate::run::METRICS;
 use jcas_evaluate::figures::report::Report;
 use jcas_evaluate::figures::{Axis, Draw, Figure, FigureError, Point, Series};
+use jcas_train::error::TrainError;
+use jcas_train::policy::files::CARD;
+use jcas_train::run::METRICS;
 use std::path::Path;
 
 /// Training of one cell with the paper's settings.
@@ -430,9 +430,9 @@ impl Gallery<'_> {
     fn add(&mut self, name: &str, figure: &Figure, caption: &str) -> Result<(), TrainError> {
         let svg = self.out.join(format!("{name}.svg"));
         let text = figure.svg().map_err(drawn(&svg))?;
-        crate::store::write_whole(&svg, text.as_bytes())?;
+        jcas_train::store::write_whole(&svg, text.as_bytes())?;
         let png = self.out.join(format!("{name}.png"));
-        crate::store::write_whole(&png, &figure.png().map_err(drawn(&png))?)?;
+        jcas_train::store::write_whole(&png, &figure.png().map_err(drawn(&png))?)?;
         self.report.figure(figure, caption).map_err(drawn(&svg))?;
         Ok(())
     }

@@ -10,9 +10,9 @@ pub mod flights;
 pub mod plan;
 pub mod table;
 
-use crate::error::TrainError;
-use crate::run::Observer;
-use crate::store::write_whole;
+use jcas_train::error::TrainError;
+use jcas_train::run::Observer;
+use jcas_train::store::write_whole;
 use plan::Scale;
 use std::path::Path;
 use table::Table;

@@ -1,8 +1,8 @@
 //! How much of the paper's grid is trained and flown.
 
-use crate::head::Head;
-use crate::settings::{Preset, Settings};
 use jcas_core::{Config, InformPayment};
+use jcas_train::head::Head;
+use jcas_train::settings::{Preset, Settings};
 
 /// Size of a reproduction.
 #[derive(Clone, Debug)]

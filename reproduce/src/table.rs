@@ -1,8 +1,8 @@
 //! The results of a reproduction, one row for each campaign of missions.
 
-use crate::error::TrainError;
-use crate::store::{csv_bytes, write_whole};
 use jcas_evaluate::statistics::{Estimate, Summary};
+use jcas_train::error::TrainError;
+use jcas_train::store::{csv_bytes, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
