@@ -3,7 +3,8 @@
     python python/benchmarks/batch_rate.py
 
 Both make the same calls of the shared library with the same buffers. `kernel` times `jcas_batch_step` alone, in
-a bare loop; `vector env` times `make_vec(...).step(...)`, with its checks, arrays and infos. With --command (a
+a bare loop; `vector env` times `make_vec(...).step(...)` as it comes, with its checks, arrays of the caller's own and
+infos; `views` the same with `copy=False` and `SameStep`. With --command (a
 `jcas` binary) the Rust program's own `jcas bench` runs in the same rounds.
 """
 
@@ -45,13 +46,16 @@ def main() -> None:
     parser.add_argument("--command", help="a jcas binary, to run its `bench` beside")
     options = parser.parse_args()
 
-    envs = jcas.make_vec(num_envs=options.envs, threads=options.threads, uav_count=options.uavs)
+    fields = {"num_envs": options.envs, "threads": options.threads, "uav_count": options.uavs}
+    envs = jcas.make_vec(**fields)
+    views = jcas.make_vec(**fields, copy=False, autoreset_mode="SameStep")
     model = envs.model
     actions = np.random.default_rng(0).uniform(-1, 1, (8, *envs.action_space.shape)).astype(np.float32)
     bare = jcas.Batch(model, options.envs, threads=options.threads)
     buffers = jcas.BatchBuffers(model, options.envs)
     bare.reset(np.arange(options.envs, dtype=np.uint64), buffers)
     envs.reset(seed=0)
+    views.reset(seed=0)
     addresses = [part.ctypes.data for part in actions]
     out, call, handle, count = ctypes.byref(buffers.record), lib.jcas_batch_step, bare.handle, actions[0].size
     agent_steps = options.envs * options.uavs
@@ -61,6 +65,8 @@ def main() -> None:
         kernel = rate(lambda step: call(handle, addresses[step % 8], count, 1, out), agent_steps, options.seconds)
         python = rate(lambda step: envs.step(actions[step % 8]), agent_steps, options.seconds)
         rates.setdefault("kernel", []).append(kernel)
+        viewing = rate(lambda step: views.step(actions[step % 8]), agent_steps, options.seconds)
+        rates.setdefault("vector env, views", []).append(viewing)
         rates.setdefault("vector env", []).append(python)
         if options.command:
             rates.setdefault("jcas bench (Rust)", []).append(rust_rate(options))

@@ -9,6 +9,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import jcas
+from jcas.model import derive_seed
 
 
 @pytest.mark.parametrize("kind", ["box", "dict", "tuple"])
@@ -23,7 +24,7 @@ def test_gymnasium_accepts_the_fleet(kind):
 def test_gymnasium_makes_the_vector_environment():
     envs = gymnasium.make_vec("jcas/Fleet-v0", num_envs=3, uav_count=4)
     assert isinstance(envs.unwrapped, jcas.FleetVectorEnv)
-    assert envs.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
+    assert envs.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
     observations, _ = envs.reset(seed=1)
     assert observations in envs.observation_space
     synchronous = gymnasium.make_vec("jcas/Fleet-v0", num_envs=2, vectorization_mode="sync", uav_count=4)
@@ -34,7 +35,7 @@ def test_gymnasium_makes_the_vector_environment():
 @pytest.mark.parametrize("kind", ["box", "dict", "tuple"])
 def test_members_fly_as_single_fleets_do(kind, threads):
     fields = {"uav_count": 4, "horizon_steps": 15, "action_space": kind}
-    envs = jcas.make_vec(num_envs=5, threads=threads, global_state=True, **fields)
+    envs = jcas.make_vec(num_envs=5, threads=threads, global_state=True, autoreset_mode="SameStep", **fields)
     singles = [jcas.FleetEnv(**fields) for _ in range(5)]
     envs.action_space.seed(3)
     observations, infos = envs.reset(seed=40)
@@ -73,8 +74,29 @@ def part_of(kind, actions, member):
     return tuple(part[member] for part in actions)
 
 
-def test_arrays_are_the_kernels_own_and_last_one_step_more():
-    envs = jcas.make_vec(num_envs=2, uav_count=3)
+def test_arrays_are_the_callers_own_unless_views_are_asked_for():
+    envs = jcas.make_vec(num_envs=2, uav_count=3, global_state=True, horizon_steps=3, autoreset_mode="SameStep")
+    actions = np.zeros(envs.action_space.shape, np.float32)
+    seen = [arrays_of(*envs.reset(seed=1))]
+    kept = [[array.copy() for array in seen[0]]]
+    for _ in range(7):
+        observations, rewards, terminated, truncated, infos = envs.step(actions)
+        seen.append([rewards, terminated, truncated, *arrays_of(observations, infos)])
+        kept.append([array.copy() for array in seen[-1]])
+    for arrays, copies in zip(seen, kept, strict=True):
+        assert all(np.array_equal(array, copy) for array, copy in zip(arrays, copies, strict=True))
+    flat = [array for arrays in seen for array in arrays]
+    assert not any(np.shares_memory(a, b) for place, a in enumerate(flat) for b in flat[:place])
+
+
+def arrays_of(observations, infos):
+    nested = [part for part in infos.values() if isinstance(part, dict)]
+    own = [part for part in infos.values() if isinstance(part, np.ndarray)]
+    return [observations, *own, *(array for part in nested for array in part.values() if isinstance(array, np.ndarray))]
+
+
+def test_views_are_the_kernels_own_and_last_one_step_more():
+    envs = jcas.make_vec(num_envs=2, uav_count=3, copy=False)
     actions = np.zeros(envs.action_space.shape, np.float32)
     first, _ = envs.reset(seed=1)
     kept = first.copy()
@@ -82,9 +104,65 @@ def test_arrays_are_the_kernels_own_and_last_one_step_more():
     assert np.array_equal(first, kept)
     third = envs.step(actions)[0]
     assert np.shares_memory(first, third) and not np.shares_memory(first, second)
-    copying = jcas.make_vec(num_envs=2, uav_count=3, copy=True)
-    first, _ = copying.reset(seed=1)
-    assert not any(np.shares_memory(first, copying.step(actions)[0]) for _ in range(4))
+
+
+@pytest.mark.parametrize("copy", [True, False])
+def test_next_step_autoreset_is_gymnasiums(copy):
+    fields = {"uav_count": 3, "hotspot_count": 1, "radar_cross_section_dbsm": 8.0, "quorum": 1, "horizon_steps": 12}
+    envs = jcas.make_vec(num_envs=4, global_state=True, copy=copy, **fields)
+    rng = np.random.default_rng(1)
+    envs.reset(seed=5)
+    waiting, next_seeds, ended_apart = np.zeros(4, bool), {}, 0
+    twins = [envs.batch.member(member) for member in range(4)]
+    for _ in range(60):
+        actions = rng.uniform(-1, 1, envs.action_space.shape).astype(np.float32)
+        actions[waiting] = np.nan
+        observations, rewards, terminated, truncated, infos = envs.step(actions)
+        for member, twin in enumerate(twins):
+            if waiting[member]:
+                twin.reset(next_seeds[member])
+                expected = (0, False, False)
+                assert (infos["reward_components"][member] == 0).all()
+            else:
+                outcome = twin.step(actions[member])
+                expected = (np.float32(outcome.reward), outcome.terminated, outcome.truncated)
+            assert (rewards[member], terminated[member], truncated[member]) == expected
+            assert np.array_equal(observations[member], twin.observe())
+            assert np.array_equal(infos["global_state"][member], twin.observe_global())
+        waiting = terminated | truncated
+        ended_apart += waiting.any() and not waiting.all()
+        assert ("final_info" in infos) == bool(waiting.any()) and "final_obs" not in infos
+        next_seeds = {member: derive_seed(twins[member].seed, 0) for member in np.flatnonzero(waiting)}
+    assert ended_apart > 3
+
+
+def test_next_step_and_same_step_fly_the_same_episodes():
+    fields = {"uav_count": 3, "horizon_steps": 4}
+    waits, goes_on = (jcas.make_vec(num_envs=2, autoreset_mode=mode, **fields) for mode in ("NextStep", "SameStep"))
+    starts = [waits.reset(seed=9)[0]], [goes_on.reset(seed=9)[0]]
+    actions = np.zeros(waits.action_space.shape, np.float32)
+    for step in range(1, 16):
+        observations = waits.step(actions)[0]
+        if step % 5 == 0:
+            starts[0].append(observations)
+    for step in range(1, 13):
+        observations = goes_on.step(actions)[0]
+        if step % 4 == 0:
+            starts[1].append(observations)
+    assert len(starts[0]) == 4
+    assert all(np.array_equal(a, b) for a, b in zip(*starts, strict=True))
+
+
+def test_gymnasiums_vector_wrappers_count_right():
+    envs = gymnasium.make_vec("jcas/Fleet-v0", num_envs=3, uav_count=3, horizon_steps=5)
+    counted = gymnasium.wrappers.vector.RecordEpisodeStatistics(envs)
+    normalised = gymnasium.wrappers.vector.NormalizeObservation(counted)
+    normalised.reset(seed=1)
+    actions = np.zeros(envs.action_space.shape, np.float32)
+    for _ in range(11):
+        infos = normalised.step(actions)[-1]
+    assert infos["episode"]["l"].tolist() == [5, 5, 5] and counted.episode_count == 6
+    np.testing.assert_allclose(infos["episode"]["r"], infos["final_info"]["metrics"]["return_sum"], rtol=1e-6)
 
 
 def test_without_autoreset_an_ended_member_waits_for_its_reset():
@@ -104,7 +182,7 @@ def test_without_autoreset_an_ended_member_waits_for_its_reset():
 
 def test_episodes_of_a_member_differ_and_repeat_with_the_seed():
     def starts(seed):
-        envs = jcas.make_vec(num_envs=2, uav_count=3, horizon_steps=3, copy=True)
+        envs = jcas.make_vec(num_envs=2, uav_count=3, horizon_steps=3, autoreset_mode="SameStep")
         envs.reset(seed=seed)
         steps = [envs.step(np.zeros(envs.action_space.shape, np.float32))[0] for _ in range(9)]
         return [steps[index] for index in (2, 5, 8)]
@@ -119,12 +197,12 @@ def test_episodes_of_a_member_differ_and_repeat_with_the_seed():
     ("options", "message"),
     [
         ({"num_envs": 0}, "num_envs = 0"),
-        ({"num_envs": 2, "autoreset_mode": "NextStep"}, "SameStep or Disabled"),
+        ({"num_envs": 2, "autoreset_mode": "Never"}, "NextStep, SameStep, Disabled"),
         ({"num_envs": 2, "render_mode": "human"}, "rgb_array"),
     ],
 )
 def test_refusals_of_the_vector_environment(options, message):
-    with pytest.raises(jcas.ConfigError, match=message):
+    with pytest.raises(jcas.JcasError, match=message):
         jcas.make_vec(**options)
 
 

@@ -9,21 +9,24 @@
 
 import gymnasium as _gymnasium
 
+from ._library import lib as _lib
 from .batch import Batch, BatchBuffers
 from .config import Config, ConfigLike
 from .errors import (
     ActionError,
+    ArgumentError,
     ConfigError,
     EpisodeOverError,
     JcasError,
     MissingDependencyError,
     PolicyError,
+    ResetNeededError,
     SnapshotError,
     TraceError,
 )
 from .fleet import FleetEnv
 from .model import Model
-from .parallel import JcasParallelEnv, env, parallel_env
+from .parallel import JcasEnv, JcasParallelEnv, env, parallel_env
 from .policy import MlpPolicy, load_policy
 from .sim import REWARD_NAMES, Sim, StepOutcome
 from .spaces import MOTIONS
@@ -34,6 +37,7 @@ __all__ = [
     "MOTIONS",
     "REWARD_NAMES",
     "ActionError",
+    "ArgumentError",
     "Batch",
     "BatchBuffers",
     "Config",
@@ -42,23 +46,29 @@ __all__ = [
     "EpisodeOverError",
     "FleetEnv",
     "FleetVectorEnv",
+    "JcasEnv",
     "JcasError",
     "JcasParallelEnv",
     "MissingDependencyError",
     "MlpPolicy",
     "Model",
     "PolicyError",
+    "ResetNeededError",
     "Sim",
     "SnapshotError",
     "StepOutcome",
     "Trace",
     "TraceError",
+    "__version__",
     "env",
     "load_policy",
     "make_vec",
     "parallel_env",
     "replay_trace",
 ]
+
+__version__: str = _lib.jcas_version().decode()
+"""The kernel's version, which is the package's."""
 
 _gymnasium.register(
     id="jcas/Fleet-v0", entry_point="jcas.fleet:FleetEnv", vector_entry_point="jcas.vector:FleetVectorEnv"

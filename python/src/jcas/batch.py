@@ -11,15 +11,20 @@ import numpy.typing as npt
 
 from . import _abi
 from ._library import check, fail, lib, read_text
-from .model import Model
+from .arguments import floats, seeds_of, shown, snapshot_of, whole
+from .errors import ArgumentError, ResetNeededError, SnapshotError
+from .model import Model, check_model
 from .sim import REWARD_NAMES, Sim
 
 METRICS = np.dtype(_abi.jcas_metrics)
 METRIC_NAMES = tuple(name for name in METRICS.names or () if name != "struct_size")
 
+ENVS_MAX = 2**20
+THREADS_MAX = 256
+
 
 class BatchBuffers:
-    """What a step of M missions writes, allocated once. The kernel writes these arrays itself.
+    """What a step of M missions writes. The kernel writes these arrays itself, so none may be put in another's place.
 
     Attributes:
         observations: [M, N, observation length].
@@ -35,32 +40,45 @@ class BatchBuffers:
     """
 
     def __init__(self, model: Model, num_envs: int, global_state: bool = False) -> None:
-        rows = (num_envs, model.uav_count, model.observation_len)
-        wide = (num_envs, model.global_len)
-        self.observations = np.zeros(rows, np.float32)
-        self.rewards = np.zeros(num_envs, np.float32)
-        self.terminated = np.zeros(num_envs, np.bool_)
-        self.truncated = np.zeros(num_envs, np.bool_)
-        self.reward_components = np.zeros((num_envs, len(REWARD_NAMES)))
-        self.global_state = np.zeros(wide, np.float32) if global_state else None
-        self.final_observations = np.zeros(rows, np.float32)
-        self.final_global_state = np.zeros(wide, np.float32) if global_state else None
-        self.final_metrics = np.zeros(num_envs, METRICS)
-        self.record = _abi.jcas_batch_out(struct_size=ctypes.sizeof(_abi.jcas_batch_out), metrics_size=METRICS.itemsize)
-        for field, count, array in (
-            ("observations", "observation_count", self.observations),
-            ("rewards", "reward_count", self.rewards),
-            ("terminated", "terminated_count", self.terminated),
-            ("truncated", "truncated_count", self.truncated),
-            ("components", "component_count", self.reward_components),
-            ("global", "global_count", self.global_state),
-            ("final_observations", "final_observation_count", self.final_observations),
-            ("final_global", "final_global_count", self.final_global_state),
-            ("final_metrics", "final_metrics_count", self.final_metrics),
-        ):
-            if array is not None:
-                setattr(self.record, field, array.ctypes.data)
-                setattr(self.record, count, array.size)
+        check_model(model)
+        missions = whole("num_envs", num_envs, 1, ENVS_MAX)
+        rows = (missions, model.uav_count, model.observation_len)
+        self.shape = (*rows, model.global_len)
+        self._arrays: dict[str, npt.NDArray[Any]] = {
+            "observations": np.zeros(rows, np.float32),
+            "rewards": np.zeros(missions, np.float32),
+            "terminated": np.zeros(missions, np.bool_),
+            "truncated": np.zeros(missions, np.bool_),
+            "reward_components": np.zeros((missions, len(REWARD_NAMES))),
+            "final_observations": np.zeros(rows, np.float32),
+            "final_metrics": np.zeros(missions, METRICS),
+        }
+        if global_state:
+            for name in ("global_state", "final_global_state"):
+                self._arrays[name] = np.zeros((missions, model.global_len), np.float32)
+        self._point()
+
+    observations = property(lambda self: self._arrays["observations"])
+    rewards = property(lambda self: self._arrays["rewards"])
+    terminated = property(lambda self: self._arrays["terminated"])
+    truncated = property(lambda self: self._arrays["truncated"])
+    reward_components = property(lambda self: self._arrays["reward_components"])
+    global_state = property(lambda self: self._arrays.get("global_state"))
+    final_observations = property(lambda self: self._arrays["final_observations"])
+    final_global_state = property(lambda self: self._arrays.get("final_global_state"))
+    final_metrics = property(lambda self: self._arrays["final_metrics"])
+
+    @property
+    def record(self) -> _abi.jcas_batch_out:
+        """The addresses and lengths as the C interface takes them. Not to be changed."""
+        return self._record
+
+    def renew(self) -> None:
+        """Take new arrays for the next step, so that nobody writes to the present ones again."""
+        for name in _RENEWED:
+            if (array := self._arrays.get(name)) is not None:
+                fresh = self._arrays[name] = np.empty_like(array)
+                setattr(self._record, _FIELDS[name][0], fresh.ctypes.data)
 
     def final_metrics_by_name(self, ended: npt.NDArray[np.bool_]) -> dict[str, npt.NDArray[Any]]:
         """Metrics of the episodes that just ended, by name; zeros elsewhere."""
@@ -68,8 +86,40 @@ class BatchBuffers:
 
     def observed(self) -> tuple[int | None, int, int | None, int]:
         """Addresses and lengths of what a reset writes."""
-        record = self.record
+        record = self._record
         return record.observations, record.observation_count, getattr(record, "global"), record.global_count
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"shape": self.shape, "_arrays": self._arrays}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._point()
+
+    def _point(self) -> None:
+        """Write the addresses of all arrays into the record."""
+        size = ctypes.sizeof(_abi.jcas_batch_out)
+        self._record = _abi.jcas_batch_out(struct_size=size, metrics_size=METRICS.itemsize)
+        for name, array in self._arrays.items():
+            field, count = _FIELDS[name]
+            setattr(self._record, field, array.ctypes.data)
+            setattr(self._record, count, array.size)
+
+
+_FIELDS = {
+    "observations": ("observations", "observation_count"),
+    "rewards": ("rewards", "reward_count"),
+    "terminated": ("terminated", "terminated_count"),
+    "truncated": ("truncated", "truncated_count"),
+    "reward_components": ("components", "component_count"),
+    "global_state": ("global", "global_count"),
+    "final_observations": ("final_observations", "final_observation_count"),
+    "final_global_state": ("final_global", "final_global_count"),
+    "final_metrics": ("final_metrics", "final_metrics_count"),
+}
+"""Arrays, and where their address and length stand in the record."""
+
+_RENEWED = ("observations", "rewards", "terminated", "truncated", "reward_components", "global_state")
 
 
 class Batch:
@@ -77,46 +127,103 @@ class Batch:
 
     Args:
         model: the model; kept alive by its batches.
-        num_envs: M.
-        threads: how many step at once; results do not depend on it.
+        num_envs: M, 1 to 2^20.
+        threads: how many step at once, 1 to 256; results do not depend on it.
 
     """
 
     def __init__(self, model: Model, num_envs: int, threads: int = 1) -> None:
-        self.model = model
-        self.num_envs = num_envs
+        self.model = check_model(model)
+        self.num_envs = whole("num_envs", num_envs, 1, ENVS_MAX)
+        self.threads = whole("threads", threads, 1, THREADS_MAX)
         handle = ctypes.c_void_p()
-        check(lib.jcas_batch_new(model.handle, num_envs, threads, ctypes.byref(handle)))
+        check(lib.jcas_batch_new(model.handle, self.num_envs, self.threads, ctypes.byref(handle)))
         self.handle = handle
         weakref.finalize(self, _free, handle, model)
-        self._action_count = num_envs * model.uav_count * 2
+        self._action_shape = (self.num_envs, model.uav_count, 2)
+        self._buffers_shape = (self.num_envs, model.uav_count, model.observation_len, model.global_len)
+        self.begun = False
+        """Whether the environments have been reset, or a saved state taken up."""
 
-    def reset(self, seeds: npt.NDArray[np.uint64], buffers: BatchBuffers) -> None:
+    def __repr__(self) -> str:
+        model = self.model
+        return (
+            f"<jcas.Batch of {self.num_envs} missions: {model.uav_count} UAVs, {model.hotspot_count} hotspots, "
+            f"threads={self.threads}>"
+        )
+
+    def __reduce__(self) -> tuple[Any, tuple[Model, int, int, bytes | None]]:
+        return (_restore, (self.model, self.num_envs, self.threads, self.save() if self.begun else None))
+
+    def reset(self, seeds: npt.ArrayLike, buffers: BatchBuffers) -> None:
         """Begin the episodes of M seeds, and observe."""
-        seeds = np.ascontiguousarray(seeds, dtype=np.uint64)
-        self._check(lib.jcas_batch_reset(self.handle, seeds.ctypes.data, seeds.size, *buffers.observed()))
+        chosen = seeds_of("seeds", seeds, self.num_envs)
+        self._check_buffers(buffers)
+        self._check(lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *buffers.observed()))
+        self.begun = True
 
-    def step(self, actions: npt.NDArray[np.float32], buffers: BatchBuffers, auto_reset: bool = True) -> None:
-        """Step every environment. `actions` is contiguous float32, [M, N, 2]."""
+    def step(self, actions: npt.ArrayLike, buffers: BatchBuffers, auto_reset: bool = True) -> None:
+        """Step every environment. `actions` is [M, N, 2]; contiguous float32 is read in place."""
+        pairs = floats("actions", actions, self._action_shape)
+        self._check_buffers(buffers)
+        if not self.begun:
+            raise ResetNeededError("step before the first reset: call reset first")
         status = lib.jcas_batch_step(
-            self.handle, actions.ctypes.data, actions.size, auto_reset, ctypes.byref(buffers.record)
+            self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), ctypes.byref(buffers.record)
         )
         if status:
             self._check(status)
 
     def observe(self, buffers: BatchBuffers) -> None:
         """Write what the environments observe now."""
+        self._check_buffers(buffers)
         self._check(lib.jcas_batch_observe(self.handle, *buffers.observed()))
 
-    def member(self, index: int) -> Sim:
-        """Copy an environment into a simulation of its own, to read every quantity or to save it."""
-        sim = Sim(self.model)
-        self._check(lib.jcas_batch_get(self.handle, index, sim.handle))
-        return sim
+    def member(self, index: int, sim: Sim | None = None) -> Sim:
+        """Copy an environment into a simulation, `sim` or a new one, to read every quantity or to save it."""
+        copy = Sim(self.model) if sim is None else self._check_sim(sim)
+        place = whole("index", index, 0, self.num_envs - 1)
+        self._check(lib.jcas_batch_get(self.handle, place, copy.handle))
+        return copy
 
     def set_member(self, index: int, sim: Sim) -> None:
         """Put the state of a simulation in an environment's place."""
-        self._check(lib.jcas_batch_set(self.handle, index, sim.handle))
+        place = whole("index", index, 0, self.num_envs - 1)
+        self._check(lib.jcas_batch_set(self.handle, place, self._check_sim(sim).handle))
+
+    def save(self) -> bytes:
+        """Save all environments: their snapshots, one after another."""
+        return b"".join(self.member(index).save() for index in range(self.num_envs))
+
+    def load(self, snapshot: bytes) -> None:
+        """Take up what :meth:`save` gave; anything else is refused and changes nothing."""
+        saved, size = snapshot_of("snapshot", snapshot), self.model.snapshot_size
+        if len(saved) != size * self.num_envs:
+            raise SnapshotError(
+                f"snapshot has {len(saved)} bytes: must have {size} for each of {self.num_envs} missions"
+            )
+        sims = [Sim(self.model) for _ in range(self.num_envs)]
+        for index, sim in enumerate(sims):
+            sim.load(saved[index * size : (index + 1) * size])
+        for index, sim in enumerate(sims):
+            self.set_member(index, sim)
+        self.begun = True
+
+    def _check_sim(self, sim: Sim) -> Sim:
+        if not isinstance(sim, Sim):
+            raise ArgumentError(f"sim = {shown(sim)}: must be a jcas.Sim")
+        if sim.model.config_hash != self.model.config_hash:
+            raise ArgumentError(f"sim = {shown(sim)}: must be of the batch's configuration")
+        return sim
+
+    def _check_buffers(self, buffers: BatchBuffers) -> None:
+        if not isinstance(buffers, BatchBuffers):
+            raise ArgumentError(f"buffers = {shown(buffers)}: must be jcas.BatchBuffers")
+        if buffers.shape != self._buffers_shape:
+            raise ArgumentError(
+                f"buffers have sizes {buffers.shape} (missions, UAVs, observation, global state): "
+                f"must have {self._buffers_shape}"
+            )
 
     def _check(self, status: int) -> None:
         if status:
@@ -129,3 +236,10 @@ class Batch:
 def _free(handle: ctypes.c_void_p, model: Model) -> None:
     """Free a batch; that `model` is an argument keeps it alive until then."""
     lib.jcas_batch_free(handle)
+
+
+def _restore(model: Model, num_envs: int, threads: int, snapshot: bytes | None) -> Batch:
+    batch = Batch(model, num_envs, threads)
+    if snapshot is not None:
+        batch.load(snapshot)
+    return batch

@@ -9,12 +9,19 @@ import ctypes
 import json
 import os
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, Union
 
+import numpy as np
+from typing_extensions import Unpack
+
 from . import _abi
+from ._fields import Fields
 from ._library import check, check_with_message, lib, read_text
+from .arguments import shown
 from .errors import ConfigError
+from .signature import shows_fields
 
 ConfigLike = Union["Config", Mapping[str, Any], str, "os.PathLike[str]", None]
 """What a configuration can be made of: a preset's name, a path of a TOML or JSON file, a mapping, or nothing."""
@@ -38,16 +45,22 @@ class Config(Mapping[str, Any]):
 
     __slots__ = ("_json", "_record", "_values")
 
-    def __init__(self, base: ConfigLike = None, **fields: Any) -> None:
+    @shows_fields
+    def __init__(self, base: ConfigLike = None, **fields: Unpack[Fields]) -> None:
         given = {**_given(base), **_plain(fields)}
+        for name, value in given.items():
+            _check_kind(name, value)
         text = _toml({name: value for name, value in given.items() if value is not None}).encode()
         record = _abi.jcas_config()
         size = ctypes.sizeof(record)
-        check_with_message(
-            lambda message, capacity: lib.jcas_config_from_toml(
-                text, len(text), ctypes.byref(record), size, message, capacity
+        try:
+            check_with_message(
+                lambda message, capacity: lib.jcas_config_from_toml(
+                    text, len(text), ctypes.byref(record), size, message, capacity
+                )
             )
-        )
+        except ConfigError as error:
+            raise ConfigError(str(error).replace("`jcas config show`", "jcas.Config.fields()"), error.status) from None
         self._record = record
         self._json = read_text(
             lambda out, capacity, length: lib.jcas_config_to_json(ctypes.byref(record), out, capacity, length)
@@ -87,7 +100,7 @@ class Config(Mapping[str, Any]):
         check(lib.jcas_config_hash(ctypes.byref(self._record), ctypes.byref(value)))
         return value.value
 
-    def replace(self, **fields: Any) -> Config:
+    def replace(self, **fields: Unpack[Fields]) -> Config:
         """Return this configuration with some fields replaced."""
         return Config(self, **fields)
 
@@ -102,6 +115,12 @@ def _given(base: ConfigLike) -> dict[str, Any]:
         return {}
     if isinstance(base, Mapping):
         return _plain(base)
+    if not isinstance(base, str | os.PathLike):
+        raise ConfigError(
+            f"config = {shown(base)}: must be a preset's name, the path of a TOML or JSON file, a mapping, "
+            "a jcas.Config or None",
+            _abi.JCAS_ERROR_CONFIG,
+        )
     path = Path(base)
     if path.suffix == ".json":
         return _read_json(path)
@@ -140,12 +159,64 @@ def _read_toml(path: Path) -> dict[str, Any]:
 
 def _plain(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Turn NumPy scalars and arrays, as sweeps produce them, into plain numbers and lists."""
-    return {name: value.tolist() if hasattr(value, "tolist") else value for name, value in fields.items()}
+    plain = {}
+    for name, value in fields.items():
+        if not isinstance(name, str):
+            raise ConfigError(f"{shown(name)}: a field's name must be a text", _abi.JCAS_ERROR_CONFIG)
+        plain[name] = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+    return plain
+
+
+def _check_kind(name: str, value: Any) -> None:
+    """Refuse a value of the wrong kind in Python's words; the kernel judges everything else."""
+    field, kind = _described().get(name), _kinds().get(name)
+    if field is None or value is None:
+        return
+    span = f"from {field['low']:g} to {field['high']:g} ({field['unit']})"
+    choices = [choice.strip() for choice in field["unit"].split("|")]
+    if kind is int:
+        fits, allowed = _is_whole(value), f"a whole number {span}"
+    elif kind is float:
+        fits, allowed = isinstance(value, int | float) and not isinstance(value, bool), f"a number {span}"
+    elif kind is str:
+        fits, allowed = value in choices, f"one of {', '.join(choices)}"
+    elif name == "depots":
+        fits, allowed = _is_cells(value), "a list of cells (x, y), each of two whole numbers"
+    else:
+        return
+    if not fits:
+        raise ConfigError(f"{name} = {shown(value)}: must be {allowed}", _abi.JCAS_ERROR_CONFIG)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**32
+
+
+def _is_cells(value: Any) -> bool:
+    return isinstance(value, list | tuple) and all(
+        isinstance(cell, list | tuple) and len(cell) == 2 and all(_is_whole(place) for place in cell) for cell in value
+    )
+
+
+@cache
+def _described() -> dict[str, dict[str, Any]]:
+    return {field["name"]: field for field in Config.fields()}
+
+
+@cache
+def _kinds() -> dict[str, type]:
+    """What a field of the C struct is in Python: numbers are numbers, choices are texts."""
+    python = {ctypes.c_uint32: int, ctypes.c_double: float, ctypes.c_int32: str}
+    return {
+        name: python[kind] for name, kind, *_ in _abi.jcas_config._fields_ if kind in python and name in _described()
+    }
 
 
 def _toml(fields: Mapping[str, Any]) -> str:
     """Write fields as TOML, which unlike JSON can say NaN, so that the kernel can refuse it by name."""
-    return "".join(f"{json.dumps(name)} = {_toml_value(name, value)}\n" for name, value in fields.items())
+    return "".join(
+        f"{json.dumps(name, ensure_ascii=False)} = {_toml_value(name, value)}\n" for name, value in fields.items()
+    )
 
 
 def _toml_value(name: str, value: Any) -> str:
@@ -154,7 +225,7 @@ def _toml_value(name: str, value: Any) -> str:
     if isinstance(value, int | float):
         return repr(value)
     if isinstance(value, str):
-        return json.dumps(value)
+        return json.dumps(value, ensure_ascii=False)
     if isinstance(value, list | tuple):
         return f"[{', '.join(_toml_value(name, part) for part in value)}]"
-    raise ConfigError(f"{name} = {value!r}: must be a number, a text or a list", _abi.JCAS_ERROR_CONFIG)
+    raise ConfigError(f"{name} = {shown(value)}: must be a number, a text or a list", _abi.JCAS_ERROR_CONFIG)

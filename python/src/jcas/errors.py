@@ -15,12 +15,20 @@ class ConfigError(JcasError, ValueError):
     """A configuration is not legal; the message names the field, its value and what is allowed."""
 
 
+class ArgumentError(JcasError, ValueError):
+    """An argument is not what it must be; the message names it, its value and what is allowed."""
+
+
 class ActionError(JcasError, ValueError):
     """An action was refused: not a number, of the wrong shape, or missing for a UAV. The state is unchanged."""
 
 
 class EpisodeOverError(JcasError, RuntimeError):
     """A step was asked for after the end of the episode. Reset first."""
+
+
+class ResetNeededError(JcasError, RuntimeError):
+    """Something was asked of an environment that has not been reset yet."""
 
 
 class SnapshotError(JcasError, ValueError):

@@ -15,10 +15,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .arguments import seed_of, shown, whole
 from .batch import Batch, BatchBuffers
+from .errors import ArgumentError
 from .model import Model, derive_seed
 
 ACTIONS_AT_ONCE = 256
+EPISODES_MAX = 10**7
 RESAMPLES = 2000
 BOOTSTRAP_SEED = 0x6A6361732D636931
 WILSON_Z = 1.959963984540054
@@ -96,6 +99,9 @@ def evaluate(
     act: Act, model: Model, *, episodes: int = 100, seed: int = 1, policy: str = "policy", threads: int = 1
 ) -> Report:
     """Fly `episodes` missions with the actions that `act` chooses, and report."""
+    episodes, seed = whole("episodes", episodes, 1, EPISODES_MAX), seed_of("seed", seed)
+    if not callable(act):
+        raise ArgumentError(f"act = {shown(act)}: must be a function from observations to actions")
     flown = [
         _fly(
             act,
@@ -122,7 +128,7 @@ def evaluate(
         axis=1,
     ).astype(np.float64)
     quantities = [Quantity("success_rate", "success rate", "", *wilson(int(success.sum()), episodes))]
-    shown = (
+    titles = (
         ("mission_steps_mean", "mission time", "steps"),
         ("energy_kwh_mean", "energy spent", "kWh"),
         ("co2_kg_mean", "CO2", "kg"),
@@ -132,7 +138,7 @@ def evaluate(
         ("return_mean", "return", ""),
     )
     values, lows, highs = bootstrap_means(rows)
-    for place, (name, title, unit) in enumerate(shown):
+    for place, (name, title, unit) in enumerate(titles):
         quantities.append(Quantity(name, title, unit, float(values[place]), float(lows[place]), float(highs[place])))
     return Report(
         policy=policy,
@@ -154,8 +160,7 @@ def _fly(act: Act, model: Model, seeds: list[int], threads: int) -> npt.NDArray[
     metrics = np.zeros_like(buffers.final_metrics)
     flying = np.ones(len(seeds), dtype=np.bool_)
     while flying.any():
-        actions = np.ascontiguousarray(act(buffers.observations), dtype=np.float32)
-        batch.step(actions, buffers, auto_reset=True)
+        batch.step(act(buffers.observations), buffers, auto_reset=True)
         landed = flying & (buffers.terminated | buffers.truncated)
         metrics[landed] = buffers.final_metrics[landed]
         flying &= ~landed

@@ -8,10 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from gymnasium import spaces
+from typing_extensions import Unpack
 
 from . import _abi
+from ._fields import Fields
 from ._library import check, check_with_message, lib
+from .arguments import SEED_MAX, real, seed_of, shown, whole
 from .config import Config, ConfigLike
+from .errors import ArgumentError
+from .signature import shows_fields
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,8 @@ class Model:
 
     """
 
-    def __init__(self, config: ConfigLike = None, **fields: object) -> None:
+    @shows_fields
+    def __init__(self, config: ConfigLike = None, **fields: Unpack[Fields]) -> None:
         self.config = config if isinstance(config, Config) and not fields else Config(config, **fields)
         handle = ctypes.c_void_p()
         check_with_message(
@@ -58,10 +64,31 @@ class Model:
     def __reduce__(self) -> tuple[type[Model], tuple[Config]]:
         return (Model, (self.config,))
 
+    def __copy__(self) -> Model:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self
+
+    def __repr__(self) -> str:
+        config = self.config
+        return (
+            f"<jcas.Model: {self.uav_count} UAVs, {self.hotspot_count} hotspots, "
+            f"{config['grid_width']} x {config['grid_height']} cells, hash 0x{self.config_hash:016x}>"
+        )
+
     def radio(self, dx: int, dy: int, pilot_density: float) -> Radio:
-        """Radar and link over an offset of cells."""
-        radio = _abi.jcas_radio(struct_size=ctypes.sizeof(_abi.jcas_radio))
-        check(lib.jcas_model_get_radio(self.handle, dx, dy, pilot_density, ctypes.byref(radio)))
+        """Radar and link over an offset of cells, at a pilot density of the sender."""
+        record, radio = self.config.record, _abi.jcas_radio(struct_size=ctypes.sizeof(_abi.jcas_radio))
+        across = whole("dx", dx, 1 - record.grid_width, record.grid_width - 1)
+        along = whole("dy", dy, 1 - record.grid_height, record.grid_height - 1)
+        density = real("pilot_density", pilot_density)
+        if not record.pilot_density_min <= density <= record.pilot_density_max:
+            raise ArgumentError(
+                f"pilot_density = {density!r}: must be a number from {record.pilot_density_min} "
+                f"to {record.pilot_density_max}"
+            )
+        check(lib.jcas_model_get_radio(self.handle, across, along, density, ctypes.byref(radio)))
         return Radio(radio.sensing_snr_db, radio.detection_probability, radio.comm_snr_db, radio.link_throughput)
 
     def depots(self) -> list[tuple[int, int]]:
@@ -94,4 +121,11 @@ class Model:
 
 def derive_seed(seed: int, index: int) -> int:
     """Return the seed with the given index that follows from a seed, as the command line derives them."""
-    return int(lib.jcas_derive_seed(seed, index))
+    return int(lib.jcas_derive_seed(seed_of("seed", seed), whole("index", index, 0, SEED_MAX)))
+
+
+def check_model(model: object) -> Model:
+    """Refuse what is no model."""
+    if not isinstance(model, Model):
+        raise ArgumentError(f"model = {shown(model)}: must be a jcas.Model")
+    return model

@@ -6,16 +6,22 @@ together and to be paid alike within a mission.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
+from typing_extensions import Unpack
 
+from ._fields import Fields
+from .arguments import floats
 from .config import ConfigLike
-from .errors import MissingDependencyError
+from .errors import ArgumentError, MissingDependencyError
+from .signature import shows_fields
 from .spaces import uav_action_space
-from .vector import FleetVectorEnv, make_vec
+from .vector import make_vec
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
@@ -24,13 +30,37 @@ except ImportError as error:
 
 
 class FleetVecEnv(VecEnv):
-    """M missions of N UAVs as a Stable-Baselines3 vector environment of M · N members."""
+    """M missions of N UAVs as a Stable-Baselines3 vector environment of M · N members.
 
-    def __init__(self, config: ConfigLike = None, missions: int = 16, **options: Any) -> None:
-        self.envs: FleetVectorEnv = make_vec(config, missions, copy=True, **options)
+    Args:
+        config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
+        missions: M.
+        threads: how many missions step at once, 1 to 256; None for every core.
+        render_mode: `rgb_array` or None.
+        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
+
+    """
+
+    @shows_fields
+    def __init__(
+        self,
+        config: ConfigLike = None,
+        missions: int = 16,
+        *,
+        threads: int | None = 1,
+        render_mode: str | None = None,
+        **fields: Unpack[Fields],
+    ) -> None:
+        refused = {"action_space", "autoreset_mode", "copy", "global_state"} & set(fields)
+        if refused:
+            name = sorted(refused)[0]
+            raise ArgumentError(f"{name}: not to be chosen, because Stable-Baselines3 takes one way only")
+        mode = AutoresetMode.SAME_STEP
+        self.envs = make_vec(config, missions, threads=threads, render_mode=render_mode, autoreset_mode=mode, **fields)
         self.uavs = self.envs.model.uav_count
+        self.render_mode = render_mode
         self._actions: npt.NDArray[np.float32] | None = None
-        super().__init__(missions * self.uavs, self.envs.model.observation_space(), uav_action_space("box"))
+        super().__init__(self.envs.num_envs * self.uavs, self.envs.model.observation_space(), uav_action_space("box"))
 
     def reset(self) -> npt.NDArray[np.float32]:
         """Begin an episode in every mission."""
@@ -40,7 +70,8 @@ class FleetVecEnv(VecEnv):
 
     def step_async(self, actions: npt.NDArray[np.float32]) -> None:
         """Take the actions of the coming step."""
-        self._actions = np.asarray(actions, np.float32).reshape(self.envs.num_envs, self.uavs, 2)
+        rows = floats("actions", actions, (self.num_envs, 2))
+        self._actions = rows.reshape(self.envs.num_envs, self.uavs, 2)
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
         """Step every mission; ended ones begin anew, their last observations are kept in the infos."""
@@ -54,8 +85,8 @@ class FleetVecEnv(VecEnv):
                 members[mission * self.uavs + uav] = {
                     "terminal_observation": infos["final_obs"][mission, uav],
                     "TimeLimit.truncated": bool(truncated[mission]),
-                    "metrics": metrics,
-                    "episode": episode,
+                    "metrics": dict(metrics),
+                    "episode": dict(episode),
                     "is_success": bool(terminated[mission]),
                 }
         return self._rows(observations), np.repeat(rewards, self.uavs), np.repeat(ended, self.uavs), members
@@ -63,6 +94,22 @@ class FleetVecEnv(VecEnv):
     def close(self) -> None:
         """Release the missions."""
         self.envs.close()
+
+    def get_images(self) -> list[npt.NDArray[np.uint8] | None]:
+        """Draw the missions, one picture for each."""
+        return list(self.envs.render() or ())
+
+    def save(self) -> bytes:
+        """Save the missions."""
+        return self.envs.save()
+
+    def load(self, snapshot: bytes) -> npt.NDArray[np.float32]:
+        """Take up what :meth:`save` gave and return the observations."""
+        return self._rows(self.envs.load(snapshot))
+
+    def fork(self) -> FleetVecEnv:
+        """Return an independent environment in the same state and with the same seeds to come."""
+        return copy.deepcopy(self)
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Read an attribute of the missions, once for each member asked for."""

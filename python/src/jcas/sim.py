@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from . import _abi
 from ._library import check, fail, lib, read_text
-from .errors import ActionError
-from .model import Model
+from .arguments import floats, seed_of, snapshot_of, writable
+from .model import Model, check_model
 from .scene import Scene
 
 Floats = npt.NDArray[np.float32]
@@ -53,28 +53,36 @@ class Sim:
     """
 
     def __init__(self, model: Model, seed: int = 0) -> None:
-        self.model = model
+        self.model = check_model(model)
+        first = seed_of("seed", seed)
         handle = ctypes.c_void_p()
         check(lib.jcas_sim_new(model.handle, ctypes.byref(handle)))
         self.handle = handle
         weakref.finalize(self, _free, handle, model)
         self._outcome = _abi.jcas_outcome(struct_size=ctypes.sizeof(_abi.jcas_outcome))
         self._action_len = 2 * model.uav_count
-        if seed:
-            self.reset(seed)
+        if first:
+            self.reset(first)
 
     def __reduce__(self) -> tuple[Any, tuple[Model, bytes]]:
         return (_restore, (self.model, self.save()))
 
+    def __copy__(self) -> Sim:
+        return self.fork()
+
+    def __repr__(self) -> str:
+        return (
+            f"<jcas.Sim: {self.model.uav_count} UAVs, {self.model.hotspot_count} hotspots, seed {self.seed}, "
+            f"step {self.t} of {self.model.config['horizon_steps']}>"
+        )
+
     def reset(self, seed: int) -> None:
         """Begin the episode of a seed."""
-        self._check(lib.jcas_sim_reset(self.handle, seed & (2**64 - 1)))
+        self._check(lib.jcas_sim_reset(self.handle, seed_of("seed", seed)))
 
     def step(self, actions: npt.ArrayLike) -> StepOutcome:
         """Take one step. `actions` is [N, 2]: (u_dir, u_pilot) of each UAV, clipped to -1 to 1."""
-        pairs = np.ascontiguousarray(actions, dtype=np.float32)
-        if pairs.shape != (self.model.uav_count, 2):
-            raise ActionError(f"actions have shape {pairs.shape}: must be ({self.model.uav_count}, 2)")
+        pairs = floats("actions", actions, (self.model.uav_count, 2))
         outcome = self._outcome
         status = lib.jcas_sim_step(self.handle, pairs.ctypes.data, self._action_len, ctypes.byref(outcome))
         if status:
@@ -84,13 +92,17 @@ class Sim:
     def observe(self, out: Floats | None = None) -> Floats:
         """Observe: a row for each UAV, [N, observation length], written into `out` where given."""
         shape = (self.model.uav_count, self.model.observation_len)
-        rows = np.empty(shape, np.float32) if out is None else _writable(out, shape)
+        rows = np.empty(shape, np.float32) if out is None else writable("out", out, shape)
         self._check(lib.jcas_sim_observe(self.handle, rows.ctypes.data, rows.size))
         return rows
 
     def observe_global(self, out: Floats | None = None) -> Floats:
         """Observe the global state, [global length], for a centralised critic."""
-        row = np.empty(self.model.global_len, np.float32) if out is None else _writable(out, (self.model.global_len,))
+        row = (
+            np.empty(self.model.global_len, np.float32)
+            if out is None
+            else writable("out", out, (self.model.global_len,))
+        )
         self._check(lib.jcas_sim_observe_global(self.handle, row.ctypes.data, row.size))
         return row
 
@@ -211,7 +223,8 @@ class Sim:
 
     def load(self, snapshot: bytes) -> None:
         """Take up a saved state of an equal configuration; anything else is refused and changes nothing."""
-        self._check(lib.jcas_sim_load(self.handle, snapshot, len(snapshot)))
+        saved = snapshot_of("snapshot", snapshot)
+        self._check(lib.jcas_sim_load(self.handle, saved, len(saved)))
 
     def fork(self) -> Sim:
         """Return an independent twin in the same state."""
@@ -282,9 +295,3 @@ def _restore(model: Model, snapshot: bytes) -> Sim:
 
 def _cells(records: npt.NDArray[np.void]) -> npt.NDArray[np.uint32]:
     return np.stack([records["x"], records["y"]], axis=1)
-
-
-def _writable(out: Floats, shape: tuple[int, ...]) -> Floats:
-    if out.dtype != np.float32 or out.shape != shape or not out.flags.c_contiguous or not out.flags.writeable:
-        raise ValueError(f"out is {out.dtype} of shape {out.shape}: must be writable, contiguous float32 of {shape}")
-    return out

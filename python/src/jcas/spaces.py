@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
+from .arguments import floats, shown
 from .errors import ActionError, ConfigError
 
 ActionSpaceKind = Literal["box", "dict", "tuple"]
@@ -31,7 +32,7 @@ def motion_to_command(motion: Any) -> Any:
 def check_kind(kind: str) -> ActionSpaceKind:
     """Refuse the name of an action space that does not exist."""
     if kind not in get_args(ActionSpaceKind):
-        raise ConfigError(f"action_space = {kind!r}: allowed are {', '.join(get_args(ActionSpaceKind))}")
+        raise ConfigError(f"action_space = {shown(kind)}: must be one of {', '.join(get_args(ActionSpaceKind))}")
     return kind  # type: ignore[return-value]
 
 
@@ -56,14 +57,28 @@ def fleet_action_space(kind: ActionSpaceKind, uavs: int) -> spaces.Space[Any]:
 def encode_uav_action(kind: ActionSpaceKind, action: Any, out: FloatArray, uav: str) -> None:
     """Write one UAV's action into its pair of the kernel's buffer."""
     if kind == "box":
-        pair = np.asarray(action, dtype=np.float32)
-        if pair.shape != (2,):
-            raise ActionError(f"action of {uav} has shape {pair.shape}: allowed is (2,), for u_dir and u_pilot")
-        out[:] = pair
+        out[:] = floats(f"action of {uav}", action, (2,), what=", for u_dir and u_pilot")
         return
     motion, pilot = _parts(kind, action)
-    out[0] = motion_to_command(_motion_index(motion, uav))
-    out[1] = np.asarray(pilot, dtype=np.float32).reshape(())
+    index = _motion_index(motion, uav)
+    if index.shape not in ((), (1,)):
+        raise ActionError(f"motion of {uav} has shape {index.shape}: must be one integer")
+    out[0] = motion_to_command(index.reshape(()))
+    shape = () if np.ndim(pilot) == 0 else (1,)
+    out[1] = floats(f"pilot of {uav}", pilot, shape).reshape(())
+
+
+def encode_uav_actions(kind: ActionSpaceKind, agents: Sequence[str], actions: Any, out: FloatArray) -> None:
+    """Write the actions of all agents, a dict with one for each, into the kernel's buffer [N, 2]."""
+    if not isinstance(actions, Mapping):
+        raise ActionError(f"actions = {shown(actions)}: must be a dict with an action for each agent")
+    for uav, agent in enumerate(agents):
+        if agent not in actions:
+            raise ActionError(f"no action for {agent}: must be one for each of {len(agents)} agents")
+        encode_uav_action(kind, actions[agent], out[uav], agent)
+    if len(actions) > len(agents):
+        strange = next(agent for agent in actions if agent not in agents)
+        raise ActionError(f"an action for {shown(strange)}: there is no such agent")
 
 
 def encode_fleet_action(kind: ActionSpaceKind, action: Any, shape: tuple[int, ...]) -> FloatArray:
@@ -72,32 +87,32 @@ def encode_fleet_action(kind: ActionSpaceKind, action: Any, shape: tuple[int, ..
     Actions that already are contiguous float32 of that shape are handed on without a copy.
     """
     if kind == "box":
-        pairs = np.ascontiguousarray(action, dtype=np.float32)
-        if pairs.shape != shape:
-            raise ActionError(f"actions have shape {pairs.shape}: allowed is {shape}")
-        return pairs
+        return floats("actions", action, shape)
     motion, pilot = _parts(kind, action)
+    index = _motion_index(motion, "the fleet")
+    if index.shape != shape[:-1]:
+        raise ActionError(f"motion: the shape is {index.shape}, must be {shape[:-1]}")
     pairs = np.empty(shape, dtype=np.float32)
-    for place, part, name in ((0, motion, "motion"), (1, pilot, "pilot")):
-        values = np.asarray(part)
-        if values.shape != shape[:-1]:
-            raise ActionError(f"{name} has shape {values.shape}: allowed is {shape[:-1]}")
-        pairs[..., place] = motion_to_command(_motion_index(values, "the fleet")) if place == 0 else values
+    pairs[..., 0] = motion_to_command(index)
+    pairs[..., 1] = floats("pilot", pilot, shape[:-1])
     return pairs
 
 
 def _parts(kind: ActionSpaceKind, action: Any) -> tuple[Any, Any]:
     if kind == "dict":
         if not isinstance(action, Mapping) or set(action) != {"motion", "pilot"}:
-            raise ActionError(f"action {action!r}: allowed is a dict of motion and pilot")
+            raise ActionError(f"action {shown(action)}: must be a dict of motion and pilot")
         return action["motion"], action["pilot"]
     if not isinstance(action, Sequence) or len(action) != 2:
-        raise ActionError(f"action {action!r}: allowed is a tuple (motion, pilot)")
+        raise ActionError(f"action {shown(action)}: must be a tuple (motion, pilot)")
     return action[0], action[1]
 
 
 def _motion_index(motion: Any, owner: str) -> Any:
-    index = np.asarray(motion)
+    try:
+        index = np.asarray(motion)
+    except (TypeError, ValueError):
+        index = np.empty(0, object)
     if not np.issubdtype(index.dtype, np.integer) or (index < 0).any() or (index >= len(MOTIONS)).any():
-        raise ActionError(f"motion of {owner} is {motion!r}: allowed are integers 0 to {len(MOTIONS) - 1}")
+        raise ActionError(f"motion of {owner} is {shown(motion)}: must be integers from 0 to {len(MOTIONS) - 1}")
     return index

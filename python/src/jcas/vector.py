@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy as copying
 import os
 from collections.abc import Sequence
 from typing import Any
@@ -10,11 +11,15 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
+from typing_extensions import Unpack
 
-from .batch import Batch, BatchBuffers
+from ._fields import Fields
+from .arguments import flags, seed_of, shown, whole
+from .batch import ENVS_MAX, THREADS_MAX, Batch, BatchBuffers
 from .config import Config, ConfigLike
-from .errors import ConfigError
-from .model import Model
+from .errors import ActionError, ArgumentError, ConfigError, ResetNeededError
+from .model import Model, derive_seed
+from .signature import shows_fields
 from .sim import Sim
 from .spaces import ActionSpaceKind, check_kind, encode_fleet_action, fleet_action_space
 
@@ -27,11 +32,12 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     A sub-environment's observation is [N, observation length], its action [N, 2]; rewards, terminations
     and truncations are the team's, one for each mission, so their arrays have the shape [M].
 
-    The arrays that :meth:`reset` and :meth:`step` return are the ones that the kernel wrote. There are two
-    sets of them, used in turn: what a step returned stays as it is until the step after the next. Give
-    `copy=True` for arrays that nobody writes to again.
+    The arrays that :meth:`reset` and :meth:`step` return are yours. With `copy=False` they are the ones that the
+    kernel writes, of which there are two sets, used in turn: what a step returned stays as it is until the step
+    after the next.
     """
 
+    @shows_fields
     def __init__(
         self,
         config: ConfigLike = None,
@@ -39,79 +45,83 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         *,
         action_space: ActionSpaceKind = "box",
         threads: int | None = 1,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         global_state: bool = False,
-        copy: bool = False,
+        copy: bool = True,
         render_mode: str | None = None,
-        **fields: Any,
+        **fields: Unpack[Fields],
     ) -> None:
-        if num_envs < 1:
-            raise ConfigError(f"num_envs = {num_envs}: must be at least 1")
+        if isinstance(config, int | np.integer):
+            raise ArgumentError(f"config = {config}: must be a configuration; so many missions are num_envs={config}")
+        self.num_envs = whole("num_envs", num_envs, 1, ENVS_MAX)
         if render_mode not in (None, "rgb_array"):
-            raise ConfigError(f"render_mode = {render_mode!r}: must be 'rgb_array' or None")
+            raise ConfigError(f"render_mode = {shown(render_mode)}: must be 'rgb_array' or None")
         self._kind = check_kind(action_space)
         self._autoreset = _check_autoreset(autoreset_mode)
         self.metadata = {"autoreset_mode": self._autoreset, "render_modes": ["rgb_array"], "render_fps": 8}
         self.render_mode = render_mode
-        self.num_envs = num_envs
         self.model = Model(Config(config, **fields))
-        self.batch = Batch(self.model, num_envs, threads=threads or os.cpu_count() or 1)
+        self.batch = Batch(self.model, self.num_envs, threads=_check_threads(threads))
         uavs = self.model.uav_count
         self.single_observation_space = self.model.observation_space(uavs)
         self.single_action_space = fleet_action_space(self._kind, uavs)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self._action_shape = (num_envs, uavs, 2)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._action_shape = (self.num_envs, uavs, 2)
         self._copy = copy
-        self._buffers = [BatchBuffers(self.model, num_envs, global_state) for _ in range(2)]
+        self._buffers = [BatchBuffers(self.model, self.num_envs, global_state) for _ in range(1 if copy else 2)]
         self._turn = 0
-        self._everywhere = np.ones(num_envs, dtype=np.bool_)
+        self._ended = np.zeros(self.num_envs, np.bool_)
+        self._begun: list[Sim] = []
+
+    def __repr__(self) -> str:
+        return f"<jcas.FleetVectorEnv of {self.num_envs} missions: {self.model!r}, {self._autoreset.value}>"
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode in every sub-environment, or in those of `options["reset_mask"]`.
 
-        Sub-environment m gets the seed `seed + m`, as in Gymnasium's own vector environments, or the m-th
-        of a list. Without a seed, the next ones of the stream that the last seed began.
+        Sub-environment m gets the seed `seed + m` (after 2^64 - 1 comes 0), as in Gymnasium's own vector
+        environments, or the m-th of a list. Without a seed, the next ones of the stream that the last seed began.
         """
-        seeds = self._reset_seeds(seed)
         mask = (options or {}).get("reset_mask")
+        chosen = None if mask is None else flags("reset_mask", mask, self.num_envs)
+        seeds = self._reset_seeds(seed)
         buffers = self._next_buffers()
-        if mask is None:
+        if chosen is None:
             self.batch.reset(seeds, buffers)
+            self._ended[:] = False
         else:
-            mask = np.asarray(mask, dtype=np.bool_)
-            if mask.shape != (self.num_envs,):
-                raise ConfigError(f"reset_mask has shape {mask.shape}: must be ({self.num_envs},)")
-            for member in np.flatnonzero(mask).tolist():
+            self._need_reset("reset_mask")
+            for member in np.flatnonzero(chosen).tolist():
                 self.batch.set_member(member, Sim(self.model, int(seeds[member])))
             self.batch.observe(buffers)
+            self._ended &= ~chosen
         infos: dict[str, Any] = {}
         if buffers.global_state is not None:
-            infos["global_state"] = self._given(buffers.global_state)
-            infos["_global_state"] = self._everywhere
-        return self._given(buffers.observations), infos
+            infos["global_state"] = buffers.global_state
+            infos["_global_state"] = self._everywhere()
+        return buffers.observations, infos
 
     def step(self, actions: Any) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Step every fleet.
 
         `infos["reward_components"]` is [M, 12], in the order of :data:`jcas.REWARD_NAMES`. Where an episode
-        ended, `infos["final_obs"]` and `infos["final_info"]` hold its last observation and its metrics, and
-        `infos["_final_obs"]` says where that is. With `global_state=True`, `infos["global_state"]` is the
-        critic's view, [M, global length].
+        ended, `infos["final_info"]` holds its metrics. With `SameStep`, `infos["final_obs"]` holds its last
+        observation, and `infos["_final_obs"]` says where that is; with `NextStep` the step after ignores the
+        ended fleet's action, begins its next episode and pays nothing. With `global_state=True`,
+        `infos["global_state"]` is the critic's view, [M, global length].
         """
         encoded = encode_fleet_action(self._kind, actions, self._action_shape)
+        self._need_reset("step")
         buffers = self._next_buffers()
-        self.batch.step(encoded, buffers, auto_reset=self._autoreset is AutoresetMode.SAME_STEP)
-        given = self._given
-        return (
-            given(buffers.observations),
-            given(buffers.rewards),
-            given(buffers.terminated),
-            given(buffers.truncated),
-            self._infos(buffers),
-        )
+        if self._autoreset is AutoresetMode.NEXT_STEP and self._ended.any():
+            self._step_and_begin(encoded, buffers)
+        else:
+            self.batch.step(encoded, buffers, auto_reset=self._autoreset is AutoresetMode.SAME_STEP)
+        self._ended = buffers.terminated | buffers.truncated
+        return buffers.observations, buffers.rewards, buffers.terminated, buffers.truncated, self._infos(buffers)
 
     def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
         """Draw every sub-environment."""
@@ -119,68 +129,155 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
             return None
         from .render import draw
 
+        self._need_reset("render")
         return tuple(draw(self.batch.member(member).scene()) for member in range(self.num_envs))
 
+    def save(self) -> bytes:
+        """Save the missions, but not the stream from which a reset without a seed draws."""
+        self._need_reset("save")
+        return self.batch.save()
+
+    def load(self, snapshot: bytes) -> Array:
+        """Take up what :meth:`save` gave and return the observations."""
+        self.batch.load(snapshot)
+        members = [self.batch.member(member) for member in range(self.num_envs)]
+        self._ended = np.array([sim.terminated or sim.truncated for sim in members])
+        buffers = self._next_buffers()
+        self.batch.observe(buffers)
+        return buffers.observations
+
+    def fork(self) -> FleetVectorEnv:
+        """Return an independent environment in the same state and with the same seeds to come."""
+        return copying.deepcopy(self)
+
+    def _step_and_begin(self, encoded: npt.NDArray[np.float32], buffers: BatchBuffers) -> None:
+        """Step the fleets that fly, and begin the next episode of those that ended a step ago.
+
+        The kernel steps all or none, so the ended ones fly along from their new beginning and are put back to it.
+        """
+        waiting = np.flatnonzero(self._ended).tolist()
+        moving = encoded.copy()
+        moving[waiting] = 0
+        if np.isnan(moving).any():
+            raise ActionError("actions hold NaN: must be numbers, clipped to -1 to 1")
+        while len(self._begun) < len(waiting):
+            self._begun.append(Sim(self.model))
+        for member, sim in zip(waiting, self._begun, strict=False):
+            self.batch.member(member, sim)
+            sim.reset(derive_seed(sim.seed, 0))
+            self.batch.set_member(member, sim)
+        self.batch.step(moving, buffers, auto_reset=False)
+        for member, sim in zip(waiting, self._begun, strict=False):
+            self.batch.set_member(member, sim)
+            sim.observe(buffers.observations[member])
+            if buffers.global_state is not None:
+                sim.observe_global(buffers.global_state[member])
+        for array in (buffers.rewards, buffers.terminated, buffers.truncated, buffers.reward_components):
+            array[waiting] = 0
+
     def _infos(self, buffers: BatchBuffers) -> dict[str, Any]:
-        given, everywhere = self._given, self._everywhere
         infos: dict[str, Any] = {
-            "reward_components": given(buffers.reward_components),
-            "_reward_components": everywhere,
+            "reward_components": buffers.reward_components,
+            "_reward_components": self._everywhere(),
         }
         if buffers.global_state is not None:
-            infos["global_state"] = given(buffers.global_state)
-            infos["_global_state"] = everywhere
-        ended = buffers.terminated | buffers.truncated
+            infos["global_state"] = buffers.global_state
+            infos["_global_state"] = self._everywhere()
+        ended = self._ended
         if ended.any():
-            infos["final_info"] = {"metrics": buffers.final_metrics_by_name(ended), "_metrics": ended}
-            infos["_final_info"] = ended
+            infos["final_info"] = {"metrics": buffers.final_metrics_by_name(ended), "_metrics": ended.copy()}
+            infos["_final_info"] = ended.copy()
             if self._autoreset is AutoresetMode.SAME_STEP:
-                infos["final_obs"] = given(buffers.final_observations)
-                infos["_final_obs"] = ended
+                infos["final_obs"] = self._given(buffers.final_observations)
+                infos["_final_obs"] = ended.copy()
                 if buffers.final_global_state is not None:
-                    infos["final_global_state"] = given(buffers.final_global_state)
-                    infos["_final_global_state"] = ended
+                    infos["final_global_state"] = self._given(buffers.final_global_state)
+                    infos["_final_global_state"] = ended.copy()
         return infos
 
     def _next_buffers(self) -> BatchBuffers:
+        if self._copy:
+            self._buffers[0].renew()
+            return self._buffers[0]
         self._turn ^= 1
         return self._buffers[self._turn]
 
     def _given(self, array: Array) -> Array:
         return array.copy() if self._copy else array
 
+    def _everywhere(self) -> npt.NDArray[np.bool_]:
+        return np.ones(self.num_envs, np.bool_)
+
+    def _need_reset(self, what: str) -> None:
+        if not self.batch.begun:
+            raise ResetNeededError(f"{what} before the first reset: call reset first")
+
     def _reset_seeds(self, seed: int | Sequence[int | None] | None) -> npt.NDArray[np.uint64]:
-        if isinstance(seed, Sequence | np.ndarray):
+        if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes):
             if len(seed) != self.num_envs:
-                raise ConfigError(f"seed has {len(seed)} entries: must have one for each of {self.num_envs}")
+                raise ArgumentError(f"seed has {len(seed)} entries: must have one for each of {self.num_envs} missions")
+            own = [None if one is None else seed_of(f"seed[{place}]", one) for place, one in enumerate(seed)]
             drawn = self.np_random.integers(0, 2**64, self.num_envs, dtype=np.uint64)
-            chosen = [own if own is not None else int(other) for own, other in zip(seed, drawn, strict=True)]
-            return np.array([int(own) for own in chosen], dtype=np.uint64)
-        super().reset(seed=seed)
+            return np.array(
+                [int(other) if one is None else one for one, other in zip(own, drawn, strict=True)], np.uint64
+            )
         if seed is None:
             return self.np_random.integers(0, 2**64, self.num_envs, dtype=np.uint64)
-        return np.uint64(seed) + np.arange(self.num_envs, dtype=np.uint64)
+        first = seed_of("seed", seed)
+        super().reset(seed=first)
+        return np.uint64(first) + np.arange(self.num_envs, dtype=np.uint64)
 
 
 def _check_autoreset(mode: AutoresetMode | str) -> AutoresetMode:
     try:
-        chosen = AutoresetMode(mode)
+        return AutoresetMode(mode)
     except ValueError:
-        chosen = None
-    if chosen not in (AutoresetMode.SAME_STEP, AutoresetMode.DISABLED):
-        raise ConfigError(f"autoreset_mode = {mode}: must be SameStep or Disabled")
-    return chosen
+        allowed = ", ".join(known.value for known in AutoresetMode)
+        raise ConfigError(f"autoreset_mode = {shown(mode)}: must be one of {allowed}") from None
 
 
-def make_vec(config: ConfigLike = None, num_envs: int = 1, **options: Any) -> FleetVectorEnv:
+def _check_threads(threads: int | None) -> int:
+    if threads is None:
+        return min(os.cpu_count() or 1, THREADS_MAX)
+    return whole("threads", threads, 1, THREADS_MAX)
+
+
+@shows_fields
+def make_vec(
+    config: ConfigLike = None,
+    num_envs: int = 1,
+    *,
+    action_space: ActionSpaceKind = "box",
+    threads: int | None = 1,
+    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    global_state: bool = False,
+    copy: bool = True,
+    render_mode: str | None = None,
+    **fields: Unpack[Fields],
+) -> FleetVectorEnv:
     """Make a Gymnasium vector environment of `num_envs` fleets.
 
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         num_envs: how many missions fly side by side.
-        **options: `action_space` (`box`, `dict`, `tuple`), `threads` (None: all cores), `autoreset_mode`
-            (`SameStep`, the default, or `Disabled`), `global_state`, `copy`, `render_mode`; anything else is
-            a configuration field.
+        action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
+        threads: how many step at once, 1 to 256; None for every core. Results do not depend on it.
+        autoreset_mode: `NextStep` (Gymnasium's default), `SameStep` (the fastest where episodes are short) or
+            `Disabled`.
+        global_state: give the critic's view in the infos.
+        copy: give arrays that nobody writes to again; False gives views of the kernel's two sets of buffers.
+        render_mode: `rgb_array` or None.
+        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
 
     """
-    return FleetVectorEnv(config, num_envs, **options)
+    return FleetVectorEnv(
+        config,
+        num_envs,
+        action_space=action_space,
+        threads=threads,
+        autoreset_mode=autoreset_mode,
+        global_state=global_state,
+        copy=copy,
+        render_mode=render_mode,
+        **fields,
+    )

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 from ray.rllib.env.multi_agent_env import MultiAgentEnv
 
-from ..config import Config
+from ..mission import Mission
 from ..model import Model
 from ..sim import Sim
-from ..spaces import uav_action_space
+from ..spaces import encode_uav_actions, uav_action_space
 
 SHARED_POLICY = "shared"
 
@@ -26,23 +27,32 @@ class JcasMultiAgentEnv(MultiAgentEnv):
 
     def __init__(self, config: dict[str, Any] | None = None) -> None:
         super().__init__()
-        self.model = Model(Config(dict(config or {})))
-        self.sim = Sim(self.model)
+        self._mission = Mission(dict(config or {}), {}, None)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
         observation = spaces.Dict({"observation": self.model.observation_space(), "state": self.model.global_space()})
         self.observation_spaces = dict.fromkeys(self.possible_agents, observation)
         self.action_spaces = dict.fromkeys(self.possible_agents, uav_action_space("box"))
-        self._seeds = np.random.default_rng()
+        self._actions = np.zeros((self.model.uav_count, 2), np.float32)
+
+    @property
+    def model(self) -> Model:
+        """The immutable model behind the environment."""
+        return self._mission.model
+
+    @property
+    def sim(self) -> Sim:
+        """The simulation itself, with every quantity of its state."""
+        return self._mission.sim
+
+    def __repr__(self) -> str:
+        return self._mission.describe("jcas.rllib.JcasMultiAgentEnv")
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode."""
-        del options
-        if seed is not None:
-            self._seeds = np.random.default_rng(seed)
-        self.sim.reset(int(self._seeds.integers(0, 2**64, dtype=np.uint64)))
+        """Begin an episode: the one that :func:`jcas.parallel_env` begins with that seed."""
+        self._mission.reset(seed, options)
         self.agents = list(self.possible_agents)
         return self._observations(), {}
 
@@ -50,8 +60,9 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         self, action_dict: dict[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
         """Step every UAV; each receives the team's reward. At the end its metrics stand in every info."""
-        actions = np.stack([action_dict[agent] for agent in self.possible_agents])
-        outcome = self.sim.step(actions)
+        self._mission.need_reset("step")
+        encode_uav_actions("box", self.possible_agents, action_dict, self._actions)
+        outcome = self._mission.step(self._actions)
         terminated = dict.fromkeys(self.possible_agents, outcome.terminated)
         truncated = dict.fromkeys(self.possible_agents, outcome.truncated)
         terminated["__all__"] = outcome.terminated
@@ -60,8 +71,20 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         infos: dict[str, Any] = {}
         if outcome.terminated or outcome.truncated:
             metrics = self.sim.metrics()
-            infos = {agent: {"metrics": metrics} for agent in self.possible_agents}
+            infos = {agent: {"metrics": dict(metrics)} for agent in self.possible_agents}
         return self._observations(), rewards, terminated, truncated, infos
+
+    def save(self) -> bytes:
+        """Save the whole state of the episode."""
+        return self._mission.save()
+
+    def load(self, snapshot: bytes) -> dict[str, Any]:
+        """Take up a saved state of the same configuration and return its observations."""
+        return self.reset(options={"snapshot": snapshot})[0]
+
+    def fork(self) -> JcasMultiAgentEnv:
+        """Return an independent environment in the same state and with the same seeds to come."""
+        return copy.deepcopy(self)
 
     def _observations(self) -> dict[str, Any]:
         state = self.sim.observe_global()

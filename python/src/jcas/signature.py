@@ -1,0 +1,25 @@
+"""Shows the configuration's fields where help(), IDEs and notebooks look for keywords."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from ._fields import Fields
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def shows_fields(function: F) -> F:
+    """Write the fields into a function's signature, in place of its `**fields`."""
+    signature = inspect.signature(function)
+    own = [part for part in signature.parameters.values() if part.kind is not inspect.Parameter.VAR_KEYWORD]
+    taken = {part.name for part in own}
+    fields = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+        for name, kind in Fields.__annotations__.items()
+        if name not in taken
+    ]
+    function.__signature__ = signature.replace(parameters=[*own, *fields])  # type: ignore[attr-defined]
+    return function
