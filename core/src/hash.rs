@@ -32,6 +32,12 @@ impl Fnv1a {
         self.write(&word.to_le_bytes());
     }
 
+    /// A hash that has come to a value.
+    #[cfg(any(kani, test))]
+    pub(crate) const fn resumed(value: u64) -> Self {
+        Self(value)
+    }
+
     /// The hash of all that was added.
     #[must_use]
     pub fn finish(self) -> u64 {

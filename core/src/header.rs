@@ -39,14 +39,14 @@ impl Phase {
 
 const CONFIG_HASH: usize = 0;
 const SEED: usize = 1;
-const T: usize = 2;
-const PHASE: usize = 3;
+pub(crate) const T: usize = 2;
+pub(crate) const PHASE: usize = 3;
 const INTENSITY: usize = 4;
 const BILLED_INTENSITY: usize = 5;
 const CO2: usize = 6;
 const GRID: usize = 7;
 const MOVES: usize = 8;
-const MEAN_THROUGHPUT: usize = 9;
+pub(crate) const MEAN_THROUGHPUT: usize = 9;
 const THROUGHPUT_SUM: usize = 10;
 const PILOT_SUM: usize = 11;
 const GOAL_POTENTIAL: usize = 12;

@@ -82,6 +82,13 @@ pub fn load_odds_against(loss_per_load: f64, comm_load: f64) -> f64 {
     exp(loss_per_load * comm_load)
 }
 
+/// The odds against a detection: a range's factor times a UAV's.
+#[inline]
+#[must_use]
+pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
+    range_odds * load_odds
+}
+
 /// p = 1 / (1 + odds against), as a threshold of a 32-bit draw: a draw below it is a detection.
 #[inline]
 #[must_use]

@@ -49,7 +49,8 @@ impl Model<'_> {
     }
 }
 
-fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64 {
+/// What a UAV's battery holds at the start: a uniform share of its capacity.
+pub(crate) fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64 {
     let config = model.config();
     let draw = rng::unit(rng::bits64(seed, 0, uav as u32, 0, Purpose::InitialSoc));
     let soc = config.initial_soc_min + (config.initial_soc_max - config.initial_soc_min) * draw;
@@ -64,7 +65,7 @@ fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64 {
 
 /// Draws distinct cells without a depot: Floyd's sampling makes every set equally likely in n draws,
 /// a Fisher-Yates shuffle then makes every order so. (R. Floyd, J. Bentley, CACM 30(9), 1987.)
-fn place_hotspots(model: &Model<'_>, state: &mut StateMut<'_>, seed: u64) {
+pub(crate) fn place_hotspots(model: &Model<'_>, state: &mut StateMut<'_>, seed: u64) {
     let count = model.hotspot_count();
     let free = model.config().cell_count() - model.depots().len();
     for pick in 0..count {

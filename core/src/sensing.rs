@@ -67,7 +67,8 @@ fn detect_from(
         let draws = rng::block(seed, t, i as u32, block as u32, Purpose::Detect);
         let mut hits = 0;
         for lane in 0..cells.len() {
-            let odds = range_odds.between(cell, Cell::from_word(cells[lane])) * load_odds;
+            let range_odds = range_odds.between(cell, Cell::from_word(cells[lane]));
+            let odds = radar::odds_against(range_odds, load_odds);
             let below = u64::from(draws[lane]) < radar::detection_threshold(odds);
             let positive = unknown >> lane & u64::from(below);
             positives[lane] += positive;

@@ -7,6 +7,11 @@
 //! | 8 | fingerprint of the configuration |
 //! | 8 · words | the state |
 //! | 8 | FNV-1a of all before |
+//!
+//! Words and bytes are moved one by one: a model checker follows such loops where it loses itself in
+//! iterators and block copies.
+
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use crate::error::{Corruption, Error};
 use crate::hash::Fnv1a;
@@ -41,16 +46,15 @@ impl Model<'_> {
         }
         let prefix = [MAGIC, FORMAT_VERSION, self.config_hash()];
         let mut hash = Fnv1a::new();
-        let mut bytes = out.chunks_exact_mut(8);
-        for &word in prefix.iter().chain(words) {
-            if let Some(chunk) = bytes.next() {
-                chunk.copy_from_slice(&word.to_le_bytes());
-            }
-            hash.write_u64(word);
+        for index in 0..PREFIX_WORDS {
+            put(out, index, prefix[index]);
+            hash.write_u64(prefix[index]);
         }
-        if let Some(chunk) = bytes.next() {
-            chunk.copy_from_slice(&hash.finish().to_le_bytes());
+        for index in 0..words.len() {
+            put(out, PREFIX_WORDS + index, words[index]);
+            hash.write_u64(words[index]);
         }
+        put(out, PREFIX_WORDS + words.len(), hash.finish());
         Ok(())
     }
 
@@ -65,15 +69,16 @@ impl Model<'_> {
         self.check_len(words.len())?;
         self.check_len(spare.len())?;
         self.check_snapshot(bytes)?;
-        let body = &bytes[8 * PREFIX_WORDS..bytes.len() - 8];
-        spare.copy_from_slice(words);
-        for (target, chunk) in words.iter_mut().zip(body.chunks_exact(8)) {
-            *target = word(chunk, 0);
+        for index in 0..words.len() {
+            spare[index] = words[index];
+            words[index] = word(bytes, PREFIX_WORDS + index);
         }
         if StateRef::split(*self.layout(), words).is_valid(self) {
             return Ok(());
         }
-        words.copy_from_slice(spare);
+        for index in 0..words.len() {
+            words[index] = spare[index];
+        }
         Err(Error::Corrupt(Corruption::Content))
     }
 
@@ -105,9 +110,20 @@ impl Model<'_> {
 
 /// The word at a position in little-endian bytes; 0 beyond the end.
 fn word(bytes: &[u8], index: usize) -> u64 {
-    let mut word = [0; 8];
-    if let Some(chunk) = bytes.get(8 * index..8 * index + 8) {
-        word.copy_from_slice(chunk);
+    let begin = 8 * index;
+    if begin + 8 > bytes.len() {
+        return 0;
     }
-    u64::from_le_bytes(word)
+    let mut word = 0;
+    for byte in 0..8 {
+        word |= u64::from(bytes[begin + byte]) << (8 * byte);
+    }
+    word
+}
+
+/// Writes the word at a position as little-endian bytes.
+pub(crate) fn put(bytes: &mut [u8], index: usize, word: u64) {
+    for byte in 0..8 {
+        bytes[8 * index + byte] = (word >> (8 * byte)) as u8;
+    }
 }

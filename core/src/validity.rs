@@ -6,7 +6,6 @@ use crate::config::Cell;
 use crate::header::Phase;
 use crate::model::Model;
 use crate::potential;
-use crate::reward;
 use crate::state::StateRef;
 
 impl StateRef<'_> {
@@ -44,7 +43,7 @@ impl StateRef<'_> {
     }
 
     /// Steps whose energy is settled: while a step is under way, those before it.
-    fn settled_steps(&self) -> u64 {
+    pub(crate) fn settled_steps(&self) -> u64 {
         let under_way = matches!(
             self.header.phase(),
             Some(Phase::Moved | Phase::Sensed | Phase::Communicated)
@@ -69,7 +68,7 @@ impl StateRef<'_> {
                 || self.shortfall[i] > steps * plan.most_asked_uj()
                 || !(density >= config.pilot_density_min && density <= config.pilot_density_max)
                 || !(throughput >= 0.0 && throughput <= THROUGHPUT_MAX)
-                || throughput.to_bits() == (-0.0f64).to_bits()
+                || is_negative_zero(throughput)
             {
                 return false;
             }
@@ -159,7 +158,8 @@ impl StateRef<'_> {
         bits::fits(self.visited, model.config().cell_count())
     }
 
-    fn scalars_are_valid(&self, model: &Model<'_>) -> bool {
+    /// The scalars that only the end of a step changes.
+    pub(crate) fn scalars_are_valid(&self, model: &Model<'_>) -> bool {
         let header = &self.header;
         let plan = model.carbon();
         let steps = self.settled_steps();
@@ -175,13 +175,15 @@ impl StateRef<'_> {
             header.goal_potential(),
             header.charge_potential(),
             header.return_sum(),
-            reward::total(&header.rewards()),
         ];
-        let mut finite = true;
+        let mut numbers = true;
         for real in reals {
-            finite &= real.is_finite() && real.to_bits() != (-0.0f64).to_bits();
+            numbers &= real.is_finite() && !is_negative_zero(real);
         }
-        finite
+        for reward in header.rewards() {
+            numbers &= reward.is_finite() && !is_negative_zero(reward);
+        }
+        numbers
             && in_range(header.intensity_mg_per_kwh())
             && (header.billed_intensity_mg_per_kwh() == 0
                 || in_range(header.billed_intensity_mg_per_kwh()))
@@ -196,3 +198,7 @@ impl StateRef<'_> {
 
 /// No throughput that a legal configuration or host can give exceeds this.
 pub(crate) const THROUGHPUT_MAX: f64 = 1e9;
+
+fn is_negative_zero(real: f64) -> bool {
+    real.to_bits() == (-0.0f64).to_bits()
+}

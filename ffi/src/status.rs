@@ -1,6 +1,6 @@
 //! Status codes, and the one place where results become statuses.
 
-use std::ffi::{CStr, c_char};
+use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jcas_core::Error;
@@ -46,27 +46,28 @@ pub const JCAS_ERROR_INTERNAL: i32 = -16;
 /// Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_status_string(status: i32) -> *const c_char {
-    let text: &CStr = match status {
-        JCAS_OK => c"ok",
-        JCAS_ERROR_NULL => c"a required pointer is NULL",
-        JCAS_ERROR_ALIGNMENT => c"a pointer is not aligned for its type",
-        JCAS_ERROR_LENGTH => c"a buffer has the wrong size",
-        JCAS_ERROR_STRUCT_SIZE => c"struct_size is none that this library knows",
-        JCAS_ERROR_HANDLE => c"a handle is of another kind, closed or moved",
-        JCAS_ERROR_CONFIG => c"the configuration is not legal",
-        JCAS_ERROR_ARGUMENT => c"an argument is outside its range",
-        JCAS_ERROR_NAN => c"an action component is NaN",
-        JCAS_ERROR_MODEL_MISMATCH => c"the configurations differ",
-        JCAS_ERROR_OUT_OF_ORDER => c"a part of a step was called out of its order",
-        JCAS_ERROR_EPISODE_OVER => c"the episode has ended: reset before the next step",
-        JCAS_ERROR_CORRUPT => c"the bytes are not a snapshot of this model",
-        JCAS_ERROR_IN_USE => c"the model still has simulations or batches",
-        JCAS_ERROR_RESOURCES => c"memory or threads could not be had",
-        JCAS_ERROR_ABI => c"compiled for an incompatible version of the library",
-        JCAS_ERROR_INTERNAL => c"a fault of the library itself",
-        _ => c"not a status of jcas",
+    // Each ends with its zero; Kani does not read C string literals.
+    let text: &str = match status {
+        JCAS_OK => "ok\0",
+        JCAS_ERROR_NULL => "a required pointer is NULL\0",
+        JCAS_ERROR_ALIGNMENT => "a pointer is not aligned for its type\0",
+        JCAS_ERROR_LENGTH => "a buffer has the wrong size\0",
+        JCAS_ERROR_STRUCT_SIZE => "struct_size is none that this library knows\0",
+        JCAS_ERROR_HANDLE => "a handle is of another kind, closed or moved\0",
+        JCAS_ERROR_CONFIG => "the configuration is not legal\0",
+        JCAS_ERROR_ARGUMENT => "an argument is outside its range\0",
+        JCAS_ERROR_NAN => "an action component is NaN\0",
+        JCAS_ERROR_MODEL_MISMATCH => "the configurations differ\0",
+        JCAS_ERROR_OUT_OF_ORDER => "a part of a step was called out of its order\0",
+        JCAS_ERROR_EPISODE_OVER => "the episode has ended: reset before the next step\0",
+        JCAS_ERROR_CORRUPT => "the bytes are not a snapshot of this model\0",
+        JCAS_ERROR_IN_USE => "the model still has simulations or batches\0",
+        JCAS_ERROR_RESOURCES => "memory or threads could not be had\0",
+        JCAS_ERROR_ABI => "compiled for an incompatible version of the library\0",
+        JCAS_ERROR_INTERNAL => "a fault of the library itself\0",
+        _ => "not a status of jcas\0",
     };
-    text.as_ptr()
+    text.as_ptr().cast()
 }
 
 /// Why a call is refused.

@@ -30,6 +30,9 @@ pub struct Proof {
     pub covers: u32,
     /// Time after which the harness counts as failed.
     pub time_limit_s: u64,
+    /// What Kani is told beside what it is told of every harness; `--cbmc-args` and what follows it last.
+    #[serde(default)]
+    pub flags: Vec<String>,
     /// The deliberate fault that must make it fail.
     pub mutant: Mutant,
 }

@@ -10,14 +10,24 @@ use std::time::Duration;
 /// Time that building a crate for Kani may add to a harness's own limit.
 const BUILD_S: u64 = 600;
 
+/// Columns of the table of results.
+const HEADING: [&str; 9] = [
+    "id",
+    "harness",
+    "claim",
+    "bound",
+    "assumptions",
+    "result",
+    "checks",
+    "covers",
+    "seconds",
+];
+
 /// Proves what `names` select; true if everything was proven.
 pub fn run(names: &[String]) -> Result<bool, String> {
     let proofs = Ledger::read()?.select(names)?;
     require_kani()?;
-    let heading = [
-        "id", "harness", "claim", "bound", "result", "checks", "covers", "seconds",
-    ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    let mut rows = vec![HEADING.map(str::to_owned).to_vec()];
     let mut all_proven = true;
     for proof in &proofs {
         eprint!("{} {} ... ", proof.id, proof.name());
@@ -63,7 +73,8 @@ pub fn prove(proof: &Proof, root: &Path) -> Result<Result<Proven, String>, Strin
             "unstable-options",
         ])
         .args(["--harness-timeout", &format!("{}s", proof.time_limit_s)])
-        .args(["--output-format", "regular"]);
+        .args(["--output-format", "regular"])
+        .args(&proof.flags);
     let limit = Duration::from_secs(proof.time_limit_s + BUILD_S);
     let finished = process::run(&mut command, limit)?;
     if finished.timed_out {
@@ -119,7 +130,7 @@ pub fn require_kani() -> Result<(), String> {
     match version {
         Ok(output) if output.status.success() => Ok(()),
         _ => Err(
-            "Kani is not installed: `cargo install --locked kani-verifier --version 0.68.0 \
+            "Kani is not installed: `cargo install --locked kani-verifier --version 0.67.0 \
                   && cargo kani setup`.\nWithout it, `cargo test` runs every harness on random \
                   inputs, which is a test and not a proof."
                 .to_owned(),

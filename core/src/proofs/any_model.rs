@@ -8,6 +8,7 @@ use super::Model;
 use crate::config::Config;
 #[cfg(not(kani))]
 use crate::proofs::inputs::between;
+use crate::proofs::inputs::real_between;
 #[cfg(not(kani))]
 use crate::proofs::standin as kani;
 
@@ -38,17 +39,43 @@ pub(crate) fn smallest() -> Config {
 /// A model whose radar and link tables hold anything in range.
 #[cfg(kani)]
 pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model_of(smallest(), words)
+}
+
+/// The same with two hotspots for its three free cells.
+#[cfg(kani)]
+pub(crate) fn any_spread_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    let config = Config {
+        hotspot_count: 2,
+        ..smallest()
+    };
+    any_model_of(config, words)
+}
+
+/// The same with any range of charges at the start.
+#[cfg(kani)]
+pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    let low = real_between(0.0, 1.0);
+    let config = Config {
+        initial_soc_min: low,
+        initial_soc_max: real_between(low, 1.0),
+        ..smallest()
+    };
+    any_model_of(config, words)
+}
+
+/// A model of two by two cells.
+#[cfg(kani)]
+fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     use super::{Tables, Words};
     use crate::config::{Cell, MAX_DEPOTS};
-    use crate::proofs::inputs::real_between;
 
-    let config = smallest();
     let depots = config.effective_depots();
     let tables = Tables::of(2, 2);
     for y in 0..2 {
         for x in 0..2 {
             let index = (2 * y + x) as usize;
-            words[index] = real_between(1e-305, 1e305).to_bits();
+            words[index] = real_between(1e-131, 1e131).to_bits();
             words[tables.link + index] = real_between(0.0, 1e6).to_bits();
             let distance = Cell { x, y }.manhattan(depots.as_slice()[0]);
             words[tables.depot + index] = u64::from(distance) << 32;
@@ -65,7 +92,7 @@ pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         reward: super::RewardPlan::new(&config),
         layout: super::Layout::of(&config),
         uavs: 2,
-        hotspots: 1,
+        hotspots: config.hotspot_count as usize,
         width: 2,
         height: 2,
         loss_per_load: 0.25,
@@ -82,6 +109,29 @@ pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
 /// A real model: the smallest, or one of up to five UAVs, four hotspots and 16 cells.
 #[cfg(not(kani))]
 pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model_of(any_config(), words)
+}
+
+/// The same; many of these models have several hotspots.
+#[cfg(not(kani))]
+pub(crate) fn any_spread_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model(words)
+}
+
+/// The same with any range of charges at the start.
+#[cfg(not(kani))]
+pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    let low = real_between(0.0, 1.0);
+    let config = Config {
+        initial_soc_min: low,
+        initial_soc_max: real_between(low, 1.0),
+        ..any_config()
+    };
+    any_model_of(config, words)
+}
+
+#[cfg(not(kani))]
+fn any_config() -> Config {
     let mut config = smallest();
     if kani::any() {
         config.grid_width = between(1, 4) as u32;
@@ -95,6 +145,11 @@ pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         config.link_throughput_min = between(0, 12) as f64 / 8.0;
         config.initial_soc_min = between(0, 1) as f64;
     }
+    config
+}
+
+#[cfg(not(kani))]
+fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     let len = Model::table_words(&config).unwrap_or(0);
     match Model::new_in(config, &mut words[..len]) {
         Ok(model) => model,

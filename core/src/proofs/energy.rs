@@ -34,7 +34,7 @@ pub fn battery_ledger_balances() {
 /// `settle` keeps the contract that the end of a step relies on in its place.
 #[cfg_attr(kani, kani::proof_for_contract(crate::energy::settle))]
 pub fn settling_keeps_its_contract() {
-    let capacity = between(1, ROOM_UJ);
+    let capacity = between(0, ROOM_UJ);
     let battery = between(0, capacity);
     let (asked, offered) = (between(0, ROOM_UJ), between(0, ROOM_UJ));
     let after = settle(battery, asked, offered, capacity);

@@ -11,11 +11,16 @@ pub(crate) mod standin;
 
 mod action;
 mod carbon;
+mod communication;
 mod energy;
 mod knowledge;
 mod motion;
+mod reset;
 mod reward;
 mod rng;
 mod snapshot;
+mod state;
 mod step;
+#[cfg(kani)]
+mod stubs;
 mod tables;

@@ -5,9 +5,11 @@ use super::inputs::{between, real_between};
 use super::standin as kani;
 use crate::config::Config;
 use crate::reward::{Happenings, RewardPlan, total};
+use crate::validity::THROUGHPUT_MAX;
 
-/// What the default weights can pay or take in a step of any legal size.
-const REWARD_MAX: f64 = 2e6;
+/// What the default weights can pay or take in a step of any legal size, at most half of it for the
+/// highest throughput that a host can give.
+pub(super) const REWARD_MAX: f64 = 1e9;
 
 /// Whatever happened within the legal sizes. Potentials lie in [-w, w] of their weights.
 fn any_happenings() -> Happenings {
@@ -21,7 +23,7 @@ fn any_happenings() -> Happenings {
         revisits: between(0, 4096),
         spent_uj: between(0, 1 << 62),
         co2_ng: between(0, 1 << 62),
-        mean_throughput: real_between(0.0, 1e6),
+        mean_throughput: real_between(0.0, THROUGHPUT_MAX),
         knowledge_spread: real_between(0.0, 1.0),
         goal_potential_before: real_between(-1.0, 0.0),
         goal_potential_after: real_between(-1.0, 0.0),

@@ -8,47 +8,34 @@ use super::inputs::real_between;
 use super::standin as kani;
 use crate::config::Config;
 use crate::link::full_throughput;
-use crate::radar::{detection_threshold, range_odds_against, snr_db};
+use crate::radar::{detection_threshold, odds_against, range_odds_against, snr_db};
 
 /// Bounds of `exp` on [-700, 700]; infinite beyond in neither direction that a table asks for.
-const EXP_MIN: f64 = 1e-305;
-const EXP_MAX: f64 = 1e305;
+pub(super) const EXP_MIN: f64 = 1e-305;
+pub(super) const EXP_MAX: f64 = 1e305;
+/// Bounds of `exp` on [-300, 300], where the odds against detection are clipped to.
+pub(super) const ODDS_MIN: f64 = 1e-131;
+pub(super) const ODDS_MAX: f64 = 1e131;
 /// Bounds of `log10` on [1e-12, 1e18].
-const LOG10_MAX: f64 = 18.0;
+pub(super) const LOG10_MAX: f64 = 18.0;
+/// Bound of `exp(κ α ρ)` for legal κ, α and ρ.
+pub(super) const LOAD_ODDS_MAX: f64 = 1e87;
 /// Bounds of `log2(1 + x)` for x in [0, 1e305].
-const LOG2_MAX: f64 = 1015.0;
+pub(super) const LOG2_MAX: f64 = 1015.0;
 
 /// Legal ranges, from half a cell of a millimetre to across the largest grid.
 const RANGE_MIN_M: f64 = 0.0005;
 const RANGE_MAX_M: f64 = 1.5e9;
 
-#[cfg(kani)]
-fn any_exp(x: f64) -> f64 {
-    assert!(x >= -700.0 && x <= 700.0);
-    real_between(EXP_MIN, EXP_MAX)
-}
-
-#[cfg(kani)]
-fn any_log10(x: f64) -> f64 {
-    assert!(x >= 1e-12 && x <= 1e18);
-    real_between(-LOG10_MAX, LOG10_MAX)
-}
-
-#[cfg(kani)]
-fn any_log2(x: f64) -> f64 {
-    assert!(x >= 1.0);
-    real_between(0.0, LOG2_MAX)
-}
-
 /// The odds against detection at a range are a positive number.
 fn odds_are_positive(config: &Config, range_m: f64, threshold_db: f64) {
     let odds = range_odds_against(config, snr_db(config, range_m), threshold_db);
-    assert!(odds > 0.0 && odds <= EXP_MAX);
+    assert!(odds >= ODDS_MIN && odds <= ODDS_MAX);
 }
 
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::stub(libm::exp, any_exp))]
-#[cfg_attr(kani, kani::stub(libm::log10, any_log10))]
+#[cfg_attr(kani, kani::stub(libm::exp, crate::proofs::stubs::any_odds_exp))]
+#[cfg_attr(kani, kani::stub(libm::log10, crate::proofs::stubs::any_log10))]
 pub fn tabulated_odds_are_positive() {
     let config = Config {
         logistic_slope_per_db: real_between(0.0, 10.0),
@@ -68,9 +55,9 @@ fn throughput_is_a_number(config: &Config, range_m: f64) {
 }
 
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::stub(libm::exp, any_exp))]
-#[cfg_attr(kani, kani::stub(libm::log10, any_log10))]
-#[cfg_attr(kani, kani::stub(libm::log2, any_log2))]
+#[cfg_attr(kani, kani::stub(libm::exp, crate::proofs::stubs::any_exp))]
+#[cfg_attr(kani, kani::stub(libm::log10, crate::proofs::stubs::any_log10))]
+#[cfg_attr(kani, kani::stub(libm::log2, crate::proofs::stubs::any_log2))]
 pub fn tabulated_throughput_is_a_number() {
     let config = Config::default();
     let range_m = real_between(RANGE_MIN_M, RANGE_MAX_M);
@@ -92,11 +79,24 @@ pub fn thresholds_are_within_the_draws() {
     is_a_threshold(odds_against);
 }
 
+/// A range's odds times a load's are a finite number.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::solver(cadical))]
+pub fn odds_of_a_draw_are_finite() {
+    let range_odds = real_between(ODDS_MIN, ODDS_MAX);
+    let load_odds = real_between(1.0, LOAD_ODDS_MAX);
+    let odds = odds_against(range_odds, load_odds);
+    kani::cover!(odds > 1e200, "as good as never");
+    kani::cover!(odds < 1e-100, "as good as certain");
+    assert!(odds >= 0.0 && odds <= 1e300);
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
     tabulated_odds_are_positive: 4000 cases, 2 covers;
     tabulated_throughput_is_a_number: 4000 cases, 2 covers;
     thresholds_are_within_the_draws: 2000 cases, 2 covers;
+    odds_of_a_draw_are_finite: 2000 cases, 2 covers;
 }
 
 /// The real functions on dense grids of what the stubs assume.
@@ -107,12 +107,15 @@ mod dense {
 
     #[test]
     fn exp_stays_within_its_stub() {
-        for step in -70_000..=70_000 {
+        for step in -700_000..=700_000 {
             let value = libm::exp(f64::from(step) / 1000.0);
             assert!(
                 (EXP_MIN..=EXP_MAX).contains(&value),
-                "exp({step}/100) = {value}"
+                "exp({step}/1000) = {value}"
             );
+            if (-300_000..=300_000).contains(&step) {
+                assert!((ODDS_MIN..=ODDS_MAX).contains(&value), "{step}: {value}");
+            }
         }
     }
 
@@ -137,7 +140,10 @@ mod dense {
         for product in 0..=200 {
             for load in 0..=100 {
                 let odds = load_odds_against(f64::from(product), f64::from(load) / 100.0);
-                assert!((1.0..=1e87).contains(&odds), "{product} {load}: {odds}");
+                assert!(
+                    (1.0..=LOAD_ODDS_MAX).contains(&odds),
+                    "{product} {load}: {odds}"
+                );
             }
         }
     }

@@ -1,0 +1,165 @@
+//! P10, the part that communicates, in two: what the graph is, and the consensus over any such graph.
+//! X1: consensus does not read what working memory held.
+
+use super::inputs::{between, real_between};
+#[cfg(not(kani))]
+use super::standin as kani;
+use super::state::{
+    SCRATCH_WORDS, STATE_WORDS, any_fleet, carries_scalars, differ, nothing_is_forgotten, open,
+    view,
+};
+use crate::bits;
+use crate::header::{self, Phase};
+use crate::model::Model;
+use crate::model::any_model::{TABLE_WORDS, any_model};
+use crate::scratch::Scratch;
+use crate::state::StateRef;
+
+/// What building a graph needs of a state: cells on the grid, pilot densities in their range.
+pub(super) fn radios_are_valid(model: &Model<'_>, state: &StateRef<'_>) -> bool {
+    let config = model.config();
+    for i in 0..model.uav_count() {
+        let density = state.pilot_density(i);
+        let in_range = density >= config.pilot_density_min && density <= config.pilot_density_max;
+        if !in_range || !model.contains(state.cell(i)) {
+            return false;
+        }
+    }
+    bits::fits(state.grounded, model.uav_count())
+}
+
+/// Any words whose radios are valid.
+#[cfg(kani)]
+fn any_radios(model: &Model<'_>) -> [u64; STATE_WORDS] {
+    let words: [u64; STATE_WORDS] = kani::any();
+    kani::assume(radios_are_valid(model, &view(model, &words)));
+    words
+}
+
+/// A state before its graph is built.
+#[cfg(not(kani))]
+fn any_radios(model: &Model<'_>) -> [u64; STATE_WORDS] {
+    let words = any_fleet(model, Phase::Sensed);
+    assert!(radios_are_valid(model, &view(model, &words)));
+    words
+}
+
+/// The mean throughput of a UAV of the smallest model.
+#[cfg_attr(kani, kani::proof)]
+pub fn a_mean_throughput_is_bounded() {
+    let load = real_between(0.0, 1.0);
+    let sum = real_between(0.0, 1e6);
+    let degree = between(0, 1) as u32;
+    let mean = crate::link::mean_throughput(load, sum, degree);
+    kani::cover!(mean > 1.0, "a throughput");
+    kani::cover!(degree == 0, "no neighbour");
+    assert!(mean >= 0.0 && mean <= 1e6);
+}
+
+/// Links join two UAVs of which none is grounded, both ways, and throughputs are in their range.
+fn is_a_graph(model: &Model<'_>, state: &StateRef<'_>) {
+    for i in 0..model.uav_count() {
+        assert!(bits::fits(state.links_of(i), model.uav_count()) && !state.linked(i, i));
+        assert!(is_a_throughput(state.throughput(i)));
+        assert!(!state.grounded(i) || bits::is_empty(state.links_of(i)));
+        for k in 0..i {
+            assert!(state.linked(i, k) == state.linked(k, i));
+        }
+    }
+    assert!(is_a_throughput(state.mean_throughput()));
+}
+
+/// In the range of what the radio of the default configuration reaches, and no negative zero.
+fn is_a_throughput(value: f64) -> bool {
+    value >= 0.0 && value <= 1e6 && value.to_bits() != (-0.0f64).to_bits()
+}
+
+/// Whatever the state's other words: the graph is one, and nothing but the graph is written.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(3))]
+#[cfg_attr(kani, kani::solver(cadical))]
+#[cfg_attr(
+    kani,
+    kani::stub(
+        crate::link::mean_throughput,
+        crate::proofs::stubs::any_mean_throughput
+    )
+)]
+pub fn building_the_graph_keeps_its_contract() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let before = any_radios(&model);
+    let mut after = before;
+    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
+    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    crate::link::build_graph(&model, &mut open(&model, &mut after), &mut scratch);
+    let new = view(&model, &after);
+    kani::cover!(model.uav_count() > 1 && new.linked(0, 1), "a link");
+    kani::cover!(new.grounded(0), "a grounded UAV");
+    is_a_graph(&model, &new);
+    let mut expected = before;
+    expected[header::MEAN_THROUGHPUT] = after[header::MEAN_THROUGHPUT];
+    let only_the_graph = open(&model, &mut expected);
+    for i in 0..model.uav_count() {
+        only_the_graph.links[i] = new.links[i];
+        only_the_graph.throughput[i] = new.throughput[i];
+    }
+    assert!(!differ(&expected, &after));
+}
+
+/// Consensus over any graph, and what all know is informed.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(3))]
+#[cfg_attr(kani, kani::solver(cadical))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+)]
+pub fn spreading_keeps_the_state_valid() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let before = any_fleet(&model, Phase::Sensed);
+    let mut after = before;
+    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
+    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    let done = model.step_communicate(&mut open(&model, &mut after), &mut scratch);
+    assert!(done.is_ok());
+    let (old, new) = (view(&model, &before), view(&model, &after));
+    kani::cover!(model.uav_count() > 1 && new.linked(0, 1), "a link");
+    kani::cover!(
+        !old.informed(0) && new.informed(0),
+        "a hotspot becomes informed"
+    );
+    kani::cover!(new.grounded(0), "a grounded UAV");
+    nothing_is_forgotten(&model, &old, &new);
+    carries_scalars(&old, &new);
+    assert!(new.header.phase() == Some(Phase::Communicated));
+    assert!(new.fleet_is_valid(&model, Phase::Communicated));
+}
+
+/// What working memory held before does not matter to consensus over the same graph.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(3))]
+#[cfg_attr(kani, kani::solver(cadical))]
+pub fn working_memory_does_not_matter_to_consensus() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let mut one = any_fleet(&model, Phase::Sensed);
+    let mut other = one;
+    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
+    let mut zeros = [0; SCRATCH_WORDS];
+    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    let mut zeros = Scratch::new(&model, &mut zeros).unwrap();
+    crate::knowledge::communicate(&model, &mut open(&model, &mut one), &mut scratch);
+    crate::knowledge::communicate(&model, &mut open(&model, &mut other), &mut zeros);
+    kani::cover!(view(&model, &one).informed(0), "an informed hotspot");
+    assert!(!differ(&one, &other));
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    a_mean_throughput_is_bounded: 1000 cases, 2 covers;
+    building_the_graph_keeps_its_contract: 2000 cases, 2 covers;
+    spreading_keeps_the_state_valid: 2000 cases, 3 covers;
+    working_memory_does_not_matter_to_consensus: 500 cases, 1 covers;
+}

@@ -1,0 +1,91 @@
+//! P10, the base: a reset makes a valid state, whatever the memory held and whatever the seed. Hotspots
+//! lie apart, and a drawn charge fits its battery.
+
+#[cfg(not(kani))]
+use super::standin as kani;
+use super::state::{SCRATCH_WORDS, STATE_WORDS, view};
+use crate::header::Phase;
+use crate::model::any_model::{TABLE_WORDS, any_charged_model, any_spread_model};
+use crate::reset::{initial_charge_uj, place_hotspots};
+use crate::scratch::Scratch;
+use crate::state::StateMut;
+
+/// The base: whatever the memory held and whatever the seed.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(60))]
+#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::reset::initial_charge_uj, crate::proofs::stubs::any_charge)
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+)]
+pub fn reset_makes_a_valid_state() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_charged_model(&mut tables);
+    let mut words: [u64; STATE_WORDS] = kani::any();
+    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
+    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    let done = model.reset(&mut words[..model.state_words()], &mut scratch, kani::any());
+    assert!(done.is_ok());
+    let state = view(&model, &words);
+    kani::cover!(
+        state.hotspot_cell(0).x == 0,
+        "a hotspot in the first column"
+    );
+    kani::cover!(state.battery_uj(0) > 0, "a charged battery");
+    kani::cover!(state.grounded(0), "an empty battery");
+    assert!(state.t() == 0 && state.header.phase() == Some(Phase::Ready));
+    assert!(state.is_valid(&model));
+}
+
+/// Words of a state with two hotspots; of any state that the stand-in makes.
+const SPREAD_WORDS: usize = if cfg!(kani) { 61 } else { STATE_WORDS };
+
+/// Whatever the draws: hotspots lie on cells of the grid, on no depot, no two on one cell.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(4))]
+#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+pub fn hotspots_lie_apart() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_spread_model(&mut tables);
+    let mut words = [0; SPREAD_WORDS];
+    let mut state = StateMut::split(*model.layout(), &mut words[..model.state_words()]);
+    place_hotspots(&model, &mut state, kani::any());
+    let first = state.hotspot_cell(0);
+    kani::cover!(first.x == 0 && first.y == 0, "the first free cell");
+    kani::cover!(first.x == 0 && first.y == 1, "the last free cell of a row");
+    for j in 0..model.hotspot_count() {
+        let cell = state.hotspot_cell(j);
+        assert!(model.contains(cell) && model.depot_distance(cell) != 0);
+        for k in 0..j {
+            let other = state.hotspot_cell(k);
+            assert!(cell.x != other.x || cell.y != other.y);
+        }
+    }
+}
+
+/// Whatever the draw and the range of charges: a battery holds at most its capacity.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+pub fn a_drawn_charge_fits_the_battery() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_charged_model(&mut tables);
+    let charge_uj = initial_charge_uj(&model, kani::any(), 0);
+    kani::cover!(charge_uj == 0, "empty");
+    kani::cover!(charge_uj == model.energy().capacity_uj, "full");
+    assert!(charge_uj <= model.energy().capacity_uj);
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    reset_makes_a_valid_state: 2000 cases, 3 covers;
+    hotspots_lie_apart: 2000 cases, 2 covers;
+    a_drawn_charge_fits_the_battery: 2000 cases, 2 covers;
+}

@@ -1,0 +1,173 @@
+//! What the proofs of whole calls share: any valid state of a phase, and what is said of two states.
+//!
+//! A state is valid (`StateRef::is_valid`) if it belongs to the model, its fleet is valid
+//! (`fleet_is_valid`) and its scalars are (`scalars_are_valid`). The parts of a step before its end leave
+//! the scalars alone: their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` what
+//! follows from it.
+
+use super::inputs::between;
+#[cfg(not(kani))]
+use super::standin as kani;
+use crate::header::{self, Phase};
+use crate::model::Model;
+#[cfg(not(kani))]
+use crate::scratch::Scratch;
+use crate::state::{StateMut, StateRef};
+use crate::validity::THROUGHPUT_MAX;
+
+/// Words of a state of the smallest model.
+#[cfg(any(kani, test))]
+pub(super) const SMALLEST_STATE_WORDS: usize = 58;
+/// Words of a state of any model that Kani sees.
+#[cfg(kani)]
+pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
+/// Words of a state of any model that the stand-in makes.
+#[cfg(not(kani))]
+pub(super) const STATE_WORDS: usize = 128;
+/// Words of working memory of the smallest model, and of any that the stand-in makes.
+pub(super) const SCRATCH_WORDS: usize = if cfg!(kani) { 4 } else { 32 };
+/// Two components for each UAV of the smallest model, and for each of at most five.
+pub(super) const ACTIONS: usize = if cfg!(kani) { 4 } else { 10 };
+
+pub(super) fn view<'a>(model: &Model<'_>, words: &'a [u64; STATE_WORDS]) -> StateRef<'a> {
+    StateRef::split(*model.layout(), &words[..model.state_words()])
+}
+
+pub(super) fn open<'a>(model: &Model<'_>, words: &'a mut [u64; STATE_WORDS]) -> StateMut<'a> {
+    StateMut::split(*model.layout(), &mut words[..model.state_words()])
+}
+
+/// Any state of the phase that is valid but perhaps for its scalars.
+#[cfg(kani)]
+pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
+    let words: [u64; STATE_WORDS] = kani::any();
+    let state = view(model, &words);
+    kani::assume(state.header.phase() == Some(phase));
+    kani::assume(state.header.config_hash() == model.config_hash());
+    kani::assume(state.fleet_is_valid(model, phase));
+    words
+}
+
+/// A state of the phase on a random flight.
+#[cfg(not(kani))]
+pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
+    let mut words = [0; STATE_WORDS];
+    let mut scratch = [0; SCRATCH_WORDS];
+    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    let steps = between(0, u64::from(model.config().horizon_steps));
+    model
+        .reset(&mut words[..model.state_words()], &mut scratch, kani::any())
+        .unwrap();
+    let mut state = open(model, &mut words);
+    for _ in 0..steps {
+        if state.header.phase() != Some(Phase::Ready) || phase == Phase::Ready && kani::any() {
+            break;
+        }
+        let actions = any_actions();
+        model
+            .step(&mut state, &mut scratch, &actions[..model.action_len()])
+            .unwrap();
+    }
+    let last = state.header.phase() == Some(phase);
+    kani::assume(last || state.header.phase() == Some(Phase::Ready));
+    let actions = any_actions();
+    if phase != Phase::Ready && !last {
+        model
+            .step_begin(&mut state, &actions[..model.action_len()])
+            .unwrap();
+    }
+    if matches!(phase, Phase::Sensed | Phase::Communicated) {
+        model.step_sense(&mut state, &mut scratch).unwrap();
+    }
+    if phase == Phase::Communicated {
+        model.step_communicate(&mut state, &mut scratch).unwrap();
+    }
+    kani::assume(state.header.phase() == Some(phase));
+    words
+}
+
+/// Any state of the phase that is valid.
+pub(super) fn any_state(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
+    let words = any_fleet(model, phase);
+    kani::assume(view(model, &words).scalars_are_valid(model));
+    words
+}
+
+/// Any of the six phases.
+pub(super) fn any_phase() -> Phase {
+    match between(1, 6) {
+        1 => Phase::Ready,
+        2 => Phase::Moved,
+        3 => Phase::Sensed,
+        4 => Phase::Communicated,
+        5 => Phase::Terminated,
+        _ => Phase::Truncated,
+    }
+}
+
+/// Any actions that are numbers.
+pub(super) fn any_actions() -> [f32; ACTIONS] {
+    let mut actions: [f32; ACTIONS] = kani::any();
+    for action in &mut actions {
+        if action.is_nan() {
+            *action = 0.0;
+        }
+    }
+    actions
+}
+
+/// Some word differs. Kani looks at any one of them, the stand-in at all.
+#[cfg(kani)]
+pub(super) fn differ(a: &[u64; STATE_WORDS], b: &[u64; STATE_WORDS]) -> bool {
+    let index = between(0, STATE_WORDS as u64 - 1) as usize;
+    a[index] != b[index]
+}
+
+/// Some word differs. Kani looks at any one of them, the stand-in at all.
+#[cfg(not(kani))]
+pub(super) fn differ(a: &[u64; STATE_WORDS], b: &[u64; STATE_WORDS]) -> bool {
+    a != b
+}
+
+/// The scalars that a part of a step may change before its end: time, phase, mean throughput.
+pub(super) fn changes_before_the_end(index: usize) -> bool {
+    index == header::T || index == header::PHASE || index == header::MEAN_THROUGHPUT
+}
+
+/// What a part before the end of a step does to the scalars: as many settled steps as before, the same
+/// mean throughput or one in its range, and all else as it was. Kani looks at any one scalar, the stand-in
+/// at all.
+pub(super) fn carries_scalars(before: &StateRef<'_>, after: &StateRef<'_>) {
+    assert!(before.settled_steps() == after.settled_steps());
+    assert!(carries_mean_throughput(before, after));
+    if cfg!(kani) {
+        carries_scalar(before, after, between(0, header::WORDS as u64 - 1) as usize);
+    } else {
+        for index in 0..header::WORDS {
+            carries_scalar(before, after, index);
+        }
+    }
+}
+
+fn carries_scalar(before: &StateRef<'_>, after: &StateRef<'_>, index: usize) {
+    assert!(changes_before_the_end(index) || before.header.0[index] == after.header.0[index]);
+}
+
+/// A mean throughput that is the one before, or in its range.
+pub(super) fn carries_mean_throughput(before: &StateRef<'_>, after: &StateRef<'_>) -> bool {
+    let word = after.header.0[header::MEAN_THROUGHPUT];
+    let throughput = after.mean_throughput();
+    word == before.header.0[header::MEAN_THROUGHPUT]
+        || throughput >= 0.0 && throughput <= THROUGHPUT_MAX && word != (-0.0f64).to_bits()
+}
+
+/// Nothing known, confirmed or informed before is so no longer.
+pub(super) fn nothing_is_forgotten(model: &Model<'_>, before: &StateRef<'_>, after: &StateRef<'_>) {
+    for j in 0..model.hotspot_count() {
+        assert!(!before.confirmed(j) || after.confirmed(j));
+        assert!(!before.informed(j) || after.informed(j));
+        for i in 0..model.uav_count() {
+            assert!(!before.knows(i, j) || after.knows(i, j));
+        }
+    }
+}

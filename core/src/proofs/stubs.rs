@@ -1,0 +1,129 @@
+//! What stands for a function in a proof that does not look into it: any value that the function's own
+//! proof, or its documentation, allows. Each is a row of `verification/ASSUMPTIONS.md`.
+//!
+//! A stub asserts what its function's proof assumes of the arguments.
+
+// Named in attributes alone, which the compiler does not count as a use.
+#![allow(dead_code)]
+
+use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
+use super::communication::radios_are_valid;
+use super::inputs::{between, real_between};
+use super::reward::REWARD_MAX;
+use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
+use crate::energy::{Activity, EnergyPlan};
+use crate::model::Model;
+use crate::reward::{COMPONENTS, Happenings, RewardPlan, Rewards};
+use crate::rng::Purpose;
+use crate::scratch::Scratch;
+use crate::state::StateMut;
+
+pub(super) fn any_block(_: u64, _: u32, _: u32, _: u32, _: Purpose) -> [u32; 4] {
+    kani::any()
+}
+
+pub(super) fn any_exp(x: f64) -> f64 {
+    assert!(x >= -700.0 && x <= 700.0);
+    real_between(EXP_MIN, EXP_MAX)
+}
+
+pub(super) fn any_odds_exp(x: f64) -> f64 {
+    assert!(x >= -300.0 && x <= 300.0);
+    real_between(ODDS_MIN, ODDS_MAX)
+}
+
+pub(super) fn any_log10(x: f64) -> f64 {
+    assert!(x >= 1e-12 && x <= 1e18);
+    real_between(-LOG10_MAX, LOG10_MAX)
+}
+
+pub(super) fn any_log2(x: f64) -> f64 {
+    assert!(x >= 1.0);
+    real_between(0.0, LOG2_MAX)
+}
+
+pub(super) fn any_load_odds(_: f64, _: f64) -> f64 {
+    real_between(1.0, LOAD_ODDS_MAX)
+}
+
+pub(super) fn any_threshold(_: f64) -> u64 {
+    between(0, 1 << 32)
+}
+
+/// Any charge of a battery, empty and full among them.
+pub(super) fn any_charge(model: &Model<'_>, _: u64, _: usize) -> u64 {
+    between(0, model.energy().capacity_uj)
+}
+
+pub(super) fn any_mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
+    assert!(load >= 0.0 && load <= 1.0 && sum >= 0.0 && sum <= 1e6);
+    assert!(degree <= 1);
+    if degree == 0 {
+        0.0
+    } else {
+        real_between(0.0, 1e6)
+    }
+}
+
+/// Any graph of the smallest model that `communication::building_the_graph_keeps_its_contract` allows.
+pub(super) fn any_graph(model: &Model<'_>, state: &mut StateMut<'_>, _: &mut Scratch<'_>) {
+    assert!(radios_are_valid(model, &state.as_ref()));
+    let linked: bool = kani::any();
+    let both_fly = state.grounded[0] == 0;
+    state.links[0] = if linked && both_fly { 2 } else { 0 };
+    state.links[1] = if linked && both_fly { 1 } else { 0 };
+    state.set_throughput(0, real_between(0.0, 1e6));
+    state.set_throughput(1, real_between(0.0, 1e6));
+    state.header.set_mean_throughput(real_between(0.0, 1e6));
+}
+
+pub(super) fn any_potentials(
+    _: &Model<'_>,
+    state: &mut StateMut<'_>,
+    _: &mut Scratch<'_>,
+    terminal: bool,
+) {
+    let (goal, charge) = (real_between(-1.0, 0.0), real_between(0.0, 0.1));
+    state
+        .header
+        .set_goal_potential(if terminal { 0.0 } else { goal });
+    state
+        .header
+        .set_charge_potential(if terminal { 0.0 } else { charge });
+}
+
+pub(super) fn any_rewards(_: &RewardPlan, _: &Happenings) -> Rewards {
+    let mut rewards = [0.0; COMPONENTS];
+    for index in 0..rewards.len() {
+        rewards[index] = real_between(-REWARD_MAX, REWARD_MAX);
+    }
+    rewards
+}
+
+pub(super) fn any_total(_: &Rewards) -> f64 {
+    real_between(-REWARD_MAX, REWARD_MAX) + 0.0
+}
+
+pub(super) fn any_asked(plan: &EnergyPlan, activity: Activity, density: f64) -> u64 {
+    assert!(density >= 0.0 && density <= 1.0);
+    if activity.grounded {
+        0
+    } else {
+        between(0, plan.most_asked_uj())
+    }
+}
+
+pub(super) fn any_emission(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
+    assert!(grid_uj <= FLEET_UJ && intensity_mg_per_kwh <= INTENSITY_MG_PER_KWH);
+    if grid_uj == FLEET_UJ && intensity_mg_per_kwh == INTENSITY_MG_PER_KWH {
+        FLEET_NG
+    } else {
+        between(0, FLEET_NG)
+    }
+}
+
+/// The checksum of nothing.
+pub(super) fn skip_bytes(_: &mut crate::hash::Fnv1a, _: &[u8]) {}
+
+/// The checksum of nothing.
+pub(super) fn skip_word(_: &mut crate::hash::Fnv1a, _: u64) {}
