@@ -26,5 +26,5 @@ echo "bare machine $bare, hosted $hosted, $(wc -l <<<"$symbols") symbols, none f
 # And it compiles for a microcontroller that has no operating system at all, a Cortex-M4F. Its `core` is
 # built from the source that Debian packages, which cargo calls an unstable feature.
 RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 cargo build --locked --quiet --release \
-    -Zbuild-std=core --target thumbv7em-none-eabihf --package jcas-core
+    -Zbuild-std=core --target thumbv7em-none-eabihf --package jcas-core --package jcas-policy
 echo "compiles for thumbv7em-none-eabihf"

@@ -1,6 +1,7 @@
 //! Policies: whatever turns the state of a mission into the next actions.
 //!
-//! With the feature `baselines` (needs the standard library), the scripted ones of [`baselines`] come
+//! [`network`] flies trained networks without the standard library, without allocating, with the same bits
+//! on every platform. With the feature `baselines` (needs the standard library), the scripted ones of [`baselines`] come
 //! along.
 #![cfg_attr(not(feature = "baselines"), no_std)]
 #![forbid(unsafe_code)]
@@ -9,6 +10,8 @@
 pub mod baselines;
 #[cfg(feature = "baselines")]
 pub use baselines::*;
+pub mod head;
+pub mod network;
 
 use jcas_core::{Model, StateRef};
 

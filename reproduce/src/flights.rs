@@ -231,7 +231,7 @@ impl Flights<'_> {
             let key = key_of("learned", seed);
             let mode = policy.card.mode;
             self.campaign(&key, config, &|| {
-                Box::new(LearnedPolicy::new("held", actor.clone(), mode))
+                Box::new(LearnedPolicy::new("held", &actor, mode))
             })?;
             let key = key_of("teams", 0);
             let pilot = PilotMode::Held(density);

@@ -5,12 +5,11 @@ pub mod onnx;
 
 use crate::environment::Shape;
 use crate::head::Head;
-use crate::network::{Network, values};
+use crate::network::Network;
 use crate::ppo::normalise::Affine;
-use crate::random::stream;
-use burn_tensor::{Device, Tensor};
+use files::Precision;
 use jcas_core::{Model, StateRef};
-use rand_chacha::ChaCha8Rng;
+use jcas_evaluate::policy::network::{self as inference, Flight};
 use std::sync::Arc;
 
 /// How actions follow from the actor's distribution.
@@ -21,6 +20,15 @@ pub enum Mode {
     Deterministic,
     /// A draw; which draw follows from the mission's seed.
     Sampled,
+}
+
+impl From<Mode> for jcas_evaluate::policy::head::Mode {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Deterministic => Self::Deterministic,
+            Mode::Sampled => Self::Sampled,
+        }
+    }
 }
 
 /// What an actor computes, apart from how it is used.
@@ -38,35 +46,53 @@ pub struct Actor {
     pub constant_pilot: Option<f32>,
 }
 
-/// An actor flying one mission at a time, every UAV from its own observation.
+/// An actor flying one mission at a time, every UAV from its own observation, by the code that every host
+/// flies stored policies with.
 pub struct LearnedPolicy {
     name: String,
-    actor: Arc<Actor>,
-    mode: Mode,
-    weights: Vec<Tensor<2>>,
+    network: inference::Network,
+    weights: Arc<[f32]>,
+    flight: Flight,
     observations: Vec<f32>,
-    random: ChaCha8Rng,
+    scratch: Vec<f32>,
 }
 
 impl LearnedPolicy {
     /// Ready to fly; reports call it `name`.
-    pub fn new(name: &str, actor: Arc<Actor>, mode: Mode) -> LearnedPolicy {
-        let device = Device::flex();
+    pub fn new(name: &str, actor: &Actor, mode: Mode) -> LearnedPolicy {
+        let bytes =
+            files::weights(actor, Precision::Single, "").expect("arrays of their own length");
+        let layout = inference::Network::read(&bytes).expect("an actor's own file");
+        let mut weights = vec![0.0; layout.weights_len()];
+        let network = inference::Network::load(&bytes, &mut weights).expect("finite weights");
         LearnedPolicy {
             name: name.to_owned(),
-            weights: actor.network.tensors(&actor.parameters, &device),
-            actor,
-            mode,
+            network,
+            weights: weights.into(),
+            flight: Flight {
+                mode: mode.into(),
+                pilot: actor.constant_pilot,
+            },
             observations: Vec::new(),
-            random: stream(0, 0),
+            scratch: Vec::new(),
         }
     }
 
-    /// Actor outputs, one row for each UAV.
-    pub fn outputs(&mut self, shape: &Shape, observations: &[f32]) -> Vec<f32> {
-        let mut inputs = observations.to_vec();
-        self.actor.inputs.apply(&mut inputs);
-        values(self.actor.network.forward(&self.weights, inputs, shape))
+    /// Actor outputs, one row for each observation of missions of this model.
+    pub fn outputs(&mut self, model: &Model<'_>, observations: &[f32]) -> Vec<f32> {
+        let rows = observations.len() / model.observation_len();
+        let mut outputs = vec![0.0; rows * self.network.head().outputs()];
+        self.scratch.resize(self.network.scratch_len(model), 0.0);
+        self.network
+            .outputs(
+                &self.weights,
+                model,
+                observations,
+                &mut self.scratch,
+                &mut outputs,
+            )
+            .expect("a mission that the actor fits");
+        outputs
     }
 }
 
@@ -89,10 +115,6 @@ impl jcas_evaluate::policy::Policy for LearnedPolicy {
         &self.name
     }
 
-    fn reset(&mut self, _model: &Model<'_>, seed: u64) {
-        self.random = stream(seed, 0);
-    }
-
     fn reads_observations(&self) -> bool {
         true
     }
@@ -102,21 +124,18 @@ impl jcas_evaluate::policy::Policy for LearnedPolicy {
         self.observations.extend_from_slice(observations);
     }
 
-    fn act(&mut self, model: &Model<'_>, _state: &StateRef<'_>, actions: &mut [f32]) {
-        let observations = std::mem::take(&mut self.observations);
-        let outputs = self.outputs(&shape_of(model), &observations);
-        self.observations = observations;
-        let head = self.actor.head;
-        let rows = outputs.chunks_exact(head.output_len());
-        for (action, row) in actions.chunks_exact_mut(2).zip(rows) {
-            let raw = match self.mode {
-                Mode::Deterministic => head.deterministic(row),
-                Mode::Sampled => head.sample(row, &mut self.random).0,
-            };
-            action.copy_from_slice(&head.action(raw));
-            if let Some(pilot) = self.actor.constant_pilot {
-                action[1] = pilot;
-            }
-        }
+    fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        self.scratch.resize(self.network.scratch_len(model), 0.0);
+        self.network
+            .act(
+                &self.weights,
+                self.flight,
+                model,
+                state,
+                &self.observations,
+                &mut self.scratch,
+                actions,
+            )
+            .expect("a mission that the actor fits");
     }
 }

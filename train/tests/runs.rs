@@ -1,11 +1,13 @@
 //! Runs on the real kernel: interrupted and continued, written and read back, exported.
 
+use burn_tensor::Device;
 use jcas_core::{Config, Model};
 use jcas_evaluate::policy::Policy;
 use jcas_train::head::Head;
 use jcas_train::metrics::Row;
+use jcas_train::network::values;
 use jcas_train::policy::files::{self, Precision};
-use jcas_train::policy::{LearnedPolicy, Mode, shape_of};
+use jcas_train::policy::{Actor, LearnedPolicy, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
 use jcas_train::settings::{Imitation, NetworkKind, Preset, Settings};
 use std::path::Path;
@@ -170,13 +172,36 @@ fn policies_read_back_as_written() {
     let shape = shape_of(&model);
     files::save(&plan.out, &trained, &stored.card, &shape, Precision::Half).unwrap();
     let half = files::load(&plan.out).unwrap();
-    let outputs = |actor| {
-        LearnedPolicy::new("p", actor, Mode::Deterministic).outputs(&shape, &observations(&model))
+    let outputs = |actor: Arc<Actor>| {
+        LearnedPolicy::new("p", &actor, Mode::Deterministic).outputs(&model, &observations(&model))
     };
     for (a, b) in outputs(trained).iter().zip(outputs(half.actor)) {
         assert!((a - b).abs() < 0.02, "{a} {b}");
     }
     std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Flights use the inference that every host uses, learning uses tensors: the same function.
+#[test]
+fn what_flies_is_what_was_trained() {
+    let model = Model::new(config()).unwrap();
+    let shape = shape_of(&model);
+    for network in [NetworkKind::Mlp, NetworkKind::Set] {
+        let plan = plan(&format!("flies-{network:?}"), settings(network));
+        plan.train(false, &mut Unwatched).unwrap();
+        let actor = files::load(&plan.out).unwrap().actor;
+        let weights = actor.network.tensors(&actor.parameters, &Device::flex());
+        let mut inputs = observations(&model);
+        let flown = LearnedPolicy::new("p", &actor, Mode::Deterministic).outputs(&model, &inputs);
+        actor.inputs.apply(&mut inputs);
+        let learnt = values(actor.network.forward(&weights, inputs, &shape));
+        assert_eq!(flown.len(), learnt.len());
+        for (flown, learnt) in flown.iter().zip(learnt) {
+            let error = (flown - learnt).abs() / learnt.abs().max(1.0);
+            assert!(error < 1e-5, "{network:?}: {flown} {learnt}");
+        }
+        std::fs::remove_dir_all(&plan.out).unwrap();
+    }
 }
 
 /// A mission of another size is refused with both sizes named.
@@ -253,9 +278,8 @@ fn onnxruntime_gives_the_same_actions() {
         let model = Model::new(config()).unwrap();
         let stored = files::load(&plan.out).unwrap();
         let observations = observations(&model);
-        let shape = shape_of(&model);
-        let mut policy = LearnedPolicy::new("p", stored.actor.clone(), Mode::Deterministic);
-        let outputs = policy.outputs(&shape, &observations);
+        let mut policy = LearnedPolicy::new("p", &stored.actor, Mode::Deterministic);
+        let outputs = policy.outputs(&model, &observations);
         let actions: Vec<f32> = outputs
             .chunks_exact(head.output_len())
             .flat_map(|row| head.action(head.deterministic(row)))

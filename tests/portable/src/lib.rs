@@ -1,8 +1,11 @@
 //! Flies every golden trace again and compares each field of each step, state and observation hashes
-//! included: the same bits on x86-64, AArch64 and wasm32.
+//! included, and flies the shipped policy: the same bits on x86-64, AArch64 and wasm32.
 
 #[cfg(target_family = "wasm")]
 mod wasm;
+
+#[path = "../../../policy/tests/mission/mod.rs"]
+mod mission;
 
 use jcas_evaluate::trace;
 
@@ -17,7 +20,7 @@ pub struct Report {
     pub failures: u32,
 }
 
-/// Verifies all traces, in the order of their names.
+/// Verifies all traces, in the order of their names, then the missions of the shipped policy.
 #[must_use]
 pub fn verify_all() -> Report {
     let mut report = Report {
@@ -33,6 +36,16 @@ pub fn verify_all() -> Report {
             }
         };
         report.text.push_str(&line);
+    }
+    for expected in mission::MISSIONS {
+        let found = mission::fly(expected);
+        if found == expected {
+            let steps = found.steps;
+            report.text += &format!("ok    policies/fleet: {steps} steps\n");
+        } else {
+            report.failures += 1;
+            report.text += &format!("FAIL  policies/fleet: {found:?}, not {expected:?}\n");
+        }
     }
     report
 }

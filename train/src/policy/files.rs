@@ -101,32 +101,48 @@ pub fn save(
     precision: Precision,
 ) -> Result<(), TrainError> {
     std::fs::create_dir_all(folder).map_err(TrainError::file(folder))?;
-    let array = match precision {
-        Precision::Single => Array::f32,
-        Precision::Half => Array::f16,
-    };
-    let mut arrays: Vec<Array> = actor
-        .network
-        .blocks
-        .iter()
-        .map(|block| {
-            let values = &actor.parameters[block.offset..block.offset + block.len()];
-            array(&block.name, &[block.rows, block.columns], values)
-        })
-        .collect();
-    if card.normalised_inputs {
-        let fields = [actor.inputs.offset.len()];
-        arrays.push(Array::f32("inputs.offset", &fields, &actor.inputs.offset));
-        arrays.push(Array::f32("inputs.scale", &fields, &actor.inputs.scale));
-    }
     let path = folder.join(WEIGHTS);
-    let bytes = encode(&arrays, "{}").map_err(TrainError::format(&path))?;
+    let bytes = weights(actor, precision, &note(card)).map_err(TrainError::format(&path))?;
     write_whole(&path, &bytes)?;
     // The graph gives what the stored weights give, which half precision has rounded.
     let stored = read_actor(&bytes, card).map_err(TrainError::format(&path))?;
     write_whole(&folder.join(ONNX), &onnx::encode(&stored, shape))?;
     let text = serde_json::to_string_pretty(card).map_err(TrainError::format(&path))?;
     write_whole(&folder.join(CARD), (text + "\n").as_bytes())
+}
+
+/// A policy's arrays as safetensors, with what else a host without the card has to know.
+pub(super) fn weights(actor: &Actor, precision: Precision, note: &str) -> Result<Vec<u8>, String> {
+    let array = match precision {
+        Precision::Single => Array::f32,
+        Precision::Half => Array::f16,
+    };
+    let blocks = actor.network.blocks.iter();
+    let mut arrays: Vec<Array> = blocks
+        .map(|block| {
+            let values = &actor.parameters[block.offset..block.offset + block.len()];
+            array(&block.name, &[block.rows, block.columns], values)
+        })
+        .collect();
+    let inputs = &actor.inputs;
+    if !inputs.offset.is_empty() {
+        let fields = [inputs.offset.len()];
+        arrays.push(Array::f32("inputs.offset", &fields, &inputs.offset));
+        arrays.push(Array::f32("inputs.scale", &fields, &inputs.scale));
+    }
+    encode(&arrays, note)
+}
+
+/// How a policy is flown, for hosts that read its weights without the card.
+fn note(card: &Card) -> String {
+    let mode = match card.mode {
+        Mode::Deterministic => "deterministic",
+        Mode::Sampled => "sampled",
+    };
+    let visibility = visibility(card.config.target_visibility);
+    let pilot = card.constant_pilot_density;
+    let pilot = pilot.map_or(String::new(), |density| format!(" pilot_density={density}"));
+    format!("mode={mode} target_visibility={visibility}{pilot}")
 }
 
 /// A card with the constructor arguments that its reader does not choose.
@@ -226,11 +242,7 @@ impl Stored {
 
     /// Ready to fly; `mode` absent: as the card says.
     pub fn policy(&self, mode: Option<Mode>) -> LearnedPolicy {
-        LearnedPolicy::new(
-            &self.card.name,
-            self.actor.clone(),
-            mode.unwrap_or(self.card.mode),
-        )
+        LearnedPolicy::new(&self.card.name, &self.actor, mode.unwrap_or(self.card.mode))
     }
 }
 

@@ -1,0 +1,189 @@
+//! Why a network cannot be read or flown.
+
+use core::fmt::{self, Write};
+
+/// Name of an array in a file, such as `trunk.0.weight`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArrayName {
+    pub(crate) stem: &'static str,
+    pub(crate) layer: Option<usize>,
+    pub(crate) part: &'static str,
+}
+
+impl fmt::Display for ArrayName {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.stem)?;
+        if let Some(layer) = self.layer {
+            let dot = if self.stem.is_empty() { "" } else { "." };
+            write!(out, "{dot}{layer}")?;
+        }
+        if self.part.is_empty() {
+            return Ok(());
+        }
+        write!(out, ".{}", self.part)
+    }
+}
+
+/// Takes what is written off the front of a text.
+struct Remaining<'a>(&'a str);
+
+impl Write for Remaining<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0 = self.0.strip_prefix(text).ok_or(fmt::Error)?;
+        Ok(())
+    }
+}
+
+impl ArrayName {
+    /// Whether a text is this name.
+    pub(crate) fn is(self, text: &str) -> bool {
+        let mut remaining = Remaining(text);
+        write!(remaining, "{self}").is_ok() && remaining.0.is_empty()
+    }
+}
+
+/// Why bytes are no policy that can be flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file ends before what its header promises.
+    Truncated,
+    /// The header is none of a safetensors file that holds a policy.
+    Header(&'static str),
+    /// The arrays are those of no network known here.
+    UnknownNetwork,
+    /// An array is missing.
+    Missing(ArrayName),
+    /// The file has arrays that its network does not read.
+    Surplus {
+        /// Arrays in the file.
+        count: usize,
+        /// Arrays of the network.
+        expected: usize,
+    },
+    /// An array's shape does not fit those before it.
+    Shape {
+        /// Which.
+        array: ArrayName,
+        /// Rows and columns that would fit; 0 where any would.
+        expected: [usize; 2],
+        /// Its rows and columns.
+        got: [usize; 2],
+    },
+    /// A weight is NaN or infinite, or a scale is not positive.
+    Value {
+        /// Which array.
+        array: ArrayName,
+        /// Which element of it.
+        index: usize,
+    },
+    /// There are more layers than are read.
+    Depth,
+    /// The outputs belong to no action head: 4 (gaussian) or 7 (hybrid) would.
+    Outputs(usize),
+    /// The note of the file does not say what it should.
+    Note(&'static str),
+    /// The memory for weights has the wrong size.
+    Memory {
+        /// Elements needed.
+        expected: usize,
+        /// Elements given.
+        got: usize,
+    },
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Truncated => out.write_str("the file ends too early"),
+            Self::Header(what) => write!(out, "header: {what}"),
+            Self::UnknownNetwork => out.write_str(
+                "arrays: must be those of an MLP (0.weight, …) or of a set network (hotspot.own, …)",
+            ),
+            Self::Missing(array) => write!(out, "array {array} is missing"),
+            Self::Surplus { count, expected } => {
+                write!(out, "arrays: {count}, of which the network reads {expected}")
+            }
+            Self::Shape {
+                array,
+                expected,
+                got,
+            } => {
+                let [rows, columns] = got;
+                write!(out, "array {array}: shape {rows} × {columns}, must be ")?;
+                match expected {
+                    [0, 0] => out.write_str("not empty and at most 65536 wide"),
+                    [0, columns] => write!(out, "any × {columns}"),
+                    [rows, 0] => write!(out, "{rows} × any"),
+                    [rows, columns] => write!(out, "{rows} × {columns}"),
+                }
+            }
+            Self::Value { array, index } => {
+                write!(out, "array {array}: element {index} is not finite, or a scale not positive")
+            }
+            Self::Depth => out.write_str("layers: must be at most 8"),
+            Self::Outputs(count) => {
+                write!(out, "outputs: {count}, must be 4 (gaussian) or 7 (hybrid)")
+            }
+            Self::Note(what) => write!(out, "note: {what}"),
+            Self::Memory { expected, got } => {
+                write!(out, "memory: {got} elements, must be {expected}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for LoadError {}
+
+/// Why a policy cannot fly a mission.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FlyError {
+    /// It reads other observations than this mission has.
+    Observation {
+        /// Fields that it reads, of an MLP in all, of a set network beside hotspots and neighbours.
+        expected: usize,
+        /// Fields of that kind in this mission.
+        got: usize,
+    },
+    /// It was trained with hotspots hidden and this mission shows them, or the reverse.
+    Visibility,
+    /// A buffer has the wrong length.
+    Length {
+        /// Which.
+        what: &'static str,
+        /// Elements needed.
+        expected: usize,
+        /// Elements given.
+        got: usize,
+    },
+    /// The network's outputs for this observation are no numbers.
+    NotFinite {
+        /// Whose.
+        uav: usize,
+    },
+}
+
+impl fmt::Display for FlyError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Observation { expected, got } => write!(
+                out,
+                "observation: the policy reads {expected} fields where this mission has {got}"
+            ),
+            Self::Visibility => {
+                out.write_str("target_visibility: the policy was trained with the other value")
+            }
+            Self::Length {
+                what,
+                expected,
+                got,
+            } => write!(out, "{what}: {got} elements, must be {expected}"),
+            Self::NotFinite { uav } => {
+                write!(out, "the outputs for UAV {uav} are no finite numbers")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FlyError {}

@@ -1,0 +1,83 @@
+//! Fully connected layers with ReLU between them.
+
+use super::dense::relu;
+use super::plan::{Mlp, Stack};
+
+/// Normalised inputs are clipped to this many standard deviations.
+const CLIP: f32 = 10.0;
+
+/// Rows worked out together.
+pub(crate) const ROWS: usize = 16;
+
+impl Stack {
+    /// Elements of working memory for `rows` rows.
+    pub(crate) fn scratch_len(&self, rows: usize) -> usize {
+        2 * rows * self.width_max()
+    }
+
+    /// Applies the layers to rows of [`Stack::inputs`] numbers; the outputs of each row, padded.
+    pub(crate) fn apply<'s>(
+        &self,
+        weights: &[f32],
+        inputs: &[f32],
+        scratch: &'s mut [f32],
+    ) -> &'s [f32] {
+        let rows = inputs.len() / self.inputs();
+        let (mut from, mut to) = scratch.split_at_mut(rows * self.width_max());
+        let mut width = 0;
+        for (index, layer) in self.layers().iter().enumerate() {
+            let next = layer.width();
+            if index == 0 {
+                layer.apply(weights, inputs, self.inputs(), &mut to[..rows * next]);
+            } else {
+                relu(&mut from[..rows * width]);
+                layer.apply(
+                    weights,
+                    &from[..rows * width],
+                    width,
+                    &mut to[..rows * next],
+                );
+            }
+            width = next;
+            core::mem::swap(&mut from, &mut to);
+        }
+        &from[..rows * width]
+    }
+}
+
+impl Mlp {
+    /// Elements of working memory.
+    pub(crate) fn scratch_len(&self) -> usize {
+        ROWS * self.stack.inputs() + self.stack.scratch_len(ROWS)
+    }
+
+    /// Outputs for at most [`ROWS`] observations, padded.
+    pub(crate) fn outputs<'s>(
+        &self,
+        weights: &[f32],
+        observations: &[f32],
+        scratch: &'s mut [f32],
+    ) -> &'s [f32] {
+        let fields = self.stack.inputs();
+        let (inputs, scratch) = scratch.split_at_mut(observations.len());
+        inputs.copy_from_slice(observations);
+        if let Some(first) = self.normalisation {
+            let offsets = &weights[first..first + fields];
+            let first = first + super::dense::padded(fields);
+            let scales = &weights[first..first + fields];
+            for row in inputs.chunks_exact_mut(fields) {
+                for ((x, offset), scale) in row.iter_mut().zip(offsets).zip(scales) {
+                    let scaled = (*x - offset) / scale;
+                    *x = if scaled > CLIP {
+                        CLIP
+                    } else if scaled < -CLIP {
+                        -CLIP
+                    } else {
+                        scaled
+                    };
+                }
+            }
+        }
+        self.stack.apply(weights, inputs, scratch)
+    }
+}

@@ -1,0 +1,282 @@
+//! Inference of trained networks: the same bits on every platform, in memory that the caller gives.
+//!
+//! A [`Network`] is laid out from the bytes of a safetensors file; its weights go into a slice of
+//! [`Network::weights_len`] numbers, and flying it takes working memory of [`Network::scratch_len`]. Two
+//! families are known, by the names of their arrays:
+//!
+//! - an MLP: `0.weight` (inputs × outputs), `0.bias`, `1.weight`, …, and where its inputs are normalised
+//!   `inputs.offset` and `inputs.scale`;
+//! - a set network, for any number of hotspots and neighbours: `neighbour.0`, `neighbour.1`,
+//!   `hotspot.0`, `hotspot.own`, `hotspot.1`, `hotspot.2`, `hotspot.others`, `score`, `trunk.0`, ….
+//!
+//! Widths are read from the shapes, and so is how many fields of an observation are the UAV's own. Weights
+//! are f32 or f16. The outputs of the last layer decide the action head. What does not fit is refused,
+//! with the array's name.
+//!
+//! Sums are taken in the order of the inputs, none is fused with its product, and exponentials come from
+//! the pinned libm.
+
+mod dense;
+mod error;
+mod file;
+mod mlp;
+mod note;
+mod plan;
+mod set;
+
+pub use error::{ArrayName, FlyError, LoadError};
+pub use note::Note;
+pub use plan::DEPTH_MAX;
+
+use jcas_core::{Config, Model, StateRef};
+
+use crate::head::{Draw, Head, Mode};
+use dense::padded;
+use file::File;
+use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
+use set::Sizes;
+
+/// A network, laid out. Its weights are the caller's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Network {
+    kind: Kind,
+    head: Head,
+    weights_len: usize,
+    note: Note,
+}
+
+/// How a policy is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flight {
+    /// How actions follow from the distribution.
+    pub mode: Mode,
+    /// The action u_pilot held, whatever the network says; none: it chooses.
+    pub pilot: Option<f32>,
+}
+
+/// The action component u_pilot that gives a density: the kernel's map, inverted.
+#[must_use]
+pub fn pilot_action(config: &Config, density: f64) -> f32 {
+    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+    if high <= low {
+        return 0.0;
+    }
+    let action = 2.0 * (density - low) / (high - low) - 1.0;
+    if action > 1.0 {
+        1.0
+    } else if action > -1.0 {
+        action as f32
+    } else {
+        -1.0
+    }
+}
+
+/// Sizes of a model's observations.
+fn sizes(model: &Model<'_>) -> Sizes {
+    let config = model.config();
+    Sizes {
+        observation_len: model.observation_len(),
+        hotspots: model.hotspot_count(),
+        slots: model.neighbour_slots(),
+        cells: [
+            config.grid_width.saturating_sub(1),
+            config.grid_height.saturating_sub(1),
+        ],
+    }
+}
+
+fn length(what: &'static str, expected: usize, got: usize) -> Result<(), FlyError> {
+    if got == expected {
+        Ok(())
+    } else {
+        Err(FlyError::Length {
+            what,
+            expected,
+            got,
+        })
+    }
+}
+
+impl Network {
+    /// Lays out the network in the bytes of a safetensors file, without its weights.
+    ///
+    /// # Errors
+    /// [`LoadError`] where the bytes are no such file or its arrays are no network known here.
+    pub fn read(bytes: &[u8]) -> Result<Self, LoadError> {
+        Self::read_into(bytes, None)
+    }
+
+    /// As [`Network::read`], and puts its weights into [`Network::weights_len`] numbers.
+    ///
+    /// # Errors
+    /// As [`Network::read`]; [`LoadError::Memory`] where `weights` has another length, [`LoadError::Value`]
+    /// where a weight is no finite number.
+    pub fn load(bytes: &[u8], weights: &mut [f32]) -> Result<Self, LoadError> {
+        Self::read_into(bytes, Some(weights))
+    }
+
+    fn read_into(bytes: &[u8], weights: Option<&mut [f32]>) -> Result<Self, LoadError> {
+        let file = File::open(bytes)?;
+        let note = Note::read(file.note)?;
+        let (kind, head, weights_len) = plan::read(file, weights)?;
+        Ok(Self {
+            kind,
+            head,
+            weights_len,
+            note,
+        })
+    }
+
+    /// Numbers that its weights take.
+    #[must_use]
+    pub const fn weights_len(&self) -> usize {
+        self.weights_len
+    }
+
+    /// Which distribution its outputs describe.
+    #[must_use]
+    pub const fn head(&self) -> Head {
+        self.head
+    }
+
+    /// What its file says about how it is flown.
+    #[must_use]
+    pub const fn note(&self) -> Note {
+        self.note
+    }
+
+    /// As its file says, in missions of this configuration.
+    #[must_use]
+    pub fn flight(&self, config: &Config) -> Flight {
+        Flight {
+            mode: self.note.mode,
+            pilot: self
+                .note
+                .pilot_density
+                .map(|density| pilot_action(config, density)),
+        }
+    }
+
+    /// Numbers of working memory that [`Network::act`] and [`Network::outputs`] take for missions of this
+    /// model.
+    #[must_use]
+    pub fn scratch_len(&self, model: &Model<'_>) -> usize {
+        match &self.kind {
+            Kind::Mlp(mlp) => mlp.scratch_len(),
+            Kind::Set(set) => set.scratch_len(model.hotspot_count()),
+        }
+    }
+
+    /// Refuses a mission whose observations it cannot read.
+    ///
+    /// # Errors
+    /// [`FlyError::Observation`], [`FlyError::Visibility`].
+    pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
+        let sizes = sizes(model);
+        let of_sets = HOTSPOT_FIELDS * sizes.hotspots + SLOT_FIELDS * sizes.slots;
+        let (expected, got) = match &self.kind {
+            Kind::Mlp(mlp) => (mlp.stack.inputs(), sizes.observation_len),
+            Kind::Set(set) => (
+                set.own_fields(),
+                sizes.observation_len.saturating_sub(of_sets),
+            ),
+        };
+        if expected != got {
+            return Err(FlyError::Observation { expected, got });
+        }
+        match self.note.target_visibility {
+            Some(visibility) if visibility != model.config().target_visibility => {
+                Err(FlyError::Visibility)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn visit(
+        &self,
+        weights: &[f32],
+        model: &Model<'_>,
+        observations: &[f32],
+        scratch: &mut [f32],
+        mut visit: impl FnMut(usize, &[f32]) -> Result<(), FlyError>,
+    ) -> Result<(), FlyError> {
+        self.check(model)?;
+        let sizes = sizes(model);
+        length("weights", self.weights_len, weights.len())?;
+        length("working memory", self.scratch_len(model), scratch.len())?;
+        let mut row = 0;
+        for observations in observations.chunks(mlp::ROWS * sizes.observation_len) {
+            let outputs = match &self.kind {
+                Kind::Mlp(mlp) => mlp.outputs(weights, observations, scratch),
+                Kind::Set(set) => set.outputs(weights, observations, sizes, scratch),
+            };
+            for outputs in outputs.chunks_exact(padded(self.head.outputs())) {
+                visit(row, &outputs[..self.head.outputs()])?;
+                row += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// The network's outputs for any number of observations, one row of [`Head::outputs`] for each.
+    ///
+    /// # Errors
+    /// [`FlyError`] where the mission or the length of a buffer does not fit.
+    pub fn outputs(
+        &self,
+        weights: &[f32],
+        model: &Model<'_>,
+        observations: &[f32],
+        scratch: &mut [f32],
+        out: &mut [f32],
+    ) -> Result<(), FlyError> {
+        let (len, count) = (model.observation_len(), self.head.outputs());
+        let rows = observations.len() / len;
+        length("observations", rows * len, observations.len())?;
+        length("outputs", rows * count, out.len())?;
+        self.visit(weights, model, observations, scratch, |row, outputs| {
+            out[row * count..][..count].copy_from_slice(outputs);
+            Ok(())
+        })
+    }
+
+    /// Writes (u_dir, u_pilot) of each UAV: `observations` is what they observe in `state`, one row for
+    /// each. Draws are a function of the state's seed and time.
+    ///
+    /// # Errors
+    /// [`FlyError`] where the mission or the length of a buffer does not fit, or where an output is no
+    /// finite number; the actions are unspecified then.
+    #[allow(clippy::too_many_arguments)]
+    pub fn act(
+        &self,
+        weights: &[f32],
+        flight: Flight,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        observations: &[f32],
+        scratch: &mut [f32],
+        actions: &mut [f32],
+    ) -> Result<(), FlyError> {
+        let uavs = model.uav_count();
+        length(
+            "observations",
+            uavs * model.observation_len(),
+            observations.len(),
+        )?;
+        length("actions", 2 * uavs, actions.len())?;
+        let (seed, t) = (state.seed(), state.t());
+        self.visit(weights, model, observations, scratch, |row, outputs| {
+            if outputs.iter().any(|output| !output.is_finite()) {
+                return Err(FlyError::NotFinite { uav: row });
+            }
+            let uav = row as u32;
+            let [direction, pilot] = match flight.mode {
+                Mode::Deterministic => self.head.deterministic(outputs),
+                Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
+            };
+            let action = &mut actions[2 * row..][..2];
+            action.copy_from_slice(&[direction, flight.pilot.unwrap_or(pilot)]);
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,99 @@
+//! What a policy's file says about how it is flown: the entry `jcas` of its metadata.
+//!
+//! `key=value` pairs, one space between them, such as `mode=sampled target_visibility=hidden
+//! pilot_density=0.15`. Files of other trainers, and older ones (`{}`), say nothing.
+
+use jcas_core::TargetVisibility;
+
+use super::error::LoadError;
+use crate::head::Mode;
+
+/// How a policy is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Note {
+    /// How actions follow from the distribution.
+    pub mode: Mode,
+    /// What it was trained with; none where the file does not say.
+    pub target_visibility: Option<TargetVisibility>,
+    /// Pilot density held, whatever the network says; none: it chooses.
+    pub pilot_density: Option<f64>,
+}
+
+impl Default for Note {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Deterministic,
+            target_visibility: None,
+            pilot_density: None,
+        }
+    }
+}
+
+impl Note {
+    pub(crate) fn read(text: &str) -> Result<Self, LoadError> {
+        let mut note = Self::default();
+        if text.is_empty() || text == "{}" {
+            return Ok(note);
+        }
+        for pair in text.split(' ') {
+            match pair.split_once('=') {
+                Some(("mode", "deterministic")) => note.mode = Mode::Deterministic,
+                Some(("mode", "sampled")) => note.mode = Mode::Sampled,
+                Some(("mode", _)) => {
+                    return Err(LoadError::Note("mode: must be deterministic or sampled"));
+                }
+                Some(("target_visibility", "known")) => {
+                    note.target_visibility = Some(TargetVisibility::Known);
+                }
+                Some(("target_visibility", "hidden")) => {
+                    note.target_visibility = Some(TargetVisibility::Hidden);
+                }
+                Some(("target_visibility", _)) => {
+                    return Err(LoadError::Note(
+                        "target_visibility: must be known or hidden",
+                    ));
+                }
+                Some(("pilot_density", density)) => {
+                    let density = density
+                        .parse()
+                        .ok()
+                        .filter(|density: &f64| *density > 0.0 && *density <= 1.0);
+                    note.pilot_density = Some(density.ok_or(LoadError::Note(
+                        "pilot_density: must be above 0 and at most 1",
+                    ))?);
+                }
+                _ => {
+                    return Err(LoadError::Note(
+                        "must be of mode=, target_visibility= and pilot_density=",
+                    ));
+                }
+            }
+        }
+        Ok(note)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_note_is_read_whole_or_refused() {
+        assert_eq!(Note::read(""), Ok(Note::default()));
+        assert_eq!(Note::read("{}"), Ok(Note::default()));
+        let note = Note::read("mode=sampled target_visibility=hidden pilot_density=0.15").unwrap();
+        assert_eq!(note.mode, Mode::Sampled);
+        assert_eq!(note.target_visibility, Some(TargetVisibility::Hidden));
+        assert_eq!(note.pilot_density, Some(0.15));
+        for wrong in [
+            "mode=x",
+            "target_visibility=",
+            "pilot_density=NaN",
+            "pilot_density=2",
+            "x",
+            "mode=sampled ",
+        ] {
+            assert!(Note::read(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! Which network a file holds, and where its weights go.
+
+use super::dense::{Layer, padded};
+use super::error::{ArrayName, LoadError};
+use super::file::{Array, File};
+use crate::head::Head;
+
+/// Most layers of an MLP, or after the pooling of a set network.
+pub const DEPTH_MAX: usize = 8;
+
+/// Widest layer.
+const WIDTH_MAX: usize = 1 << 16;
+
+/// Fields of an observation, by block; what comes after the slots is the UAV's own again.
+pub(crate) const OWN_FIRST: usize = 5;
+pub(crate) const HOTSPOT_FIELDS: usize = 4;
+pub(crate) const SLOT_FIELDS: usize = 3;
+/// Those of the observation, distance, here, near, and UAVs at and around it.
+pub(crate) const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
+/// Most attention heads.
+pub(crate) const HEADS_MAX: usize = 16;
+
+/// Layers one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stack {
+    layers: [Layer; DEPTH_MAX],
+    depth: usize,
+}
+
+impl Stack {
+    pub(crate) fn layers(&self) -> &[Layer] {
+        &self.layers[..self.depth]
+    }
+
+    pub(crate) fn inputs(&self) -> usize {
+        self.layers[0].inputs
+    }
+
+    pub(crate) fn outputs(&self) -> usize {
+        self.layers[self.depth - 1].outputs
+    }
+
+    /// Length of the longest padded row between layers.
+    pub(crate) fn width_max(&self) -> usize {
+        self.layers().iter().map(Layer::width).fold(0, usize::max)
+    }
+}
+
+/// Where an MLP's weights are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Mlp {
+    pub(crate) stack: Stack,
+    /// Where offsets and scales of the inputs begin, if they are normalised.
+    pub(crate) normalisation: Option<usize>,
+}
+
+/// Where a set network's weights are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Set {
+    pub(crate) neighbour: [Layer; 2],
+    pub(crate) hotspot: [Layer; 3],
+    pub(crate) own: Layer,
+    pub(crate) others: Layer,
+    pub(crate) score: Layer,
+    pub(crate) trunk: Stack,
+}
+
+impl Set {
+    /// Fields of the observation that belong to neither a hotspot nor a neighbour.
+    pub(crate) fn own_fields(&self) -> usize {
+        self.own.inputs - self.neighbour[1].outputs
+    }
+}
+
+/// Which network.
+// Without allocation, neither can lie elsewhere.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Mlp(Mlp),
+    Set(Set),
+}
+
+/// Reads arrays in a fixed order, into the weights or only to lay them out.
+struct Reader<'f, 'w> {
+    file: File<'f>,
+    weights: Option<&'w mut [f32]>,
+    /// Elements of the weights laid out so far.
+    len: usize,
+    /// Arrays read so far.
+    count: usize,
+}
+
+const fn name(stem: &'static str, layer: Option<usize>, part: &'static str) -> ArrayName {
+    ArrayName { stem, layer, part }
+}
+
+impl<'f> Reader<'f, '_> {
+    fn array(&mut self, name: ArrayName) -> Result<Array<'f>, LoadError> {
+        self.count += 1;
+        self.file.find(name)?.ok_or(LoadError::Missing(name))
+    }
+
+    /// A matrix whose rows (0: any number) have to be as many as the layer before gives.
+    fn matrix(&mut self, name: ArrayName, expected: [usize; 2]) -> Result<Layer, LoadError> {
+        let array = self.array(name)?;
+        let got = array.shape;
+        let fits = |got: usize, expected: usize| {
+            got > 0 && got <= WIDTH_MAX && (expected == 0 || got == expected)
+        };
+        if !(fits(got[0], expected[0]) && fits(got[1], expected[1])) {
+            return Err(LoadError::Shape {
+                array: name,
+                expected,
+                got,
+            });
+        }
+        let [inputs, outputs] = got;
+        let layer = Layer {
+            inputs,
+            outputs,
+            weight: self.len,
+            bias: None,
+        };
+        self.len = inputs
+            .checked_mul(padded(outputs))
+            .and_then(|len| len.checked_add(self.len))
+            .ok_or(LoadError::Truncated)?;
+        if let Some(weights) = self.weights.as_deref_mut() {
+            for (index, value) in array.values().enumerate() {
+                finite(name, index, value)?;
+                let (input, output) = (index / outputs, index % outputs);
+                weights[layer.at(input, output)] = value;
+            }
+        }
+        Ok(layer)
+    }
+
+    /// A row of `length` numbers; where it begins.
+    fn row(&mut self, name: ArrayName, length: usize) -> Result<usize, LoadError> {
+        let array = self.array(name)?;
+        if array.shape != [1, length] {
+            return Err(LoadError::Shape {
+                array: name,
+                expected: [1, length],
+                got: array.shape,
+            });
+        }
+        let first = self.len;
+        self.len += padded(length);
+        if let Some(weights) = self.weights.as_deref_mut() {
+            for (index, value) in array.values().enumerate() {
+                finite(name, index, value)?;
+                weights[first + index] = value;
+            }
+        }
+        Ok(first)
+    }
+
+    /// A matrix and what is added to its product.
+    fn layer(
+        &mut self,
+        stem: &'static str,
+        layer: Option<usize>,
+        expected: [usize; 2],
+    ) -> Result<Layer, LoadError> {
+        let mut read = self.matrix(name(stem, layer, "weight"), expected)?;
+        read.bias = Some(self.row(name(stem, layer, "bias"), read.outputs)?);
+        Ok(read)
+    }
+
+    fn stack(&mut self, stem: &'static str, inputs: usize) -> Result<Stack, LoadError> {
+        let mut stack = Stack {
+            layers: [Layer::default(); DEPTH_MAX],
+            depth: 0,
+        };
+        let mut from = inputs;
+        while stack.depth == 0
+            || self
+                .file
+                .find(name(stem, Some(stack.depth), "weight"))?
+                .is_some()
+        {
+            let Some(place) = stack.layers.get_mut(stack.depth) else {
+                return Err(LoadError::Depth);
+            };
+            *place = self.layer(stem, Some(stack.depth), [from, 0])?;
+            from = place.outputs;
+            stack.depth += 1;
+        }
+        Ok(stack)
+    }
+
+    fn mlp(&mut self) -> Result<Mlp, LoadError> {
+        let stack = self.stack("", 0)?;
+        let inputs = stack.inputs();
+        let (offset, scale) = (
+            name("inputs", None, "offset"),
+            name("inputs", None, "scale"),
+        );
+        let mut normalisation = None;
+        if self.file.find(offset)?.is_some() {
+            normalisation = Some(self.row(offset, inputs)?);
+            let first = self.row(scale, inputs)?;
+            if let Some(weights) = self.weights.as_deref() {
+                let scales = &weights[first..first + inputs];
+                if let Some(index) = scales.iter().position(|&scale| scale <= 0.0) {
+                    return Err(LoadError::Value {
+                        array: scale,
+                        index,
+                    });
+                }
+            }
+        }
+        Ok(Mlp {
+            stack,
+            normalisation,
+        })
+    }
+
+    fn set(&mut self) -> Result<Set, LoadError> {
+        let encode = self.layer("neighbour", Some(0), [SLOT_FIELDS, 0])?;
+        let neighbour = [
+            encode,
+            self.layer("neighbour", Some(1), [encode.outputs, 0])?,
+        ];
+        let pooled = neighbour[1].outputs;
+        let first = self.layer("hotspot", Some(0), [HOTSPOT_FEATURES, 0])?;
+        let own_name = name("hotspot", None, "own");
+        let own = self.matrix(own_name, [0, first.outputs])?;
+        if own.inputs <= pooled + OWN_FIRST {
+            return Err(LoadError::Shape {
+                array: own_name,
+                expected: [pooled + OWN_FIRST + 1, first.outputs],
+                got: [own.inputs, own.outputs],
+            });
+        }
+        let second = self.layer("hotspot", Some(1), [first.outputs, 0])?;
+        let third = self.layer("hotspot", Some(2), [second.outputs, 0])?;
+        let embedded = third.outputs;
+        let others = self.matrix(name("hotspot", None, "others"), [second.outputs, embedded])?;
+        let score = self.layer("score", None, [embedded, 0])?;
+        if score.outputs > HEADS_MAX {
+            return Err(LoadError::Shape {
+                array: name("score", None, "weight"),
+                expected: [embedded, HEADS_MAX],
+                got: [embedded, score.outputs],
+            });
+        }
+        // The context's order is (own, neighbours), the trunk's (attended, neighbours, own).
+        let trunk = self.stack("trunk", score.outputs * embedded + own.inputs)?;
+        Ok(Set {
+            neighbour,
+            hotspot: [first, second, third],
+            own,
+            others,
+            score,
+            trunk,
+        })
+    }
+
+    fn kind(&mut self) -> Result<(Kind, Head), LoadError> {
+        let is_there = |name| self.file.find(name).map(|array| array.is_some());
+        let kind = if is_there(name("", Some(0), "weight"))? {
+            Kind::Mlp(self.mlp()?)
+        } else if is_there(name("hotspot", None, "own"))? {
+            Kind::Set(self.set()?)
+        } else {
+            return Err(LoadError::UnknownNetwork);
+        };
+        if self.count != self.file.count {
+            return Err(LoadError::Surplus {
+                count: self.file.count,
+                expected: self.count,
+            });
+        }
+        let outputs = match &kind {
+            Kind::Mlp(mlp) => mlp.stack.outputs(),
+            Kind::Set(set) => set.trunk.outputs(),
+        };
+        let head = Head::of_outputs(outputs).ok_or(LoadError::Outputs(outputs))?;
+        Ok((kind, head))
+    }
+}
+
+fn finite(array: ArrayName, index: usize, value: f32) -> Result<(), LoadError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(LoadError::Value { array, index })
+    }
+}
+
+/// Lays the file's network out; with memory, which has to have exactly the right length, the weights go
+/// there. Returns the network, its head and the length of that memory.
+pub(crate) fn read(
+    file: File<'_>,
+    weights: Option<&mut [f32]>,
+) -> Result<(Kind, Head, usize), LoadError> {
+    let mut reader = Reader {
+        file,
+        weights: None,
+        len: 0,
+        count: 0,
+    };
+    let (kind, head) = reader.kind()?;
+    let expected = reader.len;
+    if let Some(weights) = weights {
+        if weights.len() != expected {
+            return Err(LoadError::Memory {
+                expected,
+                got: weights.len(),
+            });
+        }
+        weights.fill(0.0);
+        let mut reader = Reader {
+            file,
+            weights: Some(weights),
+            len: 0,
+            count: 0,
+        };
+        reader.kind()?;
+    }
+    Ok((kind, head, expected))
+}

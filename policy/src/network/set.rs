@@ -1,0 +1,253 @@
+//! Networks over sets: shared encoders for hotspots and neighbours, pooled by attention and by sum.
+//!
+//! Any number of hotspots and neighbours is flown with the same weights. Two features are worked out
+//! rather than learnt: how near a hotspot is in cells, and how many UAVs are at or around it.
+
+use super::dense::{LANES, Layer, relu};
+use super::mlp::ROWS;
+use super::plan::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
+
+/// Sums over a set are divided by this.
+const CROWD: f32 = 8.0;
+
+/// Neighbours worked out together.
+const SLOTS: usize = 16;
+
+/// Sizes of a mission's observations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sizes {
+    pub(crate) observation_len: usize,
+    pub(crate) hotspots: usize,
+    pub(crate) slots: usize,
+    /// Cells that a position difference of 1 stands for, along x and y.
+    pub(crate) cells: [u32; 2],
+}
+
+/// 1 at distance 0, falling evenly to 0 at `reach` cells.
+fn nearness(distance: f32, reach: f32) -> f32 {
+    let near = 1.0 - distance / reach;
+    if near > 0.0 { near } else { 0.0 }
+}
+
+/// Manhattan distance in cells.
+fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
+    dx.abs() * cells[0] + dy.abs() * cells[1]
+}
+
+/// Takes the first `length` elements off.
+fn take<'s>(rest: &mut &'s mut [f32], length: usize) -> &'s mut [f32] {
+    let (taken, left) = core::mem::take(rest).split_at_mut(length);
+    *rest = left;
+    taken
+}
+
+/// Adds up padded rows, `outputs` numbers of each, and divides by [`CROWD`] at the end.
+fn add_up(rows: &[f32], width: usize, sums: &mut [f32]) {
+    for row in rows.chunks_exact(width) {
+        for (sum, x) in sums.iter_mut().zip(row) {
+            *sum += x;
+        }
+    }
+}
+
+fn divide(values: &mut [f32], by: f32) {
+    for value in values {
+        *value /= by;
+    }
+}
+
+impl Set {
+    fn embedding_width(&self) -> usize {
+        self.hotspot.iter().map(Layer::width).fold(0, usize::max)
+    }
+
+    /// Elements of working memory.
+    pub(crate) fn scratch_len(&self, hotspots: usize) -> usize {
+        let [first, second] = &self.neighbour;
+        let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
+        let context =
+            self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
+        let each = HOTSPOT_FEATURES + 2 * self.embedding_width() + self.score.width();
+        slots
+            + context
+            + hotspots * each
+            + ROWS * self.trunk.inputs()
+            + self.trunk.scratch_len(ROWS)
+    }
+
+    /// Outputs for at most [`ROWS`] observations, padded.
+    pub(crate) fn outputs<'s>(
+        &self,
+        weights: &[f32],
+        observations: &[f32],
+        sizes: Sizes,
+        scratch: &'s mut [f32],
+    ) -> &'s [f32] {
+        let rows = observations.len() / sizes.observation_len;
+        let (inputs, scratch) = scratch.split_at_mut(rows * self.trunk.inputs());
+        let observations = observations.chunks_exact(sizes.observation_len);
+        for (row, out) in observations.zip(inputs.chunks_exact_mut(self.trunk.inputs())) {
+            self.pool(weights, row, sizes, out, scratch);
+        }
+        self.trunk.apply(weights, inputs, scratch)
+    }
+
+    /// What the trunk reads of one observation: attended hotspots, pooled neighbours, the UAV's own fields.
+    fn pool(
+        &self,
+        weights: &[f32],
+        row: &[f32],
+        sizes: Sizes,
+        out: &mut [f32],
+        mut scratch: &mut [f32],
+    ) {
+        let (n, embedded) = (sizes.hotspots, self.hotspot[2].outputs);
+        let (head, rest) = row.split_at(OWN_FIRST);
+        let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * n);
+        let (slots, tail) = rest.split_at(SLOT_FIELDS * sizes.slots);
+        let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
+        let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
+        own[..OWN_FIRST].copy_from_slice(head);
+        own[OWN_FIRST..].copy_from_slice(tail);
+        self.pool_neighbours(weights, slots, neighbours, &mut *scratch);
+
+        let context = take(&mut scratch, self.own.inputs);
+        context[..own.len()].copy_from_slice(own);
+        context[own.len()..].copy_from_slice(neighbours);
+        let start = take(&mut scratch, self.own.width());
+        let bias = self.bias(weights, &self.hotspot[0]);
+        self.own
+            .apply_from(weights, bias, context, self.own.inputs, start);
+
+        let features = take(&mut scratch, n * HOTSPOT_FEATURES);
+        describe(hotspots, slots, sizes, features);
+        let width = self.embedding_width();
+        let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
+        let [first, second, third] = &self.hotspot;
+        let embeddings = &mut one[..n * first.width()];
+        first.apply_from(weights, start, features, HOTSPOT_FEATURES, embeddings);
+        relu(embeddings);
+        let next = &mut other[..n * second.width()];
+        second.apply(weights, embeddings, first.width(), next);
+        relu(next);
+        // A second round in which every hotspot knows of the others: the order of a tour.
+        let sums = take(&mut scratch, second.width());
+        sums.fill(0.0);
+        add_up(next, second.width(), sums);
+        divide(sums, CROWD);
+        let start = take(&mut scratch, self.others.width());
+        let bias = self.bias(weights, third);
+        self.others
+            .apply_from(weights, bias, sums, second.width(), start);
+        let embeddings = &mut one[..n * third.width()];
+        third.apply_from(weights, start, next, second.width(), embeddings);
+        relu(embeddings);
+        let scores = take(&mut scratch, n * self.score.width());
+        // The scores' bias is the same for every hotspot, so the softmax over hotspots cancels it.
+        self.score
+            .apply_from(weights, &[], embeddings, third.width(), scores);
+        for (head, attended) in attended.chunks_exact_mut(embedded).enumerate() {
+            attend(
+                scores,
+                self.score.width(),
+                head,
+                embeddings,
+                third.width(),
+                attended,
+            );
+        }
+    }
+
+    fn bias<'w>(&self, weights: &'w [f32], layer: &Layer) -> &'w [f32] {
+        match layer.bias {
+            Some(first) => &weights[first..first + layer.width()],
+            None => &[],
+        }
+    }
+
+    /// The sum over the neighbours that are there.
+    fn pool_neighbours(
+        &self,
+        weights: &[f32],
+        slots: &[f32],
+        pooled: &mut [f32],
+        mut scratch: &mut [f32],
+    ) {
+        let [first, second] = &self.neighbour;
+        let inputs = take(&mut scratch, SLOTS * SLOT_FIELDS);
+        let hidden = take(&mut scratch, SLOTS * first.width());
+        let encoded = take(&mut scratch, SLOTS * second.width());
+        pooled.fill(0.0);
+        for slots in slots.chunks(SLOTS * SLOT_FIELDS) {
+            let mut count = 0;
+            let present = slots
+                .chunks_exact(SLOT_FIELDS)
+                .filter(|slot| slot[0] != 0.0);
+            for (slot, input) in present.zip(inputs.chunks_exact_mut(SLOT_FIELDS)) {
+                input.copy_from_slice(slot);
+                count += 1;
+            }
+            let hidden = &mut hidden[..count * first.width()];
+            first.apply(weights, &inputs[..count * SLOT_FIELDS], SLOT_FIELDS, hidden);
+            relu(hidden);
+            let encoded = &mut encoded[..count * second.width()];
+            second.apply(weights, hidden, first.width(), encoded);
+            relu(encoded);
+            add_up(encoded, second.width(), pooled);
+        }
+        divide(pooled, CROWD);
+    }
+}
+
+/// Features of each hotspot: those of the observation, its distance, and the UAVs around it.
+fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32]) {
+    let cells = sizes.cells.map(|cells| cells as f32);
+    // A grid of one column has no way along x; 1 divides by nothing else.
+    let far_scale = if cells[0] > 0.0 { 2.0 * cells[0] } else { 1.0 };
+    let each = features.chunks_exact_mut(HOTSPOT_FEATURES);
+    for (hotspot, out) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(each) {
+        let far = distance(hotspot[0], hotspot[1], cells);
+        let (mut at, mut around) = (0.0, 0.0);
+        for slot in slots.chunks_exact(SLOT_FIELDS) {
+            if slot[0] == 0.0 {
+                continue;
+            }
+            let apart = distance(hotspot[0] - slot[1], hotspot[1] - slot[2], cells);
+            at += slot[0] * nearness(apart, 1.0);
+            around += slot[0] * nearness(apart, 4.0);
+        }
+        out[..HOTSPOT_FIELDS].copy_from_slice(hotspot);
+        out[HOTSPOT_FIELDS..].copy_from_slice(&[
+            far / far_scale,
+            nearness(far, 1.0),
+            nearness(far, 4.0),
+            at / CROWD,
+            around / CROWD,
+        ]);
+    }
+}
+
+/// One head's sum over the hotspots' embeddings, each weighed by the softmax of its score.
+fn attend(
+    scores: &[f32],
+    score_width: usize,
+    head: usize,
+    embeddings: &[f32],
+    width: usize,
+    out: &mut [f32],
+) {
+    debug_assert!(head < LANES);
+    let scores = || scores.chunks_exact(score_width).map(|scores| scores[head]);
+    let max = scores().fold(f32::MIN, |max, score| if score > max { score } else { max });
+    let mut total = 0.0;
+    for score in scores() {
+        total += libm::expf(score - max);
+    }
+    out.fill(0.0);
+    for (score, embedding) in scores().zip(embeddings.chunks_exact(width)) {
+        let share = libm::expf(score - max) / total;
+        for (sum, x) in out.iter_mut().zip(embedding) {
+            *sum += share * x;
+        }
+    }
+}

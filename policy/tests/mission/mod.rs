@@ -1,0 +1,99 @@
+//! Missions of the shipped policy and the hash of all actions of each, on every platform. The tests of this
+//! crate fly them, and so does `tests/portable` on AArch64 and wasm32.
+
+use jcas_core::hash::Fnv1a;
+use jcas_core::{Config, Model, Sim};
+use jcas_policy::head::Mode;
+use jcas_policy::network::{Flight, Network};
+
+const FLEET: &[u8] = include_bytes!("../../../policies/fleet/policy.safetensors");
+
+/// A mission and how it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mission {
+    pub uav_count: u32,
+    pub hotspot_count: u32,
+    pub seed: u64,
+    pub mode: Mode,
+    pub steps: u32,
+    pub hash: u64,
+}
+
+const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64) -> Mission {
+    Mission {
+        uav_count: sizes.0,
+        hotspot_count: sizes.1,
+        seed,
+        mode,
+        steps,
+        hash,
+    }
+}
+
+/// All of them.
+pub const MISSIONS: [Mission; 3] = [
+    mission(
+        (15, 7),
+        1,
+        Mode::Deterministic,
+        53,
+        10_666_472_892_950_343_269,
+    ),
+    mission((15, 7), 1, Mode::Sampled, 53, 2_264_011_798_127_737_030),
+    mission(
+        (10, 3),
+        2,
+        Mode::Deterministic,
+        21,
+        8_877_690_254_711_195_821,
+    ),
+];
+
+/// The same mission as it comes out here.
+pub fn fly(mission: Mission) -> Mission {
+    let model = Model::new(Config {
+        uav_count: mission.uav_count,
+        hotspot_count: mission.hotspot_count,
+        ..Config::default()
+    })
+    .expect("legal sizes");
+    let layout = Network::read(FLEET).expect("the shipped policy is whole");
+    let mut weights = vec![0.0; layout.weights_len()];
+    let network = Network::load(FLEET, &mut weights).expect("the shipped policy is whole");
+    let flight = Flight {
+        mode: mission.mode,
+        ..network.flight(model.config())
+    };
+    let mut sim = Sim::new(&model);
+    sim.reset(mission.seed);
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    let mut scratch = vec![0.0; network.scratch_len(&model)];
+    let mut actions = vec![0.0; model.action_len()];
+    let mut hash = Fnv1a::new();
+    loop {
+        sim.observe(&mut observations).expect("of the right length");
+        let state = sim.state();
+        network
+            .act(
+                &weights,
+                flight,
+                &model,
+                &state,
+                &observations,
+                &mut scratch,
+                &mut actions,
+            )
+            .expect("the policy fits");
+        for action in &actions {
+            hash.write(&action.to_bits().to_le_bytes());
+        }
+        let outcome = sim.step(&actions).expect("finite actions");
+        if outcome.terminated || outcome.truncated {
+            return Mission {
+                steps: sim.state().t(),
+                hash: hash.finish(),
+                ..mission
+            };
+        }
+    }
+}
