@@ -51,7 +51,7 @@
 
 // Version of the interface that this header declares: 65536 * major + minor. A program runs with any
 // library of the same major and the same or a later minor version.
-#define JCAS_ABI_VERSION 65536
+#define JCAS_ABI_VERSION 65537
 
 // The call did what it says.
 #define JCAS_OK 0
@@ -125,6 +125,27 @@
 // An informed hotspot pays at that step and every later one, as in the paper.
 #define JCAS_PAYMENT_EVERY_STEP 1
 
+// UAVs keep no search maps.
+#define JCAS_MAPS_OFF 0
+
+// Each UAV keeps a map of the cells that it knows to have been looked at; maps spread with knowledge.
+#define JCAS_MAPS_SHARED 1
+
+// Observations do not tell how much is unsearched in each direction.
+#define JCAS_DIRECTIONS_OFF 0
+
+// Observations tell how much is unsearched in each of eight directions.
+#define JCAS_DIRECTIONS_SHOWN 1
+
+// Nothing tells UAVs in one cell apart.
+#define JCAS_TAG_OFF 0
+
+// Observations end with the UAV's index over N - 1.
+#define JCAS_TAG_INDEX 1
+
+// Observations end with a number in [0, 1) that is drawn for each UAV and episode.
+#define JCAS_TAG_RANDOM 2
+
 // A step may begin, whole or by parts: jcas_sim_step, jcas_sim_step_begin.
 #define JCAS_PHASE_READY 1
 
@@ -142,6 +163,9 @@
 
 // The horizon has ended the episode: jcas_sim_reset.
 #define JCAS_PHASE_TRUNCATED 6
+
+// Fields of an observation; jcas_observation_field_name names them.
+#define JCAS_OBSERVATION_FIELDS 21
 
 // Motion up, +y, as the first component of an action.
 #define JCAS_MOVE_UP (-0.8f)
@@ -316,6 +340,19 @@ typedef struct jcas_config {
     double shaping_goal_weight;
     // Weight of the carbon-aware charging potential (w_c). [reward, 0 to 1e6; default 0.1]
     double shaping_charge_weight;
+    // Whether each UAV keeps a map of the cells that it knows to have been looked at: JCAS_MAPS_OFF
+    // (default) or JCAS_MAPS_SHARED.
+    int32_t search_maps;
+    // A UAV has looked at the cells whose centre is at most this far from its own. [m, 0 to 1e6;
+    // default 100]
+    double search_map_radius_m;
+    // Observations show the map this many cells around the UAV; 0: not at all. [cells, 0 to 32; default 0]
+    uint32_t map_window_radius;
+    // Whether observations show how much is unsearched in eight directions: JCAS_DIRECTIONS_OFF
+    // (default) or JCAS_DIRECTIONS_SHOWN.
+    int32_t map_directions;
+    // What tells UAVs in one cell apart: JCAS_TAG_OFF (default), JCAS_TAG_INDEX or JCAS_TAG_RANDOM.
+    int32_t uav_tag;
 } jcas_config;
 
 // Sizes and constants of a model; buffers are sized by these.
@@ -334,7 +371,8 @@ typedef struct jcas_model_info {
     uint32_t grid_height;
     // Floats of the actions of a step: 2 N.
     uint32_t action_len;
-    // Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots.
+    // Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, and what map_window_radius,
+    // map_directions and uav_tag add.
     uint32_t observation_len;
     // Floats of the global state: 6 N + 4 n + 4.
     uint32_t global_len;
@@ -349,6 +387,17 @@ typedef struct jcas_model_info {
     // Detection threshold, in dB.
     double detection_threshold_db;
 } jcas_model_info;
+
+// Entries of one UAV's observation that mean the same: at offset, offset + stride and on, `count` of them.
+typedef struct jcas_observation_field {
+    // The first entry.
+    uint32_t offset;
+    // One, one for each hotspot, neighbour slot, cell or direction, or 0 where the configuration leaves
+    // the field out.
+    uint32_t count;
+    // From one entry to the next.
+    uint32_t stride;
+} jcas_observation_field;
 
 // Radar and link between two cells.
 typedef struct jcas_radio {
@@ -570,7 +619,8 @@ const char *jcas_status_string(int32_t status);
 // `config`: not NULL. Threads: any.
 int32_t jcas_config_default(struct jcas_config *config, size_t struct_size);
 
-// Fills `config` with a preset: "mission" or "paper" (the letter of every equation of the paper).
+// Fills `config` with a preset: "mission", "paper" (the letter of every equation of the paper) or "search"
+// (hidden hotspots, shared search maps).
 //
 // `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
 // Threads: any.
@@ -678,6 +728,19 @@ int32_t jcas_model_free(struct jcas_model *model);
 //
 // `model`, `info`: not NULL; info->struct_size set. Threads: any.
 int32_t jcas_model_get_info(const struct jcas_model *model, struct jcas_model_info *info);
+
+// Where each field of one UAV's observation lies. Together the fields name every entry once.
+//
+// `model`, `fields`: not NULL. `count`: JCAS_OBSERVATION_FIELDS. `struct_size`:
+// sizeof(jcas_observation_field). Threads: any.
+int32_t jcas_model_observation_fields(const struct jcas_model *model,
+                                      struct jcas_observation_field *fields,
+                                      size_t count,
+                                      size_t struct_size);
+
+// The name of a field of an observation, such as "soc" or "hotspot_dx": a static string, or NULL from
+// JCAS_OBSERVATION_FIELDS on. Threads: any.
+const char *jcas_observation_field_name(uint32_t index);
 
 // The configuration of a model.
 //
@@ -884,6 +947,15 @@ int32_t jcas_sim_get_knowledge(const struct jcas_sim *sim, uint8_t *knowledge, s
 //
 // `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
 int32_t jcas_sim_get_visited(const struct jcas_sim *sim, uint8_t *visited, size_t count);
+
+// The search maps: 1 where a UAV knows a cell to have been looked at, else 0; a grid, row (y) by row, for
+// each UAV after the other. Without search maps there is nothing to read.
+//
+// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search maps.
+// Threads: none changes `sim`.
+int32_t jcas_sim_get_search_maps(const struct jcas_sim *sim,
+                                 uint8_t *maps,
+                                 size_t count);
 
 // Saves a simulation as bytes that mean the same on every platform.
 //

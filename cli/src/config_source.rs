@@ -21,6 +21,8 @@ pub enum PresetName {
     Mission,
     /// The letter of every equation of the paper
     Paper,
+    /// Hidden hotspots that radar reaches from afar; UAVs share what they have looked at
+    Search,
 }
 
 impl From<PresetName> for Preset {
@@ -28,6 +30,7 @@ impl From<PresetName> for Preset {
         match name {
             PresetName::Mission => Self::Mission,
             PresetName::Paper => Self::Paper,
+            PresetName::Search => Self::Search,
         }
     }
 }

@@ -39,6 +39,31 @@ pub const fn valid_mask(word: usize, count: usize) -> u64 {
     }
 }
 
+/// The bits of word `word` that lie in `begin..end`.
+#[inline]
+const fn range_mask(word: usize, begin: usize, end: usize) -> u64 {
+    valid_mask(word, end) & !valid_mask(word, begin)
+}
+
+/// Sets the bits in `begin..end`.
+#[inline]
+pub fn set_range(row: &mut [u64], begin: usize, end: usize) {
+    for word in begin / 64..words_for(end) {
+        row[word] |= range_mask(word, begin, end);
+    }
+}
+
+/// How many of the bits in `begin..end` are set.
+#[inline]
+#[must_use]
+pub fn count_range(row: &[u64], begin: usize, end: usize) -> usize {
+    let mut total = 0;
+    for word in begin / 64..words_for(end) {
+        total += (row[word] & range_mask(word, begin, end)).count_ones() as usize;
+    }
+    total
+}
+
 /// How many bits are set.
 #[must_use]
 pub fn count(row: &[u64]) -> usize {
@@ -113,5 +138,22 @@ mod tests {
         assert_eq!(valid_mask(1, 64), 0);
         assert_eq!(valid_mask(0, 64), u64::MAX);
         assert!(is_subset(&[1, 2], &[3, 2]) && !is_subset(&[4], &[3]));
+    }
+
+    #[test]
+    fn ranges_are_the_bits_one_by_one() {
+        for begin in 0..140 {
+            for end in begin..=140 {
+                let (mut row, mut single) = ([0u64; 3], [0u64; 3]);
+                set_range(&mut row, begin, end);
+                (begin..end).for_each(|index| set(&mut single, index));
+                assert_eq!(row, single, "{begin}..{end}");
+                assert_eq!(count_range(&[u64::MAX; 3], begin, end), end - begin);
+                assert_eq!(
+                    count_range(&row, 60, 130),
+                    count(&row) - count_range(&row, 0, 60) - count_range(&row, 130, 140)
+                );
+            }
+        }
     }
 }

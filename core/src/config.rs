@@ -7,7 +7,10 @@ mod field;
 pub mod text;
 mod validate;
 
-pub use choices::{ChargeBilling, InformPayment, Preset, TargetVisibility, UnknownName};
+pub use choices::{
+    ChargeBilling, InformPayment, MapDirections, Preset, SearchMaps, TargetVisibility, UavTag,
+    UnknownName,
+};
 pub use depots::{Cell, Depots, MAX_DEPOTS};
 pub use field::{FieldInfo, FieldValue, FieldValues};
 
@@ -179,6 +182,17 @@ configuration! {
     shaping_goal_weight: f64 = 1.0, "reward", 0..=1e6;
     /// Weight of the carbon-aware charging potential (w_c).
     shaping_charge_weight: f64 = 0.1, "reward", 0..=1e6;
+
+    /// Whether each UAV keeps a map of the cells that it knows to have been looked at: `off` or `shared`.
+    search_maps: SearchMaps = SearchMaps::Off, "off | shared", 0..=1;
+    /// A UAV has looked at the cells whose centre is at most this far from its own.
+    search_map_radius_m: f64 = 100.0, "m", 0..=1e6;
+    /// Observations show the map this many cells around the UAV; 0: not at all.
+    map_window_radius: u32 = 0, "cells", 0..=32;
+    /// Whether observations show how much is unsearched in eight directions: `off` or `shown`.
+    map_directions: MapDirections = MapDirections::Off, "off | shown", 0..=1;
+    /// What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode.
+    uav_tag: UavTag = UavTag::Off, "off | index | random", 0..=2;
 }
 
 impl Default for Config {
@@ -196,6 +210,21 @@ impl Config {
             Preset::Paper => Self {
                 charge_billing: ChargeBilling::Nameplate,
                 inform_payment: InformPayment::EveryStep,
+                ..Self::MISSION
+            },
+            Preset::Search => Self {
+                target_visibility: TargetVisibility::Hidden,
+                // The SNR at three cells of 50 m.
+                detection_threshold_db: Some(-23.75),
+                reward_coverage: 36.0,
+                reward_complete: 50.0,
+                reward_throughput: 0.0,
+                reward_spread: 0.0,
+                shaping_goal_weight: 0.0,
+                search_maps: SearchMaps::Shared,
+                map_window_radius: 4,
+                map_directions: MapDirections::Shown,
+                uav_tag: UavTag::Index,
                 ..Self::MISSION
             },
         }

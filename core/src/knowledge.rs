@@ -1,15 +1,21 @@
-//! OR-consensus over the radio graph: each connected component comes to hold the union of its knowledge.
+//! OR-consensus over the radio graph: each connected component comes to hold the union of what its members
+//! know of hotspots, and of the cells that they have looked at.
 
 use crate::bits;
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
-/// Spreads knowledge over the graph and records the hotspots that all UAVs now know.
+/// Spreads knowledge and search maps over the graph and records the hotspots that all UAVs now know.
 pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
     let (order, unreached, union) = scratch.consensus(uavs, model.uav_words(), hotspots);
     consensus(uavs, state.links, state.knowledge, order, unreached, union);
+    if model.map_words() > 0 {
+        let (order, unreached, union) =
+            scratch.consensus(uavs, model.uav_words(), model.map_words());
+        consensus(uavs, state.links, state.searched, order, unreached, union);
+    }
 
     let t = u64::from(state.header.t());
     for word in 0..hotspots {
@@ -26,21 +32,21 @@ pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: 
     }
 }
 
-/// Gives every UAV the union of the knowledge of its component: the fixed point that the paper's N
-/// iterations of k_i ← k_i ∨ k_neighbours reach.
+/// Gives every UAV the union of its component's rows: the fixed point that the paper's N iterations of
+/// k_i ← k_i ∨ k_neighbours reach, whatever the bits of a row stand for.
 ///
-/// `links` and `knowledge` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
-/// `unreached` (a set of UAVs) and `union` (a set of hotspots) are working memory. Each UAV enters
-/// `order` once, which bounds every loop.
+/// `links` and `rows` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
+/// `unreached` (a set of UAVs) and `union` (one row) are working memory. Each UAV enters `order` once,
+/// which bounds every loop.
 pub fn consensus(
     uavs: usize,
     links: &[u64],
-    knowledge: &mut [u64],
+    rows: &mut [u64],
     order: &mut [u64],
     unreached: &mut [u64],
     union: &mut [u64],
 ) {
-    let (uav_words, hotspot_words) = (unreached.len(), union.len());
+    let (uav_words, row_words) = (unreached.len(), union.len());
     for word in 0..uav_words {
         unreached[word] = bits::valid_mask(word, uavs);
     }
@@ -59,8 +65,8 @@ pub fn consensus(
         while next < reached {
             let i = order[next] as usize;
             next += 1;
-            for word in 0..hotspot_words {
-                union[word] |= knowledge[i * hotspot_words + word];
+            for word in 0..row_words {
+                union[word] |= rows[i * row_words + word];
             }
             for word in 0..uav_words {
                 let mut fresh = links[i * uav_words + word] & unreached[word];
@@ -74,8 +80,8 @@ pub fn consensus(
         }
         for member in begin..reached {
             let i = order[member] as usize;
-            for word in 0..hotspot_words {
-                knowledge[i * hotspot_words + word] = union[word];
+            for word in 0..row_words {
+                rows[i * row_words + word] = union[word];
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Where each quantity of a state lies in its slab of words.
 
 use crate::bits::words_for;
-use crate::config::Config;
+use crate::config::{Config, SearchMaps};
 use crate::header;
 
 /// Begin of each quantity, in words from the start of the state.
@@ -10,6 +10,8 @@ pub struct Layout {
     pub(crate) uavs: usize,
     pub(crate) hotspots: usize,
     pub(crate) visited: usize,
+    /// Words of a UAV's search map; 0 without maps.
+    pub(crate) map: usize,
     /// Length of a state.
     pub end: usize,
 }
@@ -22,6 +24,10 @@ impl Layout {
         let hotspots = config.hotspot_count as usize;
         let cells = config.grid_width as usize * config.grid_height as usize;
         let visited = words_for(cells);
+        let map = match config.search_maps {
+            SearchMaps::Off => 0,
+            SearchMaps::Shared => words_for(cells),
+        };
         let per_uav = 9 * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
         let pairs = uavs * words_for(hotspots) + uavs * words_for(uavs);
@@ -29,7 +35,8 @@ impl Layout {
             uavs,
             hotspots,
             visited,
-            end: header::WORDS + per_uav + per_hotspot + pairs + visited,
+            map,
+            end: header::WORDS + per_uav + per_hotspot + pairs + visited + uavs * map,
         }
     }
 }

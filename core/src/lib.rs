@@ -54,6 +54,7 @@ mod reset;
 pub mod reward;
 pub mod rng;
 pub mod scratch;
+pub mod search;
 pub mod sensing;
 #[cfg(feature = "alloc")]
 mod sim;
@@ -63,7 +64,10 @@ pub mod step;
 mod validity;
 
 pub use action::Motion;
-pub use config::{Cell, ChargeBilling, Config, InformPayment, Preset, TargetVisibility};
+pub use config::{
+    Cell, ChargeBilling, Config, InformPayment, MapDirections, Preset, SearchMaps,
+    TargetVisibility, UavTag,
+};
 pub use error::{ConfigError, Error};
 pub use metrics::Metrics;
 pub use model::Model;

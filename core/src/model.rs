@@ -2,11 +2,12 @@
 
 use crate::bits::words_for;
 use crate::carbon::CarbonPlan;
-use crate::config::{Cell, Config, Depots, MAX_DEPOTS};
+use crate::config::{Cell, Config, Depots, MAX_DEPOTS, MapDirections, UavTag};
 use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
 use crate::layout::Layout;
 use crate::reward::RewardPlan;
+use crate::search::{self, Disc};
 use crate::{link, motion, radar};
 
 #[cfg(any(kani, test))]
@@ -45,6 +46,7 @@ pub struct Model<'m> {
     bucket_side: u32,
     bucket_columns: usize,
     bucket_rows: usize,
+    disc: Disc,
     tables: Words<'m>,
 }
 
@@ -165,6 +167,7 @@ impl Parts {
             bucket_side,
             bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
             bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
+            disc: Disc::of(&config),
             tables,
             config,
         }
@@ -316,11 +319,53 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Length of one UAV's observation: 11 + 4 n + 3 · slots.
+    /// Length of one UAV's observation: 11 + 4 n + 3 · slots, and what `map_window_radius`,
+    /// `map_directions` and `uav_tag` add.
     #[inline]
     #[must_use]
     pub const fn observation_len(&self) -> usize {
-        11 + 4 * self.hotspots + 3 * self.neighbour_slots()
+        let paper = 11 + 4 * self.hotspots + 3 * self.neighbour_slots();
+        paper + self.window_len() + self.directions_len() + self.tag_len()
+    }
+
+    /// Entries of an observation's window of the search map: (2 r + 1)², or none.
+    #[inline]
+    pub(crate) const fn window_len(&self) -> usize {
+        match self.config.map_window_radius as usize {
+            0 => 0,
+            radius => (2 * radius + 1) * (2 * radius + 1),
+        }
+    }
+
+    /// Entries of an observation's unsearched shares: 8, or none.
+    #[inline]
+    pub(crate) const fn directions_len(&self) -> usize {
+        match self.config.map_directions {
+            MapDirections::Off => 0,
+            MapDirections::Shown => search::DIRECTIONS,
+        }
+    }
+
+    /// Entries of an observation's tag: 1, or none.
+    #[inline]
+    pub(crate) const fn tag_len(&self) -> usize {
+        match self.config.uav_tag {
+            UavTag::Off => 0,
+            UavTag::Index | UavTag::Random => 1,
+        }
+    }
+
+    /// Words of a UAV's search map; 0 without maps.
+    #[inline]
+    #[must_use]
+    pub const fn map_words(&self) -> usize {
+        self.layout.map
+    }
+
+    /// What a UAV looks at, around its cell.
+    #[inline]
+    pub(crate) const fn disc(&self) -> Disc {
+        self.disc
     }
 
     /// Length of the global state: 6 N + 4 n + 4.

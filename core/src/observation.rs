@@ -1,17 +1,25 @@
 //! What each UAV sees, and the global state that a centralised critic sees.
 
+pub mod fields;
+
 use crate::bits;
-use crate::config::{Cell, TargetVisibility};
+use crate::config::{Cell, TargetVisibility, UavTag};
 use crate::error::Error;
 use crate::model::Model;
+use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
+use crate::search::unsearched_shares;
 use crate::state::StateRef;
+
+/// Entries of connectivity, sustainability and progress.
+const COMMON: usize = 6;
 
 /// Writes the observation of every UAV, one after the other.
 ///
 /// In order: self (x, y, SoC, pilot density, η̄_i), each hotspot (Δx, Δy, confirmed, known), each
 /// neighbour slot (present, Δx, Δy), connectivity, sustainability (carbon intensity, depot distance),
-/// progress (confirmed, informed, time).
+/// progress (confirmed, informed, time), then what the configuration adds: a window of the search map, the
+/// unsearched share of each direction, a tag. [`fields::fields`] names every entry.
 ///
 /// # Errors
 /// [`Error::Length`] unless `out` has N · [`Model::observation_len`] elements.
@@ -158,7 +166,10 @@ impl<'v> View<'v> {
     fn write(&self, i: usize, keys: &mut [u64], out: &mut [f32]) {
         let (own, rest) = out.split_at_mut(5);
         let (targets, rest) = rest.split_at_mut(4 * self.model.hotspot_count());
-        let (slots, common) = rest.split_at_mut(3 * self.model.neighbour_slots());
+        let (slots, rest) = rest.split_at_mut(3 * self.model.neighbour_slots());
+        let (common, rest) = rest.split_at_mut(COMMON);
+        let (window, rest) = rest.split_at_mut(self.model.window_len());
+        let (directions, tag) = rest.split_at_mut(self.model.directions_len());
         let cell = self.state.cell(i);
         self.write_self(i, own);
         self.write_targets(i, cell, targets);
@@ -167,6 +178,47 @@ impl<'v> View<'v> {
         common[1] = self.carbon;
         common[2] = (f64::from(self.model.depot_distance(cell)) * self.per_span) as f32;
         common[3..].copy_from_slice(&self.progress);
+        if !window.is_empty() {
+            self.write_window(i, cell, window);
+        }
+        if !directions.is_empty() {
+            let config = self.model.config();
+            let map = self.state.searched_of(i);
+            unsearched_shares(map, cell, config.grid_width, config.grid_height, directions);
+        }
+        if let Some(tag) = tag.first_mut() {
+            *tag = self.tag(i);
+        }
+    }
+
+    /// The map around the cell, row by row from below: 1 unsearched, 0 searched, -1 off the grid.
+    fn write_window(&self, i: usize, cell: Cell, out: &mut [f32]) {
+        let config = self.model.config();
+        let (radius, map) = (config.map_window_radius, self.state.searched_of(i));
+        let side = 2 * radius + 1;
+        for (row, dy) in out.chunks_exact_mut(side as usize).zip(0..side) {
+            for (value, dx) in row.iter_mut().zip(0..side) {
+                // Off the grid on the low side, the difference wraps to above any size.
+                let x = (cell.x + dx).wrapping_sub(radius);
+                let y = (cell.y + dy).wrapping_sub(radius);
+                let there = Cell { x, y };
+                *value = if self.model.contains(there) {
+                    flag(!bits::get(map, self.model.cell_index(there)))
+                } else {
+                    -1.0
+                };
+            }
+        }
+    }
+
+    /// What tells UAV i apart.
+    fn tag(&self, i: usize) -> f32 {
+        if self.model.config().uav_tag == UavTag::Random {
+            let draw = rng::bits64(self.state.seed(), 0, i as u32, 0, Purpose::Tag);
+            rng::unit(draw) as f32
+        } else {
+            (i as f64 * self.per_other) as f32
+        }
     }
 
     #[inline]

@@ -15,7 +15,8 @@ impl<'a> Scratch<'a> {
         let uavs = model.uav_count();
         let sense = uavs * model.hotspot_words() + model.hotspot_count();
         let graph = model.bucket_count() + 1 + uavs;
-        let consensus = uavs + model.uav_words() + model.hotspot_words();
+        let longest = model.hotspot_words().max(model.map_words());
+        let consensus = uavs + model.uav_words() + longest;
         let goals = model.hotspot_count();
         sense.max(graph).max(consensus).max(goals).max(uavs)
     }
@@ -39,16 +40,16 @@ impl<'a> Scratch<'a> {
         self.two(model.bucket_count() + 1, model.uav_count())
     }
 
-    /// Order of a walk over the graph, UAVs not reached yet, and a component's knowledge.
+    /// Order of a walk over the graph, UAVs not reached yet, and a component's union of rows.
     pub(crate) fn consensus(
         &mut self,
         uavs: usize,
         uav_words: usize,
-        hotspot_words: usize,
+        row_words: usize,
     ) -> (&mut [u64], &mut [u64], &mut [u64]) {
         let (order, rest) = self.words.split_at_mut(uavs);
         let (unreached, rest) = rest.split_at_mut(uav_words);
-        (order, unreached, &mut rest[..hotspot_words])
+        (order, unreached, &mut rest[..row_words])
     }
 
     /// Room for a list of at most `count` words.

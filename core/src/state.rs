@@ -65,6 +65,7 @@ enum Length {
     Knowledge,
     Links,
     Visited,
+    Maps,
 }
 
 const fn length(layout: &Layout, length: Length) -> usize {
@@ -77,6 +78,7 @@ const fn length(layout: &Layout, length: Length) -> usize {
         Length::Knowledge => uavs * bits::words_for(hotspots),
         Length::Links => uavs * bits::words_for(uavs),
         Length::Visited => layout.visited,
+        Length::Maps => uavs * layout.map,
     }
 }
 
@@ -121,6 +123,8 @@ state! {
     links: Length::Links;
     /// Cells that any UAV has been in.
     visited: Length::Visited;
+    /// For each UAV the cells that it knows to have been looked at; nothing without maps.
+    searched: Length::Maps;
 }
 
 impl Model<'_> {
@@ -391,6 +395,22 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn visited(&self, cell_index: usize) -> bool {
         bits::get(self.visited, cell_index)
+    }
+
+    /// The cells that UAV `i` knows to have been looked at, as a set of row-major indices; of no words
+    /// without search maps.
+    #[inline]
+    #[must_use]
+    pub fn searched_of(&self, i: usize) -> &'a [u64] {
+        let row = self.layout.map;
+        &self.searched[i * row..(i + 1) * row]
+    }
+
+    /// Whether UAV `i` knows the cell with this row-major index to have been looked at; never without
+    /// search maps.
+    #[must_use]
+    pub fn searched(&self, i: usize, cell_index: usize) -> bool {
+        self.layout.map > 0 && bits::get(self.searched_of(i), cell_index)
     }
 
     /// Carbon intensity that the coming step will be billed with.

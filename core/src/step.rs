@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::reward::{self, Happenings};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
-use crate::{action, carbon, knowledge, link, motion, potential, sensing};
+use crate::{action, carbon, knowledge, link, motion, potential, search, sensing};
 
 /// What a step came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,7 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Part 2: sense and learn.
+    /// Part 2: look around, sense and learn.
     ///
     /// # Errors
     /// [`Error::OutOfOrder`] unless part 1 was the last.
@@ -67,6 +67,7 @@ impl Model<'_> {
         scratch: &mut Scratch<'_>,
     ) -> Result<(), Error> {
         expect(state, Phase::Moved, "step_sense", "step_begin")?;
+        search::mark(self, state);
         sensing::sense_and_learn(self, state, scratch);
         state.header.set_phase(Phase::Sensed);
         Ok(())

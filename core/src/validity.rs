@@ -29,6 +29,7 @@ impl StateRef<'_> {
             && self.knowledge_is_valid(model, phase)
             && self.links_are_valid(model)
             && self.visits_are_valid(model, phase)
+            && self.maps_are_valid(model, phase)
     }
 
     fn time_is_bounded(&self, model: &Model<'_>, phase: Phase) -> bool {
@@ -156,6 +157,23 @@ impl StateRef<'_> {
             }
         }
         bits::fits(self.visited, model.config().cell_count())
+    }
+
+    /// Maps hold cells of the grid, among them that of each UAV that has looked since the reset.
+    fn maps_are_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
+        if model.map_words() == 0 {
+            return true;
+        }
+        let looked = self.t() > 0 && phase != Phase::Moved;
+        for i in 0..model.uav_count() {
+            let map = self.searched_of(i);
+            if !bits::fits(map, model.config().cell_count())
+                || (looked && !self.grounded(i) && !bits::get(map, model.cell_index(self.cell(i))))
+            {
+                return false;
+            }
+        }
+        true
     }
 
     /// The scalars that only the end of a step changes.

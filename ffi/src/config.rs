@@ -2,7 +2,9 @@
 
 use jcas_core::config::{Cell, Config, Depots, MAX_DEPOTS};
 use jcas_core::error::{Allowed, ConfigError, Value};
-use jcas_core::{ChargeBilling, InformPayment, TargetVisibility};
+use jcas_core::{
+    ChargeBilling, InformPayment, MapDirections, SearchMaps, TargetVisibility, UavTag,
+};
 
 use crate::memory::{Plain, Record};
 
@@ -20,6 +22,20 @@ pub const JCAS_BILLING_NAMEPLATE: i32 = 1;
 pub const JCAS_PAYMENT_ONCE: i32 = 0;
 /// An informed hotspot pays at that step and every later one, as in the paper.
 pub const JCAS_PAYMENT_EVERY_STEP: i32 = 1;
+/// UAVs keep no search maps.
+pub const JCAS_MAPS_OFF: i32 = 0;
+/// Each UAV keeps a map of the cells that it knows to have been looked at; maps spread with knowledge.
+pub const JCAS_MAPS_SHARED: i32 = 1;
+/// Observations do not tell how much is unsearched in each direction.
+pub const JCAS_DIRECTIONS_OFF: i32 = 0;
+/// Observations tell how much is unsearched in each of eight directions.
+pub const JCAS_DIRECTIONS_SHOWN: i32 = 1;
+/// Nothing tells UAVs in one cell apart.
+pub const JCAS_TAG_OFF: i32 = 0;
+/// Observations end with the UAV's index over N - 1.
+pub const JCAS_TAG_INDEX: i32 = 1;
+/// Observations end with a number in [0, 1) that is drawn for each UAV and episode.
+pub const JCAS_TAG_RANDOM: i32 = 2;
 
 const _: () = assert!(JCAS_MAX_DEPOTS == MAX_DEPOTS);
 
@@ -176,6 +192,19 @@ pub struct jcas_config {
     pub shaping_goal_weight: f64,
     /// Weight of the carbon-aware charging potential (w_c). [reward, 0 to 1e6; default 0.1]
     pub shaping_charge_weight: f64,
+    /// Whether each UAV keeps a map of the cells that it knows to have been looked at: JCAS_MAPS_OFF
+    /// (default) or JCAS_MAPS_SHARED.
+    pub search_maps: i32,
+    /// A UAV has looked at the cells whose centre is at most this far from its own. [m, 0 to 1e6;
+    /// default 100]
+    pub search_map_radius_m: f64,
+    /// Observations show the map this many cells around the UAV; 0: not at all. [cells, 0 to 32; default 0]
+    pub map_window_radius: u32,
+    /// Whether observations show how much is unsearched in eight directions: JCAS_DIRECTIONS_OFF
+    /// (default) or JCAS_DIRECTIONS_SHOWN.
+    pub map_directions: i32,
+    /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default), JCAS_TAG_INDEX or JCAS_TAG_RANDOM.
+    pub uav_tag: i32,
 }
 
 // SAFETY: integers and floats only.
@@ -254,6 +283,11 @@ impl jcas_config {
             shaping_discount: config.shaping_discount,
             shaping_goal_weight: config.shaping_goal_weight,
             shaping_charge_weight: config.shaping_charge_weight,
+            search_maps: config.search_maps as i32,
+            search_map_radius_m: config.search_map_radius_m,
+            map_window_radius: config.map_window_radius,
+            map_directions: config.map_directions as i32,
+            uav_tag: config.uav_tag as i32,
         }
     }
 
@@ -332,6 +366,15 @@ impl jcas_config {
             shaping_discount: self.shaping_discount,
             shaping_goal_weight: self.shaping_goal_weight,
             shaping_charge_weight: self.shaping_charge_weight,
+            search_maps: choice("search_maps", self.search_maps, SearchMaps::from_index)?,
+            search_map_radius_m: self.search_map_radius_m,
+            map_window_radius: self.map_window_radius,
+            map_directions: choice(
+                "map_directions",
+                self.map_directions,
+                MapDirections::from_index,
+            )?,
+            uav_tag: choice("uav_tag", self.uav_tag, UavTag::from_index)?,
         })
     }
 
@@ -370,6 +413,6 @@ fn choice<T>(
         .ok_or(ConfigError {
             field,
             value: Value::Real(f64::from(value)),
-            allowed: Allowed::Rule("0 or 1; see its constants"),
+            allowed: Allowed::Rule("one of its constants"),
         })
 }

@@ -52,7 +52,8 @@ pub unsafe extern "C" fn jcas_config_default(config: *mut jcas_config, struct_si
     })
 }
 
-/// Fills `config` with a preset: "mission" or "paper" (the letter of every equation of the paper).
+/// Fills `config` with a preset: "mission", "paper" (the letter of every equation of the paper) or "search"
+/// (hidden hotspots, shared search maps).
 ///
 /// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
 /// Threads: any.
@@ -67,7 +68,7 @@ pub unsafe extern "C" fn jcas_config_preset(
 ) -> i32 {
     let parse = |name: &str| match name.parse::<Preset>() {
         Ok(preset) => Ok(Config::preset(preset)),
-        Err(_) => Err(format!("preset = {name}: must be `mission` or `paper`")),
+        Err(error) => Err(format!("preset = {name}: {error}")),
     };
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {

@@ -1,15 +1,18 @@
 //! Models: built in the caller's memory or in memory of ours, then only read.
 
 use std::ffi::{c_char, c_void};
+use std::ptr;
 
 use jcas_core::Config;
 
 use crate::config::jcas_config;
 use crate::config_text::legal;
 use crate::handle::{Memory, ModelBlock, model};
-use crate::memory::{place, record, sized_record};
-use crate::records::{jcas_model_info, jcas_radio};
-use crate::status::{Fault, JCAS_ERROR_ARGUMENT, guard};
+use crate::memory::{output, place, record, sized_record};
+use crate::records::{
+    JCAS_OBSERVATION_FIELDS, jcas_model_info, jcas_observation_field, jcas_radio,
+};
+use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_STRUCT_SIZE, guard};
 
 /// A validated configuration with everything that can be worked out before the first step. It never
 /// changes: any number of threads may use one model at once.
@@ -117,6 +120,69 @@ pub unsafe extern "C" fn jcas_model_get_info(
     })
 }
 
+/// Where each field of one UAV's observation lies. Together the fields name every entry once.
+///
+/// `model`, `fields`: not NULL. `count`: JCAS_OBSERVATION_FIELDS. `struct_size`:
+/// sizeof(jcas_observation_field). Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_model_observation_fields(
+    model: *const jcas_model,
+    fields: *mut jcas_observation_field,
+    count: usize,
+    struct_size: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        if struct_size != size_of::<jcas_observation_field>() {
+            return Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE));
+        }
+        // SAFETY: the caller's promise for `fields`.
+        let out = unsafe { output(fields, count, JCAS_OBSERVATION_FIELDS) }?;
+        let all = jcas_core::observation::fields::fields(model.get());
+        for (to, from) in out.iter_mut().zip(all) {
+            *to = jcas_observation_field {
+                offset: from.offset as u32,
+                count: from.count as u32,
+                stride: from.stride as u32,
+            };
+        }
+        Ok(())
+    })
+}
+
+/// The name of a field of an observation, such as "soc" or "hotspot_dx": a static string, or NULL from
+/// JCAS_OBSERVATION_FIELDS on. Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_observation_field_name(index: u32) -> *const c_char {
+    const NAMES: [&std::ffi::CStr; JCAS_OBSERVATION_FIELDS] = [
+        c"x",
+        c"y",
+        c"soc",
+        c"pilot_density",
+        c"throughput",
+        c"hotspot_dx",
+        c"hotspot_dy",
+        c"hotspot_confirmed",
+        c"hotspot_known",
+        c"neighbour_present",
+        c"neighbour_dx",
+        c"neighbour_dy",
+        c"neighbours",
+        c"carbon_intensity",
+        c"depot_distance",
+        c"confirmed",
+        c"informed",
+        c"time",
+        c"map_window",
+        c"unsearched",
+        c"tag",
+    ];
+    NAMES
+        .get(index as usize)
+        .map_or(ptr::null(), |name| name.as_ptr())
+}
+
 /// The configuration of a model.
 ///
 /// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config). Threads: any.
@@ -185,4 +251,23 @@ unsafe fn build(
     let block = unsafe { ModelBlock::build(config, memory) }?;
     out.put(block.cast());
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_observation_fields_are_the_kernels() {
+        for (index, name) in jcas_core::observation::fields::FIELD_NAMES
+            .iter()
+            .enumerate()
+        {
+            let given = jcas_observation_field_name(index as u32);
+            // SAFETY: a static C string.
+            let given = unsafe { std::ffi::CStr::from_ptr(given) };
+            assert_eq!(given.to_str(), Ok(*name));
+        }
+        assert!(jcas_observation_field_name(JCAS_OBSERVATION_FIELDS as u32).is_null());
+    }
 }

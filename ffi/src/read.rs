@@ -207,6 +207,35 @@ pub unsafe extern "C" fn jcas_sim_get_visited(
     })
 }
 
+/// The search maps: 1 where a UAV knows a cell to have been looked at, else 0; a grid, row (y) by row, for
+/// each UAV after the other. Without search maps there is nothing to read.
+///
+/// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search maps.
+/// Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_search_maps(
+    sim: *const jcas_sim,
+    maps: *mut u8,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let maps_kept = sim.model.map_words() > 0;
+        let cells = sim.model.config().cell_count();
+        let expected = if maps_kept {
+            sim.model.uav_count() * cells
+        } else {
+            0
+        };
+        // SAFETY: the caller's promise for `maps`.
+        let out = unsafe { output(maps, count, expected) }?;
+        let state = sim.state()?;
+        fill_rows(out, cells, |i, index| state.searched(i, index));
+        Ok(())
+    })
+}
+
 fn fill_rows(out: &mut [u8], row_len: usize, is_set: impl Fn(usize, usize) -> bool) {
     for (i, row) in out.chunks_exact_mut(row_len).enumerate() {
         for (k, value) in row.iter_mut().enumerate() {

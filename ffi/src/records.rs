@@ -1,6 +1,7 @@
 //! What is read from models and simulations, as C structs.
 
 use jcas_core::header::Phase;
+use jcas_core::observation::fields;
 use jcas_core::{Metrics, Model, StateRef, StepOutcome};
 
 use crate::memory::{Plain, Record};
@@ -42,6 +43,13 @@ records!(
 unsafe impl Plain for jcas_uav {}
 // SAFETY: integers and floats only.
 unsafe impl Plain for jcas_hotspot {}
+// SAFETY: integers only.
+unsafe impl Plain for jcas_observation_field {}
+
+/// Fields of an observation; jcas_observation_field_name names them.
+pub const JCAS_OBSERVATION_FIELDS: usize = 21;
+
+const _: () = assert!(JCAS_OBSERVATION_FIELDS == fields::FIELDS);
 
 /// Sizes and constants of a model; buffers are sized by these.
 #[repr(C)]
@@ -61,7 +69,8 @@ pub struct jcas_model_info {
     pub grid_height: u32,
     /// Floats of the actions of a step: 2 N.
     pub action_len: u32,
-    /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots.
+    /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, and what map_window_radius,
+    /// map_directions and uav_tag add.
     pub observation_len: u32,
     /// Floats of the global state: 6 N + 4 n + 4.
     pub global_len: u32,
@@ -75,6 +84,19 @@ pub struct jcas_model_info {
     pub battery_capacity_uj: u64,
     /// Detection threshold, in dB.
     pub detection_threshold_db: f64,
+}
+
+/// Entries of one UAV's observation that mean the same: at offset, offset + stride and on, `count` of them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct jcas_observation_field {
+    /// The first entry.
+    pub offset: u32,
+    /// One, one for each hotspot, neighbour slot, cell or direction, or 0 where the configuration leaves
+    /// the field out.
+    pub count: u32,
+    /// From one entry to the next.
+    pub stride: u32,
 }
 
 /// Radar and link between two cells.

@@ -13,7 +13,7 @@ pub const JCAS_VERSION_PATCH: u32 = 0;
 
 /// Version of the interface that this header declares: 65536 * major + minor. A program runs with any
 /// library of the same major and the same or a later minor version.
-pub const JCAS_ABI_VERSION: u32 = 0x0001_0000;
+pub const JCAS_ABI_VERSION: u32 = 0x0001_0001;
 
 /// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
 #[unsafe(no_mangle)]

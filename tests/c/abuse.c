@@ -29,6 +29,10 @@ static void begin(struct subject *subject)
     subject->config.uav_count = 4;
     subject->config.hotspot_count = 3;
     subject->config.horizon_steps = 5;
+    subject->config.search_maps = JCAS_MAPS_SHARED;
+    subject->config.map_window_radius = 2;
+    subject->config.map_directions = JCAS_DIRECTIONS_SHOWN;
+    subject->config.uav_tag = JCAS_TAG_INDEX;
     OK(jcas_model_new(&subject->config, &subject->model, NULL, 0));
     jcas_config other = subject->config;
     other.quorum = 2;
@@ -65,6 +69,7 @@ int main(void)
     abuse_simulations(&subject);
     abuse_parts(&subject);
     abuse_reading(&subject);
+    abuse_observation_fields(&subject);
     abuse_snapshots(&subject);
     abuse_batches(&subject);
     end(&subject);

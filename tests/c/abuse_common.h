@@ -26,6 +26,7 @@ void abuse_models(struct subject *subject);
 void abuse_simulations(struct subject *subject);
 void abuse_parts(struct subject *subject);
 void abuse_reading(struct subject *subject);
+void abuse_observation_fields(struct subject *subject);
 void abuse_snapshots(struct subject *subject);
 void abuse_batches(struct subject *subject);
 

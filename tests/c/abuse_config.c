@@ -17,7 +17,7 @@ static void abuse_filling(void)
     EXPECT(JCAS_ERROR_NULL, jcas_config_preset("paper", 5, NULL, size, NULL, 0));
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_config_preset("paper", 5, &config, size - 1, NULL, 0));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, message, sizeof message));
-    CHECK(strcmp(message, "preset = best: must be `mission` or `paper`") == 0);
+    CHECK(strcmp(message, "preset = best: must be `mission`, `paper` or `search`") == 0);
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, NULL, 10));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, message, 0));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("\xff\xfe", 2, &config, size, message, sizeof message));
@@ -58,6 +58,14 @@ static void abuse_fields(const struct subject *subject)
     CHECK(strstr(message, "target_visibility = 2") != NULL);
     config.target_visibility = -1;
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
+    config = subject->config;
+    config.uav_tag = 3;
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
+    CHECK(strstr(message, "uav_tag = 3") != NULL);
+    config = subject->config;
+    config.search_maps = JCAS_MAPS_OFF; /* which leaves a window of nothing */
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
+    CHECK(strstr(message, "map_window_radius = 2") != NULL);
     config = subject->config;
     config.cell_size_m = JCAS_DERIVED; /* only three fields can be derived */
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));

@@ -61,6 +61,8 @@ void abuse_reading(struct subject *subject)
     ABUSE_BUFFER(uint8_t, jcas_sim_get_links, sim, info->uav_count * info->uav_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_knowledge, sim, info->uav_count * info->hotspot_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_visited, sim, info->grid_width * info->grid_height);
+    ABUSE_BUFFER(uint8_t, jcas_sim_get_search_maps, sim,
+                 (size_t)info->uav_count * info->grid_width * info->grid_height);
     ABUSE_STRUCT(jcas_episode, jcas_sim_get_episode, sim);
     ABUSE_STRUCT(jcas_metrics, jcas_sim_get_metrics, sim);
 
@@ -84,6 +86,32 @@ void abuse_reading(struct subject *subject)
         CHECK(degree == uavs[i].neighbours);
         CHECK(uavs[i].battery_uj == uavs[i].initial_uj + uavs[i].accepted_uj - uavs[i].spent_uj);
     }
+}
+
+/* The fields of an observation: every wrong argument, then where the tag is. */
+void abuse_observation_fields(struct subject *subject)
+{
+    const jcas_model *model = subject->model;
+    jcas_observation_field fields[JCAS_OBSERVATION_FIELDS + 1];
+    const size_t size = sizeof *fields, count = JCAS_OBSERVATION_FIELDS;
+    mark(fields, sizeof fields);
+    EXPECT(JCAS_ERROR_NULL, jcas_model_observation_fields(NULL, fields, count, size));
+    EXPECT(JCAS_ERROR_NULL, jcas_model_observation_fields(model, NULL, count, size));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_model_observation_fields(model, fields, count - 1, size));
+    EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_model_observation_fields(model, fields, count, size + 4));
+    EXPECT(JCAS_ERROR_HANDLE, jcas_model_observation_fields(FOREIGN(jcas_model), fields, count, size));
+    CHECK(untouched(fields, sizeof fields));
+    OK(jcas_model_observation_fields(model, fields, count, size));
+    CHECK(untouched(fields + count, size));
+    size_t entries = 0;
+    for (size_t k = 0; k < count; k++) {
+        CHECK(jcas_observation_field_name((uint32_t)k) != NULL);
+        entries += fields[k].count;
+    }
+    CHECK(entries == subject->info.observation_len);
+    CHECK(strcmp(jcas_observation_field_name((uint32_t)count - 1), "tag") == 0);
+    CHECK(fields[count - 1].offset == subject->info.observation_len - 1);
+    CHECK(jcas_observation_field_name((uint32_t)count) == NULL);
 }
 
 static void expect_same(const jcas_sim *sim, uint64_t hash)

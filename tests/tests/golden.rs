@@ -261,6 +261,44 @@ fn hidden_targets() {
 }
 
 #[test]
+fn search() {
+    let trace = reproduced("search");
+    assert!(trace.end.terminated);
+    let model = Model::new(trace.header.config).unwrap();
+    let mut sim = jcas_core::Sim::new(&model);
+    sim.reset(trace.header.seed.0);
+    let (uavs, width) = (model.uav_count(), trace.header.config.grid_width);
+    let cells = trace.header.config.cell_count();
+    let mut maps = vec![vec![false; cells]; uavs];
+    let mut differed = 0;
+    for step in &trace.steps {
+        // A trace tells where each UAV was and whom it heard: so much tells its map.
+        for (map, cell) in maps.iter_mut().zip(&step.positions) {
+            for (index, looked) in map.iter_mut().enumerate() {
+                let (x, y) = (index as u32 % width, index as u32 / width);
+                let (dx, dy) = (x.abs_diff(cell.x), y.abs_diff(cell.y));
+                // 100 m are two cells.
+                *looked |= dx * dx + dy * dy <= 4;
+            }
+        }
+        for _ in 0..uavs {
+            for &[i, k] in &step.links {
+                let both: Vec<bool> = maps[i].iter().zip(&maps[k]).map(|(a, b)| a | b).collect();
+                (maps[i], maps[k]) = (both.clone(), both);
+            }
+        }
+        sim.step(step.actions.as_flattened()).unwrap();
+        for (i, map) in maps.iter().enumerate() {
+            for (index, &looked) in map.iter().enumerate() {
+                assert_eq!(sim.state().searched(i, index), looked);
+            }
+        }
+        differed += usize::from(maps.iter().any(|map| *map != maps[0]));
+    }
+    assert!(differed > 3 && differed < trace.steps.len());
+}
+
+#[test]
 fn one_uav() {
     let trace = reproduced("one_uav");
     assert_eq!(trace.header.config.uav_count, 1);

@@ -25,6 +25,10 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
         for (x, &visited) in row.iter().enumerate() {
             let index = y * spec.config.grid_width as usize + x;
             equal(&format!("visited({x}, {y})"), visited, state.visited(index))?;
+            for i in 0..world.position.len() {
+                let what = format!("searched({x}, {y}) of UAV {i}");
+                equal(&what, world.searched[i][y][x], state.searched(i, index))?;
+            }
         }
     }
     equal(

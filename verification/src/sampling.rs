@@ -3,7 +3,7 @@
 use crate::specification::philox::{block, first_u64};
 use crate::specification::{Specification, World};
 use jcas_core::config::Depots;
-use jcas_core::{Cell, Config, Preset, TargetVisibility};
+use jcas_core::{Cell, Config, MapDirections, Preset, SearchMaps, TargetVisibility, UavTag};
 
 /// A stream of random numbers of its own, apart from every draw of the model.
 #[derive(Clone, Debug)]
@@ -54,7 +54,27 @@ pub fn configuration(dice: &mut Dice) -> Config {
     if dice.one_in(3) {
         weights(dice, &mut c);
     }
+    search(dice, &mut c);
     c
+}
+
+/// Search maps and what observations show of them.
+fn search(dice: &mut Dice, c: &mut Config) {
+    let tags = [UavTag::Off, UavTag::Index, UavTag::Random];
+    c.uav_tag = tags[dice.integer(0, 2) as usize];
+    if dice.one_in(2) {
+        c.search_maps = SearchMaps::Shared;
+        c.search_map_radius_m = match dice.integer(0, 3) {
+            0 => 0.0,
+            1 => c.cell_size_m * f64::from(dice.integer(1, 3)),
+            2 => c.cell_size_m * 20.0,
+            _ => c.cell_size_m * dice.real(0.0, 5.0),
+        };
+        c.map_window_radius = dice.integer(0, 4);
+        if dice.one_in(2) {
+            c.map_directions = MapDirections::Shown;
+        }
+    }
 }
 
 fn mission(dice: &mut Dice, c: &mut Config) {

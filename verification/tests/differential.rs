@@ -28,6 +28,7 @@ struct Reached {
     revisited: u32,
     hidden: u32,
     alone: u32,
+    maps_differ: u32,
 }
 
 #[test]
@@ -57,6 +58,7 @@ fn the_kernel_agrees_with_the_specification() {
         reached.revisited,
         reached.hidden,
         reached.alone,
+        reached.maps_differ,
     ];
     assert!(counts.iter().all(|&count| count > 50), "{reached:?}");
 }
@@ -137,4 +139,6 @@ fn note(spec: &Specification, world: &World, reached: &mut Reached) {
     let hidden = spec.config.target_visibility == jcas_core::TargetVisibility::Hidden;
     reached.hidden += u32::from(hidden);
     reached.alone += u32::from(spec.config.uav_count == 1);
+    let unlike = world.searched.iter().any(|map| *map != world.searched[0]);
+    reached.maps_differ += u32::from(unlike);
 }

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 use jcas_core::config::{FieldInfo, FieldValue};
-use jcas_core::{Config, Model};
+use jcas_core::{Config, Model, Preset};
 use serde::Serialize;
 
 use crate::config_source::{ConfigSource, PresetName};
@@ -192,33 +192,33 @@ impl Check {
 
 impl Presets {
     fn run(self) -> Result<Outcome, CliError> {
-        let mission = Config::preset(PresetName::Mission.into());
-        let paper = Config::preset(PresetName::Paper.into());
+        let presets = Preset::ALL
+            .iter()
+            .map(|&preset| (preset, Config::preset(preset)));
         if self.json {
-            files::print_json(&serde_json::json!({ "mission": mission, "paper": paper }))?;
+            let all: serde_json::Map<_, _> = presets
+                .map(|(preset, config)| (preset.name().to_owned(), serde_json::json!(config)))
+                .collect();
+            files::print_json(&all)?;
             return Ok(Outcome::Done);
         }
         let mut table = Table::new();
+        let names = Preset::ALL.iter().map(|preset| preset.name());
         table
             .load_preset(NOTHING)
-            .set_header(["field", "mission", "paper"]);
-        let model = Model::new(mission)?;
-        for ((info, a), b) in Config::FIELDS
-            .iter()
-            .zip(mission.values())
-            .zip(paper.values())
-        {
-            if a != b {
-                table.add_row([
-                    info.name.to_owned(),
-                    shown(info, &a, &model),
-                    shown(info, &b, &model),
-                ]);
+            .set_header(["field"].into_iter().chain(names));
+        let model = Model::new(Config::default())?;
+        let values: Vec<_> = presets.map(|(_, config)| config.values()).collect();
+        for (index, info) in Config::FIELDS.iter().enumerate() {
+            if values.iter().any(|of| of[index] != values[0][index]) {
+                let cells = values.iter().map(|of| shown(info, &of[index], &model));
+                table.add_row([info.name.to_owned()].into_iter().chain(cells));
             }
         }
         files::print(&format!(
             "mission  the paper with its billing and payment corrected (the default)\n\
-             paper    the letter of every equation of the paper\n\n\
+             paper    the letter of every equation of the paper\n\
+             search   hidden hotspots that radar reaches from afar, shared search maps\n\n\
              They differ in:\n{table}\n"
         ))?;
         Ok(Outcome::Done)

@@ -59,11 +59,13 @@ macro_rules! choice {
 
 choice! {
     /// A named set of values for every field.
-    Preset, "`mission` or `paper`" {
+    Preset, "`mission`, `paper` or `search`" {
         /// The paper with its billing and payment corrected; the default.
         Mission = "mission",
         /// The letter of every equation of the paper.
         Paper = "paper",
+        /// Hidden hotspots that radar reaches from afar; UAVs share what they have looked at.
+        Search = "search",
     }
 }
 
@@ -94,5 +96,37 @@ choice! {
         Once = "once",
         /// At that step and every later one.
         EveryStep = "every_step",
+    }
+}
+
+choice! {
+    /// Whether each UAV keeps a map of the cells that it knows to have been looked at.
+    SearchMaps, "`off` or `shared`" {
+        /// No maps.
+        Off = "off",
+        /// A map per UAV; maps spread with knowledge.
+        Shared = "shared",
+    }
+}
+
+choice! {
+    /// Whether an observation tells how much is unsearched in each of eight directions.
+    MapDirections, "`off` or `shown`" {
+        /// It does not.
+        Off = "off",
+        /// It does.
+        Shown = "shown",
+    }
+}
+
+choice! {
+    /// What tells UAVs in one cell apart.
+    UavTag, "`off`, `index` or `random`" {
+        /// Nothing.
+        Off = "off",
+        /// i/(N - 1).
+        Index = "index",
+        /// A number in [0, 1) that is drawn for each UAV and episode.
+        Random = "random",
     }
 }

@@ -1,6 +1,9 @@
 //! Fields of the configuration seen alike, for checks, listings and fingerprints.
 
-use super::{ChargeBilling, Config, Depots, InformPayment, TargetVisibility};
+use super::{
+    ChargeBilling, Config, Depots, InformPayment, MapDirections, SearchMaps, TargetVisibility,
+    UavTag,
+};
 use crate::error::Value;
 use crate::hash::Fnv1a;
 
@@ -118,4 +121,11 @@ macro_rules! choice_field {
         }
     )+ };
 }
-choice_field!(TargetVisibility, ChargeBilling, InformPayment);
+choice_field!(
+    TargetVisibility,
+    ChargeBilling,
+    InformPayment,
+    SearchMaps,
+    MapDirections,
+    UavTag
+);

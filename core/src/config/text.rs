@@ -200,7 +200,21 @@ mod tests {
         assert!(refused("move_energy_kwh = -1e-3").contains("must be a number from 0 to 1"));
         assert!(refused("hotspot_count = 150").contains("must be at most 143"));
         assert!(refused("depots = [[12, 0]]").contains("[12, 0]"));
-        assert!(refused("preset = 'best'").contains("`mission` or `paper`"));
+        assert!(refused("preset = 'best'").contains("`mission`, `paper` or `search`"));
+        assert_eq!(
+            refused("map_window_radius = 3"),
+            "map_window_radius = 3: must be 0 (off) while search_maps is off"
+        );
+        assert!(
+            refused("map_directions = 'shown'").starts_with("map_directions = 1: must be 0 (off)")
+        );
+        assert_eq!(
+            refused(
+                "search_maps = 'shared'\nuav_count = 4096\ngrid_width = 1024\ngrid_height = 1024"
+            ),
+            "uav_count = 4096: must be at most 256 (with search_maps = shared, 2^28 over the cells \
+             of the grid)"
+        );
         assert!(
             refused("horizon_steps = 1000000\nuav_count = 4096\ncharge_power_kw = 10000")
                 .contains("2^62")

@@ -1,9 +1,12 @@
 //! The rules of a legal configuration.
 
-use super::{Config, FieldValue};
+use super::{Config, FieldValue, MapDirections, SearchMaps};
 use crate::carbon::milligrams;
 use crate::energy::EnergyPlan;
 use crate::error::{Allowed, ConfigError, Value};
+
+/// Most bits that the maps of a fleet may take: 32 MiB.
+const MAP_BITS_MAX: u64 = 1 << 28;
 
 impl Config {
     /// Checks every field and the rules between fields.
@@ -38,7 +41,38 @@ impl Config {
         )?;
         self.depots_are_cells()?;
         self.hotspots_have_room()?;
+        self.maps_have_room()?;
         self.ledgers_have_room()
+    }
+
+    /// A map takes a bit for each UAV and cell, and is there to be shown.
+    fn maps_have_room(&self) -> Result<(), ConfigError> {
+        if self.search_maps == SearchMaps::Off {
+            let shown = if self.map_window_radius > 0 {
+                ("map_window_radius", self.map_window_radius)
+            } else if self.map_directions != MapDirections::Off {
+                ("map_directions", self.map_directions as u32)
+            } else {
+                return Ok(());
+            };
+            return Err(ConfigError {
+                field: shown.0,
+                value: Value::Integer(shown.1.into()),
+                allowed: Allowed::Rule("0 (off) while search_maps is off"),
+            });
+        }
+        let most = MAP_BITS_MAX / self.cell_count() as u64;
+        if u64::from(self.uav_count) > most {
+            return Err(ConfigError {
+                field: "uav_count",
+                value: Value::Integer(self.uav_count.into()),
+                allowed: Allowed::AtMost(
+                    most as f64,
+                    "with search_maps = shared, 2^28 over the cells of the grid",
+                ),
+            });
+        }
+        Ok(())
     }
 
     fn each_field_is_in_range(&self) -> Result<(), ConfigError> {

@@ -7,6 +7,8 @@
 use super::Model;
 use crate::config::Config;
 #[cfg(not(kani))]
+use crate::config::SearchMaps;
+#[cfg(not(kani))]
 use crate::proofs::inputs::between;
 use crate::proofs::inputs::real_between;
 #[cfg(not(kani))]
@@ -101,6 +103,7 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         bucket_side: 2,
         bucket_columns: 1,
         bucket_rows: 1,
+        disc: super::Disc::of(&config),
         tables: Words::Borrowed(words),
         config,
     }
@@ -144,6 +147,10 @@ fn any_config() -> Config {
         config.processing_gain_db = 8.0 + between(0, 30) as f64;
         config.link_throughput_min = between(0, 12) as f64 / 8.0;
         config.initial_soc_min = between(0, 1) as f64;
+        if kani::any() {
+            config.search_maps = SearchMaps::Shared;
+            config.search_map_radius_m = between(0, 200) as f64;
+        }
     }
     config
 }

@@ -36,6 +36,54 @@ fn any_knowledge<const N: usize>() -> [u64; N] {
     knowledge
 }
 
+/// Any two words' map of which one cell, in the second word, may have been looked at.
+fn any_maps<const N: usize>() -> [[u64; 2]; N] {
+    let mut maps = [[0u64; 2]; N];
+    for map in &mut maps {
+        map[1] = between(0, 1) << 5;
+    }
+    maps
+}
+
+/// Maps go through the same consensus as knowledge, with rows of their own length: each cell on its own.
+fn maps_spread_like_knowledge<const N: usize>(links: &[u64; N], maps: &[[u64; 2]; N]) {
+    let mut after = *maps;
+    let (mut order, mut unreached, mut union) = ([0; N], [0; 1], [0; 2]);
+    consensus(
+        N,
+        links,
+        after.as_flattened_mut(),
+        &mut order,
+        &mut unreached,
+        &mut union,
+    );
+    for word in 0..2 {
+        let mut column = [0; N];
+        for i in 0..N {
+            column[i] = maps[i][word];
+        }
+        let literal = literal_rounds(links, &column);
+        for i in 0..N {
+            assert!(after[i][word] == literal[i]);
+            assert!(after[i][word] & maps[i][word] == maps[i][word]);
+        }
+    }
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(5))]
+#[cfg_attr(kani, kani::solver(cadical))]
+pub fn maps_spread_by_the_papers_iterations() {
+    let links = any_graph::<UAVS>();
+    let maps = any_maps::<UAVS>();
+    kani::cover!(
+        links[0] == 0b10 && links[1] == 0b101 && links[2] == 0b1010,
+        "a chain of four"
+    );
+    kani::cover!(maps[0][1] != 0 && maps[3][1] == 0, "unequal maps");
+    maps_spread_like_knowledge(&links, &maps);
+}
+
 fn spread<const N: usize>(links: &[u64; N], knowledge: &[u64; N]) -> [u64; N] {
     let mut after = *knowledge;
     let (mut order, mut unreached, mut union) = ([0; N], [0; 1], [0; 1]);
@@ -169,6 +217,7 @@ pub fn knowledge_never_falls() {
 super::standin::twins! {
     consensus_equals_the_papers_iterations: 4000 cases, 3 covers;
     consensus_grows_and_settles: 2000 cases, 2 covers;
+    maps_spread_by_the_papers_iterations: 4000 cases, 2 covers;
     confirmation_needs_the_quorum: 4000 cases, 3 covers;
     knowledge_never_falls: 2000 cases, 2 covers;
 }

@@ -18,6 +18,7 @@ mod motion;
 mod reset;
 mod reward;
 mod rng;
+mod search;
 mod snapshot;
 mod state;
 mod step;

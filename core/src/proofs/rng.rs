@@ -6,14 +6,15 @@ use super::standin as kani;
 use crate::rng::{Purpose, below, counter, unit};
 
 fn any_purpose() -> Purpose {
-    match between(1, 7) {
+    match between(1, 8) {
         1 => Purpose::Detect,
         2 => Purpose::Carbon,
         3 => Purpose::InitialSoc,
         4 => Purpose::Hotspot,
         5 => Purpose::Shuffle,
         6 => Purpose::Seed,
-        _ => Purpose::Policy,
+        7 => Purpose::Policy,
+        _ => Purpose::Tag,
     }
 }
 

@@ -18,7 +18,7 @@ from ctypes import (
 JCAS_VERSION_MAJOR = 0
 JCAS_VERSION_MINOR = 1
 JCAS_VERSION_PATCH = 0
-JCAS_ABI_VERSION = 65536
+JCAS_ABI_VERSION = 65537
 JCAS_OK = 0
 JCAS_ERROR_NULL = -1
 JCAS_ERROR_ALIGNMENT = -2
@@ -43,12 +43,20 @@ JCAS_BILLING_ACCEPTED = 0
 JCAS_BILLING_NAMEPLATE = 1
 JCAS_PAYMENT_ONCE = 0
 JCAS_PAYMENT_EVERY_STEP = 1
+JCAS_MAPS_OFF = 0
+JCAS_MAPS_SHARED = 1
+JCAS_DIRECTIONS_OFF = 0
+JCAS_DIRECTIONS_SHOWN = 1
+JCAS_TAG_OFF = 0
+JCAS_TAG_INDEX = 1
+JCAS_TAG_RANDOM = 2
 JCAS_PHASE_READY = 1
 JCAS_PHASE_MOVED = 2
 JCAS_PHASE_SENSED = 3
 JCAS_PHASE_COMMUNICATED = 4
 JCAS_PHASE_TERMINATED = 5
 JCAS_PHASE_TRUNCATED = 6
+JCAS_OBSERVATION_FIELDS = 21
 
 
 class jcas_cell(Structure):
@@ -121,6 +129,11 @@ class jcas_config(Structure):
         ("shaping_discount", c_double),
         ("shaping_goal_weight", c_double),
         ("shaping_charge_weight", c_double),
+        ("search_maps", c_int32),
+        ("search_map_radius_m", c_double),
+        ("map_window_radius", c_uint32),
+        ("map_directions", c_int32),
+        ("uav_tag", c_int32),
     )
 
 
@@ -140,6 +153,14 @@ class jcas_model_info(Structure):
         ("config_hash", c_uint64),
         ("battery_capacity_uj", c_uint64),
         ("detection_threshold_db", c_double),
+    )
+
+
+class jcas_observation_field(Structure):
+    _fields_ = (
+        ("offset", c_uint32),
+        ("count", c_uint32),
+        ("stride", c_uint32),
     )
 
 
@@ -298,6 +319,10 @@ def declare(library: CDLL) -> None:
     library.jcas_model_free.restype = c_int32
     library.jcas_model_get_info.argtypes = (c_void_p, POINTER(jcas_model_info))
     library.jcas_model_get_info.restype = c_int32
+    library.jcas_model_observation_fields.argtypes = (c_void_p, POINTER(jcas_observation_field), c_size_t, c_size_t)
+    library.jcas_model_observation_fields.restype = c_int32
+    library.jcas_observation_field_name.argtypes = (c_uint32,)
+    library.jcas_observation_field_name.restype = c_char_p
     library.jcas_model_get_config.argtypes = (c_void_p, POINTER(jcas_config), c_size_t)
     library.jcas_model_get_config.restype = c_int32
     library.jcas_model_get_radio.argtypes = (c_void_p, c_uint32, c_uint32, c_double, POINTER(jcas_radio))
@@ -356,6 +381,8 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_get_knowledge.restype = c_int32
     library.jcas_sim_get_visited.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_get_visited.restype = c_int32
+    library.jcas_sim_get_search_maps.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_get_search_maps.restype = c_int32
     library.jcas_sim_save.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_save.restype = c_int32
     library.jcas_sim_load.argtypes = (c_void_p, c_void_p, c_size_t)

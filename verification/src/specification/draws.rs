@@ -11,6 +11,7 @@ const SOC: u32 = 3;
 const HOTSPOT: u32 = 4;
 const SHUFFLE: u32 = 5;
 const SEED: u32 = 6;
+const TAG: u32 = 8;
 
 /// One Bernoulli(p) draw for UAV i and hotspot j in step t.
 ///
@@ -37,9 +38,17 @@ pub fn carbon_intensity(seed: u64, t: u32, lo: u64, hi: u64) -> u64 {
 
 /// The state of charge that UAV i starts with, uniform in [lo, hi).
 pub fn initial_soc(seed: u64, i: usize, lo: f64, hi: f64) -> f64 {
-    let draw = first_u64(block(seed, [0, i as u32, 0, SOC]));
-    let unit = (draw >> 11) as f64 / 9_007_199_254_740_992.0;
-    lo + (hi - lo) * unit
+    lo + (hi - lo) * unit(first_u64(block(seed, [0, i as u32, 0, SOC])))
+}
+
+/// The random tag of UAV i.
+pub fn tag(seed: u64, i: usize) -> f64 {
+    unit(first_u64(block(seed, [0, i as u32, 0, TAG])))
+}
+
+/// A real in [0, 1) out of 64 random bits.
+fn unit(draw: u64) -> f64 {
+    (draw >> 11) as f64 / 9_007_199_254_740_992.0
 }
 
 /// n distinct ranks out of 0..m in random order: Floyd's sampling, then a shuffle.

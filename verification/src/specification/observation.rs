@@ -17,6 +17,7 @@ impl Specification {
         entries.push(self.normalised_intensity(world));
         entries.push(fraction(depot_distance, self.longest_path()));
         self.push_progress(world, &mut entries);
+        self.push_search(world, i, &mut entries);
         entries.into_iter().map(|entry| entry as f32).collect()
     }
 

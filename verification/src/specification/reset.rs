@@ -29,6 +29,7 @@ impl Specification {
             knows: vec![vec![false; m]; n],
             detected_at: vec![None; m],
             informed_at: vec![None; m],
+            searched: vec![vec![vec![false; self.width() as usize]; self.height() as usize]; n],
             visited,
             coming_intensity_mg_per_kwh: self.draw_intensity(seed, 0),
             billed_intensity_mg_per_kwh: 0,

@@ -10,9 +10,11 @@ impl Specification {
         world.t += 1;
         self.decide_pilot(world, actions);
         let facts = self.fly(world, actions);
+        self.look_around(world);
         let was_sensing = self.sense_and_learn(world);
         self.link_up(world);
         self.consensus(world);
+        self.share_maps(world);
         world.billed_intensity_mg_per_kwh = world.coming_intensity_mg_per_kwh;
         let (spent_uj, carbon_ng) = self.spend_and_charge(world, &was_sensing);
         self.inform(world);

@@ -1,0 +1,114 @@
+//! The name of every entry of an observation.
+
+use crate::model::Model;
+
+/// Entries of an observation that mean the same: at `offset`, `offset` + `stride` and on, `count` of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ObservationField {
+    /// Its name.
+    pub name: &'static str,
+    /// The first entry.
+    pub offset: usize,
+    /// How many entries there are: one, one for each hotspot, neighbour slot, cell or direction, or none.
+    pub count: usize,
+    /// From one entry to the next.
+    pub stride: usize,
+}
+
+/// Names of the fields, in the order of [`fields`].
+pub const FIELD_NAMES: [&str; FIELDS] = [
+    "x",
+    "y",
+    "soc",
+    "pilot_density",
+    "throughput",
+    "hotspot_dx",
+    "hotspot_dy",
+    "hotspot_confirmed",
+    "hotspot_known",
+    "neighbour_present",
+    "neighbour_dx",
+    "neighbour_dy",
+    "neighbours",
+    "carbon_intensity",
+    "depot_distance",
+    "confirmed",
+    "informed",
+    "time",
+    "map_window",
+    "unsearched",
+    "tag",
+];
+
+/// How many fields an observation has; those that the configuration leaves out have no entries.
+pub const FIELDS: usize = 21;
+
+/// Every field of a UAV's observation. Together they name each entry once.
+#[must_use]
+pub fn fields(model: &Model<'_>) -> [ObservationField; FIELDS] {
+    // Fields of a block, how often the block comes.
+    let blocks = [
+        (5, 1),
+        (4, model.hotspot_count()),
+        (3, model.neighbour_slots()),
+        (6, 1),
+    ];
+    let rows = [model.window_len(), model.directions_len(), model.tag_len()];
+    let mut all = [ObservationField {
+        name: "",
+        offset: 0,
+        count: 0,
+        stride: 1,
+    }; FIELDS];
+    let (mut next, mut begin) = (0, 0);
+    for (stride, count) in blocks {
+        for offset in begin..begin + stride {
+            all[next] = ObservationField {
+                name: FIELD_NAMES[next],
+                offset,
+                count,
+                stride,
+            };
+            next += 1;
+        }
+        begin += stride * count;
+    }
+    for count in rows {
+        all[next] = ObservationField {
+            name: FIELD_NAMES[next],
+            offset: begin,
+            count,
+            stride: 1,
+        };
+        next += 1;
+        begin += count;
+    }
+    all
+}
+
+#[cfg(all(test, feature = "alloc"))]
+mod tests {
+    use super::*;
+    use crate::{Config, Preset};
+    use std::vec;
+
+    #[test]
+    fn every_entry_has_one_name() {
+        let small = Config {
+            neighbour_slots: 3,
+            hotspot_count: 2,
+            ..Config::preset(Preset::Search)
+        };
+        for config in [Config::default(), Config::preset(Preset::Search), small] {
+            let model = Model::new(config).unwrap();
+            let mut named = vec![0; model.observation_len()];
+            for field in fields(&model) {
+                assert!(!field.name.is_empty());
+                for index in 0..field.count {
+                    named[field.offset + index * field.stride] += 1;
+                }
+            }
+            assert!(named.iter().all(|&times| times == 1), "{named:?}");
+        }
+    }
+}

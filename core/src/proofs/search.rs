@@ -1,0 +1,84 @@
+//! P7 for maps: a UAV that looks around adds exactly the cells within its radius, and loses none.
+
+use super::inputs::between;
+#[cfg(not(kani))]
+use super::standin as kani;
+use crate::bits;
+use crate::config::Cell;
+use crate::search::Disc;
+
+/// Cells along a side of the harness's grid.
+const SIDE: u32 = 4;
+
+/// Every cell of the map afterwards was there before or lies within the radius.
+fn marks_the_cells_within(before: u64, cell: Cell, squared: u32, width: u32, height: u32) {
+    let mut map = [before];
+    Disc::from_squared(squared).mark(&mut map, cell, width, height);
+    for y in 0..height {
+        for x in 0..width {
+            let (dx, dy) = (x.abs_diff(cell.x), y.abs_diff(cell.y));
+            let index = (y * width + x) as usize;
+            let within = dx * dx + dy * dy <= squared;
+            assert!(bits::get(&map, index) == (within || bits::get(&[before], index)));
+        }
+    }
+    assert!(map[0] & before == before);
+    assert!(map[0] >> (width * height - 1) >> 1 == before >> (width * height - 1) >> 1);
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(6))]
+pub fn looking_around_adds_the_cells_within_the_radius() {
+    let before: u64 = kani::any();
+    let cell = Cell {
+        x: between(0, u64::from(SIDE) - 1) as u32,
+        y: between(0, u64::from(SIDE) - 1) as u32,
+    };
+    let squared = between(0, 18) as u32;
+    kani::cover!(squared == 0, "its own cell alone");
+    kani::cover!(squared == 18, "the whole grid");
+    kani::cover!(squared == 3 && cell.x == 0, "a disc cut off by the edge");
+    marks_the_cells_within(before, cell, squared, SIDE, SIDE);
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    looking_around_adds_the_cells_within_the_radius: 2000 cases, 3 covers;
+}
+
+/// Every cell, grid and radius that one word of map has room for.
+#[cfg(test)]
+mod exhaustive {
+    use super::*;
+
+    #[test]
+    fn every_cell_of_every_small_grid() {
+        for (width, height) in [(1, 1), (1, 8), (8, 1), (3, 5), (8, 8)] {
+            for squared in 0..=100 {
+                for index in 0..width * height {
+                    let cell = Cell {
+                        x: index % width,
+                        y: index / width,
+                    };
+                    marks_the_cells_within(0, cell, squared, width, height);
+                    marks_the_cells_within(0x5a5a_1234_dead_0f0f, cell, squared, width, height);
+                }
+            }
+        }
+    }
+
+    /// Squares of half-whole radii, whole ones and one beyond every grid.
+    #[test]
+    fn radii_in_metres_become_squares_in_cells() {
+        let squared = |radius_m: f64| {
+            Disc::of(&crate::Config {
+                search_map_radius_m: radius_m,
+                ..crate::Config::default()
+            })
+        };
+        assert_eq!(squared(0.0), Disc::from_squared(0));
+        assert_eq!(squared(75.0), Disc::from_squared(2));
+        assert_eq!(squared(150.0), Disc::from_squared(9));
+        assert_eq!(squared(1e6), Disc::from_squared(Disc::SQUARED_MAX));
+    }
+}

@@ -1,0 +1,129 @@
+//! Search maps: what each UAV knows to have been looked at. They spread as knowledge does
+//! ([`crate::knowledge::consensus`]).
+
+use crate::bits;
+use crate::config::{Cell, Config};
+use crate::model::Model;
+use crate::state::StateMut;
+
+/// What a UAV looks at around its cell: offsets with Δx² + Δy² ≤ `squared`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Disc {
+    squared: u32,
+    reach: u32,
+}
+
+impl Disc {
+    /// The longest squared distance on the largest grid.
+    pub(crate) const SQUARED_MAX: u32 = 2 * 1023 * 1023;
+
+    /// The cells within `search_map_radius_m`.
+    #[must_use]
+    pub fn of(config: &Config) -> Self {
+        let radius = config.search_map_radius_m / config.cell_size_m;
+        let squared = radius * radius;
+        Self::from_squared(if squared < f64::from(Self::SQUARED_MAX) {
+            squared as u32
+        } else {
+            Self::SQUARED_MAX
+        })
+    }
+
+    /// The offsets up to a squared distance, at most that of the largest grid.
+    #[must_use]
+    pub fn from_squared(squared: u32) -> Self {
+        let mut reach = 0;
+        while (reach + 1) * (reach + 1) <= squared && reach < 1023 {
+            reach += 1;
+        }
+        Self { squared, reach }
+    }
+
+    /// Adds the cells of a grid around `cell` to a set of row-major indices.
+    pub fn mark(self, map: &mut [u64], cell: Cell, width: u32, height: u32) {
+        let mut half = self.reach;
+        for dy in 0..=self.reach {
+            while half > 0 && half * half + dy * dy > self.squared {
+                half -= 1;
+            }
+            let begin = cell.x.saturating_sub(half);
+            let end = if cell.x + half < width {
+                cell.x + half + 1
+            } else {
+                width
+            };
+            if cell.y + dy < height {
+                let row = (cell.y + dy) * width;
+                bits::set_range(map, (row + begin) as usize, (row + end) as usize);
+            }
+            if cell.y >= dy {
+                let row = (cell.y - dy) * width;
+                bits::set_range(map, (row + begin) as usize, (row + end) as usize);
+            }
+        }
+    }
+}
+
+/// Every UAV that is not grounded looks around its cell.
+pub(crate) fn mark(model: &Model<'_>, state: &mut StateMut<'_>) {
+    let row = model.map_words();
+    if row == 0 {
+        return;
+    }
+    let (width, height) = (model.config().grid_width, model.config().grid_height);
+    for i in 0..model.uav_count() {
+        if !bits::get(state.grounded, i) {
+            let cell = state.cell(i);
+            let map = &mut state.searched[i * row..(i + 1) * row];
+            model.disc().mark(map, cell, width, height);
+        }
+    }
+}
+
+/// Directions whose unsearched share an observation tells.
+pub const DIRECTIONS: usize = 8;
+
+/// The unsearched share of the cells in each direction from `cell`: right, up-right, up and on,
+/// counterclockwise. A cell lies up where |Δx| < |Δy|/2, right where |Δy| < |Δx|/2, up-right between;
+/// a direction that leaves the grid at once has a share of 0.
+pub(crate) fn unsearched_shares(map: &[u64], cell: Cell, width: u32, height: u32, out: &mut [f32]) {
+    let (mut cells, mut searched) = ([0usize; DIRECTIONS], [0usize; DIRECTIONS]);
+    for y in 0..height {
+        let away = y.abs_diff(cell.y);
+        // In this row: |Δx| below `straight` is up or down, |Δx| above 2 `away` right or left.
+        let straight = if away == 0 { 1 } else { away.div_ceil(2) };
+        let diagonal = 2 * away + 1;
+        let row = (y * width) as usize;
+        let sides = if y > cell.y { [3, 2, 1] } else { [5, 6, 7] };
+        let bounds = [
+            0,
+            (cell.x + 1).saturating_sub(diagonal),
+            (cell.x + 1).saturating_sub(straight),
+            cell.x + straight,
+            cell.x + diagonal,
+            width,
+        ];
+        let directions = [4, sides[0], sides[1], sides[2], 0];
+        for part in 0..directions.len() {
+            let begin = at_most(bounds[part], width) as usize;
+            let end = at_most(bounds[part + 1], width) as usize;
+            // The UAV's own cell lies in no direction.
+            let own = away == 0 && part == 2;
+            if begin < end && !own {
+                cells[directions[part]] += end - begin;
+                searched[directions[part]] += bits::count_range(map, row + begin, row + end);
+            }
+        }
+    }
+    for direction in 0..DIRECTIONS {
+        out[direction] = if cells[direction] == 0 {
+            0.0
+        } else {
+            ((cells[direction] - searched[direction]) as f64 / cells[direction] as f64) as f32
+        };
+    }
+}
+
+fn at_most(value: u32, bound: u32) -> u32 {
+    if value < bound { value } else { bound }
+}

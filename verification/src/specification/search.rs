@@ -1,0 +1,127 @@
+//! Search maps: who knows which cells to have been looked at.
+
+use super::{Position, Specification, World, draws, fraction};
+use jcas_core::{MapDirections, SearchMaps, UavTag};
+
+impl Specification {
+    /// Every cell of the grid, row by row from below.
+    fn all_cells(&self) -> Vec<Position> {
+        let mut cells = Vec::new();
+        for y in 0..self.height() {
+            for x in 0..self.width() {
+                cells.push(Position { x, y });
+            }
+        }
+        cells
+    }
+
+    /// After the move: a UAV that is not grounded has looked at the cells within the radius.
+    pub(super) fn look_around(&self, world: &mut World) {
+        if self.config.search_maps == SearchMaps::Off {
+            return;
+        }
+        let cells_m = self.config.search_map_radius_m / self.config.cell_size_m;
+        for i in 0..self.uavs() {
+            if world.grounded[i] {
+                continue;
+            }
+            for cell in self.all_cells() {
+                let squared = world.position[i].squared(cell) as f64;
+                if squared <= cells_m * cells_m {
+                    world.searched[i][cell.y as usize][cell.x as usize] = true;
+                }
+            }
+        }
+    }
+
+    /// N rounds in which each UAV takes over what its neighbours had in the round before.
+    pub(super) fn share_maps(&self, world: &mut World) {
+        if self.config.search_maps == SearchMaps::Off {
+            return;
+        }
+        // A round that changes nothing is followed by none that does.
+        let mut settled = false;
+        for _ in 0..self.uavs() {
+            if settled {
+                break;
+            }
+            let before = world.searched.clone();
+            for i in 0..self.uavs() {
+                for k in 0..self.uavs() {
+                    if !world.linked[i][k] {
+                        continue;
+                    }
+                    for cell in self.all_cells() {
+                        let (x, y) = (cell.x as usize, cell.y as usize);
+                        world.searched[i][y][x] |= before[k][y][x];
+                    }
+                }
+            }
+            settled = world.searched == before;
+        }
+    }
+
+    /// The window of the map, the unsearched share of each direction, the tag.
+    pub(super) fn push_search(&self, world: &World, i: usize, entries: &mut Vec<f64>) {
+        let radius = i64::from(self.config.map_window_radius);
+        if radius > 0 {
+            for dy in -radius..=radius {
+                for dx in -radius..=radius {
+                    entries.push(self.window_entry(world, i, dx, dy));
+                }
+            }
+        }
+        if self.config.map_directions == MapDirections::Shown {
+            for direction in 0..8 {
+                entries.push(self.unsearched_share(world, i, direction));
+            }
+        }
+        match self.config.uav_tag {
+            UavTag::Off => {}
+            UavTag::Index => entries.push(fraction(i as f64, (self.uavs() - 1) as f64)),
+            UavTag::Random => entries.push(draws::tag(world.seed, i)),
+        }
+    }
+
+    fn window_entry(&self, world: &World, i: usize, dx: i64, dy: i64) -> f64 {
+        let (x, y) = (world.position[i].x + dx, world.position[i].y + dy);
+        if x < 0 || y < 0 || x >= self.width() || y >= self.height() {
+            -1.0
+        } else if world.searched[i][y as usize][x as usize] {
+            0.0
+        } else {
+            1.0
+        }
+    }
+
+    fn unsearched_share(&self, world: &World, i: usize, wanted: u32) -> f64 {
+        let (mut cells, mut unsearched) = (0.0, 0.0);
+        for cell in self.all_cells() {
+            let (dx, dy) = (cell.x - world.position[i].x, cell.y - world.position[i].y);
+            if direction(dx, dy) == Some(wanted) {
+                cells += 1.0;
+                if !world.searched[i][cell.y as usize][cell.x as usize] {
+                    unsearched += 1.0;
+                }
+            }
+        }
+        fraction(unsearched, cells)
+    }
+}
+
+/// Which of eight directions an offset lies in: 0 right, then counterclockwise.
+fn direction(dx: i64, dy: i64) -> Option<u32> {
+    let flat = 2 * dy.abs() < dx.abs();
+    let steep = 2 * dx.abs() < dy.abs();
+    match (dx.signum(), dy.signum()) {
+        (0, 0) => None,
+        (1, _) if flat => Some(0),
+        (-1, _) if flat => Some(4),
+        (_, 1) if steep => Some(2),
+        (_, -1) if steep => Some(6),
+        (1, 1) => Some(1),
+        (-1, 1) => Some(3),
+        (-1, -1) => Some(5),
+        _ => Some(7),
+    }
+}
