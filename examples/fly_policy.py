@@ -1,7 +1,7 @@
 """Flies a trained policy, from its safetensors weights or its ONNX graph, and reports.
 
 pip install "./python[policy,onnx,render]"
-python examples/fly_policy.py runs/mine --picture policy.png
+python examples/fly_policy.py policies/fleet --uavs 15 --hotspots 7 --picture policy.png
 """
 
 import argparse
@@ -24,7 +24,7 @@ def main() -> None:
     fields = {"uav_count": options.uavs, "hotspot_count": options.hotspots}
     config = jcas.Config(policy.config, **{name: value for name, value in fields.items() if value is not None})
     model = jcas.Model(config)
-    policy.check(model)
+    policy = policy.for_model(model)
     print(evaluate(policy.act, model, episodes=options.episodes, policy=options.policy.stem))
 
     if options.picture:

@@ -44,9 +44,28 @@ pub struct ConfigSource {
 impl ConfigSource {
     /// All values of a preset.
     pub fn preset(name: PresetName) -> Self {
-        let fields = Table::try_from(Config::preset(name.into()))
+        Self::of(&Config::preset(name.into()))
+    }
+
+    /// All values of a configuration.
+    pub fn of(config: &Config) -> Self {
+        let fields = Table::try_from(config)
             .expect("a configuration is a flat table of numbers, names and cells");
         Self { fields }
+    }
+
+    /// The fields that differ from another's, in the order of their declaration, each with words that say how.
+    pub fn changes_from(&self, other: &Self) -> Vec<(&'static str, String)> {
+        let shown = |value: Option<&Value>| value.map_or("derived".into(), Value::to_string);
+        let fields = Config::FIELDS.iter().map(|info| info.name);
+        fields
+            .map(|name| (name, self.fields.get(name), other.fields.get(name)))
+            .filter(|(_, now, before)| now != before)
+            .map(|(name, now, before)| {
+                let words = format!("{name} = {} (not {})", shown(now), shown(before));
+                (name, words)
+            })
+            .collect()
     }
 
     /// Replaces the fields that a file names.

@@ -5,7 +5,7 @@ use std::path::Path;
 use jcas_core::Model;
 use jcas_train::error::TrainError;
 use jcas_train::policy::Mode;
-use jcas_train::policy::files::{CARD, Stored, load};
+use jcas_train::policy::files::{CARD, Card, Stored, load};
 
 use crate::error::CliError;
 use crate::options::PolicyFactory;
@@ -25,6 +25,22 @@ pub fn open(folder: &Path, model: &Model<'_>) -> Result<Stored, CliError> {
     let stored = load(folder)?;
     stored.check(model)?;
     Ok(stored)
+}
+
+/// What a trained policy says of itself.
+pub fn card(folder: &Path) -> Result<Card, CliError> {
+    Ok(load(folder)?.card)
+}
+
+/// Says on standard error where a mission differs from what a policy was trained on.
+pub fn say_changes(policy: &str, changes: &[(&str, String)]) {
+    if !changes.is_empty() {
+        let words: Vec<&str> = changes.iter().map(|(_, words)| words.as_str()).collect();
+        eprintln!(
+            "{policy}: its card's configuration, but {}",
+            words.join(", ")
+        );
+    }
 }
 
 /// Makes a trained policy for each worker; `mode` absent: as its card says.

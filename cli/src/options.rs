@@ -14,9 +14,10 @@ use crate::learned;
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
 pub struct ConfigOptions {
-    /// Values to start from: the corrected mission, or the letter of the paper
-    #[arg(long, value_enum, default_value_t = PresetName::Mission, help_heading = "Configuration")]
-    pub preset: PresetName,
+    /// Values to start from: the corrected mission, or the letter of the paper [default: what a trained policy's
+    /// card says, or mission]
+    #[arg(long, value_enum, help_heading = "Configuration")]
+    pub preset: Option<PresetName>,
     /// TOML or JSON file whose fields replace those of the preset
     #[arg(long, value_name = "FILE", help_heading = "Configuration")]
     pub config: Option<PathBuf>,
@@ -28,7 +29,16 @@ pub struct ConfigOptions {
 impl ConfigOptions {
     /// The values before they are checked.
     pub fn source(&self) -> Result<ConfigSource, CliError> {
-        let mut source = ConfigSource::preset(self.preset);
+        self.source_over(ConfigSource::preset(PresetName::Mission))
+    }
+
+    /// The same over a configuration that holds where neither preset nor file is given.
+    fn source_over(&self, unless_given: ConfigSource) -> Result<ConfigSource, CliError> {
+        let mut source = match (self.preset, &self.config) {
+            (Some(preset), _) => ConfigSource::preset(preset),
+            (None, Some(_)) => ConfigSource::preset(PresetName::Mission),
+            (None, None) => unless_given,
+        };
         if let Some(path) = &self.config {
             source.overlay_file(path)?;
         }
@@ -44,10 +54,10 @@ impl ConfigOptions {
 pub struct MissionOptions {
     #[command(flatten)]
     pub config: ConfigOptions,
-    /// UAVs in the fleet [default: as configured, 10]
+    /// UAVs in the fleet [default: as configured]
     #[arg(long, value_name = "N", help_heading = "Configuration")]
     pub uavs: Option<u32>,
-    /// Hotspots to find [default: as configured, 5]
+    /// Hotspots to find [default: as configured]
     #[arg(long, value_name = "n", help_heading = "Configuration")]
     pub hotspots: Option<u32>,
 }
@@ -55,7 +65,23 @@ pub struct MissionOptions {
 impl MissionOptions {
     /// The configuration, checked.
     pub fn load(&self) -> Result<Config, CliError> {
-        let mut source = self.config.source()?;
+        self.over(self.config.source()?)
+    }
+
+    /// The configuration for a policy. What a trained one was trained on holds, unless the options say otherwise;
+    /// what they change is said on standard error.
+    pub fn load_for(&self, policy: &str) -> Result<Config, CliError> {
+        if !learned::is_policy(policy) {
+            return self.load();
+        }
+        let trained_on = learned::card(Path::new(policy))?.config;
+        let config = self.over(self.config.source_over(ConfigSource::of(&trained_on))?)?;
+        let changes = ConfigSource::of(&config).changes_from(&ConfigSource::of(&trained_on));
+        learned::say_changes(policy, &changes);
+        Ok(config)
+    }
+
+    fn over(&self, mut source: ConfigSource) -> Result<Config, CliError> {
         if let Some(uavs) = self.uavs {
             source.set("uav_count", i64::from(uavs));
         }

@@ -3,14 +3,17 @@
 import json
 import os
 import subprocess
+import sys
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import jcas
 from jcas.evaluation import bootstrap_means, evaluate, wilson
-from jcas.policy import Layer, OnnxPolicy, decode
+from jcas.heads import decode
+from jcas.policy import Layer, OnnxPolicy
 
 
 def made(model, head="gaussian", hidden=16, seed=0, **options):
@@ -74,7 +77,7 @@ def test_policies_that_do_not_fit_are_refused(tmp_path):
     model = jcas.Model(uav_count=4)
     policy = made(model)
     with pytest.raises(jcas.PolicyError, match="length 40.*length 43.*5 UAVs"):
-        policy.check(jcas.Model(uav_count=5))
+        policy.for_model(jcas.Model(uav_count=5))
     with pytest.raises(jcas.PolicyError, match="must have 7"):
         jcas.MlpPolicy(policy.layers, "hybrid")
     with pytest.raises(jcas.PolicyError, match="do not follow"):
@@ -150,7 +153,7 @@ def test_policies_of_the_command_line_fly_the_same_here(tmp_path, network):
     subprocess.run(train, check=True, capture_output=True)
     policy = jcas.load_policy(out)
     model = jcas.Model(policy.config)
-    policy.check(model)
+    policy.for_model(model)
     observations = np.stack([jcas.Sim(model, seed).observe() for seed in range(20)])
     graph = OnnxPolicy(out / "policy.onnx", policy.head)
     np.testing.assert_allclose(policy.act(observations), graph.act(observations), atol=1e-5)
@@ -180,3 +183,75 @@ def test_the_command_flies_a_policy_that_was_written_here(tmp_path):
     theirs, ours = json.loads(told), evaluate(policy.act, model, episodes=40, seed=1).to_dict()
     for name in ("mission_steps_mean", "energy_kwh_mean", "return_mean"):
         assert ours[name] == pytest.approx(theirs[name], rel=1e-4), name
+
+
+SHIPPED = Path(__file__).parents[2] / "policies" / "fleet"
+
+
+def test_the_shipped_policy_gives_what_its_graph_gives():
+    pytest.importorskip("safetensors")
+    pytest.importorskip("onnxruntime")
+    policy = jcas.load_policy(SHIPPED)
+    sim = jcas.Sim(jcas.Model(policy.config), 3)
+    graph = OnnxPolicy(SHIPPED / "policy.onnx", policy.head)
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        rows = sim.observe()
+        np.testing.assert_allclose(policy.act(rows), graph.act(rows), atol=1e-5)
+        sim.step(rng.uniform(-1, 1, (5, 2)))
+    stacked = np.stack([rows, rows[::-1]])
+    np.testing.assert_allclose(policy.act(stacked)[1], policy.act(rows)[::-1], atol=1e-6)
+
+
+@pytest.mark.parametrize(("uavs", "hotspots"), [(15, 7), (4, 1)])
+def test_the_shipped_policy_flies_any_fleet(uavs, hotspots):
+    """A random fleet, which is what a mixed-up network comes to, never succeeds here."""
+    pytest.importorskip("safetensors")
+    policy = jcas.load_policy(SHIPPED)
+    model = jcas.Model(policy.config, uav_count=uavs, hotspot_count=hotspots)
+    with pytest.raises(jcas.PolicyError, match="for_model"):
+        policy.act(jcas.Sim(model).observe())
+    report = evaluate(policy.for_model(model).act, model, episodes=20)
+    assert report["success_rate"].value > 0.5
+
+
+def test_the_example_flies_the_shipped_policy(tmp_path):
+    pytest.importorskip("safetensors")
+    pytest.importorskip("PIL")
+    example = Path(__file__).parents[2] / "examples" / "fly_policy.py"
+    options = ["--uavs", "15", "--hotspots", "7", "--episodes", "4", "--picture", tmp_path / "end.png"]
+    told = subprocess.run([sys.executable, example, SHIPPED, *options], check=True, capture_output=True, text=True)
+    assert "15 UAVs, 7 hotspots" in told.stdout and (tmp_path / "end.png").stat().st_size > 10_000
+
+
+def test_the_shipped_policy_flies_here_as_from_the_command():
+    command = os.environ.get("JCAS_COMMAND")
+    if command is None:
+        pytest.skip("JCAS_COMMAND names no jcas command")
+    pytest.importorskip("safetensors")
+    policy = jcas.load_policy(SHIPPED)
+    model = jcas.Model(policy.config, uav_count=15, hotspot_count=7)
+    ours = evaluate(policy.for_model(model).act, model, episodes=40, seed=1).to_dict()
+    evaluation = [command, "evaluate", SHIPPED, "--uavs=15", "--hotspots=7", "--episodes=40", "--seed=1", "--json"]
+    theirs = json.loads(subprocess.run(evaluation, check=True, capture_output=True, text=True).stdout)
+    for name in ("success_rate", "mission_steps_mean", "energy_kwh_mean", "return_mean"):
+        assert ours[name] == pytest.approx(theirs[name], rel=1e-3), name
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda card: card.update(format=9), "format"),
+        (lambda card: card.pop("head"), "head"),
+        (lambda card: card["architecture"].update(kind="forest"), "forest"),
+        (lambda card: card.update(head="gaussian"), "gaussian"),
+    ],
+)
+def test_damaged_cards_are_refused(tmp_path, change, message):
+    pytest.importorskip("safetensors")
+    (tmp_path / "policy.safetensors").write_bytes((SHIPPED / "policy.safetensors").read_bytes())
+    card = json.loads((SHIPPED / "policy.json").read_text())
+    change(card)
+    (tmp_path / "policy.json").write_text(json.dumps(card))
+    with pytest.raises(jcas.PolicyError, match=message):
+        jcas.load_policy(tmp_path)

@@ -32,9 +32,9 @@ pub enum ModeName {
 
 /// Evaluate a trained policy or a baseline on the published seeds
 ///
-/// The missions are those of `jcas simulate` with the same seed, whose report this prints. A policy that
-/// was trained for one fleet and number of hotspots is flown with these unless others are asked for; one
-/// whose dimensions do not fit is refused.
+/// The missions are those of `jcas simulate` with the same seed, whose report this prints. A trained policy
+/// flies the configuration on its card; the options change single fields of it, or with --preset or --config
+/// all of them, and what they change is said on standard error. One whose dimensions do not fit is refused.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Evaluate {
@@ -63,12 +63,9 @@ pub struct Evaluate {
 
 impl Evaluate {
     /// Flies and reports.
-    pub fn run(mut self) -> Result<Outcome, CliError> {
+    pub fn run(self) -> Result<Outcome, CliError> {
         let learned = learned::is_policy(&self.policy);
-        if learned {
-            self.default_sizes()?;
-        }
-        let config = self.mission.load()?;
+        let config = self.mission.load_for(&self.policy)?;
         let model = Model::new(config)?;
         let mode = match self.mode {
             ModeName::Card => None,
@@ -93,31 +90,5 @@ impl Evaluate {
         );
         Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)
-    }
-
-    /// Sizes of the first mission that the policy was trained on, where none were asked for.
-    fn default_sizes(&mut self) -> Result<(), CliError> {
-        let card = jcas_train::policy::files::load(Path::new(&self.policy))?.card;
-        if let (Some(&(uavs, hotspots)), None, None) = (
-            card.trained_on.first(),
-            self.mission.uavs,
-            self.mission.hotspots,
-        ) {
-            let given = |field: &str| {
-                let prefix = format!("{field}=");
-                self.mission
-                    .config
-                    .set
-                    .iter()
-                    .any(|set| set.replace(' ', "").starts_with(&prefix))
-            };
-            if self.mission.config.config.is_none() && !given("uav_count") {
-                self.mission.uavs = Some(uavs);
-            }
-            if self.mission.config.config.is_none() && !given("hotspot_count") {
-                self.mission.hotspots = Some(hotspots);
-            }
-        }
-        Ok(())
     }
 }

@@ -48,7 +48,7 @@ impl Replay {
                 write_page(&self.out, &text)?;
             }
             None => {
-                let model = Model::new(self.mission.load()?)?;
+                let model = Model::new(self.mission.load_for(&self.policy.policy)?)?;
                 let factory = self.policy.factory(&model)?;
                 fly_page(&self.out, &model, &factory, self.episode.seed())?;
             }

@@ -71,7 +71,7 @@ pub struct Report<'a> {
 impl Simulate {
     /// Flies and reports.
     pub fn run(self) -> Result<Outcome, CliError> {
-        let config = self.mission.load()?;
+        let config = self.mission.load_for(&self.policy.policy)?;
         let model = Model::new(config)?;
         let factory = self.policy.factory(&model)?;
         let campaign = Campaign {

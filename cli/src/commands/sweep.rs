@@ -1,6 +1,6 @@
 //! `jcas sweep`: missions over a grid of settings.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
@@ -11,12 +11,13 @@ use jcas_evaluate::statistics::{Estimate, Summary};
 use serde::Serialize;
 
 use super::replay::fly_page;
+use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
 use crate::sweep::charts;
 use crate::sweep::plan::{self, Axis, Cell};
 use crate::sweep::store::Store;
-use crate::{files, interrupt, progress};
+use crate::{files, interrupt, learned, progress};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -80,6 +81,7 @@ impl Sweep {
     pub fn run(self) -> Result<Outcome, CliError> {
         let base = self.config.source()?;
         let axes = self.axes()?;
+        self.say_what_cards_do_not(&base, &axes)?;
         let cells = plan::cells(&base, &axes)?;
         files::prepare_folder(&self.out)?;
         let table = self.out.join("results.csv");
@@ -122,6 +124,17 @@ impl Sweep {
             ))?;
         }
         Ok(Outcome::Done)
+    }
+
+    /// All policies of a sweep fly the same missions, whatever trained ones were trained on.
+    fn say_what_cards_do_not(&self, base: &ConfigSource, axes: &[Axis]) -> Result<(), CliError> {
+        for policy in self.policy.iter().filter(|name| learned::is_policy(name)) {
+            let trained_on = ConfigSource::of(&learned::card(Path::new(policy))?.config);
+            let mut changes = base.changes_from(&trained_on);
+            changes.retain(|(field, _)| !axes.iter().any(|axis| axis.name == *field));
+            learned::say_changes(policy, &changes);
+        }
+        Ok(())
     }
 
     fn axes(&self) -> Result<Vec<Axis>, CliError> {

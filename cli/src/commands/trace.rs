@@ -89,7 +89,7 @@ impl Trace {
 
 impl Record {
     fn run(self) -> Result<Outcome, CliError> {
-        let model = Model::new(self.mission.load()?)?;
+        let model = Model::new(self.mission.load_for(&self.policy.policy)?)?;
         let factory = self.policy.factory(&model)?;
         let end = record_to(&self.out, &model, &factory, self.episode.seed())?;
         if self.json {

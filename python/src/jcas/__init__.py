@@ -27,7 +27,8 @@ from .errors import (
 from .fleet import FleetEnv
 from .model import Model
 from .parallel import JcasEnv, JcasParallelEnv, env, parallel_env
-from .policy import MlpPolicy, load_policy
+from .policy import MlpPolicy, OnnxPolicy, load_policy
+from .set_policy import SetPolicy
 from .sim import REWARD_NAMES, Sim, StepOutcome
 from .spaces import MOTIONS
 from .trace import Trace, replay_trace
@@ -52,8 +53,10 @@ __all__ = [
     "MissingDependencyError",
     "MlpPolicy",
     "Model",
+    "OnnxPolicy",
     "PolicyError",
     "ResetNeededError",
+    "SetPolicy",
     "Sim",
     "SnapshotError",
     "StepOutcome",

@@ -48,6 +48,7 @@ class Model:
             )
         )
         self.handle = handle
+        self._ranges: dict[tuple[float, float], float] = {}
         weakref.finalize(self, lib.jcas_model_free, handle)
         info = _abi.jcas_model_info(struct_size=ctypes.sizeof(_abi.jcas_model_info))
         check(lib.jcas_model_get_info(handle, ctypes.byref(info)))
@@ -88,8 +89,29 @@ class Model:
                 f"pilot_density = {density!r}: must be a number from {record.pilot_density_min} "
                 f"to {record.pilot_density_max}"
             )
-        check(lib.jcas_model_get_radio(self.handle, across, along, density, ctypes.byref(radio)))
+        check(lib.jcas_model_get_radio(self.handle, abs(across), abs(along), density, ctypes.byref(radio)))
         return Radio(radio.sensing_snr_db, radio.detection_probability, radio.comm_snr_db, radio.link_throughput)
+
+    def sensing_range(self, pilot_density: float, probability: float = 0.1) -> float:
+        """How far, in cells, a radar detects a hotspot with a probability; 0 where not even in its own cell.
+
+        Between the middles of cells the probability is taken to fall evenly.
+        """
+        key = round(pilot_density, 3), probability
+        if key not in self._ranges:
+            self._ranges[key] = self._range(pilot_density, probability)
+        return self._ranges[key]
+
+    def _range(self, pilot_density: float, probability: float) -> float:
+        before = self.radio(0, 0, pilot_density).detection_probability
+        if before < probability:
+            return 0.0
+        for cells in range(1, max(self.config.record.grid_width, 1)):
+            after = self.radio(cells, 0, pilot_density).detection_probability
+            if after < probability:
+                return cells - 1 + (before - probability) / (before - after)
+            before = after
+        return float(self.config.record.grid_width)
 
     def depots(self) -> list[tuple[int, int]]:
         """Return the depots in force: those of the configuration, or the one in the middle."""

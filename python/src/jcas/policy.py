@@ -13,22 +13,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from .config import Config
 from .errors import MissingDependencyError, PolicyError
+from .heads import HEAD_OUTPUTS, Head, act, decode
 from .model import Model
-from .spaces import MOTIONS, motion_to_command
+from .set_policy import SetPolicy
 
 Array = npt.NDArray[np.float32]
-Head = Literal["gaussian", "hybrid"]
-
-HEAD_OUTPUTS = {"gaussian": 4, "hybrid": len(MOTIONS) + 2}
-LOG_STD = (-2.3, 1.0)
-"""Bounds of a Gaussian head's log standard deviation."""
 
 CARD = "policy.json"
 WEIGHTS = "policy.safetensors"
@@ -88,9 +84,10 @@ class MlpPolicy:
         """Length of the observations that the policy reads."""
         return int(self.layers[0].weight.shape[0])
 
-    def check(self, model: Model) -> None:
-        """Refuse a model whose observations do not fit."""
+    def for_model(self, model: Model) -> MlpPolicy:
+        """Return the policy that flies a model: itself, or a refusal where observations do not fit."""
         _check_length(self.observation_len, model)
+        return self
 
     def outputs(self, observations: Array) -> Array:
         """Evaluate the network: [..., observation length] to [..., outputs]."""
@@ -108,13 +105,7 @@ class MlpPolicy:
         Deterministic actions take the most likely motion and the mean pilot density; sampled ones need a
         generator.
         """
-        if not deterministic and rng is None:
-            raise PolicyError("deterministic = False: sampled actions need rng, a NumPy generator")
-        sampler = None if deterministic else rng
-        actions = decode(self.head, self.outputs(observations), sampler)
-        if self.constant_pilot is not None:
-            actions[..., 1] = self.constant_pilot
-        return actions
+        return act(self.head, self.outputs(observations), deterministic, rng, self.constant_pilot)
 
     def save(self, folder: str | os.PathLike[str], name: str, config: Config, about: Mapping[str, Any]) -> None:
         """Write weights and card.
@@ -157,28 +148,6 @@ class MlpPolicy:
         _write_whole(target / CARD, lambda path: path.write_text(text, encoding="utf-8"))
 
 
-def decode(head: Head, outputs: Array, rng: np.random.Generator | None) -> Array:
-    """Turn a head's outputs into actions: the most likely ones, or draws where there is a generator."""
-    actions = np.empty((*outputs.shape[:-1], 2), np.float32)
-    if head == "gaussian":
-        actions[:] = outputs[..., :2]
-        if rng is not None:
-            deviation = np.exp(np.clip(outputs[..., 2:], *LOG_STD))
-            actions += deviation * rng.standard_normal(actions.shape, np.float32)
-        return np.clip(actions, -1, 1)
-    logits = outputs[..., : len(MOTIONS)]
-    concentration = 1 + np.logaddexp(0, outputs[..., len(MOTIONS) :])
-    alpha, beta = concentration[..., 0], concentration[..., 1]
-    if rng is None:
-        motion, pilot = logits.argmax(axis=-1), alpha / (alpha + beta)
-    else:
-        motion = (logits + rng.gumbel(size=logits.shape)).argmax(axis=-1)
-        pilot = rng.beta(alpha, beta)
-    actions[..., 0] = motion_to_command(motion)
-    actions[..., 1] = 2 * pilot - 1
-    return actions
-
-
 def _check_length(length: int, model: Model) -> None:
     if length != model.observation_len:
         raise PolicyError(
@@ -188,7 +157,7 @@ def _check_length(length: int, model: Model) -> None:
 
 
 class OnnxPolicy:
-    """A policy in ONNX, evaluated by ONNX Runtime: the way to fly networks other than an MLP.
+    """A policy in ONNX, evaluated by ONNX Runtime, for the one size that its graph was written for.
 
     Args:
         path: the file; its inputs are `observations`, its outputs `distribution` and `actions`.
@@ -221,9 +190,10 @@ class OnnxPolicy:
         self.config = config
         self.observation_len = int(self._session.get_inputs()[0].shape[1])
 
-    def check(self, model: Model) -> None:
-        """Refuse a model whose observations do not fit."""
+    def for_model(self, model: Model) -> OnnxPolicy:
+        """Return the policy that flies a model: itself, or a refusal where observations do not fit."""
         _check_length(self.observation_len, model)
+        return self
 
     def act(self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None) -> Array:
         """Choose actions, as :meth:`MlpPolicy.act`."""
@@ -237,11 +207,14 @@ class OnnxPolicy:
         return np.asarray(values, np.float32).reshape(*observations.shape[:-1], 2)
 
 
-def load_policy(path: str | os.PathLike[str]) -> MlpPolicy | OnnxPolicy:
-    """Read a policy: its folder, or an `.onnx` file by itself.
+Policy: TypeAlias = "MlpPolicy | SetPolicy | OnnxPolicy"
+"""What :func:`load_policy` gives."""
 
-    From a folder an MLP is read from its weights and needs safetensors; any other network is read from
-    its ONNX file and needs onnxruntime.
+
+def load_policy(path: str | os.PathLike[str]) -> Policy:
+    """Read a policy: its folder, which needs safetensors, or an `.onnx` file by itself, which needs onnxruntime.
+
+    A network over sets flies any fleet against any number of hotspots: `load_policy(folder).for_model(model)`.
     """
     given = Path(path)
     if given.suffix == ".onnx":
@@ -251,31 +224,39 @@ def load_policy(path: str | os.PathLike[str]) -> MlpPolicy | OnnxPolicy:
         card = json.loads(card_path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise PolicyError(f"{card_path}: not JSON: {error}") from error
-    if card.get("format") != CARD_FORMAT:
-        raise PolicyError(f"{card_path}: format = {card.get('format')}: must be {CARD_FORMAT}")
-    config = Config(card["config"])
-    if card["architecture"]["kind"] != "mlp":
-        return OnnxPolicy(given / ONNX, card["head"], config=config)
-    return _load_mlp(given / WEIGHTS, card, config)
+    if not isinstance(card, dict) or card.get("format") != CARD_FORMAT:
+        raise PolicyError(f"{card_path}: must be a policy's card of format {CARD_FORMAT}")
+    try:
+        config, head, architecture = Config(card["config"]), card["head"], card["architecture"]
+        kind, normalised = architecture["kind"], card["normalised_inputs"]
+    except KeyError as error:
+        raise PolicyError(f"{card_path}: there is no {error}") from error
+    arrays, pilot = _load_arrays(given / WEIGHTS), _pilot_command(card, config)
+    try:
+        if kind == "set_actor":
+            return SetPolicy(arrays, head, config, pilot)
+        if kind != "mlp":
+            raise PolicyError(f"architecture = {kind}: must be mlp or set_actor")
+        depth = len(architecture["sizes"]) - 1
+        layers = [Layer(arrays[f"{index}.weight"], arrays[f"{index}.bias"].reshape(-1)) for index in range(depth)]
+        inputs = (arrays["inputs.offset"], arrays["inputs.scale"]) if normalised else None
+        return MlpPolicy(layers, head, inputs=inputs, constant_pilot=pilot, config=config)
+    except KeyError as error:
+        raise PolicyError(f"{given / WEIGHTS}: there is no array {error}") from error
+    except PolicyError as error:
+        raise PolicyError(f"{given}: {error}") from error
 
 
-def _load_mlp(path: Path, card: dict[str, Any], config: Config) -> MlpPolicy:
+def _load_arrays(path: Path) -> dict[str, Array]:
     try:
         from safetensors import SafetensorError
         from safetensors.numpy import load_file
     except ImportError as error:
         raise MissingDependencyError("safetensors", "reading a policy", "policy") from error
     try:
-        arrays = {name: array.astype(np.float32) for name, array in load_file(path).items()}
+        return {name: array.astype(np.float32) for name, array in load_file(path).items()}
     except SafetensorError as error:
         raise PolicyError(f"{path}: not safetensors: {error}") from error
-    try:
-        depth = len(card["architecture"]["sizes"]) - 1
-        layers = [Layer(arrays[f"{index}.weight"], arrays[f"{index}.bias"].reshape(-1)) for index in range(depth)]
-        inputs = (arrays["inputs.offset"], arrays["inputs.scale"]) if card["normalised_inputs"] else None
-    except KeyError as error:
-        raise PolicyError(f"{path}: there is no array {error}") from error
-    return MlpPolicy(layers, card["head"], inputs=inputs, constant_pilot=_pilot_command(card, config), config=config)
 
 
 def _pilot_command(card: dict[str, Any], config: Config) -> float | None:

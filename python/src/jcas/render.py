@@ -1,8 +1,13 @@
-"""Draws a mission: a map of the fleet and a panel of its state, as an RGB array."""
+"""Draws a mission: a map of the fleet and a panel of its state, as an RGB array.
+
+What does not change during a mission is drawn once and kept (`_background`); everything that moves is put onto a
+copy of it out of kept pieces (:mod:`jcas.sprites`), so that a frame takes milliseconds.
+"""
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,57 +18,67 @@ from .errors import MissingDependencyError
 if TYPE_CHECKING:
     from .scene import Scene
 
-SUPERSAMPLING = 2
 MAP_SIDE_PX = 672
 MARGIN_PX = 24
 PANEL_PX = 296
+HEIGHT_MIN_PX = 720
 PANEL_ROWS_MAX = 20
+LEGEND_PX = 158
+LEGEND_ROW_PX = 17
+APART_CELLS_MIN, APART_PX_MIN = 0.28, 9.0
+"""UAVs of one cell stand at least so far apart, and reach over its edge where they are many."""
+NUMBERED_COUNT_MAX = 12
+"""So many UAVs of one cell keep their numbers."""
+APART_COUNT_MAX = 25
+"""More UAVs than this in one cell are drawn as one disc with their number."""
 
-INK = (31, 41, 55)
-MUTED = (120, 130, 145)
-PAPER = (246, 247, 250)
-WHITE = (255, 255, 255)
-LINE = (228, 232, 239)
-LINK = (20, 148, 146)
-DEPOT = (71, 85, 105)
-UNSEEN = (222, 62, 92)
-CONFIRMED = (240, 160, 32)
-INFORMED = (34, 158, 94)
-LOW = (214, 64, 69)
-COMMUNICATING = (57, 106, 214)
-SENSING = (244, 114, 32)
-GROUNDED = (148, 155, 166)
-PILOT_RAMP = (COMMUNICATING, (160, 108, 196), SENSING)
+SENSING_ALPHA = 36
 
-Color = tuple[int, ...]
 Point = tuple[float, float]
+Box = tuple[int, int, int, int]
 
 
 def draw(scene: Scene) -> npt.NDArray[np.uint8]:
     """Draw a scene as an array of shape [height, width, 3]."""
-    image, canvas = _canvas(scene)
-    plan = _MapPlan(scene)
-    _draw_ground(canvas, plan)
-    _draw_trail(canvas, plan)
-    _draw_hotspots(canvas, plan)
-    _draw_links(canvas, plan)
-    _draw_fleet(canvas, plan)
-    _draw_panel(canvas, plan)
-    small = image.resize((image.width // SUPERSAMPLING, image.height // SUPERSAMPLING), 1)
-    return np.asarray(small, dtype=np.uint8).copy()
+    try:
+        from PIL import Image, ImageDraw  # noqa: F401
+    except ImportError as error:
+        raise MissingDependencyError("Pillow", "rendering", "render") from error
+    plan = _Plan(scene)
+    depots = tuple(map(tuple, scene.depots.tolist()))
+    image = _background(scene.grid_width, scene.grid_height, depots, scene.searched_by).copy()
+    _shade(image, plan)
+    _draw_ground(image, plan)
+    _draw_trail(image, plan)
+    for number, (x, y) in enumerate(scene.hotspots.tolist()):
+        _draw_hotspot(image, plan, number, plan.centre(x, y))
+    _draw_links(image, plan)
+    _draw_fleet(image, plan)
+    _draw_panel(image, plan)
+    return np.asarray(image, dtype=np.uint8).copy()
 
 
-class _MapPlan:
-    """Where the cells of a scene lie in the picture, in supersampled pixels."""
+def cell_side_px(width: int, height: int) -> int:
+    """Side of a cell in the picture."""
+    return max(4, MAP_SIDE_PX // max(width, height))
+
+
+class _Plan:
+    """Where the cells and UAVs of a scene lie in the picture, in pixels."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.cell = cell_side_px(scene) * SUPERSAMPLING
-        self.left = self.top = float(MARGIN_PX * SUPERSAMPLING)
+        self.cell = cell_side_px(scene.grid_width, scene.grid_height)
+        self.left = self.top = MARGIN_PX
         self.width = self.cell * scene.grid_width
         self.height = self.cell * scene.grid_height
-        self.radius = max(self.cell * 0.19, 3.0 * SUPERSAMPLING)
-        self.positions = self._spread_fleet()
+        self.members: dict[tuple[int, int], list[int]] = {}
+        for uav, (x, y) in enumerate(scene.cells.tolist()):
+            self.members.setdefault((x, y), []).append(uav)
+        self.positions: list[Point] = [(0.0, 0.0)] * len(scene.cells)
+        self.radii = [0.0] * len(scene.cells)
+        for place, uavs in self.members.items():
+            self._spread(self.centre(*place), uavs)
 
     def centre(self, x: float, y: float) -> Point:
         """The middle of a cell; y grows upwards on the map."""
@@ -72,243 +87,270 @@ class _MapPlan:
             self.top + (self.scene.grid_height - 0.5 - y) * self.cell,
         )
 
-    def _spread_fleet(self) -> list[Point]:
-        """UAVs of one cell stand in a ring around its middle, so that each of them is seen."""
-        members: dict[tuple[int, int], list[int]] = {}
-        for uav, (x, y) in enumerate(self.scene.cells.tolist()):
-            members.setdefault((x, y), []).append(uav)
-        places: list[Point] = [(0.0, 0.0)] * len(self.scene.cells)
-        for (x, y), uavs in members.items():
-            centre_x, centre_y = self.centre(x, y)
-            ring = 0.0 if len(uavs) == 1 else self.cell * (0.21 if len(uavs) < 5 else 0.28)
-            for place, uav in enumerate(uavs):
-                angle = 2 * math.pi * place / len(uavs) - math.pi / 2
-                places[uav] = (centre_x + ring * math.cos(angle), centre_y + ring * math.sin(angle))
-        return places
+    @property
+    def box(self) -> Box:
+        """The map in the picture."""
+        return self.left, self.top, self.left + self.width, self.top + self.height
 
-    def uav_radius(self, uav: int) -> float:
-        """UAVs that share a cell are drawn smaller."""
-        crowd = int((self.scene.cells == self.scene.cells[uav]).all(axis=1).sum())
-        return self.radius if crowd == 1 else max(self.radius * (0.8 if crowd < 5 else 0.55), 2.5 * SUPERSAMPLING)
+    def around(self, points: list[Point], margin: int) -> Box:
+        """The part of the map that holds some points, of even sides."""
+        xs, ys = zip(*points, strict=True)
+        left, top = max(int(min(xs)) - margin, self.left), max(int(min(ys)) - margin, self.top)
+        right = min(int(max(xs)) + margin + 1, self.left + self.width)
+        bottom = min(int(max(ys)) + margin + 1, self.top + self.height)
+        return left, top, right + (right - left) % 2, bottom + (bottom - top) % 2
 
-
-def cell_side_px(scene: Scene) -> int:
-    """Side of a cell in the finished picture."""
-    return max(4, MAP_SIDE_PX // max(scene.grid_width, scene.grid_height))
-
-
-def _canvas(scene: Scene) -> tuple[Any, Any]:
-    try:
-        from PIL import Image, ImageDraw
-    except ImportError as error:
-        raise MissingDependencyError("Pillow", "rendering", "render") from error
-    side = cell_side_px(scene)
-    width = side * scene.grid_width + 2 * MARGIN_PX + PANEL_PX
-    height = max(side * scene.grid_height + 2 * MARGIN_PX, 520)
-    image = Image.new("RGB", (width * SUPERSAMPLING, height * SUPERSAMPLING), PAPER)
-    return image, ImageDraw.Draw(image, "RGBA")
+    def _spread(self, centre: Point, uavs: list[int]) -> None:
+        """UAVs of one cell stand in rows, so that each of them is seen."""
+        count = len(uavs)
+        columns = math.ceil(math.sqrt(count))
+        rows = math.ceil(count / columns)
+        share = 0.56 if count == 1 else max(0.94 / columns, APART_CELLS_MIN if count <= NUMBERED_COUNT_MAX else 0)
+        apart = max(self.cell * share, APART_PX_MIN)
+        for place, uav in enumerate(uavs):
+            row, column = divmod(place, columns)
+            in_row = min(columns, count - row * columns)
+            self.radii[uav] = apart * 0.34
+            self.positions[uav] = (
+                centre[0] + (column - (in_row - 1) / 2) * apart,
+                centre[1] + (row - (rows - 1) / 2) * apart,
+            )
+            if count > APART_COUNT_MAX:
+                self.positions[uav] = centre
 
 
-def _font(size: float) -> Any:
-    from PIL import ImageFont
+@lru_cache(8)
+def _background(width: int, height: int, depots: tuple[tuple[int, int], ...], searched_by: str) -> Any:
+    """Everything that stays as it is: paper, frame, names of readings, legend."""
+    from PIL import Image, ImageDraw
 
-    return ImageFont.load_default(size * SUPERSAMPLING)
+    from . import sprites
+
+    side = cell_side_px(width, height)
+    size = (side * width + 2 * MARGIN_PX + PANEL_PX, max(side * height + 2 * MARGIN_PX, HEIGHT_MIN_PX))
+    image = Image.new("RGB", size, sprites.PAPER)
+    frame = (MARGIN_PX - 3, MARGIN_PX - 3, MARGIN_PX + side * width + 3, MARGIN_PX + side * height + 3)
+    ImageDraw.Draw(image).rounded_rectangle(frame, radius=7, fill=sprites.WHITE, outline=sprites.LINE)
+    left = MARGIN_PX + side * width + MARGIN_PX
+    _draw_legend(image, left, left + PANEL_PX - MARGIN_PX, size[1] - MARGIN_PX - LEGEND_PX, searched_by)
+    return image
+
+
+def _shade(image: Any, plan: _Plan) -> None:
+    """Tint the searched cells and what the fleet's radars reach."""
+    from PIL import Image, ImageDraw
+
+    from . import sprites
+
+    scene = plan.scene
+    if scene.searched.any():
+        cells = Image.fromarray(np.where(scene.searched[::-1], 255, 0).astype(np.uint8))
+        mask = cells.resize((plan.width, plan.height), Image.Resampling.NEAREST)
+        image.paste(sprites.SEARCHED, plan.box, mask)
+    reach = [
+        (plan.centre(*cell), float(scene.sensing_range[uavs].max()) * plan.cell) for cell, uavs in plan.members.items()
+    ]
+    ends = [(middle[0] + far, middle[1] + far) for middle, radius in reach if radius > 0 for far in (-radius, radius)]
+    if ends:
+        left, top, right, bottom = plan.around(ends, 2)
+        mask = Image.new("L", ((right - left) // 2, (bottom - top) // 2))
+        canvas = ImageDraw.Draw(mask)
+        for (across, down), radius in reach:
+            if radius > 0:
+                _circle(canvas, ((across - left) / 2, (down - top) / 2), radius / 2, fill=SENSING_ALPHA)
+        mask = mask.resize((right - left, bottom - top), Image.Resampling.BILINEAR)
+        image.paste(sprites.SENSING, (left, top, right, bottom), mask)
 
 
 def _circle(canvas: Any, centre: Point, radius: float, **style: Any) -> None:
     canvas.ellipse((centre[0] - radius, centre[1] - radius, centre[0] + radius, centre[1] + radius), **style)
 
 
-def _blend(low: Color, high: Color, share: float) -> Color:
-    share = min(max(share, 0.0), 1.0)
-    return tuple(round(a + (b - a) * share) for a, b in zip(low, high, strict=True))
+def _draw_ground(image: Any, plan: _Plan) -> None:
+    from PIL import ImageDraw
+
+    from . import sprites
+
+    canvas = ImageDraw.Draw(image)
+    left, top, right, bottom = plan.box
+    if plan.cell >= 12:
+        for column in range(1, plan.scene.grid_width):
+            x = left + column * plan.cell
+            canvas.line((x, top, x, bottom), fill=sprites.LINE)
+        for row in range(1, plan.scene.grid_height):
+            y = top + row * plan.cell
+            canvas.line((left, y, right, y), fill=sprites.LINE)
+    for x, y in plan.scene.depots.tolist():
+        sprites.put(image, sprites.depot(float(plan.cell)), plan.centre(x, y))
 
 
-def _ramp(stops: tuple[Color, ...], share: float) -> Color:
-    place = min(max(share, 0.0), 1.0) * (len(stops) - 1)
-    low = min(int(place), len(stops) - 2)
-    return _blend(stops[low], stops[low + 1], place - low)
+def _draw_trail(image: Any, plan: _Plan) -> None:
+    from PIL import ImageDraw
 
+    from . import sprites
 
-def _draw_ground(canvas: Any, plan: _MapPlan) -> None:
-    scene = plan.scene
-    right, bottom = plan.left + plan.width, plan.top + plan.height
-    canvas.rounded_rectangle(
-        (plan.left - 6, plan.top - 6, right + 6, bottom + 6), radius=14, fill=WHITE, outline=LINE, width=2
-    )
-    if plan.cell >= 12 * SUPERSAMPLING:
-        for column in range(1, scene.grid_width):
-            x = plan.left + column * plan.cell
-            canvas.line((x, plan.top, x, bottom), fill=LINE, width=2)
-        for row in range(1, scene.grid_height):
-            y = plan.top + row * plan.cell
-            canvas.line((plan.left, y, right, y), fill=LINE, width=2)
-    for x, y in scene.depots.tolist():
-        centre_x, centre_y = plan.centre(x, y)
-        half = plan.cell * 0.44
-        box = (centre_x - half, centre_y - half, centre_x + half, centre_y + half)
-        canvas.rounded_rectangle(box, radius=plan.cell * 0.12, fill=(*DEPOT, 28), outline=(*DEPOT, 150), width=3)
-
-
-def _draw_trail(canvas: Any, plan: _MapPlan) -> None:
+    canvas = ImageDraw.Draw(image, "RGBA")
     steps = [*plan.scene.trail, plan.scene.cells]
     for age in range(1, len(steps)):
-        alpha = round(70 * age / len(steps))
-        for before, after in zip(steps[age - 1].tolist(), steps[age].tolist(), strict=True):
-            if before != after:
-                ends = (*plan.centre(*before), *plan.centre(*after))
-                canvas.line(ends, fill=(*COMMUNICATING, alpha), width=max(3, round(plan.cell * 0.05)))
+        moves = {(*before, *after) for before, after in zip(steps[age - 1].tolist(), steps[age].tolist(), strict=True)}
+        alpha = round(40 + 130 * age / len(steps))
+        for x, y, to_x, to_y in moves:
+            if (x, y) != (to_x, to_y):
+                ends = (*plan.centre(x, y), *plan.centre(to_x, to_y))
+                canvas.line(ends, fill=(*sprites.COMMUNICATING, alpha), width=max(2, plan.cell // 18))
 
 
-def _draw_hotspots(canvas: Any, plan: _MapPlan) -> None:
+def _draw_hotspot(image: Any, plan: _Plan, number: int, centre: Point) -> None:
+    from . import sprites
+
     scene = plan.scene
-    half = max(plan.cell * 0.3, 4.0 * SUPERSAMPLING)
-    for hotspot, (x, y) in enumerate(scene.hotspots.tolist()):
-        centre_x, centre_y = plan.centre(x, y)
-        diamond = [
-            (centre_x, centre_y - half),
-            (centre_x + half, centre_y),
-            (centre_x, centre_y + half),
-            (centre_x - half, centre_y),
-        ]
-        color = _hotspot_color(scene, hotspot)
-        canvas.polygon(diamond, fill=(*color, 60 if color == UNSEEN else 150))
-        canvas.line(
-            [*diamond, diamond[0], diamond[1]],
-            fill=color,
-            width=max(3, round(plan.cell * 0.04)),
-            joint="curve",
-        )
-        if scene.confirmed[hotspot] and not scene.informed[hotspot]:
-            ring = half * 1.25
-            box = (centre_x - ring, centre_y - ring, centre_x + ring, centre_y + ring)
-            end = -90 + 360 * float(scene.share_knowing[hotspot])
-            canvas.arc(box, -90, end, fill=INFORMED, width=max(3, round(plan.cell * 0.05)))
+    informed, confirmed = bool(scene.informed[number]), bool(scene.confirmed[number])
+    color = sprites.INFORMED if informed else sprites.CONFIRMED if confirmed else sprites.UNSEEN
+    knowing = round(float(scene.share_knowing[number]) * sprites.SOC_LEVELS) if confirmed and not informed else 0
+    sprites.put(image, sprites.hotspot(max(plan.cell * 0.46, 4.0), color, knowing), centre)
 
 
-def _hotspot_color(scene: Scene, hotspot: int) -> Color:
-    if scene.informed[hotspot]:
-        return INFORMED
-    return CONFIRMED if scene.confirmed[hotspot] else UNSEEN
+def _draw_links(image: Any, plan: _Plan) -> None:
+    """Lines between UAVs of different cells that hear each other, at twice the size for smooth edges."""
+    from PIL import Image, ImageDraw
+
+    from . import sprites
+
+    cells = [tuple(cell) for cell in plan.scene.cells.tolist()]
+    pairs = np.argwhere(np.triu(plan.scene.links, 1)).tolist()
+    lines = [(plan.positions[i], plan.positions[j]) for i, j in pairs if cells[i] != cells[j]]
+    if not lines:
+        return
+    left, top, right, bottom = plan.around([end for line in lines for end in line], 3)
+    mask = Image.new("L", (2 * (right - left), 2 * (bottom - top)))
+    canvas = ImageDraw.Draw(mask)
+    for (x, y), (to_x, to_y) in lines:
+        canvas.line([2 * (x - left), 2 * (y - top), 2 * (to_x - left), 2 * (to_y - top)], fill=150, width=3)
+    image.paste(sprites.LINK, (left, top, right, bottom), mask.reduce(2))
 
 
-def _draw_links(canvas: Any, plan: _MapPlan) -> None:
-    uavs = len(plan.positions)
-    alpha = 110 if uavs <= 12 else max(30, 900 // uavs)
-    for i, j in np.argwhere(np.triu(plan.scene.links, 1)).tolist():
-        canvas.line((*plan.positions[i], *plan.positions[j]), fill=(*LINK, alpha), width=3)
+def _draw_fleet(image: Any, plan: _Plan) -> None:
+    from . import sprites
 
-
-def _draw_fleet(canvas: Any, plan: _MapPlan) -> None:
     scene = plan.scene
-    for uav, centre in enumerate(plan.positions):
-        radius = plan.uav_radius(uav)
-        ring = radius * 1.38
-        thickness = max(3, round(radius * 0.26))
-        box = (centre[0] - ring, centre[1] - ring, centre[0] + ring, centre[1] + ring)
-        soc = float(scene.soc[uav])
-        _circle(canvas, centre, ring, fill=WHITE)
-        canvas.arc(box, 0, 360, fill=LINE, width=thickness)
-        if soc > 0:
-            canvas.arc(box, -90, -90 + 360 * min(soc, 1.0), fill=_battery_color(soc), width=thickness)
-        _circle(canvas, centre, radius, fill=_uav_color(scene, uav))
-        if scene.returning[uav]:
-            _circle(canvas, centre, radius * 0.42, fill=WHITE)
-        elif uav < 100 and radius > 9 * SUPERSAMPLING:
-            canvas.text(centre, str(uav), fill=WHITE, font=_font(radius / SUPERSAMPLING * 1.05), anchor="mm")
-
-
-def _battery_color(soc: float) -> Color:
-    return _ramp((LOW, CONFIRMED, INFORMED), (soc - 0.1) / 0.5)
-
-
-def _uav_color(scene: Scene, uav: int) -> Color:
-    if scene.grounded[uav]:
-        return GROUNDED
     span = max(scene.pilot_density_max - scene.pilot_density_min, 1e-9)
-    share = (float(scene.pilot_density[uav]) - scene.pilot_density_min) / span
-    return _ramp(PILOT_RAMP, share)
+    shares = ((scene.pilot_density - scene.pilot_density_min) / span).tolist()
+    charges, grounded, returning = scene.soc.tolist(), scene.grounded.tolist(), scene.returning.tolist()
+    for uavs in plan.members.values():
+        if len(uavs) > APART_COUNT_MAX:
+            color = sprites.ramp(sprites.PILOT_RAMP, sum(shares[uav] for uav in uavs) / len(uavs))
+            sprites.put_crowd(image, plan.positions[uavs[0]], max(plan.cell * 0.42, 10.0), color, len(uavs))
+            continue
+        for uav in uavs:
+            radius = plan.radii[uav]
+            color = sprites.GROUNDED if grounded[uav] else sprites.ramp(sprites.PILOT_RAMP, shares[uav])
+            label = str(uav) if radius >= 4.0 and uav < 100 else ""
+            sprites.put_uav(image, plan.positions[uav], radius, color, charges[uav], returning[uav], label)
 
 
-def _draw_panel(canvas: Any, plan: _MapPlan) -> None:
+def _draw_panel(image: Any, plan: _Plan) -> None:
+    from . import sprites
+
     scene = plan.scene
-    s = SUPERSAMPLING
-    left = plan.left + plan.width + MARGIN_PX * s
-    right = left + (PANEL_PX - MARGIN_PX) * s
+    left = plan.left + plan.width + MARGIN_PX
+    right = left + PANEL_PX - MARGIN_PX
     y = plan.top
-    canvas.text((left, y), f"Step {scene.t} of {scene.horizon_steps}", fill=INK, font=_font(21))
+    sprites.write(image, (left, y), f"Step {scene.t} of {scene.horizon_steps}", 21, sprites.INK)
     if scene.outcome:
-        color = INFORMED if scene.outcome == "success" else UNSEEN
-        canvas.text((right, y + 5 * s), scene.outcome, fill=color, font=_font(15), anchor="ra")
-    y += 33 * s
-    _bar(canvas, (left, y, right, y + 6 * s), scene.t / max(scene.horizon_steps, 1), COMMUNICATING)
-    y += 22 * s
+        color = sprites.INFORMED if scene.outcome == "success" else sprites.UNSEEN
+        sprites.write(image, (right, y + 5), scene.outcome, 15, color, "ra")
+    y += 33
+    _bar(image, (left, y, right, y + 6), scene.t / max(scene.horizon_steps, 1), sprites.COMMUNICATING)
+    y += 20
     total = len(scene.hotspots)
-    for label, flags, color in (
-        ("Confirmed", scene.confirmed, CONFIRMED),
-        ("Informed", scene.informed, INFORMED),
+    for label, marks, color in (
+        ("Confirmed", scene.confirmed, sprites.CONFIRMED),
+        ("Informed", scene.informed, sprites.INFORMED),
     ):
-        done = int(flags.sum())
-        y = _reading(canvas, left, right, y, label, f"{done} / {total}")
-        _bar(canvas, (left, y, right, y + 6 * s), done / max(total, 1), color)
-        y += 16 * s
+        done = int(marks.sum())
+        y = _reading(image, left, right, y, label, f"{done} / {total}")
+        _bar(image, (left, y, right, y + 6), done / max(total, 1), color)
+        y += 14
     for label, value in scene.readings:
-        y = _reading(canvas, left, right, y, label, value)
-    y += 8 * s
-    legend_top = plan.top + max(plan.height, (520 - 2 * MARGIN_PX) * s) - 84 * s
-    _draw_batteries(canvas, scene, left, right, y, legend_top - 12 * s)
-    _draw_legend(canvas, left, right, legend_top)
+        y = _reading(image, left, right, y, label, value)
+    legend_top = image.height - MARGIN_PX - LEGEND_PX
+    _draw_batteries(image, scene, left, right, y + 6, legend_top - 10)
 
 
-def _reading(canvas: Any, left: float, right: float, y: float, label: str, value: str) -> float:
-    canvas.text((left, y), label, fill=MUTED, font=_font(14))
-    canvas.text((right, y), value, fill=INK, font=_font(14), anchor="ra")
-    return y + 21 * SUPERSAMPLING
+def _reading(image: Any, left: int, right: int, y: int, label: str, value: str) -> int:
+    from . import sprites
+
+    sprites.write(image, (left, y), label, 14, sprites.MUTED)
+    sprites.write(image, (right, y), value, 14, sprites.INK, "ra")
+    return y + 21
 
 
-def _bar(canvas: Any, box: tuple[float, float, float, float], share: float, color: Color) -> None:
+def _bar(image: Any, box: Box, share: float, color: Any) -> None:
+    from . import sprites
+
     left, top, right, bottom = box
-    radius = (bottom - top) / 2
-    canvas.rounded_rectangle(box, radius=radius, fill=LINE)
-    filled = left + (right - left) * min(max(share, 0.0), 1.0)
-    if filled - left > 2 * radius:
-        canvas.rounded_rectangle((left, top, filled, bottom), radius=radius, fill=color)
+    filled = left + round((right - left) * min(max(share, 0.0), 1.0))
+    image.paste(sprites.LINE, (filled, top, right, bottom))
+    image.paste(color, (left, top, filled, bottom))
 
 
-def _draw_batteries(canvas: Any, scene: Scene, left: float, right: float, y: float, bottom: float) -> None:
-    s = SUPERSAMPLING
+def _draw_batteries(image: Any, scene: Scene, left: int, right: int, y: int, bottom: int) -> None:
+    from . import sprites
+
     uavs = len(scene.soc)
-    rows = min(uavs, PANEL_ROWS_MAX, max(int((bottom - y - 22 * s) / (14 * s)), 0))
+    rows = min(uavs, PANEL_ROWS_MAX, max((bottom - y - 20) // 13, 0))
     if rows == 0:
         return
-    canvas.text((left, y), "Batteries" if rows == uavs else f"Batteries ({rows} lowest)", fill=MUTED, font=_font(14))
-    y += 23 * s
-    pitch = min((bottom - y) / rows, 20 * s)
+    title = "Batteries" if rows == uavs else f"Batteries ({rows} lowest)"
+    sprites.write(image, (left, y), title, 14, sprites.MUTED)
+    y += 22
+    pitch = min((bottom - y) / rows, 18.0)
     chosen = range(uavs) if rows == uavs else np.argsort(scene.soc, kind="stable")[:rows].tolist()
-    for uav in chosen:
-        middle = y + pitch / 2
-        canvas.text((left + 16 * s, middle), str(uav), fill=INK, font=_font(12), anchor="rm")
+    for row, uav in enumerate(chosen):
+        middle = round(y + (row + 0.5) * pitch)
         soc = float(scene.soc[uav])
-        _bar(canvas, (left + 24 * s, middle - 4 * s, right - 42 * s, middle + 4 * s), soc, _battery_color(soc))
-        canvas.text((right, middle), f"{100 * soc:.0f} %", fill=INK, font=_font(12), anchor="rm")
-        y += pitch
+        sprites.write(image, (left + 16, middle), str(uav), 12, sprites.INK, "rm")
+        _bar(image, (left + 24, middle - 3, right - 42, middle + 4), soc, sprites.battery_color(soc))
+        sprites.write(image, (right, middle), f"{100 * soc:.0f} %", 12, sprites.INK, "rm")
 
 
-def _draw_legend(canvas: Any, left: float, right: float, y: float) -> None:
-    s = SUPERSAMPLING
-    canvas.text((left, y), "communicate", fill=MUTED, font=_font(12))
-    canvas.text((right, y), "sense", fill=MUTED, font=_font(12), anchor="ra")
-    y += 18 * s
-    steps = 48
-    for step in range(steps):
-        x = left + (right - left) * step / steps
-        color = _ramp(PILOT_RAMP, step / (steps - 1))
-        canvas.rectangle((x, y, x + (right - left) / steps + 1, y + 7 * s), fill=color)
-    y += 22 * s
-    entries = (("undetected", UNSEEN), ("confirmed", CONFIRMED), ("informed", INFORMED))
-    for place, (label, color) in enumerate(entries):
-        x = left + (right - left) * place / 2.9
-        _circle(canvas, (x + 5 * s, y + 8 * s), 5 * s, fill=color)
-        canvas.text((x + 14 * s, y), label, fill=INK, font=_font(12))
-    y += 20 * s
-    canvas.text((left, y), "ring: battery   white dot: returning", fill=MUTED, font=_font(12))
+def _draw_legend(image: Any, left: int, right: int, y: int, searched_by: str) -> None:
+    from PIL import ImageDraw
+
+    from . import sprites
+
+    sprites.write(image, (left, y), "communicates", 12, sprites.MUTED)
+    sprites.write(image, (right, y), "senses", 12, sprites.MUTED, "ra")
+    y += 17
+    for x in range(left, right):
+        color = sprites.ramp(sprites.PILOT_RAMP, (x - left) / (right - left - 1))
+        image.paste(color, (x, y, x + 1, y + 7))
+    y += 19
+    canvas = ImageDraw.Draw(image)
+    half, violet = sprites.SOC_LEVELS // 2, sprites.PILOT_RAMP[1]
+    symbols: list[tuple[str, Any]] = [
+        ("hotspot undetected", sprites.hotspot(6.0, sprites.UNSEEN, 0)),
+        ("hotspot confirmed", sprites.hotspot(6.0, sprites.CONFIRMED, 0)),
+        ("hotspot informed", sprites.hotspot(6.0, sprites.INFORMED, 0)),
+        ("share that knows", sprites.hotspot(6.0, sprites.CONFIRMED, half)),
+        ("UAV, ring: battery", ("uav", violet, 0.7, False)),
+        ("UAV returning", ("uav", violet, 0.7, True)),
+        ("UAV grounded", ("uav", sprites.GROUNDED, 0.0, False)),
+        ("depot", sprites.depot(15.0)),
+        ("link between cells", ("line", sprites.LINK)),
+        ("last moves", ("line", sprites.COMMUNICATING)),
+        ("detects 1 in 10", ("area", sprites.ramp((sprites.WHITE, sprites.SENSING), SENSING_ALPHA / 255))),
+        (searched_by, ("area", sprites.SEARCHED)),
+    ]
+    for place, (label, symbol) in enumerate(symbols):
+        row, column = divmod(place, 2)
+        x, middle_y = left + 8 + column * (right - left) // 2, y + 9 + row * LEGEND_ROW_PX
+        if not isinstance(symbol, tuple):
+            sprites.put(image, symbol, (x, middle_y))
+        elif symbol[0] == "uav":
+            sprites.put_uav(image, (x, middle_y), 5.0, *symbol[1:], "")
+        elif symbol[0] == "line":
+            canvas.line((x - 7, middle_y, x + 7, middle_y), fill=symbol[1], width=2)
+        else:
+            canvas.rectangle((x - 7, middle_y - 5, x + 7, middle_y + 5), fill=symbol[1], outline=sprites.LINE)
+        sprites.write(image, (x + 14, middle_y), label, 12, sprites.INK, "lm")

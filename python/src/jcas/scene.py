@@ -33,6 +33,12 @@ class Scene:
     informed: npt.NDArray[np.bool_]
     share_knowing: npt.NDArray[np.floating]
     """Fraction of the fleet that knows each hotspot, [n]."""
+    searched: npt.NDArray[np.bool_]
+    """Cells that count as searched, [H, W]."""
+    sensing_range: npt.NDArray[np.floating]
+    """How far each radar detects one hotspot in ten, in cells, [N]."""
+    searched_by: str = "visited cells"
+    """What `searched` shows, for the legend."""
     outcome: str = ""
     """`success`, `horizon reached`, or empty while the mission runs."""
     readings: tuple[tuple[str, str], ...] = ()

@@ -255,6 +255,10 @@ class Sim:
             confirmed=hotspots["confirmed"] != 0,
             informed=hotspots["informed"] != 0,
             share_knowing=self.knowledge().mean(axis=0),
+            searched=self.visited(),
+            sensing_range=np.where(
+                uavs["grounded"] != 0, 0, [self.model.sensing_range(float(pilot)) for pilot in uavs["pilot_density"]]
+            ),
             outcome=ended,
             readings=(
                 ("Return", f"{metrics['return_sum']:.2f}"),

@@ -189,7 +189,7 @@ def _about(seed: int, hyperparameters: Hyperparameters, last: dict[str, Any]) ->
 def _evaluate(options: argparse.Namespace) -> None:
     policy = load_policy(options.policy)
     model = Model(mission_config(options, policy.config))
-    policy.check(model)
+    policy = policy.for_model(model)
     report = evaluate(policy.act, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy))
     print(json.dumps(report.to_dict(), indent=2) if options.json else report)
 

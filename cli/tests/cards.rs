@@ -1,0 +1,126 @@
+//! A trained policy flies what its card says, and the command says what the options change of that.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{jcas, succeed};
+
+/// A copy of the shipped policy that says it was trained on short missions of three UAVs.
+fn policy_of_short_missions(folder: &Path) {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies/fleet");
+    let target = folder.join("short");
+    fs::create_dir(&target).unwrap();
+    fs::copy(
+        shipped.join("policy.safetensors"),
+        target.join("policy.safetensors"),
+    )
+    .unwrap();
+    let card = fs::read_to_string(shipped.join("policy.json")).unwrap();
+    let mut card: Value = serde_json::from_str(&card).unwrap();
+    for (field, value) in [("uav_count", 3), ("hotspot_count", 2), ("horizon_steps", 7)] {
+        card["config"][field] = value.into();
+    }
+    fs::write(target.join("policy.json"), card.to_string()).unwrap();
+}
+
+fn hash(report: &str) -> String {
+    let report: Value = serde_json::from_str(report).unwrap();
+    report["config_hash"].as_str().unwrap().to_owned()
+}
+
+fn hash_of(folder: &Path, options: &[&str]) -> String {
+    let simulate = ["simulate", "--policy=random", "--episodes=1", "--json"];
+    hash(&succeed(folder, &[&simulate[..], options].concat()))
+}
+
+#[test]
+fn a_trained_policy_flies_the_configuration_on_its_card_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    policy_of_short_missions(folder);
+    let own = hash_of(
+        folder,
+        &["--uavs=3", "--hotspots=2", "--set=horizon_steps=7"],
+    );
+    for command in [&["evaluate", "short"][..], &["simulate", "--policy=short"]] {
+        let output = jcas(folder, &[command, &["--episodes=1", "--json"]].concat());
+        assert_eq!(hash(&String::from_utf8(output.stdout).unwrap()), own);
+        assert!(
+            output.stderr.is_empty(),
+            "{command:?}: nothing differs from the card"
+        );
+    }
+    succeed(
+        folder,
+        &["trace", "record", "--policy=short", "-o", "flight.jsonl"],
+    );
+    let trace = fs::read_to_string(folder.join("flight.jsonl")).unwrap();
+    assert!(
+        trace.contains(&own),
+        "the trace's header names the card's configuration"
+    );
+}
+
+#[test]
+fn what_the_options_change_of_a_card_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    policy_of_short_missions(folder);
+    fs::write(folder.join("mine.toml"), "horizon_steps = 5\n").unwrap();
+    for (options, like, said) in [
+        (
+            &["--uavs=2", "--set=quorum=1"][..],
+            &[
+                "--uavs=2",
+                "--hotspots=2",
+                "--set=horizon_steps=7",
+                "--set=quorum=1",
+            ][..],
+            "short: its card's configuration, but uav_count = 2 (not 3), quorum = 1 (not 3)\n",
+        ),
+        (
+            &["--preset=mission", "--set=horizon_steps=6"],
+            &["--set=horizon_steps=6"],
+            "uav_count = 10 (not 3), hotspot_count = 5 (not 2), horizon_steps = 6 (not 7)\n",
+        ),
+        (
+            &["--config=mine.toml"],
+            &["--config=mine.toml"],
+            "uav_count = 10 (not 3), hotspot_count = 5 (not 2), horizon_steps = 5 (not 7)\n",
+        ),
+    ] {
+        let evaluate = [&["evaluate", "short", "--episodes=1", "--json"], options].concat();
+        let output = jcas(folder, &evaluate);
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(told.ends_with(said), "{options:?}: {told}");
+        let report = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(hash(&report), hash_of(folder, like), "{options:?}");
+    }
+}
+
+#[test]
+fn a_sweep_says_where_its_missions_are_not_those_of_a_card() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    policy_of_short_missions(folder);
+    let sweep = [
+        "sweep",
+        "--policy=short",
+        "--uavs=2",
+        "--hotspots=1",
+        "--set=horizon_steps=4",
+    ];
+    let output = jcas(
+        folder,
+        &[&sweep[..], &["--episodes=1", "--no-figures"]].concat(),
+    );
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        told.contains("short: its card's configuration, but horizon_steps = 4 (not 7)\n"),
+        "{told}"
+    );
+    assert!(output.status.success(), "{told}");
+}

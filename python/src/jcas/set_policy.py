@@ -1,0 +1,176 @@
+"""Networks over sets of hotspots and UAVs, evaluated by NumPy: one set of weights flies any fleet.
+
+The equations are those of `jcas train`: every hotspot and neighbour passes through shared layers; neighbours are
+pooled by a sum, hotspots by attention, after a round in which each hotspot knows of the others.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arguments import Floats
+from .config import Config
+from .errors import PolicyError
+from .heads import HEAD_OUTPUTS, Head, act
+from .model import Model
+
+OWN, OWN_FIRST = 11, 5
+"""Fields of an observation about the UAV itself, and how many of them come before the hotspots."""
+HOTSPOT_FIELDS, SLOT_FIELDS = 4, 3
+HEADS = 4
+CROWD = 8.0
+"""Sums over a set are divided by this, as in training."""
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What an observation's length does not tell: how many hotspots and neighbour slots, on which grid."""
+
+    hotspots: int
+    slots: int
+    cells: tuple[float, float]
+
+    @classmethod
+    def of(cls, model: Model) -> Sizes:
+        """Read the sizes of a model."""
+        config = model.config
+        cells = float(config["grid_width"] - 1), float(config["grid_height"] - 1)
+        return cls(model.hotspot_count, model.neighbour_slots, cells)
+
+    @property
+    def observation_len(self) -> int:
+        """Length of an observation."""
+        return OWN + HOTSPOT_FIELDS * self.hotspots + SLOT_FIELDS * self.slots
+
+
+class SetPolicy:
+    """An actor over sets, bound to the sizes of one model; :meth:`for_model` binds it to those of another.
+
+    Args:
+        arrays: weights and biases by name, as `policy.safetensors` holds them.
+        head: `gaussian` or `hybrid`, see :class:`~jcas.MlpPolicy`.
+        config: the configuration that the policy was trained on.
+        constant_pilot: a pilot command that is held whatever the outputs say.
+
+    """
+
+    def __init__(
+        self, arrays: Mapping[str, Floats], head: Head, config: Config, constant_pilot: float | None = None
+    ) -> None:
+        self.head = head
+        self.config = config
+        self.constant_pilot = constant_pilot
+        self._arrays = {name: np.asarray(array, np.float32) for name, array in arrays.items()}
+        self._depth = sum(name.startswith("trunk.") and name.endswith(".weight") for name in arrays)
+        self.sizes = Sizes.of(Model(config))
+        self._check_arrays()
+
+    @property
+    def observation_len(self) -> int:
+        """Length of the observations that the policy reads."""
+        return self.sizes.observation_len
+
+    def for_model(self, model: Model) -> SetPolicy:
+        """Return the policy that flies a model of any size; one whose observations are made otherwise is refused."""
+        bound = copy.copy(self)
+        bound.sizes = Sizes.of(model)
+        if bound.sizes.observation_len != model.observation_len:
+            raise PolicyError(
+                f"the policy reads {bound.sizes.observation_len} fields of {model.hotspot_count} hotspots and "
+                f"{model.neighbour_slots} neighbours, observations of this configuration have {model.observation_len}"
+            )
+        return bound
+
+    def act(
+        self, observations: Floats, *, deterministic: bool = True, rng: np.random.Generator | None = None
+    ) -> Floats:
+        """Choose actions: [..., observation length] to [..., 2], as :meth:`jcas.MlpPolicy.act`."""
+        return act(self.head, self.outputs(observations), deterministic, rng, self.constant_pilot)
+
+    def outputs(self, observations: Floats) -> Floats:
+        """Evaluate the network: [..., observation length] to [..., outputs]."""
+        given = np.asarray(observations, np.float32)
+        if given.shape[-1:] != (self.observation_len,):
+            raise PolicyError(
+                f"observations have shape {given.shape}: must end in {self.observation_len}; for another model use "
+                "for_model(model)"
+            )
+        rows = given.reshape(-1, self.observation_len)
+        n, k = self.sizes.hotspots, self.sizes.slots
+        hotspots_end = OWN_FIRST + HOTSPOT_FIELDS * n
+        slots_end = hotspots_end + SLOT_FIELDS * k
+        own = np.concatenate([rows[:, :OWN_FIRST], rows[:, slots_end:]], axis=1)
+        hotspots = rows[:, OWN_FIRST:hotspots_end].reshape(-1, n, HOTSPOT_FIELDS)
+        slots = rows[:, hotspots_end:slots_end].reshape(-1, k, SLOT_FIELDS)
+
+        neighbours = self._neighbours(slots)
+        context = np.concatenate([own, neighbours], axis=1) @ self._arrays["hotspot.own"]
+        embedded = _relu(self._linear("hotspot.0", self._features(hotspots, slots)) + context[:, None])
+        embedded = _relu(self._linear("hotspot.1", embedded))
+        others = embedded.sum(axis=1) / CROWD @ self._arrays["hotspot.others"]
+        embedded = _relu(self._linear("hotspot.2", embedded) + others[:, None])
+        scores = self._linear("score", embedded)
+        weights = np.exp(scores - scores.max(axis=1, keepdims=True))
+        weights /= weights.sum(axis=1, keepdims=True)
+        attended = np.einsum("rnh,rnw->rhw", weights, embedded).reshape(len(rows), -1)
+
+        hidden = np.concatenate([attended, neighbours, own], axis=1)
+        for layer in range(self._depth - 1):
+            hidden = _relu(self._linear(f"trunk.{layer}", hidden))
+        outputs = self._linear(f"trunk.{self._depth - 1}", hidden)
+        return np.asarray(outputs.reshape(*given.shape[:-1], -1), np.float32)
+
+    def _neighbours(self, slots: Floats) -> Floats:
+        present = slots[..., :1]
+        embedded = slots @ self._arrays["neighbour.0.weight"] + present * self._arrays["neighbour.0.bias"]
+        embedded = _relu(self._linear("neighbour.1", _relu(embedded)))
+        return np.asarray((embedded * present).sum(axis=1) / CROWD, np.float32)
+
+    def _features(self, hotspots: Floats, slots: Floats) -> Floats:
+        """Fields of the hotspots, and what a sum over pairs would cost a layer to learn."""
+        across, along = self.sizes.cells
+        x, y = hotspots[..., 0], hotspots[..., 1]
+        far = np.abs(x) * np.float32(across) + np.abs(y) * np.float32(along)
+        apart = np.abs(x[:, :, None] - slots[:, None, :, 1]) * np.float32(across)
+        apart += np.abs(y[:, :, None] - slots[:, None, :, 2]) * np.float32(along)
+        present = slots[:, None, :, 0]
+        worked_out = [
+            far / np.float32(2 * across),
+            _nearness(far, 1),
+            _nearness(far, 4),
+            (present * _nearness(apart, 1)).sum(axis=2) / CROWD,
+            (present * _nearness(apart, 4)).sum(axis=2) / CROWD,
+        ]
+        return np.concatenate([hotspots, np.stack(worked_out, axis=-1)], axis=-1)
+
+    def _linear(self, name: str, inputs: Floats) -> Floats:
+        return np.asarray(inputs @ self._arrays[f"{name}.weight"] + self._arrays[f"{name}.bias"], np.float32)
+
+    def _check_arrays(self) -> None:
+        widths = {"neighbour.0.weight": SLOT_FIELDS, "hotspot.0.weight": HOTSPOT_FIELDS + 5}
+        try:
+            for name, width in widths.items():
+                if self._arrays[name].shape[0] != width:
+                    raise PolicyError(f"{name} has shape {self._arrays[name].shape}: must have {width} rows")
+            hotspot, uav = self._arrays["hotspot.1.weight"].shape[1], self._arrays["neighbour.1.weight"].shape[1]
+            first, last = self._arrays["trunk.0.weight"], self._arrays[f"trunk.{self._depth - 1}.weight"]
+        except KeyError as error:
+            raise PolicyError(f"there is no array {error}") from error
+        if first.shape[0] != HEADS * hotspot + uav + OWN or last.shape[1] != HEAD_OUTPUTS[self.head]:
+            raise PolicyError(
+                f"trunk of {first.shape[0]} inputs and {last.shape[1]} outputs: must have "
+                f"{HEADS * hotspot + uav + OWN} and, for a {self.head} head, {HEAD_OUTPUTS[self.head]}"
+            )
+
+
+def _relu(values: Floats) -> Floats:
+    return np.maximum(values, 0)
+
+
+def _nearness(distance: Floats, reach: float) -> Floats:
+    """1 at distance 0, falling evenly to 0 at `reach` cells."""
+    return np.maximum(1 - distance / np.float32(reach), 0)
