@@ -44,7 +44,7 @@ def test_a_configuration_survives_replace_pickle_and_numpy_values():
         ({"pilot_density_min": 0.4}, "pilot_density_min = 0.4: must be at most 0.3 (pilot_density_max)"),
         ({"cell_size_m": float("nan")}, "cell_size_m = NaN: must be a number from 0.001 to 1000000"),
         ({"target_visibility": "seen"}, "target_visibility"),
-        ({"preset": "best"}, "`mission` or `paper`"),
+        ({"preset": "best"}, "must be `mission`, `paper`"),
     ],
 )
 def test_refusals_name_the_field_the_value_and_what_is_allowed(fields, message):

@@ -115,3 +115,33 @@ def test_observations_can_be_written_into_a_buffer_of_the_caller():
 def test_a_model_outlives_its_name():
     sim = jcas.Sim(jcas.Model(uav_count=3))
     assert sim.step(np.zeros((3, 2), np.float32)).reward == pytest.approx(sim.metrics()["return_sum"])
+
+
+UNSEEN = {"radar_cross_section_dbsm": -90.0}
+"""Hotspots that nobody finds, so that no mission ends early."""
+
+
+@pytest.mark.parametrize("fields", [{}, {"preset": "search", **UNSEEN}, {"uav_tag": "index", "uav_count": 4}])
+def test_observation_fields_name_every_entry_once(fields):
+    sim = flown(**fields)
+    places = sim.model.observation_fields()
+    assert sorted(np.concatenate(list(places.values())).tolist()) == list(range(sim.model.observation_len))
+    observations = sim.observe()
+    np.testing.assert_allclose(observations[:, places["soc"]][:, 0], sim.soc(), atol=1e-6)
+    assert places["hotspot_dx"].size == sim.model.hotspot_count
+
+
+def test_search_maps_grow_and_show_in_pictures():
+    env = jcas.FleetEnv("search", render_mode="rgb_array", **UNSEEN)
+    env.reset(seed=1)
+    config = env.model.config
+    before = env.sim.search_maps()
+    assert before.shape == (env.model.uav_count, config["grid_height"], config["grid_width"])
+    env.action_space.seed(1)
+    for _ in range(10):
+        env.step(env.action_space.sample())
+    after = env.sim.search_maps()
+    assert after.sum() > before.sum() and (after | before == after).all()
+    scene = env.sim.scene()
+    assert np.array_equal(scene.searched, after.any(axis=0)) and scene.searched_by == "searched cells"
+    assert jcas.Sim(jcas.Model()).search_maps().shape == (0, 12, 12)

@@ -276,7 +276,7 @@ pub fn evaluate(
     let missions = mission::fly(
         model,
         Campaign { episodes, seed },
-        &|| Box::new(LearnedPolicy::new("policy", &actor, mode)),
+        &|| Box::new(LearnedPolicy::new("policy", actor, mode)),
         &|| ControlFlow::Continue(()),
     )
     .map_err(|error| TrainError::Setting(error.to_string()))?;

@@ -136,3 +136,16 @@ class Fields(TypedDict, total=False):
     """Weight of the distance-to-hotspot potential (w_g). 0 to 1e+06 reward."""
     shaping_charge_weight: float | None
     """Weight of the carbon-aware charging potential (w_c). 0 to 1e+06 reward."""
+    search_maps: Literal["off", "shared"] | None
+    """Whether each UAV keeps a map of the cells that it knows to have been looked at: `off` or `shared`. One of
+    off, shared."""
+    search_map_radius_m: float | None
+    """A UAV has looked at the cells whose centre is at most this far from its own. 0 to 1e+06 m."""
+    map_window_radius: int | None
+    """Observations show the map this many cells around the UAV; 0: not at all. 0 to 32 cells."""
+    map_directions: Literal["off", "shown"] | None
+    """Whether observations show how much is unsearched in eight directions: `off` or `shown`. One of off,
+    shown."""
+    uav_tag: Literal["off", "index", "random"] | None
+    """What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode. One of
+    off, index, random."""

@@ -7,6 +7,7 @@ import weakref
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from gymnasium import spaces
 from typing_extensions import Unpack
 
@@ -119,6 +120,20 @@ class Model:
         if record.depot_count == 0:
             return [(record.grid_width // 2, record.grid_height // 2)]
         return [(cell.x, cell.y) for cell in record.depots[: record.depot_count]]
+
+    def observation_fields(self) -> dict[str, npt.NDArray[np.intp]]:
+        """Give the places of every field in an observation, by the field's name; together they are all places, once.
+
+        `observations[..., model.observation_fields()["hotspot_dx"]]` has one entry for each hotspot. Fields that the
+        configuration leaves out have no places.
+        """
+        fields = (_abi.jcas_observation_field * _abi.JCAS_OBSERVATION_FIELDS)()
+        size = ctypes.sizeof(_abi.jcas_observation_field)
+        check(lib.jcas_model_observation_fields(self.handle, fields, len(fields), size))
+        return {
+            lib.jcas_observation_field_name(index).decode(): field.offset + field.stride * np.arange(field.count)
+            for index, field in enumerate(fields)
+        }
 
     def observation_space(self, uavs: int | None = None) -> spaces.Box:
         """Describe one UAV's observation, or the rows of so many UAVs."""

@@ -348,7 +348,8 @@ def _draw_legend(image: Any, left: int, right: int, y: int, searched_by: str) ->
         if not isinstance(symbol, tuple):
             sprites.put(image, symbol, (x, middle_y))
         elif symbol[0] == "uav":
-            sprites.put_uav(image, (x, middle_y), 5.0, *symbol[1:], "")
+            _, color, soc, returning = symbol
+            sprites.put_uav(image, (x, middle_y), 5.0, color, soc, returning, "")
         elif symbol[0] == "line":
             canvas.line((x - 7, middle_y, x + 7, middle_y), fill=symbol[1], width=2)
         else:

@@ -194,6 +194,12 @@ class Sim:
         record = self.model.config.record
         return self._flags(lib.jcas_sim_get_visited, (record.grid_height, record.grid_width))
 
+    def search_maps(self) -> npt.NDArray[np.bool_]:
+        """Cells that each UAV knows to have been looked at, [N, H, W]; N is 0 without search maps."""
+        config = self.model.config
+        uavs = self.model.uav_count if config["search_maps"] == "shared" else 0
+        return self._flags(lib.jcas_sim_get_search_maps, (uavs, config["grid_height"], config["grid_width"]))
+
     def reward_components(self) -> dict[str, float]:
         """Give the components of the last reward by name; their sum, in order, is the reward."""
         values = np.empty(len(REWARD_NAMES))
@@ -236,6 +242,7 @@ class Sim:
         """What a picture of this moment shows."""
         config, uavs, hotspots = self.model.config, self.uavs(), self.hotspots()
         episode, metrics = self.episode(), self.metrics()
+        searching = config["search_maps"] == "shared"
         ended = "success" if episode.terminated else "horizon reached" if episode.truncated else ""
         return Scene(
             grid_width=config["grid_width"],
@@ -255,7 +262,8 @@ class Sim:
             confirmed=hotspots["confirmed"] != 0,
             informed=hotspots["informed"] != 0,
             share_knowing=self.knowledge().mean(axis=0),
-            searched=self.visited(),
+            searched=np.any(self.search_maps(), axis=0, out=self.visited()) if searching else self.visited(),
+            searched_by="searched cells" if searching else "visited cells",
             sensing_range=np.where(
                 uavs["grounded"] != 0, 0, [self.model.sensing_range(float(pilot)) for pilot in uavs["pilot_density"]]
             ),
