@@ -10,6 +10,7 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod comparison;
+pub mod machine;
 #[cfg(any(kani, test))]
 mod proofs;
 pub mod sampling;

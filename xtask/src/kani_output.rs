@@ -40,6 +40,10 @@ pub struct Report {
     pub verdicts: Vec<String>,
     pub complete: Option<(u32, u32, u32)>,
     pub seconds: Option<f64>,
+    /// Kani stopped CBMC at the harness's time limit.
+    pub timed_out: bool,
+    /// `(satisfied, all)` cover properties, by Kani's own count.
+    pub covers: Option<(u32, u32)>,
 }
 
 /// What a run amounts to.
@@ -81,6 +85,10 @@ impl Report {
             self.seconds = time.trim_end_matches('s').parse().ok();
         } else if line.starts_with("Complete - ") {
             self.complete = completion(line);
+        } else if line.starts_with("CBMC timed out") {
+            self.timed_out = true;
+        } else if line.starts_with("** ") && line.contains("cover properties satisfied") {
+            self.covers = satisfied(line);
         } else if let Some(check) = self.checks.last_mut() {
             if let Some(status) = line.strip_prefix("- Status: ") {
                 check.status = without_colour(status);
@@ -114,6 +122,12 @@ impl Report {
                 return Err(format!("cover {}: {}", witness.status, witness.description));
             }
         }
+        if self.covers != Some((covers, covers)) {
+            return Err(format!(
+                "Kani counts {:?} cover properties, the ledger says {covers}",
+                self.covers
+            ));
+        }
         if witnesses.len() != covers as usize {
             return Err(format!(
                 "{} cover properties, the ledger says {covers}",
@@ -140,6 +154,9 @@ impl Report {
                 self.harnesses
             ));
         }
+        if self.timed_out {
+            return Err("CBMC timed out".to_owned());
+        }
         if self.verdicts != ["SUCCESSFUL"] {
             let failed = self.checks.iter().find(|check| check.status == "FAILURE");
             return Err(match failed {
@@ -151,6 +168,18 @@ impl Report {
             return Err(format!("summary {:?} is not 1 success of 1", self.complete));
         }
         Ok(())
+    }
+}
+
+/// "** 3 of 3 cover properties satisfied"
+fn satisfied(line: &str) -> Option<(u32, u32)> {
+    let numbers: Vec<u32> = line
+        .split(' ')
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    match numbers[..] {
+        [satisfied, all] => Some((satisfied, all)),
+        _ => None,
     }
 }
 
@@ -191,11 +220,11 @@ mod tests {
     const HARNESS: &str = "proofs::energy::the_ledger_balances";
 
     const PROVEN: &str = r#"
-Kani Rust Verifier 0.68.0 (cargo plugin)
+Kani Rust Verifier 0.67.0 (cargo plugin)
    Compiling jcas-core v0.1.0
     Finished `dev` profile [unoptimized + debuginfo] target(s) in 1.20s
 Checking harness proofs::energy::the_ledger_balances...
-CBMC version 6.8.0 (cbmc-6.8.0) 64-bit x86_64 linux
+CBMC version 6.6.0 (cbmc-6.6.0) 64-bit x86_64 linux
 
 RESULTS:
 Check 1: energy::spend.arithmetic_overflow.1
@@ -231,6 +260,38 @@ Verification Time: 0.8153s
 Manual Harness Summary:
 Complete - 1 successfully verified harnesses, 0 failures, 1 total.
 "#;
+
+    const TIMED_OUT: &str = "
+Checking harness proofs::energy::the_ledger_balances...
+CBMC failed
+VERIFICATION:- FAILED
+CBMC timed out. You may want to rerun your proof with a larger timeout or use stubbing to reduce the size \
+of the code the verifier reasons about.
+
+Manual Harness Summary:
+Verification failed for - proofs::energy::the_ledger_balances
+Complete - 0 successfully verified harnesses, 1 failures, 1 total.
+";
+
+    /// Catches a phrase of Kani's that the reader no longer knows.
+    #[test]
+    fn the_phrases_of_kani_are_read() {
+        let proven = Report::parse(PROVEN);
+        assert_eq!(proven.verdicts, ["SUCCESSFUL"]);
+        assert_eq!(proven.complete, Some((1, 0, 1)));
+        assert_eq!(proven.covers, Some((1, 1)));
+        assert!(!proven.timed_out);
+        let stopped = Report::parse(TIMED_OUT);
+        assert_eq!(stopped.verdicts, ["FAILED"]);
+        assert_eq!(stopped.complete, Some((0, 1, 1)));
+        assert!(stopped.timed_out && stopped.covers.is_none());
+    }
+
+    #[test]
+    fn covers_that_kani_does_not_count_are_rejected() {
+        let output = PROVEN.replace("** 1 of 1 cover", "** 0 of 1 cover");
+        assert!(verdict(&output).unwrap_err().contains("Kani counts"));
+    }
 
     fn verdict(output: &str) -> Result<Proven, String> {
         Report::parse(output).accept(HARNESS, 1)
@@ -332,9 +393,7 @@ Complete - 1 successfully verified harnesses, 0 failures, 1 total.
         let undetermined = PROVEN.replace("Status: SUCCESS", "Status: UNDETERMINED");
         assert!(verdict(&undetermined).unwrap_err().contains("UNDETERMINED"));
 
-        let timed_out = "Checking harness proofs::energy::the_ledger_balances...\n\
-            CBMC failed\nVERIFICATION:- FAILED\nCBMC timed out. You may want to rerun your proof\n";
-        assert!(verdict(timed_out).unwrap_err().contains("FAILED"));
+        assert_eq!(verdict(TIMED_OUT).unwrap_err(), "CBMC timed out");
 
         let cut = PROVEN.split("Manual Harness Summary").next().unwrap();
         assert!(verdict(cut).unwrap_err().contains("summary"));

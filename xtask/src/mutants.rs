@@ -2,8 +2,9 @@
 //!
 //! A mutant is one edit of the kernel's text, named in the ledger. The edit is made
 //! in a copy of the sources, never in the sources. The proof's test twin must pass
-//! in the copy without the edit and fail with it.
+//! in the copy without the edit and fail with it; and with `--kani`, so must the proof.
 
+use crate::kani_output::Proven;
 use crate::ledger::{Ledger, Mutant, Proof, workspace_root};
 use crate::{process, prove, report};
 use std::path::{Path, PathBuf};
@@ -83,14 +84,19 @@ impl Copy {
     /// What the twin, and if asked Kani, say to the mutant.
     fn verdicts(&self, proof: &Proof, with_kani: bool) -> Result<(String, String), String> {
         let before = self.run_twin(proof)?;
+        let proven = if with_kani {
+            Some(prove::prove(proof, &self.root)?)
+        } else {
+            None
+        };
         let original = read(&self.root.join(&proof.mutant.file))?;
         let mutated = proof.mutant.apply(&original)?;
         report::write(&self.root.join(&proof.mutant.file), &mutated)?;
         let after = self.run_twin(proof);
-        let kani = if with_kani {
-            self.kani_verdict(proof)
-        } else {
-            Ok("not asked".to_owned())
+        let kani = match proven {
+            None => Ok("not asked".to_owned()),
+            Some(Err(why)) => Ok(not_proven(&why)),
+            Some(Ok(_)) => prove::prove(proof, &self.root).map(kani_verdict),
         };
         report::write(&self.root.join(&proof.mutant.file), &original)?;
         Ok((twin_verdict(before, after?).to_owned(), kani?))
@@ -124,14 +130,20 @@ impl Copy {
             Twin::Broken
         })
     }
+}
 
-    fn kani_verdict(&self, proof: &Proof) -> Result<String, String> {
-        Ok(match prove::prove(proof, &self.root)? {
-            Err(why) if why.starts_with("FAILURE") => "caught".to_owned(),
-            Err(why) => format!("UNCLEAR: {}", why.replace('|', "/")),
-            Ok(_) => "MISSED".to_owned(),
-        })
+/// What Kani says of a harness that it proved without the mutant.
+fn kani_verdict(with_the_mutant: Result<Proven, String>) -> String {
+    match with_the_mutant {
+        Err(why) if why.starts_with("FAILURE") => "caught".to_owned(),
+        Err(why) => format!("UNCLEAR: {}", why.replace('|', "/")),
+        Ok(_) => "MISSED".to_owned(),
     }
+}
+
+/// A harness that is not proven as it stands catches nothing.
+fn not_proven(why: &str) -> String {
+    format!("NOT PROVEN WITHOUT THE MUTANT: {}", why.replace('|', "/"))
 }
 
 fn twin_verdict(before: Twin, after: Twin) -> &'static str {
@@ -243,5 +255,20 @@ mod tests {
         assert_eq!(twin_verdict(Twin::Passed, Twin::Passed), "MISSED");
         assert_ne!(twin_verdict(Twin::Failed, Twin::Failed), "caught");
         assert_ne!(twin_verdict(Twin::Passed, Twin::Broken), "caught");
+    }
+
+    #[test]
+    fn kani_catches_only_what_it_proves_without_the_mutant() {
+        let failure = Err("FAILURE: assertion failed: x".to_owned());
+        assert_eq!(kani_verdict(failure), "caught");
+        assert!(kani_verdict(Err("CBMC timed out".to_owned())).starts_with("UNCLEAR"));
+        let proven = Proven {
+            checks: 1,
+            unreachable: 0,
+            covers: 1,
+            seconds: 1.0,
+        };
+        assert_eq!(kani_verdict(Ok(proven)), "MISSED");
+        assert_ne!(not_proven("FAILURE: assertion failed: x"), "caught");
     }
 }

@@ -141,3 +141,39 @@ pub fn require_kani() -> Result<(), String> {
 fn results_path() -> PathBuf {
     workspace_root().join("target/proofs/results.md")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Catches a column without a heading, and a verdict that breaks the table.
+    #[test]
+    fn every_cell_has_a_heading() {
+        let proofs = Ledger::read().unwrap().select(&[]).unwrap();
+        let proven = Proven {
+            checks: 3,
+            unreachable: 1,
+            covers: 1,
+            seconds: 0.8,
+        };
+        for verdict in [Ok(proven), Err("CBMC timed out".to_owned())] {
+            let cells = row(&proofs[0], &verdict);
+            assert_eq!(cells.len(), HEADING.len());
+        }
+        let late = row(&proofs[0], &Err("CBMC timed out".to_owned()));
+        assert_eq!(late[5], "NOT PROVEN: CBMC timed out");
+    }
+
+    /// Catches flags that Kani would take for CBMC's: what follows `--cbmc-args` is passed on to CBMC.
+    #[test]
+    fn flags_of_cbmc_come_last() {
+        for proof in Ledger::read().unwrap().proof {
+            let mut after = proof.flags.iter().skip_while(|flag| *flag != "--cbmc-args");
+            assert!(
+                after.all(|flag| flag != "--no-assertion-reach-checks"),
+                "{}",
+                proof.harness
+            );
+        }
+    }
+}

@@ -13,6 +13,7 @@ mod action;
 mod carbon;
 mod communication;
 mod energy;
+mod host;
 mod knowledge;
 mod motion;
 mod reset;
