@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The ns-3 example: ns-3 moves the UAVs and decides who hears whom, and both missions are complete.
+# The ns-3 example: ns-3 moves the UAVs and decides who hears whom, and the missions are complete, flown by a
+# baseline and by the shipped policy.
 set -euo pipefail
 shopt -s inherit_errexit
 
@@ -7,6 +8,6 @@ prefix=$(.ci/cmake_install.sh)
 build=$CARGO_TARGET_DIR/ns3
 cmake -S examples/ns3 -B "$build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$build" >/dev/null
-flown=$("$build/fleet")
+flown=$("$build/fleet" && "$build/fleet" --policy=policies/fleet/policy.safetensors)
 echo "$flown"
-[[ $(grep -c ' complete ' <<<"$flown") == 2 ]]
+[[ $(grep -c ' complete ' <<<"$flown") == 4 ]]

@@ -25,8 +25,10 @@ library=$(instrumented address)
 check="clang $FLAGS -fsanitize=address,undefined -fno-sanitize-recover=all"
 $check tests/c/abuse*.c "$library" $SYSTEM -o "$out/abuse"
 $check tests/c/replay.c "$library" $SYSTEM -o "$out/replay"
+$check tests/c/policies.c "$library" $SYSTEM -o "$out/policies"
 "$out/abuse"
 "$out/replay" tests/golden/*.jsonl
+"$out/policies" policies/fleet/policy.safetensors >"$out/policies.txt"
 
 echo "ThreadSanitizer"
 library=$(instrumented thread)

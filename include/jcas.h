@@ -77,7 +77,7 @@
 // An argument is outside its range.
 #define JCAS_ERROR_ARGUMENT (-7)
 
-// An action component is NaN.
+// An action component is NaN, or a network gives no finite number.
 #define JCAS_ERROR_NAN (-8)
 
 // A state and a model, or two states, have different configurations.
@@ -89,7 +89,7 @@
 // The episode has ended: reset before the next step.
 #define JCAS_ERROR_EPISODE_OVER (-11)
 
-// The bytes are not a snapshot of this model.
+// The bytes are not a snapshot of this model, or not a policy.
 #define JCAS_ERROR_CORRUPT (-12)
 
 // The model still has simulations or batches.
@@ -182,6 +182,12 @@
 // No motion.
 #define JCAS_MOVE_STAY 0.8f
 
+// The most likely motion and the mean pilot density.
+#define JCAS_POLICY_DETERMINISTIC 0
+
+// Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
+#define JCAS_POLICY_SAMPLED 1
+
 // M environments of one model, with their working memory and, if wanted, threads of their own. One
 // thread at a time may use it.
 typedef struct jcas_batch jcas_batch;
@@ -189,6 +195,10 @@ typedef struct jcas_batch jcas_batch;
 // A validated configuration with everything that can be worked out before the first step. It never
 // changes: any number of threads may use one model at once.
 typedef struct jcas_model jcas_model;
+
+// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a time may
+// use it; several policies may fly on one model at once.
+typedef struct jcas_policy jcas_policy;
 
 // One state of a model, with its working memory. One thread at a time may use it; functions that take
 // it as const may run at once with each other.
@@ -1051,6 +1061,96 @@ int32_t jcas_batch_message(const struct jcas_batch *batch,
                            char *text,
                            size_t capacity,
                            size_t *length);
+
+// How much memory a trained policy takes, for jcas_policy_init.
+//
+// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors. `size` in bytes.
+// `message`: see the introduction. JCAS_ERROR_CORRUPT where the bytes are no policy,
+// JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
+int32_t jcas_policy_layout(const struct jcas_model *model,
+                           const uint8_t *file,
+                           size_t length,
+                           size_t *size,
+                           size_t *alignment,
+                           char *message,
+                           size_t message_capacity);
+
+// Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may not be moved.
+//
+// `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
+// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not needed after
+// the call. `policy`: not NULL; receives the handle. `message`: see the introduction. Threads: any.
+int32_t jcas_policy_init(void *memory,
+                         size_t size,
+                         const struct jcas_model *model,
+                         const uint8_t *file,
+                         size_t length,
+                         struct jcas_policy **policy,
+                         char *message,
+                         size_t message_capacity);
+
+// Builds a trained policy in memory of its own, to be ended by jcas_policy_free.
+//
+// It flies as its file says (`mode`, `pilot_density`), deterministically where the file says nothing.
+//
+// `model`: not NULL; must not be freed before the policy. `file`: the bytes of a policy.safetensors; not
+// needed after the call. `policy`: not NULL; receives the handle. `message`: see the introduction.
+// JCAS_ERROR_CORRUPT where the bytes are no policy, JCAS_ERROR_MODEL_MISMATCH where it reads other
+// observations than the model has. Threads: any.
+int32_t jcas_policy_load(const struct jcas_model *model,
+                         const uint8_t *file,
+                         size_t length,
+                         struct jcas_policy **policy,
+                         char *message,
+                         size_t message_capacity);
+
+// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams or sweep, as
+// `jcas simulate --policy` knows them. It plans on the heap, so that jcas_policy_act may allocate.
+//
+// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid, max, adaptive
+// or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
+// introduction. JCAS_ERROR_ARGUMENT where there is none of that name, or where it steers by positions that
+// the model hides. Threads: any.
+int32_t jcas_policy_baseline(const struct jcas_model *model,
+                             const char *name,
+                             const char *pilot,
+                             struct jcas_policy **policy,
+                             char *message,
+                             size_t message_capacity);
+
+// Chooses how a trained policy's actions follow from its network. Baselines are not affected.
+//
+// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED. Threads: only this one uses
+// `policy`.
+int32_t jcas_policy_set_mode(struct jcas_policy *policy,
+                             int32_t mode);
+
+// Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
+//
+// The same bits on every platform. `sim` may be of another model with the same configuration; it is not
+// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed.
+//
+// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
+// none changes `sim`.
+int32_t jcas_policy_act(struct jcas_policy *policy,
+                        const struct jcas_sim *sim,
+                        float *actions,
+                        size_t action_count);
+
+// As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where the outputs
+// of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that simulation are written.
+//
+// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
+// `policy`, none changes `batch`.
+int32_t jcas_policy_act_batch(struct jcas_policy *policy,
+                              const struct jcas_batch *batch,
+                              float *actions,
+                              size_t action_count);
+
+// Ends a policy; memory of the caller is the caller's again. NULL is allowed and does nothing.
+//
+// Threads: none may be using the policy.
+int32_t jcas_policy_free(struct jcas_policy *policy);
 
 #ifdef __cplusplus
 }  // extern "C"

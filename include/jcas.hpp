@@ -446,6 +446,60 @@ private:
     std::unique_ptr<jcas_batch, end> handle_;
 };
 
+/// A jcas_policy of its own: what flies a fleet. One thread at a time may use it.
+class policy {
+public:
+    /// A trained network from the bytes of its file.
+    static result<policy> load(const model &model, span<const std::uint8_t> file)
+    {
+        jcas_policy *handle = nullptr;
+        char message[512] = "";
+        const std::uint8_t none = 0;
+        const std::uint8_t *data = file.size() > 0 ? file.data() : &none;
+        std::int32_t code = jcas_policy_load(model.get(), data, file.size(), &handle, message, sizeof message);
+        if (code != JCAS_OK)
+            return {code, message};
+        return policy(handle);
+    }
+
+    /// A baseline by its name; `pilot` as for jcas_policy_baseline.
+    static result<policy> baseline(const model &model, const std::string &name,
+                                   const std::string &pilot = "adaptive")
+    {
+        jcas_policy *handle = nullptr;
+        char message[512] = "";
+        std::int32_t code = jcas_policy_baseline(model.get(), name.c_str(), pilot.c_str(), &handle, message,
+                                                 sizeof message);
+        if (code != JCAS_OK)
+            return {code, message};
+        return policy(handle);
+    }
+
+    jcas_policy *get() noexcept { return handle_.get(); }
+
+    /// Whether a network's actions are drawn from its distribution.
+    status sampled(bool sampled)
+    {
+        return jcas_policy_set_mode(get(), sampled ? JCAS_POLICY_SAMPLED : JCAS_POLICY_DETERMINISTIC);
+    }
+
+    status act(const sim &sim, span<float> actions)
+    {
+        return jcas_policy_act(get(), sim.get(), actions.data(), actions.size());
+    }
+    status act(const batch &batch, span<float> actions)
+    {
+        return jcas_policy_act_batch(get(), batch.get(), actions.data(), actions.size());
+    }
+
+private:
+    struct end {
+        void operator()(jcas_policy *handle) const noexcept { jcas_policy_free(handle); }
+    };
+    explicit policy(jcas_policy *handle) : handle_(handle) {}
+    std::unique_ptr<jcas_policy, end> handle_;
+};
+
 /// Whether the library that runs serves a program compiled with this header.
 inline status check_abi() { return jcas_abi_check(JCAS_ABI_VERSION); }
 

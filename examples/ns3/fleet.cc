@@ -1,14 +1,15 @@
 // jcas inside ns-3: ns-3 moves the UAVs and its Wi-Fi decides who hears whom; jcas, through its C
 // interface, does sensing, consensus, energy, carbon and reward.
 //
-// Two teams fly to one hotspot each, and to the next when it is confirmed; when all are, everybody flies
-// to the middle to tell each other. In each step of 10 s every UAV broadcasts one beacon over ad-hoc
-// 802.11a near the end of the step. Two UAVs are linked in that step if each heard the other.
+// A policy of jcas decides where each UAV flies and how much of the waveform it senses with: a trained
+// network from its file, or a baseline by its name. In each step of 10 s every UAV broadcasts one beacon
+// over ad-hoc 802.11a near the end of the step. Two UAVs are linked in that step if each heard the other.
 //
-// The same mission is flown twice with the same mobility: once over the links that Wi-Fi made, once over
-// those of jcas's own link budget.
+// The same mission is flown twice by the same policy: once over the links that Wi-Fi made, once over those
+// of jcas's own link budget.
 //
-//     ./fleet [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
+//     ./fleet [--policy=swarm] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
+//     ./fleet --policy=../../policies/fleet/policy.safetensors
 #include <jcas.hpp>
 
 #include "ns3/constant-velocity-mobility-model.h"
@@ -21,6 +22,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -33,6 +36,7 @@ constexpr std::uint16_t PROTOCOL = 0x88b5; // IEEE 802, local experiments
 constexpr std::uint32_t BEACON_BYTES = 64;
 
 struct Options {
+    std::string policy = "swarm";
     std::uint32_t uavs = 10;
     std::uint32_t hotspots = 4;
     std::uint32_t seed = 3;
@@ -56,7 +60,7 @@ private:
     bool Receive(ns3::Ptr<ns3::NetDevice> device, ns3::Ptr<const ns3::Packet> packet, std::uint16_t protocol,
                  const ns3::Address &from);
     std::size_t IndexOf(const ns3::Address &address) const;
-    jcas_cell Target(std::uint32_t uav, const std::vector<jcas_hotspot> &hotspots) const;
+    jcas_cell Target(const jcas_uav &uav, float direction) const;
     jcas_cell CellOf(std::uint32_t uav) const;
     void Steer(std::uint32_t uav, jcas_cell target);
 
@@ -64,6 +68,8 @@ private:
     jcas_config m_config;
     jcas::model m_model;
     jcas::sim m_sim;
+    jcas::policy m_policy;
+    std::vector<float> m_actions;
     ns3::NodeContainer m_nodes;
     ns3::NetDeviceContainer m_devices;
     std::vector<ns3::Address> m_addresses;
@@ -80,9 +86,20 @@ jcas_config Configure(const Options &options)
     return config;
 }
 
+// What a file holds; a baseline of that name where there is no file.
+jcas::policy Load(const jcas::model &model, const std::string &name)
+{
+    std::ifstream file(name, std::ios::binary);
+    if (!file)
+        return jcas::policy::baseline(model, name).take();
+    const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
+    return jcas::policy::load(model, bytes).take();
+}
+
 Mission::Mission(const Options &options, bool wifi_links)
     : m_wifi_links(wifi_links), m_config(Configure(options)),
       m_model(jcas::model::create(m_config).take()), m_sim(jcas::sim::create(m_model).take()),
+      m_policy(Load(m_model, options.policy)), m_actions(2 * options.uavs),
       m_heard(options.uavs * options.uavs)
 {
     m_sim.reset(options.seed).check();
@@ -134,9 +151,10 @@ jcas_metrics Mission::Fly()
 void Mission::BeginStep()
 {
     std::fill(m_heard.begin(), m_heard.end(), std::uint8_t{0});
-    const std::vector<jcas_hotspot> hotspots = m_sim.hotspots();
+    m_policy.act(m_sim, m_actions).check();
+    const std::vector<jcas_uav> uavs = m_sim.uavs();
     for (std::uint32_t i = 0; i < m_config.uav_count; i++) {
-        Steer(i, Target(i, hotspots));
+        Steer(i, Target(uavs[i], m_actions[2 * i]));
         ns3::Simulator::Schedule(ns3::Seconds(BEACON_AT_S + BEACON_SPACING_S * i), &Mission::Beacon, this, i);
     }
     ns3::Simulator::Schedule(ns3::Seconds(STEP_S), &Mission::EndStep, this);
@@ -146,12 +164,11 @@ void Mission::EndStep()
 {
     const std::uint32_t n = m_config.uav_count;
     std::vector<jcas_cell> cells(n);
-    std::vector<float> actions(2 * n);
+    std::vector<float> actions = m_actions;
     std::vector<std::uint8_t> links(n * n);
     for (std::uint32_t i = 0; i < n; i++) {
         cells[i] = CellOf(i);
         actions[2 * i] = JCAS_MOVE_STAY; // ns-3 moves
-        actions[2 * i + 1] = 1;          // as much sensing as the waveform allows
         for (std::uint32_t k = 0; k < n; k++)
             links[n * i + k] = m_heard[n * i + k] && m_heard[n * k + i];
     }
@@ -193,16 +210,17 @@ std::size_t Mission::IndexOf(const ns3::Address &address) const
     return std::find(m_addresses.begin(), m_addresses.end(), address) - m_addresses.begin();
 }
 
-// Team 0 takes the first hotspot that is not confirmed, team 1 the last.
-jcas_cell Mission::Target(std::uint32_t uav, const std::vector<jcas_hotspot> &hotspots) const
+// The cell that a direction leads to, on the grid.
+jcas_cell Mission::Target(const jcas_uav &uav, float direction) const
 {
-    std::vector<jcas_cell> open;
-    for (const jcas_hotspot &hotspot : hotspots)
-        if (!hotspot.confirmed)
-            open.push_back({hotspot.x, hotspot.y});
-    if (open.empty())
-        return {m_config.grid_width / 2, m_config.grid_height / 2};
-    return uav % 2 == 0 ? open.front() : open.back();
+    const int motion = std::min(4, static_cast<int>((direction + 1) / 2 * 5));
+    const int dx = motion == 2 ? -1 : motion == 3 ? 1 : 0;
+    const int dy = motion == 0 ? 1 : motion == 1 ? -1 : 0;
+    auto on_grid = [](std::uint32_t at, int by, std::uint32_t extent) {
+        return static_cast<std::uint32_t>(
+            std::clamp(static_cast<int>(at) + by, 0, static_cast<int>(extent) - 1));
+    };
+    return {on_grid(uav.x, dx, m_config.grid_width), on_grid(uav.y, dy, m_config.grid_height)};
 }
 
 jcas_cell Mission::CellOf(std::uint32_t uav) const
@@ -243,6 +261,7 @@ int main(int argc, char **argv)
 {
     Options options;
     ns3::CommandLine command_line(__FILE__);
+    command_line.AddValue("policy", "file of a trained policy, or name of a baseline", options.policy);
     command_line.AddValue("uavs", "UAVs in the fleet", options.uavs);
     command_line.AddValue("hotspots", "hotspots to find", options.hotspots);
     command_line.AddValue("seed", "seed of the mission", options.seed);

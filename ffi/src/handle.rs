@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | model | [`ModelBlock`], then the words of its tables |
 //! | simulation | [`SimBlock`], then the words of the state, of the working memory, and a spare state |
+//! | policy | [`PolicyBlock`](crate::policy_block::PolicyBlock), then what its network works with |
 
 use std::alloc::{Layout, alloc, dealloc};
 use std::slice;
@@ -99,11 +100,16 @@ impl Memory {
         }
     }
 
+    /// Bytes of the block.
+    pub(crate) const fn size(&self) -> usize {
+        self.layout.size()
+    }
+
     /// Gives memory of ours back.
     ///
     /// # Safety
     /// `at` came with this value from [`Memory::allocate`] or [`Memory::lent`], and nothing uses it.
-    unsafe fn release(self, at: *mut u8) {
+    pub(crate) unsafe fn release(self, at: *mut u8) {
         if self.ours {
             // SAFETY: allocated with this very layout.
             unsafe { dealloc(at, self.layout) };
@@ -112,7 +118,7 @@ impl Memory {
 }
 
 /// A block of type `B` followed by `words` words.
-fn block_layout<B>(words: usize) -> Result<Layout, Fault> {
+pub(crate) fn block_layout<B>(words: usize) -> Result<Layout, Fault> {
     let too_large = |_| Fault::Status(JCAS_ERROR_RESOURCES);
     let tail = Layout::array::<u64>(words).map_err(too_large)?;
     let (layout, offset) = Layout::new::<B>().extend(tail).map_err(too_large)?;
@@ -124,7 +130,7 @@ fn block_layout<B>(words: usize) -> Result<Layout, Fault> {
 ///
 /// # Safety
 /// `count` words lie after the block at `at`, initialised, and nothing else uses them for `'a`.
-unsafe fn words_after<'a, B>(at: *mut B, count: usize) -> &'a mut [u64] {
+pub(crate) unsafe fn words_after<'a, B>(at: *mut B, count: usize) -> &'a mut [u64] {
     // SAFETY: within the block's memory by the caller's promise.
     let first = unsafe { at.add(1) };
     // SAFETY: the caller's promise; a block's size is a multiple of a word's alignment.

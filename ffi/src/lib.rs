@@ -32,9 +32,12 @@ mod snapshot;
 
 mod batch;
 
+mod policy;
+
 mod batch_block;
 mod handle;
 mod memory;
+mod policy_block;
 #[cfg(any(kani, test))]
 mod proofs;
 
@@ -43,6 +46,7 @@ pub use config::*;
 pub use config_text::*;
 pub use model::*;
 pub use parts::*;
+pub use policy::*;
 pub use read::*;
 pub use records::*;
 pub use sim::*;

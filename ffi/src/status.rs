@@ -21,7 +21,7 @@ pub const JCAS_ERROR_HANDLE: i32 = -5;
 pub const JCAS_ERROR_CONFIG: i32 = -6;
 /// An argument is outside its range.
 pub const JCAS_ERROR_ARGUMENT: i32 = -7;
-/// An action component is NaN.
+/// An action component is NaN, or a network gives no finite number.
 pub const JCAS_ERROR_NAN: i32 = -8;
 /// A state and a model, or two states, have different configurations.
 pub const JCAS_ERROR_MODEL_MISMATCH: i32 = -9;
@@ -29,7 +29,7 @@ pub const JCAS_ERROR_MODEL_MISMATCH: i32 = -9;
 pub const JCAS_ERROR_OUT_OF_ORDER: i32 = -10;
 /// The episode has ended: reset before the next step.
 pub const JCAS_ERROR_EPISODE_OVER: i32 = -11;
-/// The bytes are not a snapshot of this model.
+/// The bytes are not a snapshot of this model, or not a policy.
 pub const JCAS_ERROR_CORRUPT: i32 = -12;
 /// The model still has simulations or batches.
 pub const JCAS_ERROR_IN_USE: i32 = -13;

@@ -12,6 +12,8 @@ pub mod baselines;
 pub use baselines::*;
 pub mod head;
 pub mod network;
+#[cfg(any(kani, test))]
+mod proofs;
 
 use jcas_core::{Model, StateRef};
 

@@ -63,6 +63,8 @@ fn the_shipped_policy_is_read() {
     let (network, weights) = load(FLEET).unwrap();
     assert_eq!(network.head(), Head::Hybrid);
     assert_eq!(network.note().mode, Mode::Deterministic);
+    let visibility = network.note().target_visibility;
+    assert_eq!(visibility, Some(TargetVisibility::Known));
     assert!(weights.iter().any(|&weight| weight != 0.0));
     for (uav_count, hotspot_count) in [(1, 1), (5, 3), (20, 11)] {
         let config = Config {

@@ -79,6 +79,26 @@ static void fly_batch(const jcas::model &model)
     CHECK(batch.copy_to(3, sim).code() == JCAS_ERROR_ARGUMENT);
 }
 
+static void fly_policies(const jcas::model &model)
+{
+    CHECK(jcas::policy::load(model, {}).code() == JCAS_ERROR_CORRUPT);
+    CHECK(!jcas::policy::baseline(model, "swan"));
+    jcas::policy policy = jcas::policy::baseline(model, "swarm", "max").take();
+    CHECK(policy.sampled(true));
+    jcas::sim sim = jcas::sim::create(model).take();
+    CHECK(sim.reset(3));
+    std::vector<float> actions(model.info().action_len);
+    for (jcas_outcome outcome{}; !outcome.terminated && !outcome.truncated;) {
+        CHECK(policy.act(sim, actions));
+        outcome = sim.step(actions).take();
+    }
+    CHECK(sim.metrics().confirmed > 0);
+    jcas::batch batch = jcas::batch::create(model, 2).take();
+    CHECK(policy.act(batch, actions).code() == JCAS_ERROR_LENGTH);
+    actions.resize(2 * actions.size());
+    CHECK(policy.act(batch, actions));
+}
+
 int main()
 {
     CHECK(jcas::check_abi());
@@ -89,6 +109,7 @@ int main()
         CHECK(!model.radio(99, 0, 0.3));
         fly(model);
         fly_batch(model);
+        fly_policies(model);
         // Nothing is left that uses the model.
         jcas_model *handle = const_cast<jcas_model *>(model.get());
         jcas_sim *sim = nullptr;

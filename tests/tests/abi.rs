@@ -123,6 +123,7 @@ fn abuse_leaves_no_function_out() {
         "abuse_sim.c",
         "abuse_read.c",
         "abuse_batch.c",
+        "policies.c",
     ]) {
         abuse += &fs::read_to_string(file).expect("the tests are there");
     }

@@ -85,6 +85,7 @@ fn harnesses() -> Vec<Harness> {
     let folders = [
         ("jcas-core", "core/src/proofs"),
         ("jcas-ffi", "ffi/src/proofs"),
+        ("jcas-policy", "policy/src/proofs"),
         ("jcas-verification", "verification/src/proofs"),
     ];
     for (package, folder) in folders {

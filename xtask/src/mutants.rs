@@ -14,7 +14,7 @@ use std::time::Duration;
 const LIMIT: Duration = Duration::from_secs(900);
 
 /// Crates that hold mutants and their twins.
-const CRATES: [&str; 3] = ["core", "ffi", "verification"];
+const CRATES: [&str; 4] = ["core", "ffi", "policy", "verification"];
 
 /// Tries the mutants that `names` select; true if every one is caught.
 pub fn run(arguments: &[String]) -> Result<bool, String> {
@@ -244,7 +244,7 @@ mod tests {
         let copied = with_members(manifest).unwrap();
         assert_eq!(
             copied,
-            "[workspace]\nmembers = [\"core\", \"ffi\", \"verification\"]\n[profile]\n"
+            "[workspace]\nmembers = [\"core\", \"ffi\", \"policy\", \"verification\"]\n[profile]\n"
         );
         assert!(with_members("[workspace]\n").is_err());
     }

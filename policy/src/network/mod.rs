@@ -24,6 +24,9 @@ mod note;
 mod plan;
 mod set;
 
+#[cfg(any(kani, test))]
+pub(crate) use file::place;
+
 pub use error::{ArrayName, FlyError, LoadError};
 pub use note::Note;
 pub use plan::DEPTH_MAX;

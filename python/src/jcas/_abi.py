@@ -57,6 +57,8 @@ JCAS_PHASE_COMMUNICATED = 4
 JCAS_PHASE_TERMINATED = 5
 JCAS_PHASE_TRUNCATED = 6
 JCAS_OBSERVATION_FIELDS = 21
+JCAS_POLICY_DETERMINISTIC = 0
+JCAS_POLICY_SAMPLED = 1
 
 
 class jcas_cell(Structure):
@@ -407,3 +409,19 @@ def declare(library: CDLL) -> None:
     library.jcas_batch_set.restype = c_int32
     library.jcas_batch_message.argtypes = (c_void_p, c_char_p, c_size_t, c_void_p)
     library.jcas_batch_message.restype = c_int32
+    library.jcas_policy_layout.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p, c_char_p, c_size_t)
+    library.jcas_policy_layout.restype = c_int32
+    library.jcas_policy_init.argtypes = (c_void_p, c_size_t, c_void_p, c_void_p, c_size_t, POINTER(c_void_p), c_char_p, c_size_t)
+    library.jcas_policy_init.restype = c_int32
+    library.jcas_policy_load.argtypes = (c_void_p, c_void_p, c_size_t, POINTER(c_void_p), c_char_p, c_size_t)
+    library.jcas_policy_load.restype = c_int32
+    library.jcas_policy_baseline.argtypes = (c_void_p, c_char_p, c_char_p, POINTER(c_void_p), c_char_p, c_size_t)
+    library.jcas_policy_baseline.restype = c_int32
+    library.jcas_policy_set_mode.argtypes = (c_void_p, c_int32)
+    library.jcas_policy_set_mode.restype = c_int32
+    library.jcas_policy_act.argtypes = (c_void_p, c_void_p, c_void_p, c_size_t)
+    library.jcas_policy_act.restype = c_int32
+    library.jcas_policy_act_batch.argtypes = (c_void_p, c_void_p, c_void_p, c_size_t)
+    library.jcas_policy_act_batch.restype = c_int32
+    library.jcas_policy_free.argtypes = (c_void_p,)
+    library.jcas_policy_free.restype = c_int32

@@ -1,0 +1,282 @@
+//! Policies: trained networks from their files, and the baselines by name.
+
+use std::ffi::{CStr, c_char, c_void};
+
+use ::jcas_policy::head::Mode;
+use ::jcas_policy::network::Network;
+use ::jcas_policy::{BaselineKind, PilotMode};
+use jcas_core::Model;
+
+use crate::batch::jcas_batch;
+use crate::batch_block::BatchBlock;
+use crate::handle::{Memory, model, see};
+use crate::memory::{bytes, message, output, place};
+use crate::model::jcas_model;
+use crate::policy_block::{PolicyBlock, fault};
+use crate::sim::jcas_sim;
+use crate::status::{
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard,
+};
+
+/// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a time may
+/// use it; several policies may fly on one model at once.
+pub struct jcas_policy(());
+
+/// The most likely motion and the mean pilot density.
+pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
+/// Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
+pub const JCAS_POLICY_SAMPLED: i32 = 1;
+
+/// The network of a file, seen to fit the model; why not goes to the caller's buffer.
+///
+/// # Safety
+/// As [`bytes`] and [`message`].
+unsafe fn network(
+    model: &Model<'_>,
+    file: *const u8,
+    length: usize,
+    buffer: *mut c_char,
+    capacity: usize,
+) -> Result<(Network, &'static [u8]), Fault> {
+    // SAFETY: the caller's promise; the slice does not outlive the call.
+    let file: &'static [u8] = unsafe { bytes(file, length) }?;
+    let refuse = |text: String, fault| {
+        // SAFETY: passed on.
+        unsafe { message(&text, buffer, capacity) };
+        fault
+    };
+    let network = Network::read(file)
+        .map_err(|error| refuse(error.to_string(), Fault::Status(JCAS_ERROR_CORRUPT)))?;
+    network
+        .check(model)
+        .map_err(|error| refuse(error.to_string(), fault(error)))?;
+    Ok((network, file))
+}
+
+/// How much memory a trained policy takes, for jcas_policy_init.
+///
+/// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors. `size` in bytes.
+/// `message`: see the introduction. JCAS_ERROR_CORRUPT where the bytes are no policy,
+/// JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_layout(
+    model: *const jcas_model,
+    file: *const u8,
+    length: usize,
+    size: *mut usize,
+    alignment: *mut usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `size`.
+        let size = unsafe { place(size) }?;
+        // SAFETY: the caller's promise for `alignment`.
+        let alignment = unsafe { place(alignment) }?;
+        // SAFETY: the caller's promises for `file` and `message`.
+        let (network, _) =
+            unsafe { network(model.get(), file, length, message, message_capacity) }?;
+        let layout = PolicyBlock::layout(model.get(), Some(&network))?;
+        size.put(layout.size());
+        alignment.put(layout.align());
+        Ok(())
+    })
+}
+
+/// Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may not be moved.
+///
+/// `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
+/// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not needed after
+/// the call. `policy`: not NULL; receives the handle. `message`: see the introduction. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_init(
+    memory: *mut c_void,
+    size: usize,
+    model: *const jcas_model,
+    file: *const u8,
+    length: usize,
+    policy: *mut *mut jcas_policy,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `policy`.
+        let out = unsafe { place(policy) }?;
+        // SAFETY: the caller's promises for `file` and `message`.
+        let (network, file) =
+            unsafe { network(model.get(), file, length, message, message_capacity) }?;
+        let layout = PolicyBlock::layout(model.get(), Some(&network))?;
+        let memory = Memory::lent(memory.cast(), size, layout)?;
+        // SAFETY: checked memory that the caller lends for as long as the policy lives.
+        let block = unsafe { PolicyBlock::build_network(model, &network, file, memory) }?;
+        out.put(block.cast());
+        Ok(())
+    })
+}
+
+/// Builds a trained policy in memory of its own, to be ended by jcas_policy_free.
+///
+/// It flies as its file says (`mode`, `pilot_density`), deterministically where the file says nothing.
+///
+/// `model`: not NULL; must not be freed before the policy. `file`: the bytes of a policy.safetensors; not
+/// needed after the call. `policy`: not NULL; receives the handle. `message`: see the introduction.
+/// JCAS_ERROR_CORRUPT where the bytes are no policy, JCAS_ERROR_MODEL_MISMATCH where it reads other
+/// observations than the model has. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_load(
+    model: *const jcas_model,
+    file: *const u8,
+    length: usize,
+    policy: *mut *mut jcas_policy,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `policy`.
+        let out = unsafe { place(policy) }?;
+        // SAFETY: the caller's promises for `file` and `message`.
+        let (network, file) =
+            unsafe { network(model.get(), file, length, message, message_capacity) }?;
+        let memory = Memory::allocate(PolicyBlock::layout(model.get(), Some(&network))?)?;
+        // SAFETY: memory of ours with this layout.
+        let block = unsafe { PolicyBlock::build_network(model, &network, file, memory) }?;
+        out.put(block.cast());
+        Ok(())
+    })
+}
+
+/// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams or sweep, as
+/// `jcas simulate --policy` knows them. It plans on the heap, so that jcas_policy_act may allocate.
+///
+/// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid, max, adaptive
+/// or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
+/// introduction. JCAS_ERROR_ARGUMENT where there is none of that name, or where it steers by positions that
+/// the model hides. Threads: any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_baseline(
+    model: *const jcas_model,
+    name: *const c_char,
+    pilot: *const c_char,
+    policy: *mut *mut jcas_policy,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `policy`.
+        let out = unsafe { place(policy) }?;
+        if name.is_null() {
+            return Err(Fault::Status(JCAS_ERROR_NULL));
+        }
+        // SAFETY: the caller's promise for `name`.
+        let name = unsafe { CStr::from_ptr(name) }.to_string_lossy();
+        let pilot = if pilot.is_null() {
+            "adaptive".into()
+        } else {
+            // SAFETY: the caller's promise for `pilot`.
+            unsafe { CStr::from_ptr(pilot) }.to_string_lossy()
+        };
+        let chosen = name.parse().and_then(|kind: BaselineKind| {
+            let mode: PilotMode = pilot.parse()?;
+            kind.build(model.get(), mode)?;
+            Ok((kind, mode))
+        });
+        let (kind, mode) = chosen.map_err(|error| {
+            // SAFETY: the caller's promise for `message`.
+            unsafe { self::message(&error.to_string(), message, message_capacity) };
+            Fault::Status(JCAS_ERROR_ARGUMENT)
+        })?;
+        let memory = Memory::allocate(PolicyBlock::layout(model.get(), None)?)?;
+        // SAFETY: memory of ours with this layout.
+        let block = unsafe { PolicyBlock::build_baseline(model, kind, mode, memory) };
+        out.put(block.cast());
+        Ok(())
+    })
+}
+
+/// Chooses how a trained policy's actions follow from its network. Baselines are not affected.
+///
+/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED. Threads: only this one uses
+/// `policy`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i32) -> i32 {
+    guard(|| {
+        let mode = match mode {
+            JCAS_POLICY_DETERMINISTIC => Mode::Deterministic,
+            JCAS_POLICY_SAMPLED => Mode::Sampled,
+            _ => return Err(Fault::Status(JCAS_ERROR_ARGUMENT)),
+        };
+        // SAFETY: the caller's promise for `policy`.
+        unsafe { PolicyBlock::set_mode(policy.cast(), mode) }
+    })
+}
+
+/// Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
+///
+/// The same bits on every platform. `sim` may be of another model with the same configuration; it is not
+/// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed.
+///
+/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
+/// none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_act(
+    policy: *mut jcas_policy,
+    sim: *const jcas_sim,
+    actions: *mut f32,
+    action_count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        // SAFETY: the caller's promise for `actions`.
+        let actions = unsafe { output(actions, action_count, sim.model.action_len()) }?;
+        // SAFETY: the caller's promise for `policy`.
+        unsafe { PolicyBlock::act(policy.cast(), 0, sim.model, sim.words, actions) }
+    })
+}
+
+/// As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where the outputs
+/// of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that simulation are written.
+///
+/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
+/// `policy`, none changes `batch`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_act_batch(
+    policy: *mut jcas_policy,
+    batch: *const jcas_batch,
+    actions: *mut f32,
+    action_count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        // SAFETY: the caller's promise for `actions`.
+        let actions = unsafe { output(actions, action_count, batch.sizes().actions) }?;
+        let each = actions.chunks_exact_mut(batch.model().action_len());
+        for (index, actions) in each.enumerate() {
+            let words = batch.state(index)?;
+            // SAFETY: the caller's promise for `policy`.
+            unsafe { PolicyBlock::act(policy.cast(), index, batch.model(), words, actions) }?;
+        }
+        Ok(())
+    })
+}
+
+/// Ends a policy; memory of the caller is the caller's again. NULL is allowed and does nothing.
+///
+/// Threads: none may be using the policy.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_policy_free(policy: *mut jcas_policy) -> i32 {
+    if policy.is_null() {
+        return JCAS_OK;
+    }
+    // SAFETY: the caller's promise for `policy`.
+    guard(|| unsafe { PolicyBlock::free(policy.cast()) })
+}

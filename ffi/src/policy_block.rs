@@ -1,0 +1,300 @@
+//! A policy behind its handle.
+//!
+//! A network's block is followed by the words of its kernel working memory, then by its weights, its own
+//! working memory, the observations and the actions: flying it allocates nothing. A baseline keeps its plans on the heap,
+//! one for each simulation of a batch.
+
+use std::alloc::Layout;
+use std::slice;
+
+use jcas_core::{Error, Model, Scratch, StateRef, observation};
+use jcas_policy::network::{Flight, FlyError, Network};
+use jcas_policy::{Baseline, BaselineKind, PilotMode, Policy};
+
+use crate::handle::{Block, Memory, ModelBlock, block_layout, check, words_after};
+use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
+
+#[repr(C)]
+pub(crate) struct PolicyBlock {
+    seal: u64,
+    memory: Memory,
+    model: *const ModelBlock,
+    pilot: Pilot,
+}
+
+// SAFETY: `repr(C)`, the seal comes first.
+unsafe impl Block for PolicyBlock {
+    const SEAL: u64 = u64::from_le_bytes(*b"jcas pol");
+}
+
+/// Who flies.
+// A network lies in its handle's own memory.
+#[allow(clippy::large_enum_variant)]
+enum Pilot {
+    Network(Learned),
+    Baseline {
+        kind: BaselineKind,
+        mode: PilotMode,
+        /// One for each simulation of a batch; the first also flies single ones.
+        each: Vec<Flown>,
+    },
+}
+
+struct Flown {
+    baseline: Baseline,
+    /// The episode that it is in.
+    seed: Option<u64>,
+}
+
+/// A network and the lengths of what follows the block.
+#[derive(Clone, Copy)]
+struct Learned {
+    network: Network,
+    flight: Flight,
+    lengths: Lengths,
+}
+
+#[derive(Clone, Copy)]
+struct Lengths {
+    kernel_words: usize,
+    weights: usize,
+    scratch: usize,
+    observations: usize,
+    actions: usize,
+}
+
+impl Lengths {
+    fn of(network: &Network, model: &Model<'_>) -> Self {
+        Self {
+            kernel_words: Scratch::words_for(model),
+            weights: network.weights_len(),
+            scratch: network.scratch_len(model),
+            observations: model.uav_count() * model.observation_len(),
+            actions: model.action_len(),
+        }
+    }
+
+    fn words(&self) -> usize {
+        let floats = self.weights + self.scratch + self.observations + self.actions;
+        self.kernel_words + floats.div_ceil(2)
+    }
+}
+
+/// What follows the block of a network.
+struct Parts<'a> {
+    kernel: &'a mut [u64],
+    weights: &'a mut [f32],
+    scratch: &'a mut [f32],
+    observations: &'a mut [f32],
+    actions: &'a mut [f32],
+}
+
+/// # Safety
+/// `at` has the layout of [`PolicyBlock::layout`] for these lengths, initialised, and nothing else uses the
+/// words after it for `'a`.
+unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
+    // SAFETY: passed on.
+    let words = unsafe { words_after(at, lengths.words()) };
+    let (kernel, rest) = words.split_at_mut(lengths.kernel_words);
+    // SAFETY: every pattern of bits is two floats, of half the alignment; the words are not used otherwise.
+    let floats = unsafe { slice::from_raw_parts_mut(rest.as_mut_ptr().cast(), 2 * rest.len()) };
+    let (weights, rest) = floats.split_at_mut(lengths.weights);
+    let (scratch, rest) = rest.split_at_mut(lengths.scratch);
+    let (observations, rest) = rest.split_at_mut(lengths.observations);
+    Parts {
+        kernel,
+        weights,
+        scratch,
+        observations,
+        actions: &mut rest[..lengths.actions],
+    }
+}
+
+/// What a refusal of a network means in C.
+pub(crate) fn fault(error: FlyError) -> Fault {
+    Fault::Status(match error {
+        FlyError::Observation { .. } | FlyError::Visibility => JCAS_ERROR_MODEL_MISMATCH,
+        FlyError::NotFinite { .. } => JCAS_ERROR_NAN,
+        _ => JCAS_ERROR_INTERNAL,
+    })
+}
+
+impl PolicyBlock {
+    /// Memory of a network's block; of a baseline's with none.
+    pub(crate) fn layout(model: &Model<'_>, network: Option<&Network>) -> Result<Layout, Fault> {
+        let words = network.map_or(0, |network| Lengths::of(network, model).words());
+        block_layout::<Self>(words)
+    }
+
+    /// Builds a network's policy in memory that has its layout. The weights have been seen to be whole.
+    ///
+    /// # Safety
+    /// `at` and `memory` come from [`Memory`] with [`PolicyBlock::layout`] of this model and network.
+    pub(crate) unsafe fn build_network(
+        model: &ModelBlock,
+        network: &Network,
+        file: &[u8],
+        (at, memory): (*mut u8, Memory),
+    ) -> Result<*mut Self, Fault> {
+        let block = at.cast::<Self>();
+        let lengths = Lengths::of(network, model.get());
+        // SAFETY: the layout has room for the block and the words; all zero is a value of each.
+        unsafe { at.write_bytes(0, memory.size()) };
+        // SAFETY: just initialised, and nobody else has it.
+        let parts = unsafe { parts(block, &lengths) };
+        if Network::load(file, parts.weights).is_err() {
+            // SAFETY: nothing uses the memory; no handle was made.
+            unsafe { memory.release(at) };
+            return Err(Fault::Status(crate::JCAS_ERROR_CORRUPT));
+        }
+        let pilot = Pilot::Network(Learned {
+            network: *network,
+            flight: network.flight(model.get().config()),
+            lengths,
+        });
+        // SAFETY: the memory has the layout of the block.
+        unsafe { Self::begin(block, memory, model, pilot) };
+        Ok(block)
+    }
+
+    /// Builds a baseline's policy in memory that has its layout.
+    ///
+    /// # Safety
+    /// As [`PolicyBlock::build_network`], without a network.
+    pub(crate) unsafe fn build_baseline(
+        model: &ModelBlock,
+        kind: BaselineKind,
+        mode: PilotMode,
+        (at, memory): (*mut u8, Memory),
+    ) -> *mut Self {
+        let block = at.cast::<Self>();
+        let pilot = Pilot::Baseline {
+            kind,
+            mode,
+            each: Vec::new(),
+        };
+        // SAFETY: the memory has the layout of the block.
+        unsafe { Self::begin(block, memory, model, pilot) };
+        block
+    }
+
+    /// # Safety
+    /// `block` can be written, and `memory` is its own.
+    unsafe fn begin(block: *mut Self, memory: Memory, model: &ModelBlock, pilot: Pilot) {
+        let value = Self {
+            seal: Self::seal(block),
+            memory,
+            model,
+            pilot,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { block.write(value) };
+        model.add_user();
+    }
+
+    /// Ends a policy.
+    ///
+    /// # Safety
+    /// As [`check`]; no other thread uses the policy.
+    pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block that only this call uses, read out whole and not used again.
+        let block = unsafe { at.read() };
+        // SAFETY: as above; whoever looks again finds no seal.
+        unsafe { (&raw mut (*at).seal).write(0) };
+        // SAFETY: a model cannot be freed while it has policies.
+        unsafe { &*block.model }.drop_user();
+        // SAFETY: nothing uses the block any more.
+        unsafe { block.memory.release(at.cast()) };
+        Ok(())
+    }
+
+    /// How a network's actions follow from its outputs; a baseline has no choice.
+    ///
+    /// # Safety
+    /// As [`check`]; no other thread uses the policy.
+    pub(crate) unsafe fn set_mode(
+        at: *mut Self,
+        mode: jcas_policy::head::Mode,
+    ) -> Result<(), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block that only this call uses.
+        if let Pilot::Network(learned) = unsafe { &mut (*at).pilot } {
+            learned.flight.mode = mode;
+        }
+        Ok(())
+    }
+
+    /// Writes the actions for one state of a model with this policy's configuration. `place` is the
+    /// simulation's in its batch.
+    ///
+    /// # Safety
+    /// As [`check`]; no other thread uses the policy.
+    pub(crate) unsafe fn act(
+        at: *mut Self,
+        place: usize,
+        model: &Model<'_>,
+        words: &[u64],
+        actions: &mut [f32],
+    ) -> Result<(), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block that only this call uses; its words are no part of it.
+        let block = unsafe { &mut *at };
+        // SAFETY: a model cannot be freed while it has policies.
+        let own = unsafe { &*block.model }.get();
+        if own.config_hash() != model.config_hash() {
+            return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
+        }
+        let state = model.state(words)?;
+        match &mut block.pilot {
+            Pilot::Network(learned) => {
+                // SAFETY: the block was laid out with these lengths.
+                let parts = unsafe { parts(at, &learned.lengths) };
+                fly(learned, parts, model, &state, actions)
+            }
+            Pilot::Baseline { kind, mode, each } => {
+                while each.len() <= place {
+                    each.push(Flown {
+                        baseline: kind.build_privileged(*mode),
+                        seed: None,
+                    });
+                }
+                let flown = &mut each[place];
+                if state.t() == 0 || flown.seed != Some(state.seed()) {
+                    flown.baseline.reset(model, state.seed());
+                    flown.seed = Some(state.seed());
+                }
+                flown.baseline.act(model, &state, actions);
+                Ok(())
+            }
+        }
+    }
+}
+
+fn fly(
+    learned: &Learned,
+    parts: Parts<'_>,
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    actions: &mut [f32],
+) -> Result<(), Fault> {
+    let mut scratch = Scratch::new(model, parts.kernel).ok_or(Error::ModelMismatch)?;
+    observation::observe(model, state, &mut scratch, parts.observations)?;
+    learned
+        .network
+        .act(
+            parts.weights,
+            learned.flight,
+            model,
+            state,
+            parts.observations,
+            parts.scratch,
+            parts.actions,
+        )
+        .map_err(fault)?;
+    actions.copy_from_slice(parts.actions);
+    Ok(())
+}

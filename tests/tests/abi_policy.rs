@@ -1,0 +1,111 @@
+//! Policies through the C interface fly what they fly in Rust, to the last bit.
+//!
+//! What these tests catch: a handle or a file that is believed, weights or observations in the wrong order, a
+//! baseline that carries its plan into the next mission.
+
+mod abi_support;
+
+use std::process::Command;
+
+use abi_support::{compile, compilers, root, run};
+use jcas_core::{Config, Model, Sim};
+use jcas_evaluate::mission::fly_episode;
+use jcas_evaluate::policy::head::Mode;
+use jcas_evaluate::policy::network::{Flight, Network};
+use jcas_evaluate::policy::{BaselineKind, PilotMode};
+
+const SEED: u64 = 4;
+
+fn policy_file() -> std::path::PathBuf {
+    root().join("policies/fleet/policy.safetensors")
+}
+
+/// The hash of the state in which the network's mission ends.
+fn fly_network(model: &Model<'_>, seed: u64, mode: Mode) -> u64 {
+    let file = std::fs::read(policy_file()).expect("the shipped policy is there");
+    let mut weights = vec![0.0; Network::read(&file).expect("it is whole").weights_len()];
+    let network = Network::load(&file, &mut weights).expect("it is whole");
+    let flight = Flight {
+        mode,
+        ..network.flight(model.config())
+    };
+    let mut sim = Sim::new(model);
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    let mut scratch = vec![0.0; network.scratch_len(model)];
+    let mut actions = vec![0.0; model.action_len()];
+    sim.reset(seed);
+    loop {
+        sim.observe(&mut observations).expect("of the right length");
+        network
+            .act(
+                &weights,
+                flight,
+                model,
+                &sim.state(),
+                &observations,
+                &mut scratch,
+                &mut actions,
+            )
+            .expect("it fits");
+        let outcome = sim.step(&actions).expect("finite actions");
+        if outcome.terminated || outcome.truncated {
+            return sim.state_hash();
+        }
+    }
+}
+
+fn model(uav_count: u32, hotspot_count: u32) -> Model<'static> {
+    Model::new(Config {
+        uav_count,
+        hotspot_count,
+        ..Config::default()
+    })
+    .expect("legal sizes")
+}
+
+#[test]
+fn policies_in_c_fly_what_they_fly_in_rust() {
+    let model = model(10, 3);
+    let mut expected = vec![
+        fly_network(&model, SEED, Mode::Deterministic),
+        fly_network(&model, SEED, Mode::Sampled),
+    ];
+    for kind in BaselineKind::ALL.into_iter().take(5) {
+        let mut policy = kind
+            .build(&model, PilotMode::Max)
+            .expect("nothing is hidden");
+        let mut sim = Sim::new(&model);
+        fly_episode(&model, &mut sim, &mut policy, SEED).expect("it flies");
+        expected.push(sim.state_hash());
+    }
+    let expected: Vec<String> = expected
+        .iter()
+        .map(|hash| format!("0x{hash:016x}"))
+        .collect();
+    for compiler in compilers(&["gcc", "clang"]) {
+        let source = root().join("tests/c/policies.c");
+        let program = compile(compiler, "c11", "policies", &[source]);
+        let output = run(Command::new(program).arg(policy_file())).stdout;
+        let text = String::from_utf8(output).expect("text");
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected, "{compiler}");
+    }
+}
+
+#[test]
+fn the_example_flies_the_shipped_policy() {
+    let hash = fly_network(&model(15, 7), 1, Mode::Deterministic);
+    for compiler in compilers(&["gcc", "clang"]) {
+        let source = root().join("examples/c/fly_policy.c");
+        let program = compile(compiler, "c11", "fly_policy", &[source]);
+        let fly = |what: &std::ffi::OsStr| {
+            let output = run(Command::new(&program).arg(what)).stdout;
+            String::from_utf8(output).expect("text")
+        };
+        let text = fly(policy_file().as_os_str());
+        assert!(
+            text.contains(&format!("state 0x{hash:016x}")),
+            "{compiler}: {text}, not 0x{hash:016x}"
+        );
+        assert!(fly("swarm".as_ref()).contains("7 of 7"));
+    }
+}
