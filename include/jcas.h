@@ -363,6 +363,13 @@ typedef struct jcas_config {
     int32_t map_directions;
     // What tells UAVs in one cell apart: JCAS_TAG_OFF (default), JCAS_TAG_INDEX or JCAS_TAG_RANDOM.
     int32_t uav_tag;
+    // Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u);
+    // from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
+    double shaping_unconfirmed_weight;
+    // The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit
+    // detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to 1e6; default
+    // JCAS_DERIVED]
+    double sensing_range_m;
 } jcas_config;
 
 // Sizes and constants of a model; buffers are sized by these.
@@ -602,6 +609,10 @@ typedef struct jcas_batch_out {
     size_t final_metrics_count;
     // sizeof(jcas_metrics), or 0 without final_metrics.
     size_t metrics_size;
+    // M * uav_count: the reward of each UAV, whose mean over a fleet is the team's; optional.
+    float *uav_rewards;
+    // Elements of uav_rewards.
+    size_t uav_reward_count;
 } jcas_batch_out;
 
 #ifdef __cplusplus
@@ -921,6 +932,23 @@ int32_t jcas_sim_get_metrics(const struct jcas_sim *sim, struct jcas_metrics *me
 //
 // `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
 int32_t jcas_sim_get_rewards(const struct jcas_sim *sim, double *components, size_t count);
+
+// The reward of each UAV in the last step, 0 before the first. Their mean is the team's: detections,
+// informing, completion, truncation and the spread of knowledge are shared; coverage, energy, carbon and
+// revisits are the UAV's own, times N; so are, in place of their means, its throughput and its potentials.
+//
+// `sim`, `rewards`: not NULL. `count`: uav_count. Threads: none changes `sim`.
+int32_t jcas_sim_uav_rewards(const struct jcas_sim *sim,
+                             double *rewards,
+                             size_t count);
+
+// The components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by jcas_reward_name, whose
+// sum, left to right, is the UAV's reward.
+//
+// `sim`, `components`: not NULL. `count`: uav_count * reward_len. Threads: none changes `sim`.
+int32_t jcas_sim_uav_reward_components(const struct jcas_sim *sim,
+                                       double *components,
+                                       size_t count);
 
 // The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
 const char *jcas_reward_name(uint32_t index);

@@ -309,6 +309,13 @@ public:
         jcas_sim_get_rewards(get(), rewards.data(), rewards.size());
         return rewards;
     }
+    /// The reward of each UAV; the mean is the team's.
+    std::vector<double> uav_rewards() const
+    {
+        std::vector<double> rewards(info_.uav_count);
+        jcas_sim_uav_rewards(get(), rewards.data(), rewards.size());
+        return rewards;
+    }
     /// Without an allocation, into the caller's buffer of uav_count elements.
     status uavs(span<jcas_uav> out) const
     {
@@ -417,6 +424,7 @@ public:
         out.final_global = final_global.data(), out.final_global_count = final_global.size();
         out.final_metrics = final_metrics.data(), out.final_metrics_count = final_metrics.size();
         out.metrics_size = sizeof(jcas_metrics);
+        out.uav_rewards = uav_rewards.data(), out.uav_reward_count = uav_rewards.size();
         return jcas_batch_step(get(), actions.data(), actions.size(), auto_reset ? 1 : 0, &out);
     }
 
@@ -427,7 +435,7 @@ public:
     }
 
     /// Written by reset and step; see jcas_batch_out.
-    std::vector<float> observations, global, rewards, final_observations, final_global;
+    std::vector<float> observations, global, rewards, final_observations, final_global, uav_rewards;
     std::vector<double> components;
     std::vector<std::uint8_t> terminated, truncated;
     std::vector<jcas_metrics> final_metrics;
@@ -439,7 +447,7 @@ private:
     batch(jcas_batch *handle, const model &model, std::size_t count)
         : observations(count * model.info().uav_count * model.info().observation_len),
           global(count * model.info().global_len), rewards(count), final_observations(observations.size()),
-          final_global(global.size()), components(count * model.info().reward_len), terminated(count),
+          final_global(global.size()), uav_rewards(count * model.info().uav_count), components(count * model.info().reward_len), terminated(count),
           truncated(count), final_metrics(count), handle_(handle)
     {
     }

@@ -30,12 +30,17 @@ pub struct BatchOut<'a> {
     pub final_global: &'a mut [f32],
     /// M; optional. Where an episode ended, what it came to.
     pub final_metrics: &'a mut [Metrics],
+    /// M · N; optional. The reward of each UAV, whose mean is the team's.
+    pub uav_rewards: &'a mut [f32],
+    /// M · N · 12; optional. The components of each UAV's reward.
+    pub uav_components: &'a mut [f64],
 }
 
 impl BatchOut<'_> {
     fn check(&self, model: &Model<'_>, count: usize) -> Result<(), Error> {
         let observations = count * model.uav_count() * model.observation_len();
         let global = count * model.global_len();
+        let uavs = count * model.uav_count();
         let lengths = [
             ("observations", self.observations.len(), observations, false),
             ("global", self.global.len(), global, true),
@@ -56,6 +61,13 @@ impl BatchOut<'_> {
             ),
             ("final_global", self.final_global.len(), global, true),
             ("final_metrics", self.final_metrics.len(), count, true),
+            ("uav_rewards", self.uav_rewards.len(), uavs, true),
+            (
+                "uav_components",
+                self.uav_components.len(),
+                uavs * crate::reward::COMPONENTS,
+                true,
+            ),
         ];
         for (what, got, expected, optional) in lengths {
             if got != expected && !(optional && got == 0) {
@@ -223,6 +235,22 @@ impl Model<'_> {
         let state = self.state(words)?;
         if !out.components.is_empty() {
             part(out.components, m, crate::reward::COMPONENTS).copy_from_slice(&state.rewards());
+        }
+        if !out.uav_rewards.is_empty() {
+            let own = part(out.uav_rewards, m, self.uav_count());
+            for (i, reward) in own.iter_mut().enumerate() {
+                *reward = state.uav_reward(i) as f32;
+            }
+        }
+        if !out.uav_components.is_empty() {
+            let own = part(
+                out.uav_components,
+                m,
+                self.uav_count() * crate::reward::COMPONENTS,
+            );
+            for (i, row) in own.chunks_exact_mut(crate::reward::COMPONENTS).enumerate() {
+                row.copy_from_slice(&state.uav_rewards(i));
+            }
         }
         if outcome.terminated || outcome.truncated {
             if !out.final_metrics.is_empty() {

@@ -79,6 +79,20 @@ pub fn emitted_ng(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
     scale(grid_uj, intensity_mg_per_kwh, UJ_MG_PER_KWH_NG)
 }
 
+/// A UAV's share of the carbon of its fleet: as its part of what was billed. The carbon itself is rounded
+/// once, for the fleet; a share need not be whole.
+#[inline]
+#[must_use]
+pub fn share_ng(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {
+    if billed_uj == 0 || billed_fleet_uj == 0 {
+        return 0.0;
+    }
+    let (whole, part) = (co2_ng as f64, billed_uj as f64 / billed_fleet_uj as f64);
+    let share = whole * part;
+    // Never more than the whole, whatever the rounding.
+    if share > whole { whole } else { share }
+}
+
 /// value · factor / divisor, rounded half up, exact in 128 bits.
 #[inline]
 #[must_use]

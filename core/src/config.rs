@@ -193,6 +193,11 @@ configuration! {
     map_directions: MapDirections = MapDirections::Off, "off | shown", 0..=1;
     /// What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode.
     uav_tag: UavTag = UavTag::Off, "off | index | random", 0..=2;
+    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u); from 1
+    /// on a confirmation never lowers it.
+    shaping_unconfirmed_weight: f64 = 1.0, "longest ways", 0..=1000;
+    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit one wins.
+    sensing_range_m: Option<f64> = None, "m", 0.001..=1e6;
 }
 
 impl Default for Config {
@@ -210,6 +215,7 @@ impl Config {
             Preset::Paper => Self {
                 charge_billing: ChargeBilling::Nameplate,
                 inform_payment: InformPayment::EveryStep,
+                sensing_range_m: Some(150.0),
                 ..Self::MISSION
             },
             Preset::Search => Self {

@@ -3,6 +3,7 @@
 use crate::bits::words_for;
 use crate::config::{Config, SearchMaps};
 use crate::header;
+use crate::reward::OWN_COMPONENTS;
 
 /// Begin of each quantity, in words from the start of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +29,7 @@ impl Layout {
             SearchMaps::Off => 0,
             SearchMaps::Shared => words_for(cells),
         };
-        let per_uav = 9 * uavs + 3 * words_for(uavs);
+        let per_uav = (11 + OWN_COMPONENTS) * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
         let pairs = uavs * words_for(hotspots) + uavs * words_for(uavs);
         Self {

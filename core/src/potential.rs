@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
-/// Works out both potentials of the present state and stores them; both are 0 in a terminal state.
+/// Works out both potentials of each UAV in the present state, and their means, and stores them; all are 0 in
+/// a terminal state.
 pub(crate) fn update(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -15,6 +16,10 @@ pub(crate) fn update(
     terminal: bool,
 ) {
     let (goal, charge) = if terminal {
+        for i in 0..model.uav_count() {
+            state.set_goal_potential(i, 0.0);
+            state.set_charge_potential(i, 0.0);
+        }
         (0.0, 0.0)
     } else {
         (goal(model, state, scratch), charge(model, state))
@@ -23,11 +28,12 @@ pub(crate) fn update(
     state.header.set_charge_potential(charge);
 }
 
-/// Whether two potentials can be those of a state: each within its weight, but for rounding.
+/// Whether two potentials can be those of a UAV or a fleet: each within its weights, but for rounding.
 pub(crate) fn is_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
     let config = model.config();
     let slack = 1.000_001;
-    goal >= -config.shaping_goal_weight * slack
+    let farthest = 1.0 + config.shaping_unconfirmed_weight * model.hotspot_count() as f64;
+    goal >= -(config.shaping_goal_weight * farthest) * slack
         && goal <= 0.0
         && charge >= 0.0
         && charge <= config.shaping_charge_weight * slack
@@ -43,8 +49,12 @@ fn span(model: &Model<'_>) -> f64 {
     )
 }
 
-/// Φ = -w_g · mean over UAVs of the Manhattan distance to the nearest unconfirmed hotspot / (W + H - 2).
-fn goal(model: &Model<'_>, state: &StateMut<'_>, scratch: &mut Scratch<'_>) -> f64 {
+/// Φ_i = -w_g · (Manhattan distance to the nearest unconfirmed hotspot / (W + H - 2) + w_u · U), with U the
+/// number of unconfirmed hotspots; 0 if there is none. Gives the mean.
+///
+/// A confirmation may leave UAVs as far from the next hotspot as the grid is wide, but takes one from U: with
+/// w_u of at least 1 it lowers no potential.
+fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) -> f64 {
     let open = scratch.list(model.hotspot_count());
     let mut count = 0;
     for j in 0..model.hotspot_count() {
@@ -53,13 +63,13 @@ fn goal(model: &Model<'_>, state: &StateMut<'_>, scratch: &mut Scratch<'_>) -> f
             count += 1;
         }
     }
-    if count == 0 {
-        return 0.0;
-    }
+    let config = model.config();
+    let (weight, span) = (config.shaping_goal_weight, span(model));
+    let unconfirmed = config.shaping_unconfirmed_weight * count as f64;
     let mut total = 0u64;
     for i in 0..model.uav_count() {
         let cell = state.cell(i);
-        let mut nearest = u32::MAX;
+        let mut nearest = if count == 0 { 0 } else { u32::MAX };
         for &word in &open[..count] {
             let distance = cell.manhattan(Cell::from_word(word));
             nearest = if distance < nearest {
@@ -69,27 +79,31 @@ fn goal(model: &Model<'_>, state: &StateMut<'_>, scratch: &mut Scratch<'_>) -> f
             };
         }
         total += u64::from(nearest);
+        state.set_goal_potential(i, -(weight * (f64::from(nearest) / span + unconfirmed)));
     }
     let mean = total as f64 / model.uav_count() as f64;
-    -(model.config().shaping_goal_weight * (mean / span(model)))
+    -(weight * (mean / span + unconfirmed))
 }
 
-/// Φ = w_c · mean over UAVs of (1 - soc_i) · g_t · (1 - depot distance / (W + H - 2)), with
-/// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min).
-fn charge(model: &Model<'_>, state: &StateMut<'_>) -> f64 {
+/// Φ_i = w_c · (1 - soc_i) · g_t · (1 - depot distance / (W + H - 2)), with
+/// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min). Gives the mean.
+fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
     let (capacity_uj, span) = (model.energy().capacity_uj, span(model));
-    let mut sum = 0.0;
-    for i in 0..model.uav_count() {
-        let missing = (capacity_uj - state.battery[i]) as f64;
-        let distance = f64::from(model.depot_distance(state.cell(i)));
-        sum += missing * (span - distance);
-    }
-    let mean = sum / (capacity_uj as f64 * span * model.uav_count() as f64);
     let config = model.config();
     let cleanness = 1.0
         - model
             .carbon()
             .normalised(state.header.intensity_mg_per_kwh());
     let g = config.renewable_share + (1.0 - config.renewable_share) * cleanness;
-    config.shaping_charge_weight * (mean * g)
+    let (weight, most) = (config.shaping_charge_weight, capacity_uj as f64 * span);
+    let mut sum = 0.0;
+    for i in 0..model.uav_count() {
+        let missing = (capacity_uj - state.battery[i]) as f64;
+        let distance = f64::from(model.depot_distance(state.cell(i)));
+        let share = missing * (span - distance);
+        sum += share;
+        state.set_charge_potential(i, weight * (share / most * g));
+    }
+    let mean = sum / (most * model.uav_count() as f64);
+    weight * (mean * g)
 }

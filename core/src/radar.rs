@@ -45,18 +45,23 @@ pub fn resolution_penalty_db(config: &Config, range_m: f64) -> f64 {
     10.0 * log10(1.0 + resolution_m / range_m)
 }
 
-/// γ_det: the SNR at which one pulse reaches P_d at P_fa, by Albersheim's equation, unless given.
+/// γ_det: as given, or the SNR at the sensing range, or else the SNR at which one pulse reaches P_d at P_fa, by
+/// Albersheim's equation.
 ///
 /// W. J. Albersheim, "A closed-form approximation to Robertson's detection characteristics",
 /// Proc. IEEE 69(7), 1981, for one non-coherently integrated sample.
 #[must_use]
 pub fn detection_threshold_db(config: &Config) -> f64 {
-    config.detection_threshold_db.unwrap_or_else(|| {
-        let p_d = config.detection_probability;
-        let a = log(0.62 / config.false_alarm_probability);
-        let b = log(p_d / (1.0 - p_d));
-        (6.2 + 4.54 / libm::sqrt(1.44)) * log10(a + 0.12 * a * b + 1.7 * b)
-    })
+    if let Some(threshold_db) = config.detection_threshold_db {
+        return threshold_db;
+    }
+    if let Some(range_m) = config.sensing_range_m {
+        return snr_db(config, range_m);
+    }
+    let p_d = config.detection_probability;
+    let a = log(0.62 / config.false_alarm_probability);
+    let b = log(p_d / (1.0 - p_d));
+    (6.2 + 4.54 / libm::sqrt(1.44)) * log10(a + 0.12 * a * b + 1.7 * b)
 }
 
 /// The range's factor of the odds against detection, exp(-κ (SNR - γ_det)).
@@ -140,6 +145,32 @@ mod tests {
             ..Config::default()
         };
         assert_eq!(detection_threshold_db(&given), -3.5);
+    }
+
+    /// By hand: 7.37 dB at 25 m (above) less 40 log10(150/25) = 31.13 dB is -23.75 dB at 150 m; the range
+    /// resolution takes off another 10 log10(1 + 1.499/150) = 0.043 dB.
+    #[test]
+    fn a_sensing_range_is_a_threshold_unless_one_is_given() {
+        let ranged = Config {
+            sensing_range_m: Some(150.0),
+            ..Config::default()
+        };
+        near(detection_threshold_db(&ranged), -23.80, 0.01);
+        let coarse = Config {
+            range_resolution_m: Some(0.0),
+            ..ranged
+        };
+        near(detection_threshold_db(&coarse), 7.37 - 31.126, 0.006);
+        let given = Config {
+            detection_threshold_db: Some(-3.5),
+            ..ranged
+        };
+        assert_eq!(detection_threshold_db(&given), -3.5);
+        let paper = Config::preset(crate::config::Preset::Paper);
+        assert_eq!(
+            detection_threshold_db(&paper),
+            detection_threshold_db(&ranged)
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The team reward: a fixed vector of named components whose sum, left to right, is R_t.
+//! The reward: a fixed vector of named components whose sum, left to right, is R_t for the team, and R_i
+//! for one UAV. The mean of R_i over the fleet is R_t.
 
 use crate::config::{Config, InformPayment};
 
@@ -24,6 +25,12 @@ pub const NAMES: [&str; COMPONENTS] = [
     "shaping_charge",
 ];
 
+/// How many components are a UAV's own; the others are the team's.
+pub const OWN_COMPONENTS: usize = 7;
+
+/// The components that are a UAV's own: coverage, energy, carbon, revisit, throughput and both shaping terms.
+pub const OWN: [usize; OWN_COMPONENTS] = [3, 4, 5, 6, 8, 10, 11];
+
 /// The weights of a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RewardPlan {
@@ -41,7 +48,7 @@ pub struct RewardPlan {
     discount: f64,
 }
 
-/// What happened in a step, as far as the reward is concerned.
+/// What happened in a step, as far as the reward is concerned: to the team, or as one UAV is credited with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Happenings {
     /// Hotspots confirmed in this step.
@@ -60,8 +67,8 @@ pub struct Happenings {
     pub revisits: u64,
     /// Energy spent by the fleet.
     pub spent_uj: u64,
-    /// Carbon emitted.
-    pub co2_ng: u64,
+    /// Carbon emitted; a UAV's share of it need not be whole.
+    pub co2_ng: f64,
     /// η̄(t).
     pub mean_throughput: f64,
     /// Mean over confirmed hotspots of the fraction of UAVs that know them.
@@ -74,6 +81,50 @@ pub struct Happenings {
     pub charge_potential_before: f64,
     /// The same after it; 0 in a terminal state.
     pub charge_potential_after: f64,
+}
+
+/// What one UAV did in a step, as far as its own reward is concerned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deeds {
+    /// It was the first, by index, of those that came to a cell never visited before.
+    pub new_cell: bool,
+    /// It moved into a cell visited before this step.
+    pub revisit: bool,
+    /// Energy that it spent.
+    pub spent_uj: u64,
+    /// Its share of the carbon emitted.
+    pub co2_ng: f64,
+    /// η̄_i.
+    pub throughput: f64,
+    /// Its Φ of the distance to hotspots, before the step.
+    pub goal_potential_before: f64,
+    /// The same after it; 0 in a terminal state.
+    pub goal_potential_after: f64,
+    /// Its Φ of carbon-aware charging, before the step.
+    pub charge_potential_before: f64,
+    /// The same after it; 0 in a terminal state.
+    pub charge_potential_after: f64,
+}
+
+impl Happenings {
+    /// The team's happenings as a UAV of a fleet of `uavs` is credited with them: what the team counts as a
+    /// sum over UAVs is `uavs` times the UAV's own, what it counts as a mean is the UAV's own, and the rest
+    /// is shared. So the mean over the fleet is the team's.
+    #[must_use]
+    pub fn credited(&self, uavs: u64, own: &Deeds) -> Self {
+        Self {
+            new_cells: if own.new_cell { uavs } else { 0 },
+            revisits: if own.revisit { uavs } else { 0 },
+            spent_uj: uavs * own.spent_uj,
+            co2_ng: uavs as f64 * own.co2_ng,
+            mean_throughput: own.throughput,
+            goal_potential_before: own.goal_potential_before,
+            goal_potential_after: own.goal_potential_after,
+            charge_potential_before: own.charge_potential_before,
+            charge_potential_after: own.charge_potential_after,
+            ..*self
+        }
+    }
 }
 
 impl RewardPlan {
@@ -96,7 +147,7 @@ impl RewardPlan {
         }
     }
 
-    /// Every component of R_t, in the order of [`NAMES`].
+    /// Every component of R_t, or of R_i for what a UAV is credited with, in the order of [`NAMES`].
     #[must_use]
     pub fn components(&self, step: &Happenings) -> Rewards {
         let paid = if self.inform_once {
@@ -110,7 +161,7 @@ impl RewardPlan {
             if step.complete { self.complete } else { 0.0 },
             self.coverage_per_cell * step.new_cells as f64,
             -(self.energy_per_uj * step.spent_uj as f64),
-            -(self.carbon_per_ng * step.co2_ng as f64),
+            -(self.carbon_per_ng * step.co2_ng),
             -(self.revisit * step.revisits as f64),
             if step.at_horizon {
                 -self.truncation
@@ -125,7 +176,7 @@ impl RewardPlan {
     }
 }
 
-/// R_t: the components summed left to right.
+/// R_t or R_i: the components summed left to right.
 #[must_use]
 pub fn total(rewards: &Rewards) -> f64 {
     let mut sum = 0.0;
@@ -161,7 +212,7 @@ mod tests {
             new_cells: 72,
             revisits: 3,
             spent_uj: 3_600_000_000_000,
-            co2_ng: 2_000_000_000_000,
+            co2_ng: 2_000_000_000_000.0,
             mean_throughput: 2.0,
             knowledge_spread: 0.5,
             goal_potential_before: -1.0,
@@ -178,6 +229,36 @@ mod tests {
                 "{}: {got} is not {want}",
                 NAMES[index]
             );
+        }
+    }
+
+    #[test]
+    fn own_components_are_those_that_differ_between_uavs() {
+        let fleet = Happenings {
+            newly_confirmed: 1,
+            newly_informed: 1,
+            informed: 1,
+            complete: true,
+            at_horizon: true,
+            knowledge_spread: 1.0,
+            ..Happenings::default()
+        };
+        let busy = Deeds {
+            new_cell: true,
+            revisit: true,
+            spent_uj: 1,
+            co2_ng: 1.0,
+            throughput: 1.0,
+            goal_potential_before: -1.0,
+            charge_potential_before: 0.1,
+            ..Deeds::default()
+        };
+        let plan = RewardPlan::new(&Config::default());
+        let idle = plan.components(&fleet.credited(10, &Deeds::default()));
+        let busy = plan.components(&fleet.credited(10, &busy));
+        for index in 0..COMPONENTS {
+            let differs = idle[index] != busy[index];
+            assert_eq!(differs, OWN.contains(&index), "{}", NAMES[index]);
         }
     }
 }

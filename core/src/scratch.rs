@@ -17,8 +17,8 @@ impl<'a> Scratch<'a> {
         let graph = model.bucket_count() + 1 + uavs;
         let longest = model.hotspot_words().max(model.map_words());
         let consensus = uavs + model.uav_words() + longest;
-        let goals = model.hotspot_count();
-        sense.max(graph).max(consensus).max(goals).max(uavs)
+        let ending = Tally::WORDS * uavs + model.hotspot_count();
+        sense.max(graph).max(consensus).max(ending).max(uavs)
     }
 
     /// Uses the caller's memory; `None` if it has fewer than [`Scratch::words_for`] words.
@@ -52,6 +52,25 @@ impl<'a> Scratch<'a> {
         (order, unreached, &mut rest[..row_words])
     }
 
+    /// What each UAV does in the step that ends, and the rest of the memory.
+    pub(crate) fn tally(&mut self, uavs: usize) -> (Tally<'_>, Scratch<'_>) {
+        let (spent_uj, rest) = self.words.split_at_mut(uavs);
+        let (billed_uj, rest) = rest.split_at_mut(uavs);
+        let (new_cells, rest) = rest.split_at_mut(uavs);
+        let (revisits, rest) = rest.split_at_mut(uavs);
+        let (goal_before, rest) = rest.split_at_mut(uavs);
+        let (charge_before, words) = rest.split_at_mut(uavs);
+        let tally = Tally {
+            spent_uj,
+            billed_uj,
+            new_cells,
+            revisits,
+            goal_before,
+            charge_before,
+        };
+        (tally, Scratch { words })
+    }
+
     /// Room for a list of at most `count` words.
     pub(crate) fn list(&mut self, count: usize) -> &mut [u64] {
         &mut self.words[..count]
@@ -61,4 +80,25 @@ impl<'a> Scratch<'a> {
         let (a, b) = self.words.split_at_mut(first);
         (a, &mut b[..second])
     }
+}
+
+/// What each UAV does in a step, as its own reward needs it; a word per UAV each.
+pub(crate) struct Tally<'a> {
+    /// Energy spent.
+    pub(crate) spent_uj: &'a mut [u64],
+    /// Charging billed.
+    pub(crate) billed_uj: &'a mut [u64],
+    /// 1 where it was the first in a cell never visited before.
+    pub(crate) new_cells: &'a mut [u64],
+    /// 1 where it moved into a cell visited before.
+    pub(crate) revisits: &'a mut [u64],
+    /// Φ of the distance to hotspots before the step, as bits of f64.
+    pub(crate) goal_before: &'a mut [u64],
+    /// Φ of carbon-aware charging before the step, as bits of f64.
+    pub(crate) charge_before: &'a mut [u64],
+}
+
+impl Tally<'_> {
+    /// Words per UAV.
+    const WORDS: usize = 6;
 }

@@ -19,7 +19,7 @@ use crate::model::Model;
 use crate::state::StateRef;
 
 /// Version of the format.
-pub const FORMAT_VERSION: u64 = 1;
+pub const FORMAT_VERSION: u64 = 2;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"JCASSNAP");
 const PREFIX_WORDS: usize = 3;

@@ -9,7 +9,7 @@ use crate::header::{self, HeaderMut, HeaderRef, Phase};
 use crate::layout::Layout;
 use crate::metrics::Metrics;
 use crate::model::Model;
-use crate::reward::Rewards;
+use crate::reward::{self, OWN_COMPONENTS, Rewards};
 
 /// Declares both views of a state from one list, so that they cannot disagree on the layout.
 macro_rules! state {
@@ -59,6 +59,7 @@ macro_rules! state {
 /// How many words a quantity takes.
 enum Length {
     PerUav,
+    OwnRewards,
     PerHotspot,
     UavSet,
     HotspotSet,
@@ -72,6 +73,7 @@ const fn length(layout: &Layout, length: Length) -> usize {
     let (uavs, hotspots) = (layout.uavs, layout.hotspots);
     match length {
         Length::PerUav => uavs,
+        Length::OwnRewards => OWN_COMPONENTS * uavs,
         Length::PerHotspot => hotspots,
         Length::UavSet => bits::words_for(uavs),
         Length::HotspotSet => bits::words_for(hotspots),
@@ -101,6 +103,12 @@ state! {
     pilot: Length::PerUav;
     /// Mean normalised throughput η̄_i, as bits of f64.
     throughput: Length::PerUav;
+    /// Φ of the distance to hotspots, as bits of f64.
+    goal_potential: Length::PerUav;
+    /// Φ of carbon-aware charging, as bits of f64.
+    charge_potential: Length::PerUav;
+    /// Own components of each UAV's last reward, as bits of f64.
+    own_rewards: Length::OwnRewards;
     /// UAVs whose battery was empty at the start of the step.
     grounded: Length::UavSet;
     /// UAVs sent to a depot by a low battery.
@@ -196,6 +204,24 @@ impl StateMut<'_> {
     #[inline]
     pub(crate) fn set_throughput(&mut self, i: usize, throughput: f64) {
         self.throughput[i] = header::stored(throughput);
+    }
+
+    #[inline]
+    pub(crate) fn set_goal_potential(&mut self, i: usize, potential: f64) {
+        self.goal_potential[i] = header::stored(potential);
+    }
+
+    #[inline]
+    pub(crate) fn set_charge_potential(&mut self, i: usize, potential: f64) {
+        self.charge_potential[i] = header::stored(potential);
+    }
+
+    /// Keeps those components of a UAV's reward that are its own.
+    #[inline]
+    pub(crate) fn set_own_rewards(&mut self, i: usize, rewards: &Rewards) {
+        for (slot, &index) in reward::OWN.iter().enumerate() {
+            self.own_rewards[i * OWN_COMPONENTS + slot] = header::stored(rewards[index]);
+        }
     }
 }
 
@@ -441,6 +467,37 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn rewards(&self) -> Rewards {
         self.header.rewards()
+    }
+
+    /// Components of the last reward of UAV `i`, in the order of [`crate::reward::NAMES`]: the team's where
+    /// they are shared, its own in [`crate::reward::OWN`].
+    #[inline]
+    #[must_use]
+    pub fn uav_rewards(&self, i: usize) -> Rewards {
+        let mut rewards = self.rewards();
+        for (slot, &index) in reward::OWN.iter().enumerate() {
+            rewards[index] = f64::from_bits(self.own_rewards[i * OWN_COMPONENTS + slot]);
+        }
+        rewards
+    }
+
+    /// R_i: the last reward of UAV `i`. The mean over the fleet is R_t.
+    #[inline]
+    #[must_use]
+    pub fn uav_reward(&self, i: usize) -> f64 {
+        reward::total(&self.uav_rewards(i))
+    }
+
+    /// Φ of the distance to hotspots of UAV `i`.
+    #[must_use]
+    pub fn goal_potential(&self, i: usize) -> f64 {
+        f64::from_bits(self.goal_potential[i])
+    }
+
+    /// Φ of carbon-aware charging of UAV `i`.
+    #[must_use]
+    pub fn charge_potential(&self, i: usize) -> f64 {
+        f64::from_bits(self.charge_potential[i])
     }
 
     /// Summary of the episode so far.

@@ -7,8 +7,8 @@ use crate::energy::{Activity, settle};
 use crate::error::Error;
 use crate::header::Phase;
 use crate::model::Model;
-use crate::reward::{self, Happenings};
-use crate::scratch::Scratch;
+use crate::reward::{self, Deeds, Happenings};
+use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
 use crate::{action, carbon, knowledge, link, motion, potential, search, sensing};
 
@@ -105,14 +105,18 @@ impl Model<'_> {
             mean_throughput: state.header.mean_throughput(),
             ..Happenings::default()
         };
-        settle_energy(self, state, &mut happened);
-        cover(self, state, &mut happened);
+        let (mut tally, mut rest) = scratch.tally(self.uav_count());
+        let emitted = settle_energy(self, state, &mut tally, &mut happened);
+        cover(self, state, &mut tally, &mut happened);
         count_knowledge(self, state, &mut happened);
-        finish(self, state, scratch, &mut happened);
+        tally.goal_before.copy_from_slice(state.goal_potential);
+        tally.charge_before.copy_from_slice(state.charge_potential);
+        finish(self, state, &mut rest, &mut happened);
 
         let rewards = self.reward().components(&happened);
         let reward = reward::total(&rewards);
         state.header.set_rewards(&rewards);
+        credit(self, state, &tally, emitted, &happened);
         let return_sum = state.header.return_sum() + reward;
         state.header.set_return_sum(return_sum);
         let phase = state.header.phase();
@@ -183,8 +187,20 @@ fn act(model: &Model<'_>, state: &mut StateMut<'_>, i: usize, u_dir: f32, u_pilo
     state.cells[i] = to.to_word();
 }
 
+/// Charging billed to the fleet in a step, and its carbon.
+#[derive(Clone, Copy)]
+struct Emitted {
+    billed_uj: u64,
+    co2_ng: u64,
+}
+
 /// Every battery, then the fleet's grid energy and carbon, each rounded once a step.
-fn settle_energy(model: &Model<'_>, state: &mut StateMut<'_>, happened: &mut Happenings) {
+fn settle_energy(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+    happened: &mut Happenings,
+) -> Emitted {
     let (plan, words) = (model.energy(), model.uav_words());
     let (mut billed_uj, mut moves, mut pilot) = (0, 0, 0.0);
     for i in 0..model.uav_count() {
@@ -207,21 +223,24 @@ fn settle_energy(model: &Model<'_>, state: &mut StateMut<'_>, happened: &mut Hap
         state.spent[i] += settled.spent_uj;
         state.accepted[i] += settled.accepted_uj;
         state.shortfall[i] += settled.shortfall_uj;
-        happened.spent_uj += settled.spent_uj;
-        billed_uj += match model.carbon().billing {
+        tally.spent_uj[i] = settled.spent_uj;
+        tally.billed_uj[i] = match model.carbon().billing {
             ChargeBilling::Accepted => settled.accepted_uj,
             ChargeBilling::Nameplate => offered_uj,
         };
+        happened.spent_uj += settled.spent_uj;
+        billed_uj += tally.billed_uj[i];
         moves += u64::from(activity.moved);
         pilot += density;
     }
 
     let intensity = state.header.intensity_mg_per_kwh();
     let grid_uj = model.carbon().grid_uj(billed_uj);
-    happened.co2_ng = carbon::emitted_ng(grid_uj, intensity);
+    let co2_ng = carbon::emitted_ng(grid_uj, intensity);
+    happened.co2_ng = co2_ng as f64;
     let header = &mut state.header;
     header.set_grid(header.grid_uj() + grid_uj);
-    header.set_co2(header.co2_ng() + happened.co2_ng);
+    header.set_co2(header.co2_ng() + co2_ng);
     header.set_moves(header.moves() + moves);
     header.set_pilot_sum(header.pilot_sum() + pilot / model.uav_count() as f64);
     header.set_throughput_sum(header.throughput_sum() + header.mean_throughput());
@@ -230,19 +249,26 @@ fn settle_energy(model: &Model<'_>, state: &mut StateMut<'_>, happened: &mut Hap
         .carbon()
         .intensity_mg_per_kwh(header.seed(), header.t());
     header.set_intensity(next);
+    Emitted { billed_uj, co2_ng }
 }
 
 /// Cells visited for the first time, and moves into cells visited before this step.
-fn cover(model: &Model<'_>, state: &mut StateMut<'_>, happened: &mut Happenings) {
+fn cover(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+    happened: &mut Happenings,
+) {
     for i in 0..model.uav_count() {
-        if state.cells[i] != state.previous[i] {
-            let index = model.cell_index(Cell::from_word(state.cells[i]));
-            happened.revisits += u64::from(bits::get(state.visited, index));
-        }
+        let moved = state.cells[i] != state.previous[i];
+        let index = model.cell_index(Cell::from_word(state.cells[i]));
+        tally.revisits[i] = u64::from(moved && bits::get(state.visited, index));
+        happened.revisits += tally.revisits[i];
     }
     for i in 0..model.uav_count() {
         let index = model.cell_index(Cell::from_word(state.cells[i]));
-        happened.new_cells += u64::from(!bits::get(state.visited, index));
+        tally.new_cells[i] = u64::from(!bits::get(state.visited, index));
+        happened.new_cells += tally.new_cells[i];
         bits::set(state.visited, index);
     }
 }
@@ -283,4 +309,30 @@ fn finish(
     } else {
         Phase::Ready
     });
+}
+
+/// The reward of each UAV: the team's terms, and of its own what it is credited with.
+fn credit(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &Tally<'_>,
+    emitted: Emitted,
+    happened: &Happenings,
+) {
+    let uavs = model.uav_count() as u64;
+    for i in 0..model.uav_count() {
+        let own = Deeds {
+            new_cell: tally.new_cells[i] != 0,
+            revisit: tally.revisits[i] != 0,
+            spent_uj: tally.spent_uj[i],
+            co2_ng: carbon::share_ng(emitted.co2_ng, tally.billed_uj[i], emitted.billed_uj),
+            throughput: f64::from_bits(state.throughput[i]),
+            goal_potential_before: f64::from_bits(tally.goal_before[i]),
+            goal_potential_after: f64::from_bits(state.goal_potential[i]),
+            charge_potential_before: f64::from_bits(tally.charge_before[i]),
+            charge_potential_after: f64::from_bits(state.charge_potential[i]),
+        };
+        let rewards = model.reward().components(&happened.credited(uavs, &own));
+        state.set_own_rewards(i, &rewards);
+    }
 }

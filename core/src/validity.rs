@@ -6,6 +6,7 @@ use crate::config::Cell;
 use crate::header::Phase;
 use crate::model::Model;
 use crate::potential;
+use crate::reward::OWN_COMPONENTS;
 use crate::state::StateRef;
 
 impl StateRef<'_> {
@@ -211,6 +212,22 @@ impl StateRef<'_> {
             && header.mean_throughput() >= 0.0
             && header.mean_throughput() <= THROUGHPUT_MAX
             && potential::is_in_range(model, header.goal_potential(), header.charge_potential())
+            && self.uav_rewards_are_valid(model)
+    }
+
+    /// Potentials in range, and rewards that are numbers. As the scalars, only the end of a step changes them.
+    fn uav_rewards_are_valid(&self, model: &Model<'_>) -> bool {
+        let mut numbers = true;
+        for i in 0..model.uav_count() {
+            let (goal, charge) = (self.goal_potential(i), self.charge_potential(i));
+            numbers &= !is_negative_zero(goal) && !is_negative_zero(charge);
+            numbers &= potential::is_in_range(model, goal, charge);
+            for slot in 0..OWN_COMPONENTS {
+                let own = f64::from_bits(self.own_rewards[i * OWN_COMPONENTS + slot]);
+                numbers &= own.is_finite() && !is_negative_zero(own);
+            }
+        }
+        numbers
     }
 }
 

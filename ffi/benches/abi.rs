@@ -286,6 +286,8 @@ impl Buffers {
             final_metrics: ptr::null_mut(),
             final_metrics_count: 0,
             metrics_size: 0,
+            uav_rewards: ptr::null_mut(),
+            uav_reward_count: 0,
         }
     }
 }

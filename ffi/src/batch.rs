@@ -68,6 +68,10 @@ pub struct jcas_batch_out {
     pub final_metrics_count: usize,
     /// sizeof(jcas_metrics), or 0 without final_metrics.
     pub metrics_size: usize,
+    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team's; optional.
+    pub uav_rewards: *mut f32,
+    /// Elements of uav_rewards.
+    pub uav_reward_count: usize,
 }
 
 // SAFETY: any bits are a raw pointer; none is followed unchecked.
@@ -189,6 +193,7 @@ pub unsafe extern "C" fn jcas_batch_step(
             span(c.final_observations, c.final_observation_count),
             span(c.final_global, c.final_global_count),
             span(c.final_metrics, c.final_metrics_count),
+            span(c.uav_rewards, c.uav_reward_count),
         ])?;
         let m = sizes.count;
         // SAFETY: the caller's promise for each buffer; none overlaps another.
@@ -211,6 +216,8 @@ pub unsafe extern "C" fn jcas_batch_step(
                 )?,
                 final_global: optional_output(c.final_global, c.final_global_count, sizes.global)?,
                 final_metrics: &mut [],
+                uav_rewards: optional_output(c.uav_rewards, c.uav_reward_count, sizes.uavs)?,
+                uav_components: &mut [],
             };
             let metrics = optional_output(c.final_metrics, c.final_metrics_count, m)?;
             (buffers, metrics)

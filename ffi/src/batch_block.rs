@@ -36,6 +36,7 @@ pub(crate) struct Sizes {
     pub(crate) actions: usize,
     pub(crate) observations: usize,
     pub(crate) global: usize,
+    pub(crate) uavs: usize,
 }
 
 /// Some environments of a batch with all that belongs to them.
@@ -140,6 +141,7 @@ impl BatchBlock {
             actions: self.count * model.action_len(),
             observations: self.count * model.uav_count() * model.observation_len(),
             global: self.count * model.global_len(),
+            uavs: self.count * model.uav_count(),
         }
     }
 
@@ -294,6 +296,9 @@ impl Work<'_> {
             cut(out.final_observations, left * per_observation);
         let (final_global, b_final_global) = cut(out.final_global, left * model.global_len());
         let (final_metrics, b_final_metrics) = cut(out.final_metrics, left);
+        let uavs = left * model.uav_count();
+        let (uav_rewards, b_uav_rewards) = cut(out.uav_rewards, uavs);
+        let (uav_components, b_uav_components) = cut(out.uav_components, uavs * reward::COMPONENTS);
         let one = Work {
             states,
             scratch,
@@ -308,6 +313,8 @@ impl Work<'_> {
                 final_observations,
                 final_global,
                 final_metrics,
+                uav_rewards,
+                uav_components,
             },
             shares,
         };
@@ -325,6 +332,8 @@ impl Work<'_> {
                 final_observations: b_final_observations,
                 final_global: b_final_global,
                 final_metrics: b_final_metrics,
+                uav_rewards: b_uav_rewards,
+                uav_components: b_uav_components,
             },
             shares: self.shares - shares,
         };

@@ -205,6 +205,13 @@ pub struct jcas_config {
     pub map_directions: i32,
     /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default), JCAS_TAG_INDEX or JCAS_TAG_RANDOM.
     pub uav_tag: i32,
+    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u);
+    /// from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
+    pub shaping_unconfirmed_weight: f64,
+    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit
+    /// detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to 1e6; default
+    /// JCAS_DERIVED]
+    pub sensing_range_m: f64,
 }
 
 // SAFETY: integers and floats only.
@@ -288,6 +295,8 @@ impl jcas_config {
             map_window_radius: config.map_window_radius,
             map_directions: config.map_directions as i32,
             uav_tag: config.uav_tag as i32,
+            shaping_unconfirmed_weight: config.shaping_unconfirmed_weight,
+            sensing_range_m: config.sensing_range_m.unwrap_or(f64::NAN),
         }
     }
 
@@ -375,6 +384,8 @@ impl jcas_config {
                 MapDirections::from_index,
             )?,
             uav_tag: choice("uav_tag", self.uav_tag, UavTag::from_index)?,
+            shaping_unconfirmed_weight: self.shaping_unconfirmed_weight,
+            sensing_range_m: given(self.sensing_range_m),
         })
     }
 

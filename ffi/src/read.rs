@@ -72,6 +72,54 @@ pub unsafe extern "C" fn jcas_sim_get_rewards(
     })
 }
 
+/// The reward of each UAV in the last step, 0 before the first. Their mean is the team's: detections,
+/// informing, completion, truncation and the spread of knowledge are shared; coverage, energy, carbon and
+/// revisits are the UAV's own, times N; so are, in place of their means, its throughput and its potentials.
+///
+/// `sim`, `rewards`: not NULL. `count`: uav_count. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_uav_rewards(
+    sim: *const jcas_sim,
+    rewards: *mut f64,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        // SAFETY: the caller's promise for `rewards`.
+        let out = unsafe { output(rewards, count, sim.model.uav_count()) }?;
+        let state = sim.state()?;
+        for (i, reward) in out.iter_mut().enumerate() {
+            *reward = state.uav_reward(i);
+        }
+        Ok(())
+    })
+}
+
+/// The components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by jcas_reward_name, whose
+/// sum, left to right, is the UAV's reward.
+///
+/// `sim`, `components`: not NULL. `count`: uav_count * reward_len. Threads: none changes `sim`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_uav_reward_components(
+    sim: *const jcas_sim,
+    components: *mut f64,
+    count: usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let expected = sim.model.uav_count() * reward::COMPONENTS;
+        // SAFETY: the caller's promise for `components`.
+        let out = unsafe { output(components, count, expected) }?;
+        let state = sim.state()?;
+        for (i, row) in out.chunks_exact_mut(reward::COMPONENTS).enumerate() {
+            row.copy_from_slice(&state.uav_rewards(i));
+        }
+        Ok(())
+    })
+}
+
 /// The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_reward_name(index: u32) -> *const c_char {

@@ -4,7 +4,7 @@
 /* Buffers of a batch step. */
 struct buffers {
     float *observations, *finals, *global, *final_global, *actions;
-    float rewards[ENVIRONMENTS];
+    float rewards[ENVIRONMENTS], uav_rewards[ENVIRONMENTS * 4];
     double components[ENVIRONMENTS * 12];
     uint8_t terminated[ENVIRONMENTS], truncated[ENVIRONMENTS];
     jcas_metrics metrics[ENVIRONMENTS];
@@ -40,6 +40,7 @@ static void begin(struct buffers *buffers, jcas_batch_out *out, const jcas_model
     out->final_global = buffers->final_global, out->final_global_count = buffers->shared;
     out->final_metrics = buffers->metrics, out->final_metrics_count = ENVIRONMENTS;
     out->metrics_size = sizeof(jcas_metrics);
+    out->uav_rewards = buffers->uav_rewards, out->uav_reward_count = ENVIRONMENTS * 4;
 }
 
 static uint64_t hash_of(const struct subject *subject)
@@ -125,6 +126,8 @@ static void abuse_outputs(const struct subject *subject, struct buffers *buffers
     WRONG(JCAS_ERROR_LENGTH, final_global_count, 1);
     WRONG(JCAS_ERROR_LENGTH, final_metrics_count, 1);
     WRONG(JCAS_ERROR_STRUCT_SIZE, metrics_size, sizeof(jcas_metrics) - 8);
+    WRONG(JCAS_ERROR_LENGTH, uav_reward_count, ENVIRONMENTS);
+    WRONG(JCAS_ERROR_ARGUMENT, uav_rewards, buffers->rewards);
     WRONG(JCAS_ERROR_ARGUMENT, final_observations, buffers->observations);
     WRONG(JCAS_ERROR_ARGUMENT, truncated, buffers->terminated + 1);
     WRONG(JCAS_ERROR_ARGUMENT, observations, buffers->actions);

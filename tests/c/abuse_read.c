@@ -56,6 +56,8 @@ void abuse_reading(struct subject *subject)
     ABUSE_BUFFER(float, jcas_sim_observe, sim, (size_t)info->uav_count * info->observation_len);
     ABUSE_BUFFER(float, jcas_sim_observe_global, sim, info->global_len);
     ABUSE_BUFFER(double, jcas_sim_get_rewards, sim, info->reward_len);
+    ABUSE_BUFFER(double, jcas_sim_uav_rewards, sim, info->uav_count);
+    ABUSE_BUFFER(double, jcas_sim_uav_reward_components, sim, (size_t)info->uav_count * info->reward_len);
     ABUSE_BUFFER(jcas_uav, get_uavs, sim, info->uav_count);
     ABUSE_BUFFER(jcas_hotspot, get_hotspots, sim, info->hotspot_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_links, sim, info->uav_count * info->uav_count);

@@ -91,7 +91,7 @@ static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
     size_t acted = (size_t)ENVIRONMENTS * info.action_len;
     float *observations = ARRAY(float, observed), *finals = ARRAY(float, observed);
     float *actions = ARRAY(float, acted), *global = ARRAY(float, ENVIRONMENTS * info.global_len);
-    float rewards[ENVIRONMENTS];
+    float rewards[ENVIRONMENTS], *uav_rewards = ARRAY(float, ENVIRONMENTS * info.uav_count);
     uint8_t terminated[ENVIRONMENTS], truncated[ENVIRONMENTS];
     jcas_metrics metrics[ENVIRONMENTS];
     double components[ENVIRONMENTS * 12];
@@ -116,6 +116,7 @@ static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
     out.final_observations = finals, out.final_observation_count = observed;
     out.final_metrics = metrics, out.final_metrics_count = ENVIRONMENTS;
     out.metrics_size = sizeof(jcas_metrics);
+    out.uav_rewards = uav_rewards, out.uav_reward_count = ENVIRONMENTS * info.uav_count;
 
     uint64_t hash = 0;
     int ended = 0;
@@ -127,6 +128,14 @@ static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
         hash = hash * 31 + hash_floats(finals, observed);
         hash = hash * 31 + hash_floats(global, ENVIRONMENTS * info.global_len);
         hash = hash * 31 + hash_floats(rewards, ENVIRONMENTS);
+        hash = hash * 31 + hash_floats(uav_rewards, ENVIRONMENTS * info.uav_count);
+        for (int m = 0; m < ENVIRONMENTS; m++) {
+            double sum = 0;
+            for (uint32_t i = 0; i < info.uav_count; i++)
+                sum += (double)uav_rewards[(uint32_t)m * info.uav_count + i];
+            double off = sum / info.uav_count - (double)rewards[m];
+            CHECK(off < 1e-4 && off > -1e-4);
+        }
         for (int m = 0; m < ENVIRONMENTS; m++) {
             if (terminated[m] || truncated[m]) {
                 ended++;
@@ -139,6 +148,7 @@ static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
     OK(jcas_batch_free(batch));
     free(observations);
     free(finals);
+    free(uav_rewards);
     free(actions);
     free(global);
     return hash;

@@ -53,6 +53,16 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
     for (index, (&ours, theirs)) in terms.iter().zip(state.rewards()).enumerate() {
         real(&format!("reward {}", names[index]), ours, theirs)?;
     }
+    for (i, own) in world.uav_rewards.iter().enumerate() {
+        for (index, (ours, theirs)) in own
+            .terms()
+            .into_iter()
+            .zip(state.uav_rewards(i))
+            .enumerate()
+        {
+            real(&format!("reward {} of UAV {i}", names[index]), ours, theirs)?;
+        }
+    }
     Ok(())
 }
 

@@ -48,6 +48,7 @@ pub fn configuration(dice: &mut Dice) -> Config {
         Preset::Paper
     };
     let mut c = Config::preset(preset);
+    c.sensing_range_m = None;
     mission(dice, &mut c);
     radio(dice, &mut c);
     energy(dice, &mut c);
@@ -154,6 +155,9 @@ fn radio(dice: &mut Dice, c: &mut Config) {
         c.detection_threshold_db = Some(dice.real(-10.0, 20.0));
     }
     if dice.one_in(3) {
+        c.sensing_range_m = Some(dice.real(0.01, 300.0));
+    }
+    if dice.one_in(3) {
         c.range_min_m = Some(dice.real(0.1, 200.0));
     }
     if dice.one_in(3) {
@@ -214,6 +218,7 @@ fn weights(dice: &mut Dice, c: &mut Config) {
     c.shaping_discount = dice.real(0.0, 1.0);
     c.shaping_goal_weight = dice.real(0.0, 5.0);
     c.shaping_charge_weight = dice.real(0.0, 5.0);
+    c.shaping_unconfirmed_weight = dice.real(0.0, 3.0);
 }
 
 /// How a fleet is flown through an episode.

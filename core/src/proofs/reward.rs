@@ -3,15 +3,19 @@
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
+use crate::carbon;
 use crate::config::Config;
-use crate::reward::{Happenings, RewardPlan, total};
+use crate::reward::{COMPONENTS, Deeds, Happenings, OWN, RewardPlan, total};
 use crate::validity::THROUGHPUT_MAX;
 
 /// What the default weights can pay or take in a step of any legal size, at most half of it for the
 /// highest throughput that a host can give.
 pub(super) const REWARD_MAX: f64 = 1e9;
 
-/// Whatever happened within the legal sizes. Potentials lie in [-w, w] of their weights.
+/// The goal potential counts up to 4096 unconfirmed hotspots beside the distance to one.
+const GOAL_MIN: f64 = -4097.0;
+
+/// Whatever happened within the legal sizes. Potentials lie within their weights.
 fn any_happenings() -> Happenings {
     Happenings {
         newly_confirmed: between(0, 4096),
@@ -22,11 +26,11 @@ fn any_happenings() -> Happenings {
         new_cells: between(0, 4096),
         revisits: between(0, 4096),
         spent_uj: between(0, 1 << 62),
-        co2_ng: between(0, 1 << 62),
+        co2_ng: real_between(0.0, 4_611_686_018_427_387_904.0),
         mean_throughput: real_between(0.0, THROUGHPUT_MAX),
         knowledge_spread: real_between(0.0, 1.0),
-        goal_potential_before: real_between(-1.0, 0.0),
-        goal_potential_after: real_between(-1.0, 0.0),
+        goal_potential_before: real_between(GOAL_MIN, 0.0),
+        goal_potential_after: real_between(GOAL_MIN, 0.0),
         charge_potential_before: real_between(0.0, 0.1),
         charge_potential_after: real_between(0.0, 0.1),
     }
@@ -56,7 +60,52 @@ pub fn rewards_are_bounded() {
     is_bounded(&plan, &step);
 }
 
+/// Whatever one UAV did: `uavs` times its energy and its carbon stay below 2^62.
+fn any_deeds() -> Deeds {
+    Deeds {
+        new_cell: kani::any(),
+        revisit: kani::any(),
+        spent_uj: between(0, 1 << 50),
+        co2_ng: real_between(0.0, 1_125_899_906_842_624.0),
+        throughput: real_between(0.0, THROUGHPUT_MAX),
+        goal_potential_before: real_between(GOAL_MIN, 0.0),
+        goal_potential_after: real_between(GOAL_MIN, 0.0),
+        charge_potential_before: real_between(0.0, 0.1),
+        charge_potential_after: real_between(0.0, 0.1),
+    }
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(13))]
+#[cfg_attr(kani, kani::solver(cadical))]
+pub fn a_uavs_reward_is_bounded_and_shares_the_teams_terms() {
+    let plan = RewardPlan::new(&Config::default());
+    let (step, own) = (any_happenings(), any_deeds());
+    let credited = step.credited(between(1, 4096), &own);
+    kani::cover!(own.new_cell && !own.revisit, "a cell is discovered");
+    kani::cover!(own.spent_uj == 0 && own.co2_ng > 0.0, "a charging UAV");
+    is_bounded(&plan, &credited);
+    let (team, rewards) = (plan.components(&step), plan.components(&credited));
+    for index in 0..COMPONENTS {
+        let own = OWN.contains(&index);
+        assert!(own || rewards[index].to_bits() == team[index].to_bits());
+    }
+}
+
+#[cfg_attr(kani, kani::proof)]
+pub fn a_share_of_carbon_is_within_the_whole() {
+    let whole = between(0, 1 << 62);
+    let billed_fleet_uj = between(0, 1 << 50);
+    let billed_uj = between(0, billed_fleet_uj);
+    let share = carbon::share_ng(whole, billed_uj, billed_fleet_uj);
+    kani::cover!(billed_fleet_uj == 0, "nothing is billed");
+    kani::cover!(share > 0.0 && billed_uj < billed_fleet_uj, "a part of it");
+    assert!(share >= 0.0 && share <= whole as f64);
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
     rewards_are_bounded: 4000 cases, 2 covers;
+    a_uavs_reward_is_bounded_and_shares_the_teams_terms: 4000 cases, 2 covers;
+    a_share_of_carbon_is_within_the_whole: 4000 cases, 2 covers;
 }

@@ -2,7 +2,7 @@
 //!
 //! A state is valid (`StateRef::is_valid`) if it belongs to the model, its fleet is valid
 //! (`fleet_is_valid`) and its scalars are (`scalars_are_valid`). The parts of a step before its end leave
-//! the scalars alone: their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` what
+//! the scalars, and the rewards and potentials of UAVs that are judged with them, alone: their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` what
 //! follows from it.
 
 use super::inputs::between;
@@ -10,6 +10,7 @@ use super::inputs::between;
 use super::standin as kani;
 use crate::header::{self, Phase};
 use crate::model::Model;
+use crate::reward::OWN_COMPONENTS;
 #[cfg(not(kani))]
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
@@ -17,15 +18,15 @@ use crate::validity::THROUGHPUT_MAX;
 
 /// Words of a state of the smallest model.
 #[cfg(any(kani, test))]
-pub(super) const SMALLEST_STATE_WORDS: usize = 58;
+pub(super) const SMALLEST_STATE_WORDS: usize = 76;
 /// Words of a state of any model that Kani sees.
 #[cfg(kani)]
 pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
 /// Words of a state of any model that the stand-in makes.
 #[cfg(not(kani))]
-pub(super) const STATE_WORDS: usize = 128;
+pub(super) const STATE_WORDS: usize = 160;
 /// Words of working memory of the smallest model, and of any that the stand-in makes.
-pub(super) const SCRATCH_WORDS: usize = if cfg!(kani) { 4 } else { 32 };
+pub(super) const SCRATCH_WORDS: usize = if cfg!(kani) { 13 } else { 40 };
 /// Two components for each UAV of the smallest model, and for each of at most five.
 pub(super) const ACTIONS: usize = if cfg!(kani) { 4 } else { 10 };
 
@@ -140,12 +141,29 @@ pub(super) fn changes_before_the_end(index: usize) -> bool {
 pub(super) fn carries_scalars(before: &StateRef<'_>, after: &StateRef<'_>) {
     assert!(before.settled_steps() == after.settled_steps());
     assert!(carries_mean_throughput(before, after));
+    carries_uav_rewards(before, after);
     if cfg!(kani) {
         carries_scalar(before, after, between(0, header::WORDS as u64 - 1) as usize);
     } else {
         for index in 0..header::WORDS {
             carries_scalar(before, after, index);
         }
+    }
+}
+
+/// What a part before the end of a step does to rewards and potentials of UAVs: nothing. Kani looks at any
+/// one word of them, the stand-in at all.
+fn carries_uav_rewards(before: &StateRef<'_>, after: &StateRef<'_>) {
+    if cfg!(kani) {
+        let i = between(0, before.uav_count() as u64 - 1) as usize;
+        let own = i * OWN_COMPONENTS + between(0, OWN_COMPONENTS as u64 - 1) as usize;
+        assert!(before.goal_potential[i] == after.goal_potential[i]);
+        assert!(before.charge_potential[i] == after.charge_potential[i]);
+        assert!(before.own_rewards[own] == after.own_rewards[own]);
+    } else {
+        assert!(before.goal_potential == after.goal_potential);
+        assert!(before.charge_potential == after.charge_potential);
+        assert!(before.own_rewards == after.own_rewards);
     }
 }
 

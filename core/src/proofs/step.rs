@@ -13,6 +13,7 @@ use crate::error::Error;
 use crate::header::{self, Phase};
 use crate::model::Model;
 use crate::model::any_model::{TABLE_WORDS, any_model};
+use crate::reward::OWN_COMPONENTS;
 use crate::scratch::Scratch;
 use crate::state::StateRef;
 use crate::validity::THROUGHPUT_MAX;
@@ -120,6 +121,11 @@ pub fn carried_scalars_stay_valid() {
             after[index] = before[index];
         }
     }
+    // Rewards and potentials of UAVs follow the nine quantities that each has.
+    let begin = header::WORDS + 9 * model.uav_count();
+    for index in begin..begin + (2 + OWN_COMPONENTS) * model.uav_count() {
+        after[index] = before[index];
+    }
     let phase = any_phase();
     after[header::PHASE] = phase as u64;
     after[header::T] = between(0, u64::from(model.config().horizon_steps));
@@ -162,6 +168,10 @@ pub fn carried_scalars_stay_valid() {
 #[cfg_attr(
     kani,
     kani::stub(crate::carbon::emitted_ng, crate::proofs::stubs::any_emission)
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::carbon::share_ng, crate::proofs::stubs::any_share)
 )]
 #[cfg_attr(kani, kani::stub_verified(crate::energy::settle))]
 pub fn ending_a_step_keeps_the_state_valid() {

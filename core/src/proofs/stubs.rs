@@ -83,13 +83,20 @@ pub(super) fn any_potentials(
     _: &mut Scratch<'_>,
     terminal: bool,
 ) {
-    let (goal, charge) = (real_between(-1.0, 0.0), real_between(0.0, 0.1));
-    state
-        .header
-        .set_goal_potential(if terminal { 0.0 } else { goal });
-    state
-        .header
-        .set_charge_potential(if terminal { 0.0 } else { charge });
+    let goal = || {
+        let potential = real_between(-2.0, 0.0);
+        if terminal { 0.0 } else { potential }
+    };
+    let charge = || {
+        let potential = real_between(0.0, 0.1);
+        if terminal { 0.0 } else { potential }
+    };
+    state.set_goal_potential(0, goal());
+    state.set_goal_potential(1, goal());
+    state.set_charge_potential(0, charge());
+    state.set_charge_potential(1, charge());
+    state.header.set_goal_potential(goal());
+    state.header.set_charge_potential(charge());
 }
 
 pub(super) fn any_rewards(_: &RewardPlan, _: &Happenings) -> Rewards {
@@ -120,6 +127,11 @@ pub(super) fn any_emission(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
     } else {
         between(0, FLEET_NG)
     }
+}
+
+pub(super) fn any_share(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {
+    assert!(co2_ng <= FLEET_NG && billed_uj <= billed_fleet_uj);
+    real_between(0.0, FLEET_NG as f64)
 }
 
 /// The checksum of nothing.

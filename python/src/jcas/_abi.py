@@ -136,6 +136,8 @@ class jcas_config(Structure):
         ("map_window_radius", c_uint32),
         ("map_directions", c_int32),
         ("uav_tag", c_int32),
+        ("shaping_unconfirmed_weight", c_double),
+        ("sensing_range_m", c_double),
     )
 
 
@@ -280,6 +282,8 @@ class jcas_batch_out(Structure):
         ("final_metrics", c_void_p),
         ("final_metrics_count", c_size_t),
         ("metrics_size", c_size_t),
+        ("uav_rewards", c_void_p),
+        ("uav_reward_count", c_size_t),
     )
 
 
@@ -371,6 +375,10 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_get_metrics.restype = c_int32
     library.jcas_sim_get_rewards.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_get_rewards.restype = c_int32
+    library.jcas_sim_uav_rewards.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_uav_rewards.restype = c_int32
+    library.jcas_sim_uav_reward_components.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_uav_reward_components.restype = c_int32
     library.jcas_reward_name.argtypes = (c_uint32,)
     library.jcas_reward_name.restype = c_char_p
     library.jcas_sim_get_uavs.argtypes = (c_void_p, POINTER(jcas_uav), c_size_t, c_size_t)

@@ -149,3 +149,9 @@ class Fields(TypedDict, total=False):
     uav_tag: Literal["off", "index", "random"] | None
     """What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode. One of
     off, index, random."""
+    shaping_unconfirmed_weight: float | None
+    """Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u); from 1
+    on a confirmation never lowers it. 0 to 1000 longest ways."""
+    sensing_range_m: float | None
+    """The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit one
+    wins. 0.001 to 1e+06 m."""

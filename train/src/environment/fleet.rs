@@ -221,6 +221,7 @@ impl VectorEnvironment for Fleet {
                     final_observations: &mut [],
                     final_global: &mut out.final_global,
                     final_metrics: &mut self.metrics,
+                    ..BatchOut::default()
                 },
             )
             .expect("actions of a head are numbers, and missions start anew by themselves");

@@ -1,6 +1,6 @@
 //! Energy in whole microjoules, carbon in whole nanograms.
 
-use super::{Specification, World};
+use super::{Specification, World, reward::StepFacts};
 use jcas_core::{ChargeBilling, Config};
 
 const MICROJOULES_PER_KWH: f64 = 3.6e12;
@@ -52,13 +52,15 @@ impl Ledger {
 
 impl Specification {
     /// Spends, charges and bills one step. `was_sensing` is the fleet's sensing
-    /// activity at the start of the sense phase. Returns what was spent in this
-    /// step and what carbon it was billed.
-    pub fn spend_and_charge(&self, world: &mut World, was_sensing: &[bool]) -> (u64, u64) {
+    /// activity at the start of the sense phase. Notes what each UAV spent and was
+    /// billed for in this step, and the fleet's carbon.
+    pub(super) fn spend_and_charge(
+        &self,
+        world: &mut World,
+        was_sensing: &[bool],
+        facts: &mut StepFacts,
+    ) {
         let e = &self.energy;
-        let mut spent_now: u64 = 0;
-        let mut accepted_now: u64 = 0;
-        let mut charging: u64 = 0;
         for (i, &sensing) in was_sensing.iter().enumerate() {
             let asked = self.asked_uj(world, i, sensing);
             let spent = if asked > world.battery_uj[i] {
@@ -69,7 +71,8 @@ impl Specification {
             world.battery_uj[i] -= spent;
             world.spent_uj[i] += spent;
             world.shortfall_uj[i] += asked - spent;
-            spent_now += spent;
+            facts.spent_uj.push(spent);
+            facts.billed_uj.push(0);
             if self.is_depot(world.position[i]) {
                 let room = e.capacity_uj - world.battery_uj[i];
                 let accepted = if e.charge_uj > room {
@@ -79,19 +82,18 @@ impl Specification {
                 };
                 world.battery_uj[i] += accepted;
                 world.accepted_uj[i] += accepted;
-                accepted_now += accepted;
-                charging += 1;
+                facts.billed_uj[i] = match self.config.charge_billing {
+                    ChargeBilling::Accepted => accepted,
+                    ChargeBilling::Nameplate => e.charge_uj,
+                };
             }
         }
-        let billed = match self.config.charge_billing {
-            ChargeBilling::Accepted => accepted_now,
-            ChargeBilling::Nameplate => charging * e.charge_uj,
-        };
+        let billed = facts.billed_uj.iter().sum();
         let grid = divide_half_up(billed, e.grid_share_ppb, 1_000_000_000);
         let carbon = divide_half_up(grid, world.billed_intensity_mg_per_kwh, 3_600_000);
         world.grid_uj += grid;
         world.co2_ng += carbon;
-        (spent_now, carbon)
+        facts.carbon_ng = carbon;
     }
 
     fn asked_uj(&self, world: &World, i: usize, sensing: bool) -> u64 {

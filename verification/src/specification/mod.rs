@@ -117,6 +117,8 @@ pub struct World {
     pub mean_throughput: f64,
     /// The last step's reward, term by term.
     pub rewards: Rewards,
+    /// The last step's reward of each UAV, term by term.
+    pub uav_rewards: Vec<Rewards>,
     /// Every hotspot is informed.
     pub terminated: bool,
     /// The horizon was reached without that.

@@ -18,43 +18,54 @@ impl Potentials {
 }
 
 impl Specification {
+    /// The team's potentials: the means of its UAVs'.
     pub(super) fn potentials(&self, world: &World) -> Potentials {
+        let mean = |part: &dyn Fn(usize) -> f64| {
+            (0..self.uavs()).map(part).sum::<f64>() / self.uavs() as f64
+        };
+        let goal = mean(&|i| self.way_to_go(world, i)) + self.left_to_confirm(world);
         Potentials {
-            goal: self.goal_potential(world),
-            charge: self.charge_potential(world),
+            goal: -self.config.shaping_goal_weight * goal,
+            charge: self.config.shaping_charge_weight * mean(&|i| self.use_of_charging(world, i)),
         }
     }
 
-    /// −w_g · mean_i (distance to the nearest unconfirmed hotspot) / (W + H − 2).
-    fn goal_potential(&self, world: &World) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..self.uavs() {
-            let mut nearest: Option<i64> = None;
-            for j in 0..self.hotspots() {
-                if world.detected_at[j].is_some() {
-                    continue;
-                }
-                let distance = world.position[i].manhattan(world.hotspot[j]);
-                if nearest.is_none_or(|best| distance < best) {
-                    nearest = Some(distance);
-                }
+    /// The potentials of UAV i.
+    pub(super) fn uav_potentials(&self, world: &World, i: usize) -> Potentials {
+        let goal = self.way_to_go(world, i) + self.left_to_confirm(world);
+        Potentials {
+            goal: -self.config.shaping_goal_weight * goal,
+            charge: self.config.shaping_charge_weight * self.use_of_charging(world, i),
+        }
+    }
+
+    /// Distance to the nearest unconfirmed hotspot over W + H − 2, 0 if there is none.
+    fn way_to_go(&self, world: &World, i: usize) -> f64 {
+        let mut nearest: Option<i64> = None;
+        for j in 0..self.hotspots() {
+            if world.detected_at[j].is_some() {
+                continue;
             }
-            sum += fraction(nearest.unwrap_or(0) as f64, self.longest_path());
+            let distance = world.position[i].manhattan(world.hotspot[j]);
+            if nearest.is_none_or(|best| distance < best) {
+                nearest = Some(distance);
+            }
         }
-        -self.config.shaping_goal_weight * sum / self.uavs() as f64
+        fraction(nearest.unwrap_or(0) as f64, self.longest_path())
     }
 
-    /// w_c · mean_i ((1 − soc_i) · g_t · (1 − depot distance / (W + H − 2))).
-    fn charge_potential(&self, world: &World) -> f64 {
-        let green = self.green_share(world);
-        let mut sum = 0.0;
-        for i in 0..self.uavs() {
-            let here = world.position[i];
-            let distance = here.manhattan(self.nearest_depot(here)) as f64;
-            let near = 1.0 - fraction(distance, self.longest_path());
-            sum += (1.0 - self.soc(world, i)) * green * near;
-        }
-        self.config.shaping_charge_weight * sum / self.uavs() as f64
+    /// w_u for each unconfirmed hotspot.
+    fn left_to_confirm(&self, world: &World) -> f64 {
+        let unconfirmed = world.detected_at.iter().filter(|at| at.is_none()).count();
+        self.config.shaping_unconfirmed_weight * unconfirmed as f64
+    }
+
+    /// (1 − soc_i) · g_t · (1 − depot distance / (W + H − 2)).
+    fn use_of_charging(&self, world: &World, i: usize) -> f64 {
+        let here = world.position[i];
+        let distance = here.manhattan(self.nearest_depot(here)) as f64;
+        let near = 1.0 - fraction(distance, self.longest_path());
+        (1.0 - self.soc(world, i)) * self.green_share(world) * near
     }
 
     /// g_t = ρ_RE + (1 − ρ_RE) · (c_max − c_t)/(c_max − c_min), for the coming step.

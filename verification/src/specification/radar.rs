@@ -6,8 +6,11 @@ use std::f64::consts::PI;
 impl Specification {
     /// SNR^sens in dB at distance R, before communication load.
     pub fn sensing_snr_db(&self, uav: Position, hotspot: Position) -> f64 {
+        self.sensing_snr_at_db(self.range_m(uav, hotspot))
+    }
+
+    fn sensing_snr_at_db(&self, range: f64) -> f64 {
         let c = &self.config;
-        let range = self.range_m(uav, hotspot);
         let lambda = self.wavelength_m();
         let transmitted_w = watts(c.transmit_power_dbm);
         let gains = ratio(c.transmit_gain_dbi) * ratio(c.receive_gain_dbi);
@@ -29,11 +32,14 @@ impl Specification {
         10.0 * libm::log10(1.0 + resolution / range_m)
     }
 
-    /// γ_det: given, or Albersheim's equation for one pulse.
+    /// γ_det: given, or the SNR at the sensing range, or Albersheim's equation for one pulse.
     pub fn detection_threshold_db(&self) -> f64 {
         let c = &self.config;
         if let Some(threshold) = c.detection_threshold_db {
             return threshold;
+        }
+        if let Some(range) = c.sensing_range_m {
+            return self.sensing_snr_at_db(range);
         }
         let pulses: f64 = 1.0;
         let a = libm::log(0.62 / c.false_alarm_probability);

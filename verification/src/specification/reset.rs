@@ -37,6 +37,7 @@ impl Specification {
             co2_ng: 0,
             mean_throughput: 0.0,
             rewards: Rewards::default(),
+            uav_rewards: vec![Rewards::default(); n],
             terminated: false,
             truncated: false,
         };

@@ -1,6 +1,6 @@
-//! The team reward R_t, term by term.
+//! The team reward R_t and the reward R_i of each UAV, term by term.
 
-use super::{Specification, World, potential::Potentials};
+use super::{Specification, World, fraction, potential::Potentials};
 use jcas_core::InformPayment;
 
 const KWH_PER_MICROJOULE: f64 = 1.0 / 3.6e12;
@@ -50,14 +50,16 @@ impl Rewards {
 }
 
 /// What a step did that the world after it no longer shows.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct StepFacts {
-    /// Cells that no UAV had visited before.
-    pub first_visits: u32,
-    /// UAVs that moved into a cell visited before this step.
-    pub revisits: u32,
-    /// Energy spent by the fleet, in microjoules.
-    pub spent_uj: u64,
+    /// Whether each UAV was the first ever in its cell; of several in one step, the one of lowest index.
+    pub first_visits: Vec<bool>,
+    /// Whether each UAV moved into a cell visited before this step.
+    pub revisits: Vec<bool>,
+    /// Energy spent by each UAV, in microjoules.
+    pub spent_uj: Vec<u64>,
+    /// Charging billed for each UAV, in microjoules.
+    pub billed_uj: Vec<u64>,
     /// Carbon billed to the fleet, in nanograms.
     pub carbon_ng: u64,
 }
@@ -78,6 +80,9 @@ impl Specification {
             InformPayment::EveryStep => world.informed_at.iter().flatten().count(),
         };
         let cells = (self.width() * self.height()) as f64;
+        let first_visits = facts.first_visits.iter().filter(|&&first| first).count();
+        let revisits = facts.revisits.iter().filter(|&&again| again).count();
+        let spent_uj: u64 = facts.spent_uj.iter().sum();
         let at_horizon = world.t == c.horizon_steps;
         let gamma = c.shaping_discount;
         Rewards {
@@ -88,10 +93,10 @@ impl Specification {
             } else {
                 0.0
             },
-            coverage: c.reward_coverage * f64::from(facts.first_visits) / cells,
-            energy: -c.penalty_energy_per_kwh * facts.spent_uj as f64 * KWH_PER_MICROJOULE,
+            coverage: c.reward_coverage * first_visits as f64 / cells,
+            energy: -c.penalty_energy_per_kwh * spent_uj as f64 * KWH_PER_MICROJOULE,
             carbon: -c.penalty_carbon_per_kg * facts.carbon_ng as f64 * KG_PER_NANOGRAM,
-            revisit: -c.penalty_revisit * f64::from(facts.revisits),
+            revisit: -c.penalty_revisit * revisits as f64,
             truncation: if at_horizon {
                 -c.penalty_truncation
             } else {
@@ -101,6 +106,37 @@ impl Specification {
             spread: c.reward_spread * self.knowledge_spread(world),
             shaping_goal: gamma * after.goal - before.goal,
             shaping_charge: gamma * after.charge - before.charge,
+        }
+    }
+
+    /// R_i: its own part of what the team's reward sums over UAVs, times N; its own in place of what is a
+    /// mean over UAVs; the rest as the team's.
+    pub(super) fn uav_reward(
+        &self,
+        world: &World,
+        facts: &StepFacts,
+        i: usize,
+        before: Potentials,
+        after: Potentials,
+    ) -> Rewards {
+        let c = &self.config;
+        let uavs = self.uavs() as f64;
+        let cells = (self.width() * self.height()) as f64;
+        let billed: u64 = facts.billed_uj.iter().sum();
+        let carbon_share = fraction(facts.billed_uj[i] as f64, billed as f64);
+        let own_kwh = facts.spent_uj[i] as f64 * KWH_PER_MICROJOULE;
+        let own_kg = facts.carbon_ng as f64 * KG_PER_NANOGRAM * carbon_share;
+        let one_if = |happened: bool| if happened { 1.0 } else { 0.0 };
+        let gamma = c.shaping_discount;
+        Rewards {
+            coverage: uavs * c.reward_coverage * one_if(facts.first_visits[i]) / cells,
+            energy: -uavs * c.penalty_energy_per_kwh * own_kwh,
+            carbon: -uavs * c.penalty_carbon_per_kg * own_kg,
+            revisit: -uavs * c.penalty_revisit * one_if(facts.revisits[i]),
+            throughput: c.reward_throughput * world.throughput[i],
+            shaping_goal: gamma * after.goal - before.goal,
+            shaping_charge: gamma * after.charge - before.charge,
+            ..world.rewards
         }
     }
 

@@ -7,29 +7,35 @@ impl Specification {
     /// and must hold no NaN.
     pub fn step(&self, world: &mut World, actions: &[(f32, f32)]) {
         let before = self.potentials(world);
+        let before_of: Vec<Potentials> = (0..self.uavs())
+            .map(|i| self.uav_potentials(world, i))
+            .collect();
         world.t += 1;
         self.decide_pilot(world, actions);
-        let facts = self.fly(world, actions);
+        let mut facts = self.fly(world, actions);
         self.look_around(world);
         let was_sensing = self.sense_and_learn(world);
         self.link_up(world);
         self.consensus(world);
         self.share_maps(world);
         world.billed_intensity_mg_per_kwh = world.coming_intensity_mg_per_kwh;
-        let (spent_uj, carbon_ng) = self.spend_and_charge(world, &was_sensing);
+        self.spend_and_charge(world, &was_sensing, &mut facts);
         self.inform(world);
         world.coming_intensity_mg_per_kwh = self.draw_intensity(world.seed, world.t);
-        let facts = StepFacts {
-            spent_uj,
-            carbon_ng,
-            ..facts
-        };
         let after = if world.terminated {
             Potentials::ZERO
         } else {
             self.potentials(world)
         };
         world.rewards = self.reward(world, &facts, before, after);
+        for (i, before) in before_of.into_iter().enumerate() {
+            let after = if world.terminated {
+                Potentials::ZERO
+            } else {
+                self.uav_potentials(world, i)
+            };
+            world.uav_rewards[i] = self.uav_reward(world, &facts, i, before, after);
+        }
     }
 
     fn decide_pilot(&self, world: &mut World, actions: &[(f32, f32)]) {
@@ -59,13 +65,9 @@ impl Specification {
             world.moved[i] = there != here;
             world.position[i] = there;
             let (x, y) = (there.x as usize, there.y as usize);
-            if world.moved[i] && visited_before[y][x] {
-                facts.revisits += 1;
-            }
-            if !world.visited[y][x] {
-                facts.first_visits += 1;
-                world.visited[y][x] = true;
-            }
+            facts.revisits.push(world.moved[i] && visited_before[y][x]);
+            facts.first_visits.push(!world.visited[y][x]);
+            world.visited[y][x] = true;
         }
         facts
     }
