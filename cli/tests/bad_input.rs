@@ -85,7 +85,10 @@ fn unknown_names() {
         folder.path(),
         &["simulate", "--policy", "clever"],
         INPUT,
-        &["policy = clever", "random, greedy, swarm, teams, sweep"],
+        &[
+            "policy = clever",
+            "random, greedy, swarm, teams, sweep, line, frontier, relay",
+        ],
     );
     refuses(
         folder.path(),
@@ -116,7 +119,7 @@ fn unknown_names() {
         &[
             "policy = swarm",
             "target_visibility = hidden",
-            "random, sweep",
+            "random, sweep, line, frontier, relay",
         ],
     );
 }

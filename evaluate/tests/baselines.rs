@@ -135,7 +135,11 @@ fn only_privileged_baselines_need_positions() {
     for kind in BaselineKind::ALL {
         let built = kind.build(&model, PilotMode::Adaptive);
         match kind {
-            BaselineKind::Random | BaselineKind::Sweep => assert!(built.is_ok()),
+            BaselineKind::Random
+            | BaselineKind::Sweep
+            | BaselineKind::Line
+            | BaselineKind::Frontier
+            | BaselineKind::Relay => assert!(built.is_ok()),
             _ => assert_eq!(built.err(), Some(PolicyError::Hidden(kind))),
         }
     }
@@ -171,7 +175,13 @@ fn what_is_hidden_is_not_read() {
     };
     let here = [Cell { x: 5, y: 6 }, Cell { x: 6, y: 5 }];
     let there = [Cell { x: 0, y: 11 }, Cell { x: 11, y: 0 }];
-    for kind in [BaselineKind::Random, BaselineKind::Sweep] {
+    for kind in [
+        BaselineKind::Random,
+        BaselineKind::Sweep,
+        BaselineKind::Line,
+        BaselineKind::Frontier,
+        BaselineKind::Relay,
+    ] {
         for pilot in PilotMode::ALL {
             assert_eq!(
                 flight(here, kind, pilot),

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
-use jcas_core::Model;
+use jcas_core::{Model, TargetVisibility};
 use jcas_evaluate::mission::{self, Campaign};
+use jcas_evaluate::policy::BaselineKind;
 use jcas_evaluate::statistics::{Estimate, Summary};
 use serde::Serialize;
 
@@ -23,6 +24,7 @@ const EXAMPLES: &str = "\
 Examples:
   jcas sweep
   jcas sweep --policy greedy,swarm,teams --pilot max,adaptive --hotspots 7 --out baselines
+  jcas sweep --preset search --hotspots 3,7,11 --out searchers
   jcas sweep --uavs 10 --hotspots 5,11 --pilot 0.01,0.1,0.2,0.3 --out pilot
   jcas sweep --uavs 4,6,8 --vary battery_capacity_kwh=0.02,0.05,0.2 --episodes 500 --out battery
 
@@ -45,8 +47,14 @@ pub struct Sweep {
     /// Numbers of hotspots
     #[arg(long, value_name = "n,n", value_delimiter = ',', default_values_t = [3, 5, 7, 9, 11], help_heading = "Lists")]
     hotspots: Vec<u32>,
-    /// Policies: random, greedy, swarm, teams, sweep
-    #[arg(long, value_name = "POLICY,POLICY", value_delimiter = ',', default_value = DEFAULT_POLICY, help_heading = "Lists")]
+    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay. By default teams, or, where hotspots
+    /// are hidden, all that search
+    #[arg(
+        long,
+        value_name = "POLICY,POLICY",
+        value_delimiter = ',',
+        help_heading = "Lists"
+    )]
     policy: Vec<String>,
     /// Pilot densities: numbers such as 0.15, min, mid, max, adaptive
     #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
@@ -80,7 +88,7 @@ impl Sweep {
     /// Flies what is not on file yet and writes everything.
     pub fn run(self) -> Result<Outcome, CliError> {
         let base = self.config.source()?;
-        let axes = self.axes()?;
+        let axes = self.axes(&self.policies(&base)?)?;
         self.say_what_cards_do_not(&base, &axes)?;
         let cells = plan::cells(&base, &axes)?;
         files::prepare_folder(&self.out)?;
@@ -137,9 +145,23 @@ impl Sweep {
         Ok(())
     }
 
-    fn axes(&self) -> Result<Vec<Axis>, CliError> {
+    /// The policies that were asked for, or those that suit the mission.
+    fn policies(&self, base: &ConfigSource) -> Result<Vec<String>, CliError> {
+        if !self.policy.is_empty() {
+            return Ok(self.policy.clone());
+        }
+        if base.resolve()?.target_visibility == TargetVisibility::Known {
+            return Ok(vec![DEFAULT_POLICY.to_owned()]);
+        }
+        let searchers = BaselineKind::ALL
+            .iter()
+            .filter(|kind| !kind.reads_positions());
+        Ok(searchers.map(|kind| kind.name().to_owned()).collect())
+    }
+
+    fn axes(&self, policies: &[String]) -> Result<Vec<Axis>, CliError> {
         let mut axes = vec![
-            Axis::new("policy", &self.policy),
+            Axis::new("policy", policies),
             Axis::new("pilot", &self.pilot),
             Axis::new("uav_count", &self.uavs),
             Axis::new("hotspot_count", &self.hotspots),

@@ -6,9 +6,11 @@ use jcas_core::{Model, Motion, StateRef, TargetVisibility};
 
 use super::charge::stays_to_charge;
 use super::error::PolicyError;
+use super::frontier::Frontier;
 use super::gather::gather;
 use super::greedy::Greedy;
 use super::kind::BaselineKind;
+use super::line::Line;
 use super::pilot::PilotMode;
 use super::random::Random;
 use super::steering::Steering;
@@ -41,6 +43,9 @@ impl BaselineKind {
             Self::Swarm => Box::new(Swarm),
             Self::Teams => Box::new(Teams::new(pilot)),
             Self::Sweep => Box::new(Sweep::new(pilot)),
+            Self::Line => Box::new(Line::new(pilot)),
+            Self::Frontier => Box::new(Frontier::new(pilot)),
+            Self::Relay => Box::new(Frontier::connected(pilot)),
         };
         Baseline {
             kind: self,

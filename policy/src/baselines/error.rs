@@ -30,7 +30,7 @@ impl fmt::Display for PolicyError {
         match self {
             Self::UnknownPolicy(name) => write!(
                 out,
-                "policy = {name}: must be one of random, greedy, swarm, teams, sweep"
+                "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, frontier, relay"
             ),
             Self::UnknownPilot(name) => write!(
                 out,
@@ -43,7 +43,7 @@ impl fmt::Display for PolicyError {
             Self::Hidden(kind) => write!(
                 out,
                 "policy = {kind}: steers by positions that target_visibility = hidden withholds; \
-                 must be one of random, sweep"
+                 must be one of random, sweep, line, frontier, relay"
             ),
         }
     }

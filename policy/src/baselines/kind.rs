@@ -15,16 +15,25 @@ pub enum BaselineKind {
     Teams,
     /// [`Sweep`](super::Sweep).
     Sweep,
+    /// [`Line`](super::Line).
+    Line,
+    /// [`Frontier`](super::Frontier).
+    Frontier,
+    /// [`Frontier::connected`](super::Frontier::connected).
+    Relay,
 }
 
 impl BaselineKind {
     /// All baselines.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 8] = [
         Self::Random,
         Self::Greedy,
         Self::Swarm,
         Self::Teams,
         Self::Sweep,
+        Self::Line,
+        Self::Frontier,
+        Self::Relay,
     ];
 
     /// As it is typed.
@@ -36,6 +45,9 @@ impl BaselineKind {
             Self::Swarm => "swarm",
             Self::Teams => "teams",
             Self::Sweep => "sweep",
+            Self::Line => "line",
+            Self::Frontier => "frontier",
+            Self::Relay => "relay",
         }
     }
 

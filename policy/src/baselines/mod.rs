@@ -9,6 +9,9 @@
 //! | `swarm` | all UAVs' cells, the hotspots' cells and which are confirmed | positions |
 //! | `teams` | all UAVs' cells and who can fly, the hotspots' cells and which are confirmed | positions |
 //! | `sweep` | all UAVs' cells and who can fly; of the hotspots only how many are left | no |
+//! | `line` | as `sweep` | no |
+//! | `frontier` | as `sweep`, and for each team the search map of one of its UAVs (without maps, the visited cells); targets of the other teams | no |
+//! | `relay` | as `frontier`, and the link budget between teams | no |
 //!
 //! *Privileged* means: it reads the positions of hotspots that no UAV knows. With
 //! `target_visibility = "known"` (the paper) every UAV observes these positions, so nobody is
@@ -24,9 +27,11 @@
 mod baseline;
 mod charge;
 mod error;
+mod frontier;
 mod gather;
 mod greedy;
 mod kind;
+mod line;
 mod pilot;
 mod quorum;
 mod random;
@@ -39,9 +44,11 @@ mod teams;
 pub use baseline::Baseline;
 pub use charge::stays_to_charge;
 pub use error::PolicyError;
+pub use frontier::Frontier;
 pub use gather::gather;
 pub use greedy::Greedy;
 pub use kind::BaselineKind;
+pub use line::Line;
 pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode, action_of};
 pub use quorum::quorum_probability;
 pub use random::Random;

@@ -1,0 +1,343 @@
+//! `frontier` and `relay`: teams that fly to what has not been looked at.
+
+use core::ops::Range;
+
+use jcas_core::motion::{destination, toward};
+use jcas_core::{Cell, Model, Motion, StateRef};
+
+use super::pilot::PilotMode;
+use super::steering::{Steering, can_fly};
+
+/// A step of flight is worth two steps of a cell's age.
+const STEPS_PER_CELL: i64 = 2;
+/// What a cell that was never looked at is worth above any that was.
+const UNSEARCHED: i64 = 1 << 30;
+/// What being near the target of another team costs.
+const CROWDED: i64 = 1 << 20;
+/// What a target out of every other target's reach costs a team that stays in touch.
+const OUT_OF_TOUCH: i64 = 1 << 40;
+/// Targets of two teams that stay in touch lie at least this many cells apart, where there is a choice.
+const RELAYS_APART_CELLS: u32 = 2;
+/// Targets of two teams lie at least this many cells apart, where there is a choice.
+const APART_CELLS: u32 = 4;
+
+/// Teams of θ UAVs, each on its way to the nearest cell that has not been looked at, apart from the others;
+/// when all have been, to those that it has not seen for longest.
+///
+/// What a team believes looked at is the search map of its first UAV that can fly; without search maps, the
+/// cells that any UAV has visited. With `connected`, a team chooses among targets within reach of another team's, and
+/// gives up a move that would cut the fleet in two.
+#[derive(Clone, Debug)]
+pub struct Frontier {
+    pilot: PilotMode,
+    connected: bool,
+    teams: Vec<Team>,
+}
+
+#[derive(Clone, Debug)]
+struct Team {
+    uavs: Range<usize>,
+    target: Option<Cell>,
+    /// The step at which each cell was last believed to be looked at; `None`: never.
+    looked_at: Vec<Option<u32>>,
+}
+
+impl Frontier {
+    /// Teams that go their own ways.
+    #[must_use]
+    pub fn new(pilot: PilotMode) -> Self {
+        Self {
+            pilot,
+            connected: false,
+            teams: Vec::new(),
+        }
+    }
+
+    /// Teams that stay within radio reach of each other, directly or through others.
+    #[must_use]
+    pub fn connected(pilot: PilotMode) -> Self {
+        Self {
+            connected: true,
+            ..Self::new(pilot)
+        }
+    }
+}
+
+impl Steering for Frontier {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) {
+        let uavs = model.uav_count();
+        let count = (uavs / model.config().quorum as usize).max(1);
+        self.teams = (0..count)
+            .map(|team| Team {
+                uavs: team * uavs / count..(team + 1) * uavs / count,
+                target: None,
+                looked_at: vec![None; model.config().cell_count()],
+            })
+            .collect();
+    }
+
+    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+        for index in 0..self.teams.len() {
+            let Some(lead) = self.teams[index].lead(state) else {
+                self.teams[index].target = None;
+                continue;
+            };
+            self.teams[index].look(model, state, lead);
+            let others: Vec<Cell> = self
+                .teams
+                .iter()
+                .enumerate()
+                .filter(|(other, _)| *other != index)
+                .filter_map(|(_, team)| team.target)
+                .collect();
+            let reach = self.connected.then(|| Reach::of(model, self.pilot));
+            let team = &mut self.teams[index];
+            if team.arrived(model, state.t()) {
+                let here = state.cell(lead);
+                team.target = Some(team.choose(model, here, &others, reach.as_ref(), state.t()));
+            }
+            let target = team.target.unwrap_or(state.cell(lead));
+            for uav in team.uavs.clone() {
+                motions[uav] = toward(state.cell(uav), target);
+            }
+        }
+        if self.connected {
+            self.stay_connected(model, state, motions);
+        }
+    }
+}
+
+impl Team {
+    /// Its first UAV that goes where it is told.
+    fn lead(&self, state: &StateRef<'_>) -> Option<usize> {
+        self.uavs.clone().find(|&uav| can_fly(state, uav))
+    }
+
+    /// Takes over what its lead believes looked at, and what lies around it now.
+    fn look(&mut self, model: &Model<'_>, state: &StateRef<'_>, lead: usize) {
+        let config = model.config();
+        let radius = config.search_map_radius_m / config.cell_size_m;
+        let here = state.cell(lead);
+        for (index, looked_at) in self.looked_at.iter_mut().enumerate() {
+            let believed = if model.map_words() > 0 {
+                state.searched(lead, index)
+            } else {
+                state.visited(index)
+            };
+            let cell = cell_of(model, index);
+            let (dx, dy) = (cell.x.abs_diff(here.x), cell.y.abs_diff(here.y));
+            let near = f64::from(dx * dx + dy * dy) <= radius * radius;
+            if near || (believed && looked_at.is_none()) {
+                *looked_at = Some(state.t());
+            }
+        }
+    }
+
+    /// Whether the target is none any more: it has been looked at since it was chosen.
+    fn arrived(&self, model: &Model<'_>, now: u32) -> bool {
+        self.target.is_none_or(|cell| {
+            let index = (cell.y * model.config().grid_width + cell.x) as usize;
+            self.looked_at[index] == Some(now)
+        })
+    }
+
+    /// The cell that is worth most.
+    fn choose(
+        &self,
+        model: &Model<'_>,
+        here: Cell,
+        others: &[Cell],
+        reach: Option<&Reach<'_>>,
+        now: u32,
+    ) -> Cell {
+        let apart_cells = if reach.is_some() {
+            RELAYS_APART_CELLS
+        } else {
+            APART_CELLS
+        };
+        let in_touch = |cell: Cell| {
+            reach.is_none_or(|reach| {
+                others.is_empty() || others.iter().any(|&other| reach.hears(other, cell))
+            })
+        };
+        let worth = |index: usize| {
+            let cell = cell_of(model, index);
+            let age = match self.looked_at[index] {
+                Some(at) => i64::from(now - at),
+                None => UNSEARCHED,
+            };
+            let crowded = others
+                .iter()
+                .any(|other| other.manhattan(cell) < apart_cells);
+            age - STEPS_PER_CELL * i64::from(here.manhattan(cell))
+                - if crowded { CROWDED } else { 0 }
+                - if in_touch(cell) { 0 } else { OUT_OF_TOUCH }
+        };
+        let mut best = 0;
+        for index in 1..self.looked_at.len() {
+            if worth(index) > worth(best) {
+                best = index;
+            }
+        }
+        cell_of(model, best)
+    }
+}
+
+impl Frontier {
+    /// Takes back moves, team by team, after which the leads' graph would fall apart. Where that stops them
+    /// all, they make for the first team's target together.
+    fn stay_connected(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+        let config = model.config();
+        let leads: Vec<(usize, usize)> = self
+            .teams
+            .iter()
+            .enumerate()
+            .filter_map(|(team, of)| of.lead(state).map(|lead| (team, lead)))
+            .collect();
+        let reach = Reach::of(model, self.pilot);
+        // Teams before `index` have made their moves; those after it are where they were.
+        let mut cells: Vec<Cell> = leads.iter().map(|&(_, lead)| state.cell(lead)).collect();
+        let mut somebody_moves = false;
+        for (index, &(team, lead)) in leads.iter().enumerate() {
+            let before = cells[index];
+            cells[index] =
+                destination(before, motions[lead], config.grid_width, config.grid_height);
+            if reach.in_one_piece(&cells) {
+                somebody_moves |= cells[index] != before;
+                continue;
+            }
+            cells[index] = before;
+            for uav in self.teams[team].uavs.clone() {
+                motions[uav] = toward(state.cell(uav), before);
+            }
+        }
+        if somebody_moves {
+            return;
+        }
+        let Some(&(first, _)) = leads.first() else {
+            return;
+        };
+        let together = self.teams[first].target;
+        for team in &mut self.teams {
+            team.target = together;
+            for uav in team.uavs.clone() {
+                if let Some(target) = together {
+                    motions[uav] = toward(state.cell(uav), target);
+                }
+            }
+        }
+    }
+}
+
+/// Which cells hear each other while UAVs sense.
+struct Reach<'m> {
+    model: &'m Model<'m>,
+    density: f64,
+}
+
+impl<'m> Reach<'m> {
+    fn of(model: &'m Model<'m>, pilot: PilotMode) -> Self {
+        Self {
+            model,
+            density: pilot.sensing_density(model),
+        }
+    }
+
+    fn hears(&self, a: Cell, b: Cell) -> bool {
+        let (dx, dy) = (a.x.abs_diff(b.x), a.y.abs_diff(b.y));
+        let throughput = self.model.link_throughput(dx, dy, self.density);
+        throughput >= self.model.config().link_throughput_min
+    }
+
+    /// Whether every cell is reached from the first, hearing by hearing.
+    fn in_one_piece(&self, cells: &[Cell]) -> bool {
+        let mut reached = vec![0];
+        let mut left: Vec<usize> = (1..cells.len()).collect();
+        let mut next = 0;
+        while next < reached.len() {
+            let from = cells[reached[next]];
+            next += 1;
+            let (heard, unheard): (Vec<_>, Vec<_>) = left
+                .into_iter()
+                .partition(|&other| self.hears(from, cells[other]));
+            reached.extend(heard);
+            left = unheard;
+        }
+        left.is_empty()
+    }
+}
+
+fn cell_of(model: &Model<'_>, index: usize) -> Cell {
+    let width = model.config().grid_width as usize;
+    Cell {
+        x: (index % width) as u32,
+        y: (index / width) as u32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Policy;
+    use crate::baselines::BaselineKind;
+    use jcas_core::{Config, Preset, Sim};
+
+    /// Flies one search and says how often some UAV was out of reach of the rest, and how many steps it took.
+    fn fly(kind: BaselineKind, seed: u64) -> (usize, u32) {
+        let config = Config {
+            uav_count: 12,
+            hotspot_count: 7,
+            ..Config::preset(Preset::Search)
+        };
+        let model = Model::new(config).unwrap();
+        let mut policy = kind.build(&model, PilotMode::Max).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(seed);
+        policy.reset(&model, seed);
+        let mut actions = vec![0.0; model.action_len()];
+        let mut apart = 0;
+        while !sim.state().terminated() && !sim.state().truncated() {
+            policy.act(&model, &sim.state(), &mut actions);
+            sim.step(&actions).unwrap();
+            let cells: Vec<Cell> = (0..12).map(|i| sim.state().cell(i)).collect();
+            apart += usize::from(!Reach::of(&model, PilotMode::Max).in_one_piece(&cells));
+        }
+        (apart, sim.state().t())
+    }
+
+    #[test]
+    fn relays_stay_in_touch_and_others_do_not() {
+        let (mut apart, mut steps) = ([0, 0], 0);
+        for seed in 0..5 {
+            apart[0] += fly(BaselineKind::Relay, seed).0;
+            apart[1] += fly(BaselineKind::Frontier, seed).0;
+            steps += fly(BaselineKind::Relay, seed).1;
+        }
+        assert_eq!(apart[0], 0, "in {steps} steps");
+        assert!(apart[1] > 0);
+    }
+
+    #[test]
+    fn the_nearest_unsearched_cell_apart_from_others_is_chosen() {
+        let model = Model::new(Config::preset(Preset::Search)).unwrap();
+        let mut team = Team {
+            uavs: 0..3,
+            target: None,
+            looked_at: vec![Some(4); 144],
+        };
+        team.looked_at[12 * 2 + 3] = None;
+        team.looked_at[12 * 9 + 9] = None;
+        let near = Cell { x: 3, y: 2 };
+        let far = Cell { x: 9, y: 9 };
+        let here = Cell { x: 2, y: 2 };
+        assert_eq!(team.choose(&model, here, &[], None, 5), near);
+        assert_eq!(
+            team.choose(&model, here, &[Cell { x: 3, y: 3 }], None, 5),
+            far
+        );
+        // All looked at: the one that was so long ago, if it is not too far.
+        team.looked_at = vec![Some(90); 144];
+        team.looked_at[12 * 9 + 9] = Some(1);
+        assert_eq!(team.choose(&model, here, &[], None, 95), far);
+    }
+}

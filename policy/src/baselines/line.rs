@@ -1,0 +1,335 @@
+//! `line`: lines abreast that sweep the grid, in the formation that is expected to find everything soonest.
+
+use core::ops::Range;
+
+use jcas_core::motion::toward;
+use jcas_core::{Cell, Model, Motion, StateRef};
+
+use super::pilot::PilotMode;
+use super::steering::{Steering, can_fly};
+
+/// Most lines, and most strips side by side that a line takes one after the other.
+const MOST: u32 = 4;
+/// Parts of a strip's width over which a line may spread, in thirds: 0 is a flock.
+const THIRDS: u32 = 3;
+/// Steps over which a formation is judged.
+const STEPS: usize = 60;
+/// Cells along each axis, at most, for which it is judged.
+const SAMPLES: u32 = 12;
+
+/// Lines of UAVs abreast, each with a band of the grid, which it sweeps strip by strip, to and fro.
+///
+/// How many lines, how many strips and how wide a line spreads is chosen once for each model: the
+/// formation flown from the depot for which hotspots in random cells are all confirmed soonest, in
+/// expectation. A flock confirms surely and looks at little at a time; a wide line looks at much, and
+/// only as far as three of it detect a hotspot in the same step.
+#[derive(Clone, Debug)]
+pub struct Line {
+    pilot: PilotMode,
+    chosen: Option<(u64, Formation)>,
+    rows: Vec<Row>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Formation {
+    lines: u32,
+    strips: u32,
+    thirds: u32,
+}
+
+/// One line under way: the stations that it takes, and where on them each of its UAVs has its place.
+#[derive(Clone, Debug)]
+struct Row {
+    uavs: Range<usize>,
+    /// Offset across of each UAV from the station.
+    places: Vec<i64>,
+    /// (across, along).
+    stations: Vec<(i64, i64)>,
+    next: usize,
+    forward: bool,
+}
+
+impl Line {
+    /// With the pilot density that the lines will sense with, which decides how they fly.
+    #[must_use]
+    pub fn new(pilot: PilotMode) -> Self {
+        Self {
+            pilot,
+            chosen: None,
+            rows: Vec::new(),
+        }
+    }
+}
+
+impl Steering for Line {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) {
+        let formation = match self.chosen {
+            Some((hash, formation)) if hash == model.config_hash() => formation,
+            _ => choose(model, self.pilot.sensing_density(model)),
+        };
+        self.chosen = Some((model.config_hash(), formation));
+        self.rows = rows(model, formation);
+    }
+
+    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+        let cells: Vec<Option<Cell>> = (0..model.uav_count())
+            .map(|uav| can_fly(state, uav).then(|| state.cell(uav)))
+            .collect();
+        for row in &mut self.rows {
+            row.advance(model, &cells);
+            for (index, uav) in row.uavs.clone().enumerate() {
+                motions[uav] = toward(state.cell(uav), row.place(model, index));
+            }
+        }
+    }
+}
+
+/// Width across the sweep and length along it, and whether x runs along.
+fn extents(model: &Model<'_>) -> (i64, i64, bool) {
+    let (w, h) = (model.config().grid_width, model.config().grid_height);
+    (i64::from(w.min(h)), i64::from(w.max(h)), w > h)
+}
+
+fn rows(model: &Model<'_>, formation: Formation) -> Vec<Row> {
+    let (across, along, transposed) = extents(model);
+    let depot = model.depots()[0];
+    let start = i64::from(if transposed { depot.x } else { depot.y });
+    let (lines, uavs) = (i64::from(formation.lines), model.uav_count());
+    let strips = i64::from(formation.strips);
+    (0..lines)
+        .map(|line| {
+            let share = |end: i64| (end as usize) * uavs / formation.lines as usize;
+            let uavs = share(line)..share(line + 1);
+            let band = line * along / lines..(line + 1) * along / lines;
+            let mut stations = Vec::new();
+            for strip in 0..strips {
+                let x = (across * (2 * strip + 1) / (2 * strips)).min(across - 1);
+                let ys: Vec<i64> = band.clone().collect();
+                let there = ys.iter().map(|&y| (x, y));
+                if strip % 2 == 0 {
+                    stations.extend(there);
+                } else {
+                    stations.extend(there.rev());
+                }
+            }
+            // The end of the band that is nearer to where the fleet starts comes first.
+            let near_first = (start - band.start).abs() <= (start - (band.end - 1)).abs();
+            if !near_first {
+                for station in &mut stations {
+                    station.1 = band.start + band.end - 1 - station.1;
+                }
+            }
+            let count = uavs.len() as i64;
+            let spread = across * i64::from(formation.thirds);
+            let places = (0..count)
+                .map(|k| {
+                    let twice = (2 * k - (count - 1)) * spread;
+                    twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
+                })
+                .collect();
+            Row {
+                uavs,
+                places,
+                stations,
+                next: 0,
+                forward: true,
+            }
+        })
+        .collect()
+}
+
+impl Row {
+    /// The cell of a UAV of the line at its present station.
+    fn place(&self, model: &Model<'_>, index: usize) -> Cell {
+        let (across, _, transposed) = extents(model);
+        let (x, y) = self.stations[self.next];
+        let x = (x + self.places[index]).clamp(0, across - 1) as u32;
+        let y = y as u32;
+        if transposed {
+            Cell { x: y, y: x }
+        } else {
+            Cell { x, y }
+        }
+    }
+
+    /// Goes on to the next station once most of those who can fly are in their places; back at the end.
+    fn advance(&mut self, model: &Model<'_>, cells: &[Option<Cell>]) {
+        let last = self.stations.len() - 1;
+        let mut flying = 0;
+        let mut arrived = 0;
+        for (index, uav) in self.uavs.clone().enumerate() {
+            if let Some(cell) = cells[uav] {
+                flying += 1;
+                arrived += usize::from(cell == self.place(model, index));
+            }
+        }
+        if flying == 0 || 2 * arrived <= flying || last == 0 {
+            return;
+        }
+        if self.next == if self.forward { last } else { 0 } {
+            self.forward = !self.forward;
+        }
+        self.next = if self.forward {
+            self.next + 1
+        } else {
+            self.next - 1
+        };
+    }
+}
+
+/// The formation that is expected to confirm all hotspots soonest; the simplest among equals.
+fn choose(model: &Model<'_>, density: f64) -> Formation {
+    let (across, along, _) = extents(model);
+    let mut best = Formation {
+        lines: 1,
+        strips: 1,
+        thirds: 0,
+    };
+    let mut least = f64::INFINITY;
+    for lines in 1..=MOST.min(model.uav_count() as u32).min(along as u32) {
+        for strips in 1..=MOST.min(across as u32) {
+            for thirds in 0..=THIRDS {
+                let formation = Formation {
+                    lines,
+                    strips,
+                    thirds,
+                };
+                let steps = expected_steps(model, density, formation);
+                if steps < least {
+                    (best, least) = (formation, steps);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// Expected steps until all hotspots are confirmed, each in a random cell, at most [`STEPS`].
+///
+/// After t steps a hotspot in cell c is unconfirmed with probability m_c(t) = prod (1 - Q), Q that at
+/// least θ of the UAVs detect it in one step. With m the mean over cells, all n are confirmed with
+/// probability (1 - m)^n.
+fn expected_steps(model: &Model<'_>, density: f64, formation: Formation) -> f64 {
+    let (config, uavs) = (model.config(), model.uav_count());
+    let mut rows = rows(model, formation);
+    let mut cells: Vec<Option<Cell>> = vec![Some(model.depots()[0]); uavs];
+    let sampled = sample(config.grid_width, config.grid_height);
+    let mut missed = vec![1.0; sampled.len()];
+    let mut expected = 0.0;
+    for _ in 0..STEPS {
+        let mean = missed.iter().sum::<f64>() / missed.len() as f64;
+        expected += 1.0 - libm::pow(1.0 - mean, f64::from(config.hotspot_count));
+        for row in &mut rows {
+            row.advance(model, &cells);
+            for (index, uav) in row.uavs.clone().enumerate() {
+                if let Some(cell) = &mut cells[uav] {
+                    let motion = toward(*cell, row.place(model, index));
+                    *cell = jcas_core::motion::destination(
+                        *cell,
+                        motion,
+                        config.grid_width,
+                        config.grid_height,
+                    );
+                }
+            }
+        }
+        for (missed, &cell) in missed.iter_mut().zip(&sampled) {
+            *missed *= below_quorum(model, density, &cells, cell);
+        }
+    }
+    expected
+}
+
+/// Cells spread evenly over the grid.
+fn sample(width: u32, height: u32) -> Vec<Cell> {
+    let axis = |extent: u32| {
+        let count = extent.min(SAMPLES);
+        (0..count).map(move |k| (2 * k + 1) * extent / (2 * count))
+    };
+    axis(height)
+        .flat_map(|y| axis(width).map(move |x| Cell { x, y }))
+        .collect()
+}
+
+/// The probability that fewer than θ UAVs detect a hotspot in one step, each with its own probability.
+fn below_quorum(model: &Model<'_>, density: f64, uavs: &[Option<Cell>], hotspot: Cell) -> f64 {
+    let quorum = model.config().quorum as usize;
+    // exactly[k]: exactly k of the UAVs so far detect it.
+    let mut exactly = vec![0.0; quorum];
+    exactly[0] = 1.0;
+    for cell in uavs.iter().flatten() {
+        let (dx, dy) = (cell.x.abs_diff(hotspot.x), cell.y.abs_diff(hotspot.y));
+        let p = model.detection_probability(dx, dy, density);
+        for k in (0..quorum).rev() {
+            let from_below = if k > 0 { exactly[k - 1] * p } else { 0.0 };
+            exactly[k] = exactly[k] * (1.0 - p) + from_below;
+        }
+    }
+    exactly.iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::baselines::quorum_probability;
+    use jcas_core::{Config, Preset};
+
+    #[test]
+    fn equal_probabilities_give_the_binomial_tail() {
+        let model = Model::new(Config::preset(Preset::Search)).unwrap();
+        let here = Cell { x: 3, y: 3 };
+        let there = Cell { x: 6, y: 3 };
+        let p = model.detection_probability(3, 0, 0.3);
+        for uavs in 1..8 {
+            let got = below_quorum(&model, 0.3, &vec![Some(here); uavs], there);
+            assert!((got - (1.0 - quorum_probability(uavs, 3, p))).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_weak_radar_keeps_together_and_a_strong_one_spreads() {
+        let strong = Config {
+            uav_count: 20,
+            ..Config::preset(Preset::Search)
+        };
+        let weak = Config {
+            uav_count: 6,
+            ..Config::default()
+        };
+        assert!(choose(&Model::new(strong).unwrap(), 0.3).thirds > 0);
+        let flock = choose(&Model::new(weak).unwrap(), 0.3);
+        assert_eq!((flock.lines, flock.thirds), (1, 0));
+    }
+
+    #[test]
+    fn every_place_of_every_formation_is_on_the_grid() {
+        for (width, height, uavs) in [(12, 12, 5), (1, 7, 3), (30, 2, 20)] {
+            let config = Config {
+                grid_width: width,
+                grid_height: height,
+                uav_count: uavs,
+                hotspot_count: 1,
+                ..Config::default()
+            };
+            let model = Model::new(config).unwrap();
+            for lines in 1..=MOST.min(width.max(height)).min(uavs) {
+                for strips in 1..=MOST.min(width.min(height)) {
+                    let formation = Formation {
+                        lines,
+                        strips,
+                        thirds: THIRDS,
+                    };
+                    for mut row in rows(&model, formation) {
+                        for next in 0..row.stations.len() {
+                            row.next = next;
+                            for index in 0..row.uavs.len() {
+                                let cell = row.place(&model, index);
+                                assert!(cell.x < width && cell.y < height);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
