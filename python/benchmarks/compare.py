@@ -35,9 +35,9 @@ CASES: dict[str, tuple[str, str]] = {
         "run_mpe",
         "continuous 2-D physics in NumPy, no sensing, no links, dicts of agents",
     ),
-    "PufferLib simple_spread": (
+    "MPE under PufferLib": (
         "run_pufferlib",
-        "the same MPE with discrete actions, under PufferLib's emulation and vectorisation",
+        "the same MPE with discrete actions, under PufferLib's wrapper, whose rate is the Python's beneath",
     ),
 }
 
@@ -59,7 +59,12 @@ def run_jcas_batch(options: argparse.Namespace) -> float:
     import jcas
 
     envs = jcas.make_vec(
-        num_envs=options.envs, threads=options.cores, uav_count=options.agents, hotspot_count=options.targets
+        num_envs=options.envs,
+        threads=options.cores,
+        uav_count=options.agents,
+        hotspot_count=options.targets,
+        autoreset_mode="SameStep",
+        copy=False,
     )
     envs.reset(seed=1)
     actions = np.random.default_rng(0).uniform(-1, 1, (8, *envs.action_space.shape)).astype(np.float32)
@@ -128,13 +133,13 @@ def run_pufferlib(options: argparse.Namespace) -> float:
     return rate(lambda: envs.step(actions), 4 * options.agents, options.seconds)
 
 
-PROCESSES_FOR_ALL_CORES = ("jcas PettingZoo", "MPE simple_spread", "PufferLib simple_spread")
+PROCESSES_FOR_ALL_CORES = ("jcas PettingZoo", "MPE simple_spread", "MPE under PufferLib")
 """Cases that know one core only: on all cores, one process runs on each and the rates add up."""
 
 
 def measure(case: str, cores: int, options: argparse.Namespace) -> float | str:
     """Run a case in a process of its own (or several), and return its rate, or why there is none."""
-    python = options.pufferlib_python if case.startswith("PufferLib") else sys.executable
+    python = options.pufferlib_python if case == "MPE under PufferLib" else sys.executable
     if python is None:
         return "no --pufferlib-python"
     copies = cores if case in PROCESSES_FOR_ALL_CORES else 1

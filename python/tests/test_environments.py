@@ -322,3 +322,27 @@ def test_rllibs_environment_flies_the_episodes_of_the_others():
     assert infos["uav_1"]["metrics"]["steps"] == 12
     assert twin.sim.t == 0 and np.array_equal(twin.reset()[0]["uav_0"]["state"], env.reset()[0]["uav_0"]["state"])
     assert env.load(twin.save())["uav_0"]["state"].shape == (env.model.global_len,)
+
+
+def test_an_agent_specific_critic_tells_uavs_apart():
+    pytest.importorskip("ray.rllib")
+    import torch
+
+    from jcas.rllib import CentralCriticModule, Hyperparameters, JcasMultiAgentEnv, ppo_config
+
+    env = JcasMultiAgentEnv(FIELDS)
+    rows = env.reset(seed=2)[0]
+    env.step({agent: np.array([0.8 * uav - 0.8, 1.0]) for uav, agent in enumerate(env.possible_agents)})
+    rows = env._observations()
+    seen = {name: torch.tensor(np.stack([row[name] for row in rows.values()])) for name in ("observation", "state")}
+    values = {}
+    for critic in ("state", "agent"):
+        module = CentralCriticModule(
+            observation_space=env.observation_spaces["uav_0"],
+            action_space=env.action_spaces["uav_0"],
+            model_config={"hidden": [16], "critic": critic},
+        )
+        values[critic] = module.compute_values({"obs": seen}).detach().numpy()
+    assert np.ptp(values["state"]) == 0 < np.ptp(values["agent"])
+    with pytest.raises(jcas.ArgumentError, match="critic"):
+        ppo_config(jcas.Config(FIELDS), Hyperparameters(critic="own"))

@@ -21,6 +21,7 @@ MISSION = {
 }  # fmt: skip
 NODE_SECONDS = 90
 RECOVERY_SECONDS = 150
+RUN_SECONDS = 240
 
 
 def free_port():
@@ -102,7 +103,7 @@ def where(algorithm):
 def test_two_nodes_train_and_survive_a_killed_runner(cluster):
     import jcas
     from jcas.rllib import Hyperparameters, ppo_config
-    from jcas.rllib.__main__ import iteration_row
+    from jcas.rllib.training import iteration_row
 
     settings = Hyperparameters(batch_steps=1500, minibatch_samples=500, epochs=10, learning_rate=2e-3, hidden=(64, 64))
     algorithm = ppo_config(jcas.Config(MISSION), settings, env_runners=2, envs_per_runner=4, seed=1).build_algo()
@@ -140,11 +141,65 @@ def test_the_commands_train_on_the_cluster_and_evaluate(cluster, tmp_path):
          "--hidden", "32,32", "--runners", "1", "--epochs", "2"], capture_output=True, text=True,
     )  # fmt: skip
     assert train.returncode == 0, train.stderr[-3000:]
-    assert sorted(os.listdir(out)) == ["policy.json", "policy.safetensors", "progress.csv"]
+    assert sorted(os.listdir(out)) == ["checkpoint", "policy.json", "policy.safetensors", "progress.csv"]
     assert len((out / "progress.csv").read_text().splitlines()) >= 4
     report = subprocess.run([*run, "evaluate", out, "--episodes", "20", "--json"], capture_output=True, text=True)
     assert report.returncode == 0, report.stderr[-3000:]
     values = json.loads(report.stdout)
+    assert report.stderr == ""
+    changed = subprocess.run([*run, "evaluate", out, "--episodes=2", "--set=quorum=2"], capture_output=True, text=True)
+    assert "quorum = 2 (not 1)" in changed.stderr
     assert (values["episodes"], values["uavs"]) == (20, 2) and 0 <= values["success_rate"] <= 1
     refused = subprocess.run([*run, "evaluate", out, "--uavs", "7"], capture_output=True, text=True)
     assert refused.returncode == 2 and "7 UAVs" in refused.stderr
+
+
+def test_a_run_is_stopped_killed_and_gone_on_with(tmp_path, request):
+    """Alone on this machine, as a newcomer trains."""
+    pytest.importorskip("ray")
+    out = tmp_path / "run"
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("RAY_AUTH")}
+    environment["RAY_raylet_start_wait_time_s"] = str(RUN_SECONDS)
+    mission = [f"--set={name}={value}" for name, value in MISSION.items()]
+    train = [
+        sys.executable, "-m", "jcas.rllib", "train", *mission, "--out", out, "--batch", "300", "--hidden", "16",
+        "--runners", "1", "--epochs", "1", "--checkpoint-every", "1",
+    ]  # fmt: skip
+
+    def start(*options):
+        process = subprocess.Popen(
+            [*train, *options], env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        request.addfinalizer(process.kill)
+        return process
+
+    def rows():
+        return (out / "progress.csv").read_text().splitlines()[1:]
+
+    process = start("--steps", "1000000")
+    wait_for((out / "checkpoint" / "run.json").is_file, RUN_SECONDS, "the first checkpoint")
+    process.send_signal(signal.SIGINT)
+    told = process.communicate(timeout=RUN_SECONDS)[1]
+    assert process.returncode == 130 and "go on with --resume" in told, told[-2000:]
+    stopped = len(rows())
+    assert stopped >= 1 and (out / "policy.json").is_file()
+
+    refused = start("--steps", "1000000")
+    assert "--resume" in refused.communicate()[1] and refused.returncode == 2
+    other = start("--resume", "--seed", "9", "--steps", "1000000")
+    assert "seed: 1, not 9" in other.communicate()[1] and other.returncode == 2
+
+    killed = start("--resume", "--steps", "1000000")
+    wait_for(lambda: len(rows()) > stopped + 1, RUN_SECONDS, "going on")
+    killed.kill()
+    killed.communicate()
+    kept = json.loads((out / "checkpoint" / "run.json").read_text())["last"]
+
+    steps = kept["env_steps"] + 500
+    last = start("--resume", "--steps", str(steps))
+    told = last.communicate(timeout=RUN_SECONDS)[1]
+    assert last.returncode == 0, told[-2000:]
+    iterations = [int(row.split(",")[0]) for row in rows()]
+    assert iterations == list(range(1, len(iterations) + 1)) and len(iterations) > kept["iteration"]
+    card = json.loads((out / "policy.json").read_text())
+    assert card["last_iteration"]["env_steps"] >= steps and card["last_iteration"]["seconds"] > kept["seconds"]

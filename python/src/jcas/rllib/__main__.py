@@ -3,44 +3,37 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import ray
 
+from ..arguments import whole
 from ..config import Config
 from ..errors import JcasError
 from ..evaluation import evaluate
 from ..model import Model
 from ..policy import load_policy
-from . import PAPER, SHARED_POLICY, Hyperparameters, export_policy, ppo_config
+from . import PAPER, ppo_config
+from .training import Run
 
-COLUMNS = (
-    "iteration",
-    "env_steps",
-    "seconds",
-    "team_return",
-    "success",
-    "mission_steps",
-    "entropy",
-    "env_runners",
-)
+INTERRUPTED = 130
+"""Exit status of a run that Ctrl-C stopped."""
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     options = _parser().parse_args(arguments)
     try:
-        options.run(options)
+        return int(options.run(options))
     except (JcasError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    return 0
+    except KeyboardInterrupt:
+        return INTERRUPTED
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -60,10 +53,18 @@ def _parser() -> argparse.ArgumentParser:
     train.add_argument("--epochs", type=int, default=PAPER.epochs, help="passes over a batch (%(default)s)")
     train.add_argument("--learning-rate", type=float, default=PAPER.learning_rate, help="(%(default)s)")
     train.add_argument("--hidden", default="512,256,128", help="widths of the hidden layers (%(default)s)")
+    train.add_argument(
+        "--critic",
+        choices=("state", "agent"),
+        default="state",
+        help="what the critic sees: the state, or each UAV's own observation as well (%(default)s)",
+    )
     train.add_argument("--runners", type=int, default=2, help="env runners, each a process of its own (%(default)s)")
     train.add_argument("--envs-per-runner", type=int, default=4, help="missions side by side in a runner (%(default)s)")
     train.add_argument("--address", help="a running Ray cluster, as host:port or `auto`; otherwise this machine alone")
     train.add_argument("--seed", type=int, default=1, help="(%(default)s)")
+    train.add_argument("--resume", action="store_true", help="go on from the checkpoint in --out, if there is one")
+    train.add_argument("--checkpoint-every", type=int, default=5, metavar="K", help="iterations (%(default)s)")
     train.set_defaults(run=_train)
 
     fly = commands.add_parser("evaluate", help="fly a policy over many missions and report")
@@ -105,33 +106,40 @@ def _value(text: str) -> Any:
         return text
 
 
-def _train(options: argparse.Namespace) -> None:
+def _train(options: argparse.Namespace) -> int:
     config = mission_config(options)
+    every = whole("--checkpoint-every", options.checkpoint_every, 1, 10**9)
     hyperparameters = replace(
         PAPER,
         batch_steps=options.batch,
         minibatch_samples=min(options.minibatch or options.batch, options.batch),
         epochs=options.epochs,
         learning_rate=options.learning_rate,
+        critic=options.critic,
         hidden=tuple(int(width) for width in options.hidden.split(",")),
     )
-    options.out.mkdir(parents=True, exist_ok=True)
+    run = Run(options.out, config, hyperparameters, options.seed, options.resume)
     join_cluster(options.address, options.runners)
-    algorithm = ppo_config(
-        config,
-        hyperparameters,
-        env_runners=options.runners,
-        envs_per_runner=options.envs_per_runner,
-        seed=options.seed,
-    ).build_algo()
     try:
-        last = _iterate(algorithm, options.steps, options.out / "progress.csv")
-        policy = export_policy(algorithm.get_module(SHARED_POLICY))
-        policy.save(options.out, options.out.name, config, _about(options.seed, hyperparameters, last))
-        print(f"wrote {options.out}")
+        algorithm = ppo_config(
+            config,
+            hyperparameters,
+            env_runners=options.runners,
+            envs_per_runner=options.envs_per_runner,
+            seed=options.seed,
+        ).build_algo()
+        try:
+            done = run.train(algorithm, options.steps, every)
+            run.write_policy(algorithm)
+        finally:
+            algorithm.stop()
     finally:
-        algorithm.stop()
         ray.shutdown()
+    if not done:
+        print(f"stopped after {run.last['env_steps']} steps; go on with --resume", file=sys.stderr)
+        return INTERRUPTED
+    print(f"wrote {options.out}")
+    return 0
 
 
 def join_cluster(address: str | None, runners: int) -> None:
@@ -142,56 +150,27 @@ def join_cluster(address: str | None, runners: int) -> None:
         ray.init(address="local", num_cpus=runners + 1, include_dashboard=False, logging_level="warning")
 
 
-def _iterate(algorithm: Any, steps: int, progress: Path) -> dict[str, Any]:
-    """Train until so many environment steps are sampled, and keep one row for each iteration."""
-    began, row = time.monotonic(), dict.fromkeys(COLUMNS, 0)
-    with progress.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        while row["env_steps"] < steps:
-            row = iteration_row(algorithm.train(), time.monotonic() - began)
-            writer.writerow(row)
-            file.flush()
-            print(
-                f"{row['iteration']:4}  {row['env_steps']:>8} steps  {row['seconds']:7.1f} s  "
-                f"return {row['team_return']:8.2f}  success {row['success']:.2f}  "
-                f"mission {row['mission_steps']:5.1f} steps",
-                flush=True,
-            )
-    return row
-
-
-def iteration_row(result: dict[str, Any], seconds: float) -> dict[str, Any]:
-    """Pick what is worth keeping out of RLlib's result."""
-    sampled = result["env_runners"]
-    nan = float("nan")
-    return {
-        "iteration": result["training_iteration"],
-        "env_steps": int(result["num_env_steps_sampled_lifetime"]),
-        "seconds": seconds,
-        "team_return": float(sampled.get("team_return", nan)),
-        "success": float(sampled.get("success", nan)),
-        "mission_steps": float(sampled.get("mission_steps", nan)),
-        "entropy": float(result["learners"][SHARED_POLICY].get("entropy", nan)),
-        "env_runners": int(result["fault_tolerance"]["num_healthy_workers"]),
-    }
-
-
-def _about(seed: int, hyperparameters: Hyperparameters, last: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "trainer": f"jcas.rllib (Ray {ray.__version__})",
-        "seed": seed,
-        "hyperparameters": {name: getattr(hyperparameters, name) for name in hyperparameters.__dataclass_fields__},
-        "last_iteration": last,
-    }
-
-
-def _evaluate(options: argparse.Namespace) -> None:
+def _evaluate(options: argparse.Namespace) -> int:
     policy = load_policy(options.policy)
-    model = Model(mission_config(options, policy.config))
+    config = mission_config(options, policy.config)
+    _say_changes(options.policy, policy.config, config)
+    model = Model(config)
     policy = policy.for_model(model)
     report = evaluate(policy.act, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy))
     print(json.dumps(report.to_dict(), indent=2) if options.json else report)
+    return 0
+
+
+def _say_changes(policy: Path, trained_on: Config | None, config: Config) -> None:
+    """Say on standard error where a mission differs from what a policy was trained on."""
+    before = dict(trained_on or config)
+    changes = [
+        f"{name} = {config.get(name, 'derived')} (not {before.get(name, 'derived')})"
+        for name in {**before, **config}
+        if before.get(name) != config.get(name)
+    ]
+    if changes:
+        print(f"{policy}: its card's configuration, but {', '.join(changes)}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from ray.rllib.core.rl_module.rl_module import RLModuleSpec
 
 from ..config import Config
 from .env import SHARED_POLICY, JcasMultiAgentEnv
-from .module import PAPER_HIDDEN, CentralCriticModule
+from .module import PAPER_HIDDEN, CentralCriticModule, check_critic
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,8 @@ class Hyperparameters:
     value_weight: float = 0.5
     gradient_norm_max: float = 0.5
     hidden: tuple[int, ...] = PAPER_HIDDEN
+    critic: str = "state"
+    """What the critic sees: the global `state`, or as well what the `agent` observes."""
 
 
 PAPER = Hyperparameters()
@@ -51,7 +53,8 @@ def ppo_config(
 
     Env runners that die are started again, on whichever node has room, and the run goes on meanwhile.
     """
-    module = RLModuleSpec(module_class=CentralCriticModule, model_config={"hidden": list(hyperparameters.hidden)})
+    settings = {"hidden": list(hyperparameters.hidden), "critic": check_critic(hyperparameters.critic)}
+    module = RLModuleSpec(module_class=CentralCriticModule, model_config=settings)
     fields: dict[str, Any] = dict(config)
     return (
         PPOConfig()

@@ -11,6 +11,7 @@ from ray.rllib.core.rl_module.apis.value_function_api import ValueFunctionAPI
 from ray.rllib.core.rl_module.torch import TorchRLModule
 from torch import nn
 
+from ..errors import ArgumentError
 from ..policy import Layer, MlpPolicy
 
 PAPER_HIDDEN = (512, 256, 128)
@@ -22,24 +23,37 @@ LOG_STD = (-2.3, 1.0)
 class CentralCriticModule(TorchRLModule, ValueFunctionAPI):
     """A Gaussian actor on `observation` and a value function on `state`, both plain MLPs.
 
-    As in RLlib's own modules the actor gives the means and the log standard deviations.
+    As in RLlib's own modules the actor gives the means and the log standard deviations. With
+    `model_config["critic"] = "agent"` the value function sees the UAV's own observation beside the state, so that
+    each UAV has a value of its own.
     """
 
     def setup(self) -> None:
-        """Build the networks from the spaces and `model_config["hidden"]`."""
+        """Build the networks from the spaces, `model_config["hidden"]` and `model_config["critic"]`."""
         hidden = self.model_config.get("hidden", PAPER_HIDDEN)
+        self.agent_specific = check_critic(self.model_config.get("critic", "state")) == "agent"
         outputs = 2 * self.action_space.shape[0]
-        self.actor = mlp(self.observation_space["observation"].shape[0], hidden, outputs, output_gain=0.01)
-        self.critic = mlp(self.observation_space["state"].shape[0], hidden, 1, output_gain=1.0)
+        own, state = (self.observation_space[name].shape[0] for name in ("observation", "state"))
+        self.actor = mlp(own, hidden, outputs, output_gain=0.01)
+        self.critic = mlp(state + own * self.agent_specific, hidden, 1, output_gain=1.0)
 
     def _forward(self, batch: dict[str, Any], **_: Any) -> dict[str, Any]:
         mean, log_std = self.actor(batch[Columns.OBS]["observation"]).chunk(2, dim=-1)
         return {Columns.ACTION_DIST_INPUTS: torch.cat([mean, log_std.clamp(*LOG_STD)], dim=-1)}
 
     def compute_values(self, batch: dict[str, Any], embeddings: Any = None) -> Any:
-        """Give the value of the global state."""
+        """Give the value of the global state, or of a UAV in it."""
         del embeddings
-        return self.critic(batch[Columns.OBS]["state"]).squeeze(-1)
+        seen = batch[Columns.OBS]
+        inputs = torch.cat([seen["state"], seen["observation"]], dim=-1) if self.agent_specific else seen["state"]
+        return self.critic(inputs).squeeze(-1)
+
+
+def check_critic(critic: str) -> str:
+    """Refuse a critic that does not exist."""
+    if critic not in ("state", "agent"):
+        raise ArgumentError(f"critic = {critic!r}: must be state or agent")
+    return critic
 
 
 def mlp(inputs: int, hidden: Sequence[int], outputs: int, output_gain: float) -> nn.Sequential:
