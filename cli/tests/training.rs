@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use support::{jcas, succeed};
 
-const SMALL: [&str; 21] = [
+const SMALL: [&str; 19] = [
     "train",
     "--uavs=3",
     "--hotspots=2",
@@ -30,8 +30,6 @@ const SMALL: [&str; 21] = [
     "--train-set=checkpoint_every=1",
     "--train-set=evaluate_every=5",
     "--train-set=evaluation_episodes=2",
-    "--train-set=imitation.iterations=5",
-    "--train-set=critic_warmup_iterations=1",
     "--train-set=kl_max=none",
     "--name=small",
     "--threads=2",

@@ -132,15 +132,11 @@ impl Scale {
         let full = Scale::full(seeds);
         let hotspots = vec![3, 7, 11];
         let mut tuned = full.tuned.clone();
-        tuned.total_steps = 0;
+        tuned.total_steps = 30 * 96 * 32;
         tuned.environments = 96;
         tuned.workers = 12;
         tuned.batch_steps = 96 * 32;
         tuned.evaluation_episodes = 1;
-        tuned.critic_warmup_iterations = 0;
-        if let Some(imitation) = &mut tuned.imitation {
-            imitation.iterations = 150;
-        }
         let paper = Settings {
             total_steps: 4 * 4096,
             evaluation_episodes: 10,

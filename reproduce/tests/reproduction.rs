@@ -42,11 +42,6 @@ fn small(settings: &Settings, workers: usize) -> Settings {
         total_steps: 8 * workers as u64,
         epochs: 1,
         evaluation_episodes: 1,
-        critic_warmup_iterations: 0,
-        imitation: settings.imitation.clone().map(|mut imitation| {
-            imitation.iterations = 1;
-            imitation
-        }),
         ..settings.clone()
     }
 }

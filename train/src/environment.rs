@@ -5,7 +5,10 @@
 
 pub mod beacon;
 pub mod fleet;
-pub mod gather;
+pub mod lesson;
+pub mod progress;
+
+use crate::settings::Credit;
 
 /// Sizes that every environment of one group shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +44,7 @@ impl Shape {
 /// What one step of M missions returns. All buffers are sized by [`StepOut::new`].
 #[derive(Clone, Debug)]
 pub struct StepOut {
-    /// Team reward of each mission, M.
+    /// Rewards: the team's of each mission (M), or each UAV's own (M·N), as was asked for.
     pub rewards: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
@@ -49,18 +52,25 @@ pub struct StepOut {
     pub truncated: Vec<bool>,
     /// Global state at the end of a mission that ended in this step (M × S); else unspecified.
     pub final_global: Vec<f32>,
+    /// Observations at the end of a mission that ended in this step (M·N × O); else unspecified.
+    pub final_observations: Vec<f32>,
     /// Summaries of the missions that ended in this step, in the order of their index.
     pub finished: Vec<Episode>,
 }
 
 impl StepOut {
-    /// Buffers for a group of this shape.
-    pub fn new(shape: Shape) -> StepOut {
+    /// Buffers for a group of this shape; their length says whose rewards are asked for.
+    pub fn new(shape: Shape, credit: Credit) -> StepOut {
+        let rewards = match credit {
+            Credit::Team => shape.environments,
+            Credit::Uav => shape.rows(),
+        };
         StepOut {
-            rewards: vec![0.0; shape.environments],
+            rewards: vec![0.0; rewards],
             terminated: vec![false; shape.environments],
             truncated: vec![false; shape.environments],
             final_global: vec![0.0; shape.environments * shape.global_len],
+            final_observations: vec![0.0; shape.rows() * shape.observation_len],
             finished: Vec::new(),
         }
     }
@@ -92,18 +102,12 @@ pub trait VectorEnvironment: Send {
     /// Observations (M·N × O) and global states (M × S) of the missions as they are now.
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]);
 
-    /// Called before each batch. What a teacher remembers of earlier steps is forgotten here, so that
-    /// a run that goes on from a checkpoint and one that was never stopped do the same.
-    fn begin_batch(&mut self) {}
+    /// Called before each batch, counted from 0: what is flown may depend on it, and on nothing else that
+    /// a checkpoint does not hold.
+    fn begin_batch(&mut self, _batch: u64) {}
 
     /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
     fn step(&mut self, actions: &[f32], out: &mut StepOut);
-
-    /// Actions (M·N × 2) that the teacher would take now; false where there is no teacher.
-    fn teacher_actions(&mut self, actions: &mut [f32]) -> bool {
-        let _ = actions;
-        false
-    }
 
     /// Everything that the future of the missions depends on.
     fn save(&self) -> Vec<u8>;

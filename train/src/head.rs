@@ -50,14 +50,6 @@ impl Head {
         }
     }
 
-    /// Outputs that are logits of motions; none where motion is no categorical.
-    pub fn logits(self) -> std::ops::Range<usize> {
-        match self {
-            Head::Gaussian => 0..0,
-            Head::Hybrid => 0..MOTIONS,
-        }
-    }
-
     /// Draws a raw action; returns it with its log-density.
     pub fn sample(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32) {
         match self {
@@ -82,27 +74,11 @@ impl Head {
         }
     }
 
-    /// The raw action that maps to a kernel action; its inverse where it has one.
-    pub fn raw_of_action(self, action: [f32; 2]) -> [f32; 2] {
-        match self {
-            Head::Gaussian => action,
-            Head::Hybrid => [motion_of(action[0]) as f32, (action[1] + 1.0) / 2.0],
-        }
-    }
-
     /// Log-densities of `raw` (rows × 2) under `outputs` (rows × output_len), differentiable.
     pub fn densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities {
         match self {
             Head::Gaussian => gaussian::densities(outputs, raw),
             Head::Hybrid => hybrid::densities(outputs, raw),
-        }
-    }
-
-    /// How far the head is from a teacher's raw actions (rows × 1), differentiable.
-    pub fn imitation_loss(self, outputs: Tensor<2>, raw: &[f32]) -> Tensor<2> {
-        match self {
-            Head::Gaussian => gaussian::densities(outputs, raw).log_prob.neg(),
-            Head::Hybrid => hybrid::imitation_loss(outputs, raw),
         }
     }
 }

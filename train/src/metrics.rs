@@ -6,7 +6,7 @@ use crate::environment::Episode;
 use crate::error::TrainError;
 use crate::policy::files::Evaluation;
 use crate::store::{csv_bytes, write_whole};
-use crate::trainer::{Iteration, Stage};
+use crate::trainer::Iteration;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -15,8 +15,6 @@ use std::path::{Path, PathBuf};
 pub struct Row {
     /// Iteration, from 1.
     pub iteration: u64,
-    /// Part of the run.
-    pub stage: Stage,
     /// Environment steps so far.
     pub environment_steps: u64,
     /// Missions that ended in this iteration.
@@ -84,7 +82,6 @@ impl Row {
         let operations = actor.operations + iteration.critic.operations;
         Row {
             iteration: iteration.index,
-            stage: iteration.stage,
             environment_steps: iteration.environment_steps,
             missions: finished.len(),
             return_mean: mean(finished, |e| e.return_sum),

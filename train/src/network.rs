@@ -30,6 +30,8 @@ pub enum Architecture {
     },
     /// The same over UAVs and hotspots of the global state; one output, the value.
     SetCritic {
+        /// The value is one UAV's, whose observation follows the global state; else the team's.
+        of_uav: bool,
         /// Widths of the hidden layers after pooling.
         hidden: Vec<usize>,
     },
@@ -75,7 +77,9 @@ impl Network {
         let shapes = match &architecture {
             Architecture::Mlp { sizes } => mlp::blocks(sizes),
             Architecture::SetActor { hidden, outputs } => set::actor_blocks(hidden, *outputs),
-            Architecture::SetCritic { hidden } => set::critic_blocks(hidden),
+            Architecture::SetCritic { hidden, of_uav } => {
+                set::critic_blocks(hidden, set::Critic { of_uav: *of_uav })
+            }
         };
         let mut offset = 0;
         let blocks = shapes
@@ -133,7 +137,9 @@ impl Network {
                 mlp::forward(weights, inputs)
             }
             Architecture::SetActor { .. } => set::actor(weights, &inputs, shape),
-            Architecture::SetCritic { .. } => set::critic(weights, &inputs, shape),
+            Architecture::SetCritic { of_uav, .. } => {
+                set::critic(weights, &inputs, set::Critic { of_uav: *of_uav }, shape)
+            }
         }
     }
 
@@ -147,7 +153,9 @@ impl Network {
             Architecture::SetActor { hidden, outputs } => {
                 set::actor_products(hidden, *outputs, shape)
             }
-            Architecture::SetCritic { hidden } => set::critic_products(hidden, shape),
+            Architecture::SetCritic { hidden, of_uav } => {
+                set::critic_products(hidden, set::Critic { of_uav: *of_uav }, shape)
+            }
         }
     }
 
@@ -156,7 +164,9 @@ impl Network {
         match &self.architecture {
             Architecture::Mlp { sizes } => (sizes[0] * sizes[1]) as u64,
             Architecture::SetActor { .. } => set::actor_input_products(shape),
-            Architecture::SetCritic { .. } => set::critic_input_products(shape),
+            Architecture::SetCritic { of_uav, .. } => {
+                set::critic_input_products(set::Critic { of_uav: *of_uav }, shape)
+            }
         }
     }
 }

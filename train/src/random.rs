@@ -22,8 +22,6 @@ pub enum Purpose {
     Actions = 2,
     /// Order of the minibatches.
     Minibatches = 3,
-    /// Who flies, teacher or learner, while imitating.
-    Imitation = 4,
 }
 
 /// Stream for a use inside an iteration: `a` < 2^32 (iteration), `b` < 2^24 (worker, epoch).

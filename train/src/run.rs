@@ -2,7 +2,8 @@
 
 use crate::checkpoint;
 use crate::environment::VectorEnvironment;
-use crate::environment::fleet::{Fleet, Treatment, teacher_named};
+use crate::environment::fleet::{Fleet, Treatment};
+use crate::environment::lesson::Lesson;
 use crate::error::TrainError;
 use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
@@ -100,27 +101,25 @@ impl Plan {
     pub fn trainer(&self) -> Result<Trainer, TrainError> {
         let settings = &self.settings;
         settings.validate().map_err(TrainError::Setting)?;
-        let models = self.models()?;
-        if models.is_empty() || models.len() > settings.workers {
+        let count = self.configs.len();
+        if count == 0 || count > settings.workers {
             return Err(TrainError::Setting(format!(
                 "workers: {} cannot share {} configurations, allowed: 1 to workers",
-                settings.workers,
-                models.len()
+                settings.workers, count
             )));
         }
         let treatment =
             Treatment::new(settings, self.constant_pilot()).map_err(TrainError::Setting)?;
-        let teacher = match &settings.imitation {
-            Some(imitation) => {
-                Some(teacher_named(&imitation.teacher).map_err(TrainError::Setting)?)
-            }
-            None => None,
-        };
         let missions = settings.environments / settings.workers;
+        let lessons: Vec<Lesson> = self
+            .configs
+            .iter()
+            .map(|config| Lesson::new(config, settings).map_err(TrainError::Setting))
+            .collect::<Result<_, _>>()?;
         let workers = (0..settings.workers)
             .map(|worker| {
-                let model = models[worker * models.len() / settings.workers].clone();
-                Box::new(Fleet::new(model, missions, treatment.clone(), teacher))
+                let lesson = lessons[worker * count / settings.workers].clone();
+                Box::new(Fleet::new(lesson, missions, treatment.clone()))
                     as Box<dyn VectorEnvironment>
             })
             .collect();

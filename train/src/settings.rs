@@ -28,7 +28,7 @@ pub struct Settings {
     pub workers: usize,
     /// Environment steps (over all missions) of one iteration.
     pub batch_steps: usize,
-    /// Environment steps of the whole run, imitation left out.
+    /// Environment steps of the whole run.
     pub total_steps: u64,
 
     /// Passes over each batch.
@@ -39,8 +39,8 @@ pub struct Settings {
     pub critic_minibatch_rows: usize,
     /// Rows that one core works on at a time.
     pub shard_rows: usize,
-    /// Share of the actor's samples that each epoch visits: UAVs of one step resemble each other.
-    pub actor_sample_share: f64,
+    /// Share of the UAVs' samples that each epoch visits: UAVs of one step resemble each other.
+    pub sample_share: f64,
 
     /// Initial learning rate of the actor.
     pub learning_rate: f64,
@@ -69,20 +69,24 @@ pub struct Settings {
     /// Centre and scale advantages in each minibatch.
     pub normalise_advantages: bool,
 
+    /// Whose reward an action is judged by.
+    pub credit: Credit,
+    /// What the critic sees.
+    pub critic_input: CriticInput,
+
     /// Pilot density held at this value; absent: the policy chooses it.
     pub constant_pilot: Option<f64>,
+    /// Fields of the mission's configuration that are others while training.
+    pub mission: BTreeMap<String, serde_json::Value>,
+    /// Begins with a radar that detects more easily; absent: as configured from the start.
+    pub curriculum: Option<Curriculum>,
     /// Factors on named reward components while training (1 where absent).
     pub reward_factors: BTreeMap<String, f64>,
     /// Subtracted from the reward of every step while training.
     pub step_cost: f64,
-    /// Weight of a potential that rewards gathering at one hotspot; 0: none.
-    pub gather_weight: f64,
-    /// UAVs whose way counts in it: the nearest so many.
-    pub gather_uavs: usize,
-    /// Start from a teacher's actions; absent: from nothing.
-    pub imitation: Option<Imitation>,
-    /// Iterations in which only the critic learns, after imitation.
-    pub critic_warmup_iterations: usize,
+    /// Paid to each UAV while training for each cell that it comes nearer to the unconfirmed hotspot nearest
+    /// to it; nothing in a step that confirms one.
+    pub progress_reward: f64,
 
     /// Iterations between evaluations; 0: only at the end.
     pub evaluate_every: usize,
@@ -102,26 +106,36 @@ pub enum NetworkKind {
     Set,
 }
 
-/// Imitation of a teacher before PPO begins.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Whose reward an action is judged by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Credit {
+    /// Every UAV's by the team's, as in the paper: one part in N of it is about what the UAV did.
+    Team,
+    /// Each UAV's by its own; their mean is the team's.
+    Uav,
+}
+
+/// What the critic sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CriticInput {
+    /// The global state: one value for the team, whatever the credit.
+    State,
+    /// The global state and the UAV's own observation: one value for each UAV.
+    StateAndUav,
+}
+
+/// A radar that grows harder.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Imitation {
-    /// Baseline that teaches, with its pilot rule, such as `swarm:adaptive`.
-    pub teacher: String,
-    /// Batches flown and learnt from.
-    pub iterations: usize,
-    /// Passes over each.
-    pub epochs: usize,
-    /// Learning rate while imitating.
-    pub learning_rate: f64,
-    /// Share of missions that the teacher flies, at the start; falls evenly to none.
-    pub teacher_share: f64,
-    /// Chance of a random move of a UAV in a step.
-    pub noise: f64,
-    /// Factor on the motion logits once imitation is over. A copy of a teacher is unsure where its
-    /// choices are arbitrary, and UAVs that each draw for themselves then scatter; above 1 they agree
-    /// as the most likely motions do.
-    pub sharpening: f32,
+pub struct Curriculum {
+    /// Detection threshold of the first batch, dB; 40·log10(a) dB lower sees as well from a times as far.
+    pub threshold_db: f64,
+    /// Batches after which it is the configuration's.
+    pub batches: u64,
+    /// Equal steps in which it gets there; missions start anew with each.
+    pub stages: u64,
 }
 
 /// Named settings.
@@ -173,7 +187,7 @@ impl Settings {
             minibatch_rows: 4096,
             critic_minibatch_rows: 512,
             shard_rows: 512,
-            actor_sample_share: 1.0,
+            sample_share: 1.0,
             learning_rate: 3e-4,
             critic_learning_rate: 3e-4,
             schedule: Schedule::Constant,
@@ -187,13 +201,14 @@ impl Settings {
             normalise_inputs: false,
             normalise_values: false,
             normalise_advantages: true,
+            credit: Credit::Team,
+            critic_input: CriticInput::State,
             constant_pilot: None,
+            mission: BTreeMap::new(),
+            curriculum: None,
             reward_factors: BTreeMap::new(),
             step_cost: 0.0,
-            gather_weight: 0.0,
-            gather_uavs: 3,
-            imitation: None,
-            critic_warmup_iterations: 0,
+            progress_reward: 0.0,
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,
@@ -210,35 +225,26 @@ impl Settings {
             workers: 20,
             batch_steps: 5120,
             total_steps: 80 * 5120,
-            epochs: 2,
-            minibatch_rows: 1024,
+            epochs: 4,
+            minibatch_rows: 512,
             critic_minibatch_rows: 256,
             shard_rows: 128,
-            actor_sample_share: 0.3,
-            learning_rate: 3e-4,
+            sample_share: 0.5,
+            learning_rate: 1e-3,
             critic_learning_rate: 1e-3,
             schedule: Schedule::Linear,
-            clip: 0.15,
-            kl_max: Some(0.015),
-            discount: 0.99,
+            discount: 0.97,
             normalise_values: true,
+            credit: Credit::Uav,
+            mission: BTreeMap::from([("inform_payment".to_owned(), "once".into())]),
             reward_factors: BTreeMap::from([
                 ("energy".to_owned(), 100.0),
                 ("throughput".to_owned(), 0.2),
-                ("shaping_goal".to_owned(), 0.0),
                 ("shaping_charge".to_owned(), 0.0),
+                ("shaping_goal".to_owned(), 0.0),
             ]),
             step_cost: 0.3,
-            imitation: Some(Imitation {
-                teacher: "teams:adaptive".to_owned(),
-                iterations: 200,
-                epochs: 2,
-                learning_rate: 1.5e-3,
-                teacher_share: 0.6,
-                noise: 0.03,
-                sharpening: 2.5,
-            }),
-            critic_warmup_iterations: 4,
+            progress_reward: 3.0,
             ..Settings::paper()
         }
     }
@@ -255,7 +261,6 @@ impl Settings {
             ("shard_rows", self.shard_rows),
             ("evaluation_episodes", self.evaluation_episodes),
             ("checkpoint_every", self.checkpoint_every),
-            ("gather_uavs", self.gather_uavs),
         ];
         for (field, value) in positive {
             if value == 0 {
@@ -277,18 +282,22 @@ impl Settings {
         let unit = [
             ("discount", f64::from(self.discount)),
             ("gae_lambda", f64::from(self.gae_lambda)),
-            ("actor_sample_share", self.actor_sample_share),
+            ("sample_share", self.sample_share),
         ];
         for (field, value) in unit {
             if !(value > 0.0 && value <= 1.0) {
                 return Err(format!("{field}: {value} is not in (0, 1]"));
             }
         }
-        if !(self.gather_weight >= 0.0 && self.gather_weight.is_finite()) {
-            return Err(format!(
-                "gather_weight: {} is not allowed, it must be a number of at least 0",
-                self.gather_weight
-            ));
+        if let Some(Curriculum {
+            batches, stages, ..
+        }) = self.curriculum
+        {
+            if !(1..=batches).contains(&stages) {
+                return Err(format!(
+                    "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches ({batches})"
+                ));
+            }
         }
         for (field, value) in [
             ("learning_rate", self.learning_rate),
@@ -308,17 +317,8 @@ impl Settings {
         self.batch_steps / self.environments
     }
 
-    /// Iterations of PPO proper.
+    /// Iterations of the run.
     pub fn iterations(&self) -> u64 {
         self.total_steps.div_ceil(self.batch_steps as u64)
-    }
-
-    /// Iterations before PPO proper: imitation, then the critic's warm-up.
-    pub fn preparation(&self) -> u64 {
-        let imitation = self
-            .imitation
-            .as_ref()
-            .map_or(0, |imitation| imitation.iterations);
-        (imitation + self.critic_warmup_iterations) as u64
     }
 }

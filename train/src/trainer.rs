@@ -1,39 +1,23 @@
-//! One training run: prepare (imitate, warm the critic up), then iterate PPO.
+//! One training run: collect a batch, look back on it, learn from it.
 
 use crate::environment::{Episode, Shape, VectorEnvironment};
-use crate::network::{Architecture, Network};
-use crate::ppo::adam::Adam;
+use crate::network::{Architecture, Network, set};
 use crate::ppo::gae::{self, Trajectories};
 use crate::ppo::normalise::{Affine, Running};
-use crate::ppo::rollout::{ActingPolicy, Rollout, Tutelage, collect};
-use crate::ppo::schedule::Schedule;
-use crate::ppo::update::{ActorObjective, Pass, Step, Sums, Trainable, evaluate};
+use crate::ppo::rollout::{ActingPolicy, Rollout, collect};
+use crate::ppo::update::{ActorObjective, CriticObjective, Pass, Step, Sums, Trainable, evaluate};
 use crate::random::{Purpose, stream_for};
-use crate::settings::{NetworkKind, Settings};
+use crate::settings::{CriticInput, NetworkKind, Settings};
 use burn_tensor::Device;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
-
-/// What part of a run an iteration belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stage {
-    /// The actor copies the teacher; the critic learns along.
-    Imitation,
-    /// Only the critic learns.
-    CriticWarmup,
-    /// PPO.
-    Ppo,
-}
 
 /// What one iteration did.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     /// Counted over the whole run, from 1.
     pub index: u64,
-    /// What it did.
-    pub stage: Stage,
-    /// Environment steps flown so far, all stages.
+    /// Environment steps flown so far.
     pub environment_steps: u64,
     /// Missions that ended in it.
     pub finished: Vec<Episode>,
@@ -111,7 +95,7 @@ fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
                 sizes: sizes(shape.observation_len, &settings.actor_hidden, outputs),
             }),
             Network::new(Architecture::Mlp {
-                sizes: sizes(shape.global_len, &settings.critic_hidden, 1),
+                sizes: sizes(settings.critic_input.len(shape), &settings.critic_hidden, 1),
             }),
         ),
         NetworkKind::Set => (
@@ -121,6 +105,7 @@ fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),
+                of_uav: settings.critic_input == CriticInput::StateAndUav,
             }),
         ),
     }
@@ -146,6 +131,13 @@ impl Trainer {
             // Missions of one worker take seeds in a row, so workers are set far apart.
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
+        let beyond = |shape: &Shape| shape.observation_len > set::observation_len(shape);
+        if settings.network == NetworkKind::Set && workers.iter().any(|w| beyond(&w.shape())) {
+            return Err(
+                "network: set reads no search maps and no tags, so missions that show any need mlp"
+                    .into(),
+            );
+        }
         let mixed = workers.iter().any(|worker| worker.shape() != shape);
         if mixed && settings.network == NetworkKind::Mlp {
             return Err(
@@ -168,7 +160,7 @@ impl Trainer {
 
     /// Iterations of the whole run.
     pub fn total_iterations(&self) -> u64 {
-        self.settings.preparation() + self.settings.iterations()
+        self.settings.iterations()
     }
 
     /// Whether every iteration has been done.
@@ -176,42 +168,24 @@ impl Trainer {
         self.iterations >= self.total_iterations()
     }
 
-    /// The stage of the coming iteration.
-    pub fn stage(&self) -> Stage {
-        let imitation = self.settings.imitation.as_ref();
-        let imitation = imitation.map_or(0, |imitation| imitation.iterations as u64);
-        if self.iterations < imitation {
-            Stage::Imitation
-        } else if self.iterations < self.settings.preparation() {
-            Stage::CriticWarmup
-        } else {
-            Stage::Ppo
-        }
-    }
-
     /// Collects one batch and learns from it.
     pub fn iterate(&mut self) -> Iteration {
         let started = Instant::now();
-        let stage = self.stage();
-        let mut rollouts = self.collect(stage);
+        let mut rollouts = self.collect();
         let collecting = started.elapsed();
 
         let started_learning = Instant::now();
         self.look_back(&mut rollouts);
         let explained_variance = explained_variance(&rollouts);
-        let (actor, critic, epochs, learning_rate) = self.learn(stage, &rollouts);
+        let (actor, critic, epochs, learning_rate) = self.learn(&rollouts);
         let learning = started_learning.elapsed();
 
         self.iterations += 1;
-        if stage == Stage::Imitation && self.stage() != Stage::Imitation {
-            self.sharpen();
-        }
         self.environment_steps += rollouts.iter().map(|r| r.missions() as u64).sum::<u64>();
         let simulation: Duration = rollouts.iter().map(|r| r.simulation).sum();
         let inference: Duration = rollouts.iter().map(|r| r.inference).sum();
         Iteration {
             index: self.iterations,
-            stage,
             environment_steps: self.environment_steps,
             finished: rollouts
                 .iter()
@@ -230,7 +204,7 @@ impl Trainer {
         }
     }
 
-    fn collect(&mut self, stage: Stage) -> Vec<Rollout> {
+    fn collect(&mut self) -> Vec<Rollout> {
         let inputs = self.observation_inputs();
         let policy = ActingPolicy {
             head: self.settings.head,
@@ -239,53 +213,35 @@ impl Trainer {
             inputs: &inputs,
             device: &self.device,
         };
-        let tutelage = self.tutelage(stage);
         let steps = self.settings.steps_per_batch();
-        let (seed, iteration) = (self.settings.seed, self.iterations);
+        let (seed, credit) = (self.settings.seed, self.settings.credit);
+        let iteration = self.iterations;
         self.workers
             .par_iter_mut()
             .enumerate()
             .map(|(index, worker)| {
                 let mut random = stream_for(seed, Purpose::Actions, iteration, index as u64);
-                collect(worker.as_mut(), &policy, steps, tutelage, &mut random)
+                let worker = worker.as_mut();
+                worker.begin_batch(iteration);
+                collect(worker, &policy, steps, credit, &mut random)
             })
             .collect()
-    }
-
-    /// Ends imitation: surer motions, and an optimiser without memory of the other loss.
-    fn sharpen(&mut self) {
-        let factor = self
-            .settings
-            .imitation
-            .as_ref()
-            .map_or(1.0, |i| i.sharpening);
-        let motions = self.settings.head.logits();
-        for block in self.actor.network.blocks.iter().rev().take(2) {
-            let weights = &mut self.actor.parameters[block.offset..block.offset + block.len()];
-            for row in weights.chunks_exact_mut(block.columns) {
-                row[motions.clone()]
-                    .iter_mut()
-                    .for_each(|weight| *weight *= factor);
-            }
-        }
-        self.actor.adam = Adam::new(self.actor.parameters.len());
-    }
-
-    fn tutelage(&self, stage: Stage) -> Option<Tutelage> {
-        let imitation = self.settings.imitation.as_ref()?;
-        if stage != Stage::Imitation {
-            return None;
-        }
-        let progress = self.iterations as f64 / imitation.iterations as f64;
-        Some(Tutelage {
-            teacher_share: imitation.teacher_share * (1.0 - progress),
-            noise: imitation.noise,
-        })
     }
 
     /// Normalisation of observations as it stands.
     pub fn observation_inputs(&self) -> Affine {
         self.affine(&self.observation_statistics)
+    }
+
+    /// Normalisation of what the critic sees as it stands.
+    fn critic_inputs(&self) -> Affine {
+        let mut inputs = self.affine(&self.global_statistics);
+        if self.settings.critic_input == CriticInput::StateAndUav {
+            let own = self.observation_inputs();
+            inputs.offset.extend(own.offset);
+            inputs.scale.extend(own.scale);
+        }
+        inputs
     }
 
     fn affine(&self, statistics: &Running) -> Affine {
@@ -310,23 +266,20 @@ impl Trainer {
 
     /// Values, advantages and targets of every row.
     fn look_back(&self, rollouts: &mut [Rollout]) {
-        let inputs = self.affine(&self.global_statistics);
+        let inputs = self.critic_inputs();
+        let input = self.settings.critic_input;
         let (offset, scale) = self.value_units();
         let (discount, lambda) = (self.settings.discount, self.settings.gae_lambda);
         for rollout in rollouts {
-            let endings: Vec<f32> = rollout
-                .endings
-                .iter()
-                .flat_map(|(_, state)| state.iter().copied())
-                .collect();
-            let value = |states: &[f32]| -> Vec<f32> {
-                evaluate(&self.critic, states, &inputs, &rollout.shape, &self.device)
+            let (shape, columns) = (&rollout.shape, input.len(&rollout.shape));
+            let value = |seen: &[f32]| -> Vec<f32> {
+                evaluate(&self.critic, seen, columns, &inputs, shape, &self.device)
                     .iter()
                     .map(|value| value * scale + offset)
                     .collect()
             };
-            let values = value(&rollout.global);
-            let next_values = rollout.next_values(&values, &value(&endings));
+            let values = value(&rollout.critic_inputs(input));
+            let next_values = rollout.next_values(&values, &value(&rollout.ending_inputs(input)));
             let (advantages, targets) = gae::advantages(
                 &Trajectories {
                     environments: rollout.shape.environments,
@@ -345,17 +298,16 @@ impl Trainer {
         }
     }
 
-    fn learn(&mut self, stage: Stage, rollouts: &[Rollout]) -> (Sums, Sums, usize, f64) {
+    fn learn(&mut self, rollouts: &[Rollout]) -> (Sums, Sums, usize, f64) {
         // Inputs stay as they were while collecting, so that old log-densities remain comparable;
         // the statistics take this batch in for the next one.
         let observation_inputs = self.observation_inputs();
-        let global_inputs = self.affine(&self.global_statistics);
+        let critic_inputs = self.critic_inputs();
         if self.settings.normalise_values {
             rollouts
                 .iter()
                 .for_each(|rollout| self.value_statistics.update(&rollout.targets));
         }
-        let value_units = self.value_units();
         let settings = self.settings.clone();
         let autodiff = self.device.clone().autodiff();
         let actor_pass = Pass {
@@ -365,21 +317,13 @@ impl Trainer {
         };
         let critic_pass = Pass {
             rollouts,
-            inputs: &global_inputs,
+            inputs: &critic_inputs,
             device: &autodiff,
         };
 
-        let done = self.iterations.saturating_sub(settings.preparation());
-        let progress = done as f64 / settings.iterations().max(1) as f64;
+        let progress = self.iterations as f64 / settings.iterations().max(1) as f64;
         let factor = settings.schedule.factor(progress);
-        let (rate, epochs) = match (&settings.imitation, stage) {
-            (Some(imitation), Stage::Imitation) => {
-                let progress = self.iterations as f64 / imitation.iterations as f64;
-                let factor = Schedule::Cosine.factor(0.95 * progress);
-                (imitation.learning_rate * factor, imitation.epochs)
-            }
-            _ => (settings.learning_rate * factor, settings.epochs),
-        };
+        let rate = settings.learning_rate * factor;
         let actor_step = Step {
             minibatch_rows: settings.minibatch_rows,
             shard_rows: settings.shard_rows,
@@ -397,17 +341,26 @@ impl Trainer {
             entropy: settings.entropy_start
                 + (settings.entropy_end - settings.entropy_start) * progress,
             normalise_advantages: settings.normalise_advantages,
-            sample_share: settings.actor_sample_share,
+            sample_share: settings.sample_share,
+        };
+
+        let critic_objective = CriticObjective {
+            input: settings.critic_input,
+            sample_share: match settings.critic_input {
+                CriticInput::State => 1.0,
+                CriticInput::StateAndUav => settings.sample_share,
+            },
+            units: self.value_units(),
         };
 
         let (mut actor_sums, mut critic_sums) = (Sums::default(), Sums::default());
         let mut epochs_run = 0;
-        for epoch in 0..epochs as u64 {
+        for epoch in 0..settings.epochs as u64 {
             let mut random =
                 stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
             let critic = critic_pass.improve_critic(
                 &mut self.critic,
-                value_units,
+                &critic_objective,
                 &critic_step,
                 &mut random,
             );
@@ -417,24 +370,19 @@ impl Trainer {
                     .kl_max
                     .is_some_and(|max| sums.kl / sums.rows.max(1.0) > max)
             };
-            if stage == Stage::CriticWarmup || over(&actor_sums) {
+            if over(&actor_sums) {
                 continue;
             }
             let head = settings.head;
             // The log shows the last epoch: it is the one that the policy leaves with.
             let operations = actor_sums.operations;
-            actor_sums = if stage == Stage::Imitation {
-                let share = settings.actor_sample_share;
-                actor_pass.imitate(&mut self.actor, head, share, &actor_step, &mut random)
-            } else {
-                actor_pass.improve_actor(
-                    &mut self.actor,
-                    head,
-                    &objective,
-                    &actor_step,
-                    &mut random,
-                )
-            };
+            actor_sums = actor_pass.improve_actor(
+                &mut self.actor,
+                head,
+                &objective,
+                &actor_step,
+                &mut random,
+            );
             actor_sums.operations += operations;
             epochs_run += 1;
         }

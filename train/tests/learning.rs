@@ -1,10 +1,11 @@
-//! PPO learns the toy task: from no better than chance to most of what the best policy earns.
+//! PPO learns from nothing: the toy task from chance to most of what the best policy earns, and missions of
+//! the kernel that a random walk fails.
 
 use jcas_train::environment::VectorEnvironment;
 use jcas_train::environment::beacon::Beacon;
 use jcas_train::head::Head;
-use jcas_train::settings::{Imitation, Preset, Settings};
-use jcas_train::trainer::{Stage, Trainer};
+use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
+use jcas_train::trainer::Trainer;
 
 fn settings(head: Head) -> Settings {
     Settings {
@@ -43,47 +44,104 @@ fn mean_return(trainer: &mut Trainer, iterations: usize) -> f64 {
 }
 
 /// A random walk earns below 1.5 of 16; walking straight there earns about 13.8.
-fn learns(head: Head) {
-    let settings = settings(head);
+fn learns(settings: Settings) {
     let mut trainer = Trainer::new(settings.clone(), workers(&settings)).unwrap();
     let before = mean_return(&mut trainer, 1);
     mean_return(&mut trainer, 36);
     let after = mean_return(&mut trainer, 3);
-    println!("{head:?}: {before} -> {after}");
+    println!("{before} -> {after}");
     assert!(before < 4.0, "{before}");
     assert!(after > 11.0, "{after}");
 }
 
 #[test]
 fn the_hybrid_head_learns() {
-    learns(Head::Hybrid);
+    learns(settings(Head::Hybrid));
 }
 
 #[test]
 fn the_gaussian_head_learns() {
-    learns(Head::Gaussian);
+    learns(settings(Head::Gaussian));
 }
 
 #[test]
-fn imitation_alone_comes_close_to_the_teacher() {
-    let settings = Settings {
-        imitation: Some(Imitation {
-            teacher: "straight".into(),
-            iterations: 12,
-            epochs: 6,
-            learning_rate: 3e-3,
-            teacher_share: 0.5,
-            noise: 0.1,
-            sharpening: 1.0,
-        }),
-        ..settings(Head::Hybrid)
-    };
-    let mut trainer = Trainer::new(settings.clone(), workers(&settings)).unwrap();
-    while trainer.stage() == Stage::Imitation {
-        trainer.iterate();
+fn each_head_learns_from_the_uavs_own_rewards() {
+    for head in [Head::Hybrid, Head::Gaussian] {
+        for critic_input in [CriticInput::State, CriticInput::StateAndUav] {
+            learns(Settings {
+                credit: Credit::Uav,
+                critic_input,
+                ..settings(head)
+            });
+        }
     }
-    let after = mean_return(&mut trainer, 1);
-    assert!(after > 12.0, "{after}");
+}
+
+/// Eight UAVs: the team's reward is seven parts about the others, so after as many steps the fleet whose
+/// UAVs are paid each its own earns clearly more.
+#[test]
+fn credit_for_each_uav_learns_faster_than_the_team_s() {
+    let earned = |credit: Credit| {
+        let settings = Settings {
+            credit,
+            ..settings(Head::Hybrid)
+        };
+        let workers = (0..settings.workers)
+            .map(|_| Box::new(Beacon::new(8, 8)) as Box<dyn VectorEnvironment>)
+            .collect();
+        let mut trainer = Trainer::new(settings, workers).unwrap();
+        mean_return(&mut trainer, 8);
+        mean_return(&mut trainer, 2)
+    };
+    let (team, uav) = (earned(Credit::Team), earned(Credit::Uav));
+    assert!(uav > team + 1.5, "{uav} {team}");
+}
+
+/// Missions of the kernel, with the networks that the presets use: from random weights, under the rewards of
+/// `tuned`, fleets come to succeed where a random walk mostly fails.
+#[cfg(not(debug_assertions))]
+#[test]
+fn fleets_learn_missions_from_nothing() {
+    use jcas_core::{Config, Preset as World};
+    use jcas_train::policy::files::Precision;
+    use jcas_train::run::Plan;
+    use jcas_train::settings::NetworkKind;
+
+    for network in [NetworkKind::Set, NetworkKind::Mlp] {
+        let plan = Plan {
+            settings: Settings {
+                network,
+                environments: 40,
+                batch_steps: 1280,
+                ..Settings::preset(Preset::Tuned)
+            },
+            configs: vec![Config {
+                uav_count: 6,
+                hotspot_count: 4,
+                horizon_steps: 40,
+                detection_threshold_db: Some(-23.8),
+                ..Config::preset(World::Paper)
+            }],
+            out: std::env::temp_dir(),
+            name: "from nothing".into(),
+            precision: Precision::Single,
+        };
+        let mut trainer = plan.trainer().unwrap();
+        let mut success = |batches: usize| {
+            let missions: Vec<_> = (0..batches)
+                .flat_map(|_| trainer.iterate().finished)
+                .collect();
+            let succeeded = missions.iter().filter(|mission| mission.success);
+            succeeded.count() as f64 / missions.len() as f64
+        };
+        // The first missions to end are those that succeed early, so the first batches count as one.
+        let before = success(3);
+        success(20);
+        let after = success(3);
+        println!("{network:?}: {before} -> {after}");
+        assert!(before < 0.6, "{network:?}: {before}");
+        assert!(after > 0.9, "{network:?}: {after}");
+    }
 }
 
 /// The same seed gives the same weights, bit for bit, on one core and on two.

@@ -9,7 +9,7 @@ use jcas_train::network::values;
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, LearnedPolicy, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
-use jcas_train::settings::{Imitation, NetworkKind, Preset, Settings};
+use jcas_train::settings::{Curriculum, NetworkKind, Preset, Settings};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ fn settings(network: NetworkKind) -> Settings {
         environments: 8,
         workers: 4,
         batch_steps: 256,
-        total_steps: 4 * 256,
+        total_steps: 7 * 256,
         epochs: 2,
         minibatch_rows: 128,
         critic_minibatch_rows: 64,
@@ -32,15 +32,11 @@ fn settings(network: NetworkKind) -> Settings {
         evaluate_every: 3,
         evaluation_episodes: 2,
         checkpoint_every: 2,
-        critic_warmup_iterations: 1,
-        imitation: Some(Imitation {
-            teacher: "teams:adaptive".into(),
-            iterations: 2,
-            epochs: 1,
-            learning_rate: 1e-3,
-            teacher_share: 0.5,
-            noise: 0.05,
-            sharpening: 1.5,
+        // The radar changes before the third and before the fourth batch.
+        curriculum: Some(Curriculum {
+            threshold_db: -10.0,
+            batches: 3,
+            stages: 2,
         }),
         ..Settings::preset(Preset::Paper)
     }
@@ -84,7 +80,7 @@ fn weights(plan: &Plan) -> Vec<u8> {
     std::fs::read(plan.out.join(files::WEIGHTS)).unwrap()
 }
 
-/// Stopped in imitation and again in PPO, or killed between checkpoints, a run ends with the same
+/// Stopped twice, or killed between checkpoints, a run ends with the same
 /// policy file, card and metrics (times apart) as one that was never stopped.
 #[test]
 fn a_resumed_run_ends_as_if_never_stopped() {
@@ -219,6 +215,24 @@ fn a_policy_that_does_not_fit_is_refused() {
     for part in ["32", "38", "uav_count = 4", "uav_count = 6"] {
         assert!(refusal.contains(part), "{part} is missing in: {refusal}");
     }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// The set network neither trains on nor flies missions whose observations show more than it reads.
+#[test]
+fn the_set_network_refuses_tags() {
+    let tagged = Config {
+        uav_tag: jcas_core::UavTag::Index,
+        ..config()
+    };
+    let mut plan = plan("tags", settings(NetworkKind::Set));
+    plan.train(false, &mut Unwatched).unwrap();
+    let stored = files::load(&plan.out).unwrap();
+    let refusal = stored.check(&Model::new(tagged).unwrap()).unwrap_err();
+    assert!(refusal.to_string().contains("uav_tag"), "{refusal}");
+    plan.configs = vec![tagged];
+    let refusal = plan.trainer().err().unwrap().to_string();
+    assert!(refusal.contains("network: set"), "{refusal}");
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 

@@ -1,4 +1,4 @@
-//! `jcas train`: a policy from nothing, or from a baseline.
+//! `jcas train`: a policy from nothing.
 
 use std::path::PathBuf;
 
@@ -102,7 +102,7 @@ impl Train {
             return Ok(Outcome::Done);
         }
         let plan = self.plan(settings)?;
-        let mut watcher = Watcher::new(plan.settings.preparation() + plan.settings.iterations());
+        let mut watcher = Watcher::new(plan.settings.iterations());
         let ending = self
             .threads
             .run(|| plan.train(self.resume, &mut watcher))??;

@@ -9,6 +9,8 @@ use rand::RngExt;
 
 const SIDE: i32 = 5;
 const HORIZON: u32 = 16;
+/// Fields of an observation.
+const FIELDS: usize = 3;
 
 /// Beacon missions side by side.
 #[derive(Clone)]
@@ -78,6 +80,14 @@ impl Beacon {
         beacon
     }
 
+    fn write_observations(mission: &Mission, out: &mut [f32]) {
+        for (position, row) in mission.positions.iter().zip(out.chunks_exact_mut(FIELDS)) {
+            row[0] = (mission.beacon[0] - position[0]) as f32 / SIDE as f32;
+            row[1] = (mission.beacon[1] - position[1]) as f32 / SIDE as f32;
+            row[2] = mission.t as f32 / HORIZON as f32;
+        }
+    }
+
     fn write_global(mission: &Mission, out: &mut [f32]) {
         out[0] = mission.t as f32 / HORIZON as f32;
         for (position, fields) in mission.positions.iter().zip(out[1..].chunks_exact_mut(2)) {
@@ -93,7 +103,7 @@ impl VectorEnvironment for Beacon {
         Shape {
             environments: self.missions.len(),
             agents: self.agents,
-            observation_len: 3,
+            observation_len: FIELDS,
             global_len: 1 + 2 * self.agents,
             hotspots: 0,
             neighbour_slots: 0,
@@ -111,29 +121,29 @@ impl VectorEnvironment for Beacon {
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
         let global_len = self.shape().global_len;
-        let mut rows = observations.chunks_exact_mut(3);
-        for (mission, global) in self
-            .missions
-            .iter()
-            .zip(global.chunks_exact_mut(global_len))
-        {
-            for position in &mission.positions {
-                let row = rows.next().expect("one row for each UAV");
-                row[0] = (mission.beacon[0] - position[0]) as f32 / SIDE as f32;
-                row[1] = (mission.beacon[1] - position[1]) as f32 / SIDE as f32;
-                row[2] = mission.t as f32 / HORIZON as f32;
-            }
-            Beacon::write_global(mission, global);
+        let rows = observations.chunks_exact_mut(FIELDS * self.agents);
+        let states = global.chunks_exact_mut(global_len);
+        for ((mission, rows), state) in self.missions.iter().zip(rows).zip(states) {
+            Beacon::write_observations(mission, rows);
+            Beacon::write_global(mission, state);
         }
     }
 
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
         let global_len = self.shape().global_len;
+        let team = out.rewards.len() == self.missions.len();
         out.finished.clear();
         for (m, mission) in self.missions.iter_mut().enumerate() {
             let reward = mission.walk(&actions[m * self.agents * 2..(m + 1) * self.agents * 2]);
             mission.return_sum += f64::from(reward);
-            out.rewards[m] = reward;
+            if team {
+                out.rewards[m] = reward;
+            } else {
+                let own = &mut out.rewards[m * self.agents..(m + 1) * self.agents];
+                for (own, position) in own.iter_mut().zip(&mission.positions) {
+                    *own = f32::from(u8::from(*position == mission.beacon));
+                }
+            }
             out.terminated[m] = false;
             out.truncated[m] = mission.t == HORIZON;
             if mission.t == HORIZON {
@@ -141,6 +151,8 @@ impl VectorEnvironment for Beacon {
                     mission,
                     &mut out.final_global[m * global_len..(m + 1) * global_len],
                 );
+                let rows = m * self.agents * FIELDS..(m + 1) * self.agents * FIELDS;
+                Beacon::write_observations(mission, &mut out.final_observations[rows]);
                 out.finished.push(Episode {
                     return_sum: mission.return_sum,
                     success: reward == 1.0,
@@ -152,29 +164,6 @@ impl VectorEnvironment for Beacon {
                 mission.start();
             }
         }
-    }
-
-    fn teacher_actions(&mut self, actions: &mut [f32]) -> bool {
-        let mut actions = actions.chunks_exact_mut(2);
-        for mission in &self.missions {
-            for position in &mission.positions {
-                let [dx, dy] = [
-                    mission.beacon[0] - position[0],
-                    mission.beacon[1] - position[1],
-                ];
-                let motion = match (dx.signum(), dy.signum()) {
-                    (1, _) => 3,
-                    (-1, _) => 2,
-                    (_, 1) => 0,
-                    (_, -1) => 1,
-                    _ => 4,
-                };
-                let action = actions.next().expect("one action for each UAV");
-                action[0] = crate::head::motion_centre(motion);
-                action[1] = 1.0;
-            }
-        }
-        true
     }
 
     fn save(&self) -> Vec<u8> {

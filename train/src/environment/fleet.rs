@@ -1,13 +1,13 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
-use super::gather::Gather;
+use super::lesson::Lesson;
+use super::progress::Progress;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::settings::Settings;
 use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Metrics, Model, Scratch};
-use jcas_evaluate::policy::{Baseline, BaselineKind, PilotMode, Policy};
 use std::sync::Arc;
 
 /// What training changes about the missions it flies.
@@ -17,24 +17,20 @@ pub struct Treatment {
     pub factors: [f64; COMPONENTS],
     /// Subtracted in every step.
     pub step_cost: f64,
+    /// Paid to each UAV for each cell of its own progress.
+    pub progress_reward: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
-    /// Potential added, with its discount.
-    pub gather: (Gather, f64),
 }
 
 impl Treatment {
     /// From the settings' names; an unknown component is refused.
     pub fn new(settings: &Settings, constant_pilot: Option<f32>) -> Result<Treatment, String> {
-        let gather = Gather {
-            weight: settings.gather_weight,
-            uavs: settings.gather_uavs,
-        };
         let mut treatment = Treatment {
             factors: [1.0; COMPONENTS],
             step_cost: settings.step_cost,
+            progress_reward: settings.progress_reward,
             constant_pilot,
-            gather: (gather, f64::from(settings.discount)),
         };
         for (name, &factor) in &settings.reward_factors {
             let index = NAMES
@@ -51,108 +47,123 @@ impl Treatment {
         Ok(treatment)
     }
 
-    /// Of one step, with the gathering potential before and after it.
-    fn reward(&self, components: &[f64], [before, after]: [f64; 2]) -> f32 {
+    /// The reward for these components.
+    fn reward(&self, components: &[f64]) -> f64 {
         let paid: f64 = components
             .iter()
             .zip(&self.factors)
-            .map(|(c, f)| c * f)
+            .map(|(component, factor)| component * factor)
             .sum();
-        (paid - self.step_cost + self.gather.1 * after - before) as f32
+        paid - self.step_cost
     }
-}
-
-/// A teacher by name, such as `swarm:adaptive`.
-pub fn teacher_named(name: &str) -> Result<(BaselineKind, PilotMode), String> {
-    let (kind, pilot) = name
-        .split_once(':')
-        .ok_or_else(|| format!("teacher: {name:?} is not of the form baseline:pilot"))?;
-    let kind = kind.parse().map_err(|error| format!("teacher: {error}"))?;
-    let pilot = pilot.parse().map_err(|error| format!("teacher: {error}"))?;
-    Ok((kind, pilot))
 }
 
 /// Missions of one configuration side by side.
 pub struct Fleet {
+    lesson: Lesson,
+    stage: u64,
+    seed: u64,
     model: Arc<Model<'static>>,
     treatment: Treatment,
-    teacher: Option<(BaselineKind, PilotMode)>,
-    teachers: Vec<Baseline>,
     environments: usize,
     states: Vec<u64>,
     scratch: Vec<u64>,
     observations: Vec<f32>,
     global: Vec<f32>,
     components: Vec<f64>,
+    uav_components: Vec<f64>,
+    progress: Progress,
+    cells: Vec<f64>,
     rewards: Vec<f32>,
     ended: [Vec<u8>; 2],
     metrics: Vec<Metrics>,
     held: Vec<f32>,
-    potentials: Vec<f64>,
 }
 
 impl Fleet {
     /// `environments` missions, reset with seed 0.
-    pub fn new(
-        model: Arc<Model<'static>>,
-        environments: usize,
-        treatment: Treatment,
-        teacher: Option<(BaselineKind, PilotMode)>,
-    ) -> Fleet {
+    pub fn new(lesson: Lesson, environments: usize, treatment: Treatment) -> Fleet {
+        let stage = lesson.stage(0);
+        let model = lesson.model(stage);
         let uavs = model.uav_count();
         let mut fleet = Fleet {
+            lesson,
+            stage,
+            seed: 0,
             treatment,
-            teacher,
-            teachers: Vec::new(),
             environments,
             states: vec![0; environments * model.state_words()],
             scratch: vec![0; Scratch::words_for(&model)],
             observations: vec![0.0; environments * uavs * model.observation_len()],
             global: vec![0.0; environments * model.global_len()],
             components: vec![0.0; environments * COMPONENTS],
+            uav_components: Vec::new(),
+            progress: Progress::new(environments, uavs),
+            cells: vec![0.0; uavs],
             rewards: vec![0.0; environments],
             ended: [vec![0; environments], vec![0; environments]],
             metrics: vec![Metrics::default(); environments],
             held: vec![0.0; environments * 2 * uavs],
-            potentials: vec![0.0; environments],
             model,
         };
         fleet.reset(0);
         fleet
     }
 
-    fn potential(&self, mission: usize) -> f64 {
-        if self.treatment.gather.0.weight == 0.0 {
-            return 0.0;
-        }
-        let words = self.model.state_words();
-        let state = &self.states[mission * words..(mission + 1) * words];
-        let state = self.model.state(state).expect("a state of this model");
-        self.treatment.gather.0.potential(&self.model, &state)
-    }
-
-    fn note_potentials(&mut self) {
-        self.potentials = (0..self.environments).map(|m| self.potential(m)).collect();
-    }
-
-    fn start_teachers(&mut self) {
-        let Some((kind, pilot)) = self.teacher else {
-            return;
-        };
-        self.teachers = (0..self.environments)
-            .map(|_| kind.build_privileged(pilot))
+    fn start(&mut self, seed: u64) {
+        let seeds: Vec<u64> = (0..self.environments as u64)
+            .map(|m| derive_seed(seed, m))
             .collect();
+        let mut scratch =
+            Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
+        self.model
+            .batch_reset(
+                &mut self.states,
+                &mut scratch,
+                &seeds,
+                &mut self.observations,
+                &mut self.global,
+            )
+            .expect("buffers are sized for this model");
+        self.look();
+    }
+
+    /// Lets progress count from the states as they are.
+    fn look(&mut self) {
+        let states = self.states.chunks_exact(self.model.state_words());
+        for (m, state) in states.enumerate() {
+            let state = self.model.state(state).expect("a state of this model");
+            self.progress.start(m, &self.model, &state);
+        }
+    }
+
+    /// The rewards of a mission's step: every UAV's is its own of the kernel's and its own progress, so that
+    /// their mean is the team's with the fleet's mean progress. A mission that ended has begun anew: no
+    /// progress then.
+    fn pay(&mut self, m: usize, out: &mut StepOut) {
         let words = self.model.state_words();
-        for (teacher, state) in self
-            .teachers
-            .iter_mut()
-            .zip(self.states.chunks_exact(words))
-        {
-            let state = self
-                .model
-                .state(state)
-                .expect("the slab holds states of this model");
-            teacher.reset(&self.model, state.seed());
+        let state = &self.states[m * words..(m + 1) * words];
+        let state = self.model.state(state).expect("a state of this model");
+        if out.terminated[m] || out.truncated[m] {
+            self.progress.start(m, &self.model, &state);
+            self.cells.fill(0.0);
+        } else {
+            self.progress
+                .gained(m, &self.model, &state, &mut self.cells);
+        }
+        let weight = self.treatment.progress_reward;
+        let uavs = self.cells.len();
+        if out.rewards.len() > self.environments {
+            let components = self.uav_components.chunks_exact(COMPONENTS);
+            let own = out.rewards.iter_mut().zip(components).skip(m * uavs);
+            for ((reward, components), cells) in own.zip(&self.cells) {
+                *reward = (self.treatment.reward(components) + weight * cells) as f32;
+            }
+        } else {
+            let components = &self.components[m * COMPONENTS..(m + 1) * COMPONENTS];
+            let team = self.treatment.reward(components);
+            let mean = self.cells.iter().sum::<f64>() / uavs as f64;
+            out.rewards[m] = (team + weight * mean) as f32;
         }
     }
 }
@@ -172,22 +183,17 @@ impl VectorEnvironment for Fleet {
     }
 
     fn reset(&mut self, seed: u64) {
-        let seeds: Vec<u64> = (0..self.environments as u64)
-            .map(|m| derive_seed(seed, m))
-            .collect();
-        let mut scratch =
-            Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
-        self.model
-            .batch_reset(
-                &mut self.states,
-                &mut scratch,
-                &seeds,
-                &mut self.observations,
-                &mut self.global,
-            )
-            .expect("buffers are sized for this model");
-        self.note_potentials();
-        self.start_teachers();
+        self.seed = seed;
+        self.start(seed);
+    }
+
+    fn begin_batch(&mut self, batch: u64) {
+        let stage = self.lesson.stage(batch);
+        if stage != self.stage {
+            self.stage = stage;
+            self.model = self.lesson.model(stage);
+            self.start(derive_seed(self.seed, u64::MAX - stage));
+        }
     }
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
@@ -201,6 +207,10 @@ impl VectorEnvironment for Fleet {
             self.held
                 .chunks_exact_mut(2)
                 .for_each(|action| action[1] = pilot);
+        }
+        if out.rewards.len() > self.environments {
+            self.uav_components
+                .resize(out.rewards.len() * COMPONENTS, 0.0);
         }
         let [terminated, truncated] = &mut self.ended;
         let mut scratch =
@@ -218,75 +228,46 @@ impl VectorEnvironment for Fleet {
                     components: &mut self.components,
                     terminated,
                     truncated,
-                    final_observations: &mut [],
+                    final_observations: &mut out.final_observations,
                     final_global: &mut out.final_global,
                     final_metrics: &mut self.metrics,
+                    uav_components: &mut self.uav_components,
                     ..BatchOut::default()
                 },
             )
             .expect("actions of a head are numbers, and missions start anew by themselves");
         out.finished.clear();
         for m in 0..self.environments {
-            let components = &self.components[m * COMPONENTS..(m + 1) * COMPONENTS];
             out.terminated[m] = self.ended[0][m] == 1;
             out.truncated[m] = self.ended[1][m] == 1;
-            // The state is that of the next mission where this one has ended: its own last potential is
-            // 0 where all is done, and about what it was where the time ran out.
-            let before = self.potentials[m];
-            let now = self.potential(m);
-            let after = match (out.terminated[m], out.truncated[m]) {
-                (true, _) => 0.0,
-                (_, true) => before,
-                _ => now,
-            };
-            out.rewards[m] = self.treatment.reward(components, [before, after]);
-            self.potentials[m] = now;
+            self.pay(m, out);
             if out.terminated[m] || out.truncated[m] {
                 out.finished.push(Episode::of(&self.metrics[m]));
-                if let Some(teacher) = self.teachers.get_mut(m) {
-                    let words = self.model.state_words();
-                    let state = &self.states[m * words..(m + 1) * words];
-                    let state = self.model.state(state).expect("a state of this model");
-                    teacher.reset(&self.model, state.seed());
-                }
             }
         }
     }
 
-    fn begin_batch(&mut self) {
-        self.start_teachers();
-    }
-
-    fn teacher_actions(&mut self, actions: &mut [f32]) -> bool {
-        let words = self.model.state_words();
-        let states = self.states.chunks_exact(words);
-        let actions = actions.chunks_exact_mut(self.model.action_len());
-        for ((teacher, state), actions) in self.teachers.iter_mut().zip(states).zip(actions) {
-            let state = self.model.state(state).expect("a state of this model");
-            teacher.act(&self.model, &state, actions);
-        }
-        !self.teachers.is_empty()
-    }
-
     fn save(&self) -> Vec<u8> {
-        self.states
-            .iter()
+        std::iter::once(&self.stage)
+            .chain(&self.states)
             .flat_map(|word| word.to_le_bytes())
             .collect()
     }
 
-    /// Observations follow from the states; teachers begin anew with the next batch.
+    /// The stage, then the states; observations follow from them.
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        if bytes.len() != self.states.len() * 8 {
+        let expected = (1 + self.states.len()) * 8;
+        if bytes.len() != expected {
             return Err(format!(
-                "environment state: {} bytes, this run needs {}",
-                bytes.len(),
-                self.states.len() * 8
+                "environment state: {} bytes, this run needs {expected}",
+                bytes.len()
             ));
         }
-        for (word, bytes) in self.states.iter_mut().zip(bytes.chunks_exact(8)) {
+        let words = std::iter::once(&mut self.stage).chain(&mut self.states);
+        for (word, bytes) in words.zip(bytes.chunks_exact(8)) {
             *word = u64::from_le_bytes(bytes.try_into().expect("chunks of eight"));
         }
+        self.model = self.lesson.model(self.stage);
         let words = self.model.state_words();
         let rows = self.model.uav_count() * self.model.observation_len();
         let global_len = self.model.global_len();
@@ -301,7 +282,7 @@ impl VectorEnvironment for Fleet {
             jcas_core::observation::observe_global(&self.model, &state, global)
                 .map_err(|error| error.to_string())?;
         }
-        self.note_potentials();
+        self.look();
         Ok(())
     }
 }

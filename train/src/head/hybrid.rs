@@ -16,9 +16,6 @@ pub const OUTPUT_LEN: usize = MOTIONS + 2;
 /// Pilot samples stay this far inside (0, 1), where the Beta density is finite.
 const MARGIN: f32 = 1e-4;
 
-/// Weight of the pilot's squared error beside the motion's cross-entropy when imitating.
-const IMITATION_PILOT_WEIGHT: f32 = 4.0;
-
 fn log_softmax_slice(logits: &[f32]) -> [f64; MOTIONS] {
     let max = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let mut shifted = [0.0; MOTIONS];
@@ -153,15 +150,6 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
     }
 }
 
-pub(super) fn imitation_loss(outputs: Tensor<2>, raw: &[f32]) -> Tensor<2> {
-    let log_probs = log_softmax(outputs.clone().narrow(1, 0, MOTIONS), 1);
-    let cross_entropy = log_probs.gather(1, motions_tensor(raw, &outputs)).neg();
-    let pilot = pilots_tensor(raw, &outputs);
-    let ab = softplus(outputs.narrow(1, MOTIONS, 2), 1.0).add_scalar(1.0);
-    let mean = ab.clone().narrow(1, 0, 1) / ab.sum_dim(1);
-    cross_entropy + (mean - pilot).square().mul_scalar(IMITATION_PILOT_WEIGHT)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,16 +227,5 @@ mod tests {
             assert!((count / f64::from(draws) - log_prob.exp()).abs() < 0.01);
         }
         assert!((pilot / f64::from(draws) - alpha / (alpha + beta)).abs() < 0.01);
-    }
-
-    #[test]
-    fn the_loss_of_a_teacher_s_own_action_is_lowest() {
-        let outputs = Tensor::<2>::from_data(
-            TensorData::new(vec![5.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], [1, OUTPUT_LEN]),
-            &Device::flex(),
-        );
-        let loss = |raw: [f32; 2]| imitation_loss(outputs.clone(), &raw).into_scalar::<f32>();
-        assert!(loss([0.0, 0.5]) < loss([1.0, 0.5]));
-        assert!(loss([0.0, 0.5]) < loss([0.0, 0.9]));
     }
 }

@@ -34,6 +34,32 @@ const UAV_FIELDS: usize = 6;
 const COMMON: usize = 4;
 /// Position fields, confirmed, known share, and UAVs within one, four and twelve cells.
 const TARGET_FEATURES: usize = HOTSPOT_FIELDS + 3;
+/// Of one UAV's own: position difference, known, distance, near.
+const OWN_TARGET_FEATURES: usize = 5;
+
+/// Whose value the critic gives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Critic {
+    /// One UAV's, whose observation it sees beside the global state; else the team's.
+    pub of_uav: bool,
+}
+
+impl Critic {
+    /// Fields that are of no hotspot and of no other UAV.
+    fn common(self) -> usize {
+        COMMON + if self.of_uav { OWN } else { 0 }
+    }
+
+    /// Fields of each hotspot.
+    fn target_features(self) -> usize {
+        TARGET_FEATURES + if self.of_uav { OWN_TARGET_FEATURES } else { 0 }
+    }
+}
+
+/// Fields of an observation that the set networks read: what no configuration leaves out.
+pub fn observation_len(shape: &Shape) -> usize {
+    OWN + HOTSPOT_FIELDS * shape.hotspots + SLOT_FIELDS * shape.neighbour_slots
+}
 
 type Shapes = Vec<(String, usize, usize)>;
 
@@ -69,14 +95,15 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize) -> Shapes {
     shapes
 }
 
-pub(super) fn critic_blocks(hidden: &[usize]) -> Shapes {
+pub(super) fn critic_blocks(hidden: &[usize], critic: Critic) -> Shapes {
+    let (features, common) = (critic.target_features(), critic.common());
     let mut shapes = Vec::new();
     layer(&mut shapes, "uav.0", UAV_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "uav.1", UAV_WIDTH, UAV_WIDTH);
-    layer(&mut shapes, "hotspot.0", TARGET_FEATURES, HOTSPOT_WIDTH);
-    shapes.push(("hotspot.fleet".into(), COMMON + UAV_WIDTH, HOTSPOT_WIDTH));
+    layer(&mut shapes, "hotspot.0", features, HOTSPOT_WIDTH);
+    shapes.push(("hotspot.fleet".into(), common + UAV_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "hotspot.1", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
-    trunk(&mut shapes, HOTSPOT_WIDTH + UAV_WIDTH + COMMON, hidden, 1);
+    trunk(&mut shapes, HOTSPOT_WIDTH + UAV_WIDTH + common, hidden, 1);
     shapes
 }
 
@@ -94,11 +121,11 @@ pub(super) fn actor_products(hidden: &[usize], outputs: usize, shape: &Shape) ->
 }
 
 /// Multiply-adds of one global state's forward pass.
-pub(super) fn critic_products(hidden: &[usize], shape: &Shape) -> u64 {
+pub(super) fn critic_products(hidden: &[usize], critic: Critic, shape: &Shape) -> u64 {
     let uav = UAV_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
-    let hotspot = HOTSPOT_WIDTH * (TARGET_FEATURES + HOTSPOT_WIDTH);
-    let once = HOTSPOT_WIDTH * (COMMON + UAV_WIDTH);
-    let mut sizes = vec![HOTSPOT_WIDTH + UAV_WIDTH + COMMON];
+    let hotspot = HOTSPOT_WIDTH * (critic.target_features() + HOTSPOT_WIDTH);
+    let once = HOTSPOT_WIDTH * (critic.common() + UAV_WIDTH);
+    let mut sizes = vec![HOTSPOT_WIDTH + UAV_WIDTH + critic.common()];
     sizes.extend_from_slice(hidden);
     sizes.push(1);
     let trunk: usize = sizes.windows(2).map(|pair| pair[0] * pair[1]).sum();
@@ -112,9 +139,9 @@ pub(super) fn actor_input_products(shape: &Shape) -> u64 {
 }
 
 /// Those of the critic's layers that read the global state.
-pub(super) fn critic_input_products(shape: &Shape) -> u64 {
+pub(super) fn critic_input_products(critic: Critic, shape: &Shape) -> u64 {
     let uav = UAV_FIELDS * UAV_WIDTH * shape.agents;
-    (uav + TARGET_FEATURES * HOTSPOT_WIDTH * shape.hotspots) as u64
+    (uav + critic.target_features() * HOTSPOT_WIDTH * shape.hotspots) as u64
 }
 
 /// Takes weights in the order of the blocks.
@@ -202,19 +229,24 @@ pub(super) fn actor(weights: &[Tensor<2>], observations: &[f32], shape: &Shape) 
     weights.trunk(Tensor::cat(vec![attended, neighbours, own], 1))
 }
 
-/// Values of global states (rows × 6N + 4n + 4).
-pub(super) fn critic(weights: &[Tensor<2>], states: &[f32], shape: &Shape) -> Tensor<2> {
+/// Values of the rows that `features::overseen` reads.
+pub(super) fn critic(
+    weights: &[Tensor<2>],
+    seen: &[f32],
+    critic: Critic,
+    shape: &Shape,
+) -> Tensor<2> {
     let device = weights[0].device();
     let mut weights = Weights(weights.iter());
-    let overseen = features::overseen(states, shape);
-    let common = matrix(overseen.common, COMMON, &device);
+    let overseen = features::overseen(seen, shape, critic);
+    let common = matrix(overseen.common, critic.common(), &device);
     let rows = common.dims()[0];
 
     let uavs = matrix(overseen.uavs, UAV_FIELDS + 1, &device);
     let fleet = relu(weights.augmented(uavs));
     let fleet = sum(relu(weights.linear(fleet)), rows).div_scalar(CROWD);
     let context = Tensor::cat(vec![common.clone(), fleet.clone()], 1);
-    let hotspots = matrix(overseen.hotspots, TARGET_FEATURES, &device);
+    let hotspots = matrix(overseen.hotspots, critic.target_features(), &device);
     let embedded = relu(weights.with_context(hotspots, context));
     let embedded = sum(relu(weights.linear(embedded)), rows).div_scalar(CROWD);
     weights.trunk(Tensor::cat(vec![embedded, fleet, common], 1))
@@ -305,21 +337,27 @@ mod tests {
                 hidden: vec![24, 16],
                 outputs: 7,
             });
-            let critic = Network::new(Architecture::SetCritic { hidden: vec![16] });
-            for (network, is_actor) in [(&actor, true), (&critic, false)] {
+            let critic = |of_uav| {
+                let hidden = vec![16];
+                Network::new(Architecture::SetCritic { hidden, of_uav })
+            };
+            let critics = [critic(false), critic(true)];
+            let [of_team, of_uav] = [shape.global_len, shape.global_len + shape.observation_len];
+            for (network, critic_length) in [
+                (&actor, None),
+                (&critics[0], Some(of_team)),
+                (&critics[1], Some(of_uav)),
+            ] {
                 let parameters = weights(network, &mut random);
                 let rows: Vec<Vec<f32>> = (0..9)
-                    .map(|_| {
-                        if is_actor {
-                            observation(&shape, &mut random)
-                        } else {
-                            row(shape.global_len, &mut random)
-                        }
+                    .map(|_| match critic_length {
+                        None => observation(&shape, &mut random),
+                        Some(length) => row(length, &mut random),
                     })
                     .collect();
                 let tensors = network.tensors(&parameters, &Device::flex());
                 let fast = values(network.forward(&tensors, rows.concat(), &shape));
-                let reference = if is_actor {
+                let reference = if critic_length.is_none() {
                     reference::actor
                 } else {
                     reference::critic
@@ -358,7 +396,10 @@ mod tests {
 
     #[test]
     fn the_critic_does_not_see_the_order_of_its_sets() {
-        let architecture = Architecture::SetCritic { hidden: vec![16] };
+        let architecture = Architecture::SetCritic {
+            hidden: vec![16],
+            of_uav: false,
+        };
         let shape = shape(3, 2);
         let row = row(shape.global_len, &mut crate::random::stream(9, 1));
         let mut swapped = row.clone();

@@ -1,11 +1,11 @@
 //! Policies on disk: a folder with weights (safetensors), a card (JSON) and the ONNX graph.
 
 use super::onnx;
-use super::{Actor, LearnedPolicy, Mode};
+use super::{Actor, LearnedPolicy, Mode, shape_of};
 use crate::environment::Shape;
 use crate::error::TrainError;
 use crate::head::Head;
-use crate::network::{Architecture, Network};
+use crate::network::{Architecture, Network, set};
 use crate::ppo::normalise::Affine;
 use crate::settings::Settings;
 use crate::store::{Array, Arrays, encode, write_whole};
@@ -226,6 +226,15 @@ impl Stored {
                     config.uav_count,
                     config.hotspot_count,
                     model.neighbour_slots(),
+                )))
+            }
+            Architecture::SetActor { .. }
+                if model.observation_len() != set::observation_len(&shape_of(model)) =>
+            {
+                Err(TrainError::Fit(format!(
+                    "policy {}: reads no search maps and no tags, this mission shows some \
+                     (map_window_radius, map_directions, uav_tag)",
+                    self.card.name,
                 )))
             }
             _ if self.card.config.target_visibility != config.target_visibility => {

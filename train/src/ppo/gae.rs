@@ -5,7 +5,8 @@
 //! flew on: V of its own last state stands there, not that of the mission that began after it.
 //! Either way the sum over A stops, since the next row belongs to another mission.
 
-/// Trajectories of `environments` missions side by side; every slice is time-major (T × M).
+/// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values may
+/// each be the team's (T × M) or the UAVs' own (T × M·N).
 pub struct Trajectories<'a> {
     /// Missions side by side (M).
     pub environments: usize,
@@ -13,7 +14,7 @@ pub struct Trajectories<'a> {
     pub rewards: &'a [f32],
     /// V(s_t).
     pub values: &'a [f32],
-    /// V of the state that the step really led to, before any new start.
+    /// V of the state that the step really led to, before any new start; as many as `values`.
     pub next_values: &'a [f32],
     /// The mission ended by itself in this step.
     pub terminated: &'a [bool],
@@ -21,7 +22,9 @@ pub struct Trajectories<'a> {
     pub truncated: &'a [bool],
 }
 
-/// Advantages A_t and value targets A_t + V(s_t), both time-major.
+/// Advantages A_t, one for each UAV where rewards or values are (T × M·N), else one for the team (T × M); and
+/// value targets A_t + V(s_t), as many as values: where one value stands for the team and UAVs are paid each
+/// its own, their mean.
 pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (Vec<f32>, Vec<f32>) {
     let &Trajectories {
         environments,
@@ -31,24 +34,39 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
         terminated,
         truncated,
     } = trajectories;
-    let mut advantages = vec![0.0; rewards.len()];
+    let missions = terminated.len();
+    let (per_reward, per_value) = (rewards.len() / missions, values.len() / missions);
+    let streams = per_reward.max(per_value);
+    // An entry of the team's stands for every UAV of it.
+    let of = |entries: &[f32], per_mission: usize, row: usize, stream: usize| {
+        entries[row * per_mission + stream % per_mission]
+    };
+    let mut advantages = vec![0.0; missions * streams];
     for environment in 0..environments {
-        let mut following = 0.0;
-        for row in (environment..rewards.len()).step_by(environments).rev() {
-            let next_value = if terminated[row] {
-                0.0
-            } else {
-                next_values[row]
-            };
-            let delta = rewards[row] + discount * next_value - values[row];
-            if terminated[row] || truncated[row] {
-                following = 0.0;
+        for stream in 0..streams {
+            let mut following = 0.0;
+            for row in (environment..missions).step_by(environments).rev() {
+                let next_value = if terminated[row] {
+                    0.0
+                } else {
+                    of(next_values, per_value, row, stream)
+                };
+                let value = of(values, per_value, row, stream);
+                let delta = of(rewards, per_reward, row, stream) + discount * next_value - value;
+                if terminated[row] || truncated[row] {
+                    following = 0.0;
+                }
+                following = delta + discount * lambda * following;
+                advantages[row * streams + stream] = following;
             }
-            following = delta + discount * lambda * following;
-            advantages[row] = following;
         }
     }
-    let targets = advantages.iter().zip(values).map(|(a, v)| a + v).collect();
+    let shared = streams / per_value;
+    let targets = values
+        .iter()
+        .zip(advantages.chunks_exact(shared))
+        .map(|(value, advantages)| value + advantages.iter().sum::<f32>() / shared as f32)
+        .collect();
     (advantages, targets)
 }
 
@@ -136,5 +154,61 @@ mod tests {
             0.5,
         );
         close(&advantages, &[1.5, 1.75, 2.0, 3.0, 2.0, 29.0]);
+    }
+
+    // γ = ½, λ = ½, one mission of two UAVs, cut after two steps. One value for both, V = (1, 2), then 4:
+    // UAV 0 earns (1, 2): δ_1 = 2 + ½·4 − 2 = 2, δ_0 = 1 + ½·2 − 1 = 1, A = (1.5, 2).
+    // UAV 1 earns (3, 6): δ_1 = 6, δ_0 = 3, A = (4.5, 6). The targets are V plus the means, 3 and 4.
+    #[test]
+    fn uavs_paid_each_its_own_share_one_value() {
+        let (advantages, targets) = advantages(
+            &Trajectories {
+                environments: 1,
+                rewards: &[1.0, 3.0, 2.0, 6.0],
+                values: &[1.0, 2.0],
+                next_values: &[2.0, 4.0],
+                terminated: &[false; 2],
+                truncated: &[false, true],
+            },
+            0.5,
+            0.5,
+        );
+        close(&advantages, &[1.5, 4.5, 2.0, 6.0]);
+        close(&targets, &[4.0, 6.0]);
+    }
+
+    // The same with a value of each UAV's own: each gets what it would alone; and with a reward of the
+    // team's, which counts for both.
+    #[test]
+    fn uavs_with_values_of_their_own_do_not_mix() {
+        let alone = |rewards: &[f32], values: &[f32], next_values: &[f32], environments: usize| {
+            let (terminated, truncated) = ([false; 4], [false, true, false, true]);
+            let missions = 2 * environments;
+            advantages(
+                &Trajectories {
+                    environments,
+                    rewards,
+                    values,
+                    next_values,
+                    terminated: &terminated[..missions],
+                    truncated: &truncated[..missions],
+                },
+                0.5,
+                0.5,
+            )
+        };
+        let (a, a_targets) = alone(&[1.0, 2.0], &[1.0, 2.0], &[2.0, 4.0], 1);
+        let (b, b_targets) = alone(&[3.0, 6.0], &[5.0, 1.0], &[1.0, 3.0], 1);
+        let own = &[1.0, 3.0, 2.0, 6.0];
+        let (both, targets) = alone(own, &[1.0, 5.0, 2.0, 1.0], &[2.0, 1.0, 4.0, 3.0], 1);
+        close(&both, &[a[0], b[0], a[1], b[1]]);
+        close(
+            &targets,
+            &[a_targets[0], b_targets[0], a_targets[1], b_targets[1]],
+        );
+
+        let (c, _) = alone(&[1.0, 2.0], &[5.0, 1.0], &[1.0, 3.0], 1);
+        let (both, _) = alone(&[1.0, 2.0], &[1.0, 5.0, 2.0, 1.0], &[2.0, 1.0, 4.0, 3.0], 1);
+        close(&both, &[a[0], c[0], a[1], c[1]]);
     }
 }

@@ -4,8 +4,8 @@ use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::Head;
 use crate::network::{Network, values};
 use crate::ppo::normalise::Affine;
+use crate::settings::{Credit, CriticInput};
 use burn_tensor::{Device, Tensor};
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
@@ -22,30 +22,39 @@ pub struct Rollout {
     pub global: Vec<f32>,
     /// Raw samples of the head, T × M·N × 2.
     pub raw_actions: Vec<f32>,
-    /// What the teacher would have done, as raw samples; empty unless it was asked.
-    pub teacher_actions: Vec<f32>,
     /// ln π of the samples, T × M·N.
     pub log_probs: Vec<f32>,
-    /// T × M.
+    /// T × M, or T × M·N where each UAV is paid its own.
     pub rewards: Vec<f32>,
     /// T × M.
     pub terminated: Vec<bool>,
     /// T × M.
     pub truncated: Vec<bool>,
-    /// Global states that steps led to where the next row does not hold them: (row, state).
-    pub endings: Vec<(usize, Vec<f32>)>,
+    /// What steps led to where the next row does not hold it.
+    pub endings: Vec<Ending>,
     /// Missions finished meanwhile.
     pub finished: Vec<Episode>,
-    /// Advantages, T × M (by the learner).
+    /// Advantages, T × M or T × M·N (by the learner).
     pub advantages: Vec<f32>,
-    /// Value targets, T × M (by the learner).
+    /// Value targets, as many as values (by the learner).
     pub targets: Vec<f32>,
-    /// Values at collection time, T × M (by the learner).
+    /// Values at collection time, one for each row of the critic (by the learner).
     pub values: Vec<f32>,
     /// Time spent in the simulator.
     pub simulation: Duration,
     /// Time spent in the actor.
     pub inference: Duration,
+}
+
+/// The state that a mission's step led to.
+#[derive(Clone, Debug)]
+pub struct Ending {
+    /// Mission and step, a row of T × M.
+    pub row: usize,
+    /// The global state, S.
+    pub global: Vec<f32>,
+    /// The UAVs' observations, N × O.
+    pub observations: Vec<f32>,
 }
 
 /// The actor as the workers use it: weights on a device without gradients.
@@ -62,30 +71,19 @@ pub struct ActingPolicy<'a> {
     pub device: &'a Device,
 }
 
-/// How a worker chooses whom to follow while imitating.
-#[derive(Clone, Copy, Debug)]
-pub struct Tutelage {
-    /// Share of missions (the first ones of each worker) that the teacher flies.
-    pub teacher_share: f64,
-    /// Chance that a UAV of the other missions acts at random in a step, to see strange states.
-    pub noise: f64,
-}
-
 /// Flies `steps` steps of every mission of `environment`.
 pub fn collect(
     environment: &mut dyn VectorEnvironment,
     policy: &ActingPolicy,
     steps: usize,
-    tutelage: Option<Tutelage>,
+    credit: Credit,
     random: &mut ChaCha8Rng,
 ) -> Rollout {
     let shape = environment.shape();
-    environment.begin_batch();
-    let mut rollout = Rollout::new(shape, steps, tutelage.is_some());
+    let mut out = StepOut::new(shape, credit);
+    let mut rollout = Rollout::new(shape, steps, out.rewards.len());
     let weights = policy.network.tensors(policy.parameters, policy.device);
-    let mut out = StepOut::new(shape);
     let mut actions = vec![0.0; shape.rows() * 2];
-    let mut lessons = vec![0.0; shape.rows() * 2];
     for t in 0..steps {
         let rows = t * shape.rows()..(t + 1) * shape.rows();
         let started = Instant::now();
@@ -95,9 +93,6 @@ pub fn collect(
             let states = t * shape.environments * shape.global_len
                 ..(t + 1) * shape.environments * shape.global_len;
             environment.observe(observations, &mut rollout.global[states]);
-            if tutelage.is_some() {
-                environment.teacher_actions(&mut lessons);
-            }
         }
         rollout.simulation += started.elapsed();
 
@@ -115,14 +110,6 @@ pub fn collect(
             rollout.log_probs[place] = log_prob;
             actions[2 * row..2 * row + 2].copy_from_slice(&policy.head.action(raw));
         }
-        if let Some(tutelage) = tutelage {
-            for (row, lesson) in lessons.chunks_exact(2).enumerate() {
-                let raw = policy.head.raw_of_action([lesson[0], lesson[1]]);
-                let place = 2 * (rows.start + row);
-                rollout.teacher_actions[place..place + 2].copy_from_slice(&raw);
-            }
-            tutelage.take_over(&shape, &lessons, &mut actions, random);
-        }
         rollout.inference += started.elapsed();
 
         let started = Instant::now();
@@ -132,26 +119,6 @@ pub fn collect(
     }
     rollout.note_last_states(environment);
     rollout
-}
-
-impl Tutelage {
-    /// Replaces the learner's actions where the teacher or chance flies.
-    fn take_over(
-        &self,
-        shape: &Shape,
-        lessons: &[f32],
-        actions: &mut [f32],
-        random: &mut ChaCha8Rng,
-    ) {
-        let taught = (self.teacher_share * shape.environments as f64).round() as usize;
-        let taught = taught.min(shape.environments) * shape.agents * 2;
-        actions[..taught].copy_from_slice(&lessons[..taught]);
-        for action in actions[taught..].chunks_exact_mut(2) {
-            if random.random::<f64>() < self.noise {
-                action[0] = random.random_range(-1.0..1.0);
-            }
-        }
-    }
 }
 
 fn act(
@@ -166,7 +133,7 @@ fn act(
 }
 
 impl Rollout {
-    fn new(shape: Shape, steps: usize, taught: bool) -> Rollout {
+    fn new(shape: Shape, steps: usize, rewards: usize) -> Rollout {
         let (rows, missions) = (steps * shape.rows(), steps * shape.environments);
         Rollout {
             shape,
@@ -174,9 +141,8 @@ impl Rollout {
             observations: vec![0.0; rows * shape.observation_len],
             global: vec![0.0; missions * shape.global_len],
             raw_actions: vec![0.0; rows * 2],
-            teacher_actions: vec![0.0; if taught { rows * 2 } else { 0 }],
             log_probs: vec![0.0; rows],
-            rewards: vec![0.0; missions],
+            rewards: vec![0.0; steps * rewards],
             terminated: vec![false; missions],
             truncated: vec![false; missions],
             endings: Vec::new(),
@@ -197,14 +163,15 @@ impl Rollout {
     fn note(&mut self, t: usize, out: &StepOut) {
         let missions = self.shape.environments;
         let rows = t * missions..(t + 1) * missions;
-        self.rewards[rows.clone()].copy_from_slice(&out.rewards);
+        let rewards = out.rewards.len();
+        self.rewards[t * rewards..(t + 1) * rewards].copy_from_slice(&out.rewards);
         self.terminated[rows.clone()].copy_from_slice(&out.terminated);
         self.truncated[rows.clone()].copy_from_slice(&out.truncated);
         for (m, row) in rows.enumerate() {
             if out.truncated[m] && !out.terminated[m] {
-                let global_len = self.shape.global_len;
-                let state = &out.final_global[m * global_len..(m + 1) * global_len];
-                self.endings.push((row, state.to_vec()));
+                let ending =
+                    Ending::of(&self.shape, row, &out.final_global, &out.final_observations);
+                self.endings.push(ending);
             }
         }
         self.finished.extend_from_slice(&out.finished);
@@ -217,23 +184,104 @@ impl Rollout {
         let mut global = vec![0.0; shape.environments * shape.global_len];
         environment.observe(&mut observations, &mut global);
         let first = (self.steps - 1) * shape.environments;
-        for (m, state) in global.chunks_exact(shape.global_len).enumerate() {
-            let row = first + m;
+        for row in first..first + shape.environments {
             if !self.terminated[row] && !self.truncated[row] {
-                self.endings.push((row, state.to_vec()));
+                self.endings
+                    .push(Ending::of(&shape, row, &global, &observations));
             }
         }
     }
 
+    /// Rows that the critic values: one for each mission and step, or one for each UAV in it.
+    pub fn critic_rows(&self, input: CriticInput) -> usize {
+        match input {
+            CriticInput::State => self.missions(),
+            CriticInput::StateAndUav => self.log_probs.len(),
+        }
+    }
+
+    /// Appends what the critic sees in one of its rows.
+    pub fn write_critic_row(&self, input: CriticInput, row: usize, out: &mut Vec<f32>) {
+        let Shape {
+            agents,
+            global_len,
+            observation_len,
+            ..
+        } = self.shape;
+        match input {
+            CriticInput::State => {
+                out.extend_from_slice(&self.global[row * global_len..][..global_len])
+            }
+            CriticInput::StateAndUav => {
+                out.extend_from_slice(&self.global[row / agents * global_len..][..global_len]);
+                let observation = &self.observations[row * observation_len..][..observation_len];
+                out.extend_from_slice(observation);
+            }
+        }
+    }
+
+    /// What the critic sees in all its rows.
+    pub fn critic_inputs(&self, input: CriticInput) -> Vec<f32> {
+        let rows = self.critic_rows(input);
+        let mut out = Vec::with_capacity(rows * input.len(&self.shape));
+        for row in 0..rows {
+            self.write_critic_row(input, row, &mut out);
+        }
+        out
+    }
+
+    /// What it sees in the endings, one after the other.
+    pub fn ending_inputs(&self, input: CriticInput) -> Vec<f32> {
+        let mut out = Vec::new();
+        for ending in &self.endings {
+            match input {
+                CriticInput::State => out.extend_from_slice(&ending.global),
+                CriticInput::StateAndUav => {
+                    for observation in ending.observations.chunks_exact(self.shape.observation_len)
+                    {
+                        out.extend_from_slice(&ending.global);
+                        out.extend_from_slice(observation);
+                    }
+                }
+            }
+        }
+        out
+    }
+
     /// V(s_{t+1}) of every row from the values of all rows and of the endings.
     pub fn next_values(&self, values: &[f32], ending_values: &[f32]) -> Vec<f32> {
-        let missions = self.shape.environments;
+        let per_mission = values.len() / self.missions();
+        let later = self.shape.environments * per_mission;
         let mut next: Vec<f32> = (0..values.len())
-            .map(|row| values.get(row + missions).copied().unwrap_or(0.0))
+            .map(|row| values.get(row + later).copied().unwrap_or(0.0))
             .collect();
-        for ((row, _), &value) in self.endings.iter().zip(ending_values) {
-            next[*row] = value;
+        let ending_values = ending_values.chunks_exact(per_mission);
+        for (ending, values) in self.endings.iter().zip(ending_values) {
+            next[ending.row * per_mission..][..per_mission].copy_from_slice(values);
         }
         next
+    }
+}
+
+impl Ending {
+    /// From the states of all missions in the step that `row` belongs to.
+    fn of(shape: &Shape, row: usize, global: &[f32], observations: &[f32]) -> Ending {
+        let m = row % shape.environments;
+        let own = shape.agents * shape.observation_len;
+        Ending {
+            row,
+            global: global[m * shape.global_len..(m + 1) * shape.global_len].to_vec(),
+            observations: observations[m * own..(m + 1) * own].to_vec(),
+        }
+    }
+}
+
+impl CriticInput {
+    /// Fields of a row.
+    pub fn len(self, shape: &Shape) -> usize {
+        match self {
+            CriticInput::State => shape.global_len,
+            CriticInput::StateAndUav => shape.global_len + shape.observation_len,
+        }
     }
 }

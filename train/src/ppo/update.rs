@@ -9,6 +9,7 @@ use crate::network::{Network, flat_gradient, matrix, values};
 use crate::ppo::adam::Adam;
 use crate::ppo::normalise::Affine;
 use crate::ppo::rollout::Rollout;
+use crate::settings::CriticInput;
 use burn_tensor::{Device, Tensor};
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -68,6 +69,17 @@ pub struct ActorObjective {
     pub normalise_advantages: bool,
     /// Share of rows to visit.
     pub sample_share: f64,
+}
+
+/// The critic's objective.
+#[derive(Clone, Copy, Debug)]
+pub struct CriticObjective {
+    /// What it sees.
+    pub input: CriticInput,
+    /// Share of rows to visit.
+    pub sample_share: f64,
+    /// What its output is added to and multiplied by to give a value.
+    pub units: (f32, f32),
 }
 
 /// Sums over rows of what the log shows.
@@ -162,6 +174,12 @@ impl Pass<'_> {
         out
     }
 
+    fn observations(&self, shard: &[Row]) -> Vec<f32> {
+        self.gather(shard, self.shape(shard).observation_len, |r| {
+            &r.observations
+        })
+    }
+
     fn shape(&self, shard: &[Row]) -> Shape {
         self.rollouts[shard[0].0 as usize].shape
     }
@@ -217,10 +235,11 @@ impl Pass<'_> {
         (mean as f32, deviation as f32 + 1e-8)
     }
 
-    /// The team's advantage in the step that a UAV's row belongs to.
+    /// A UAV's advantage, or its team's where all share one.
     fn advantage(&self, (rollout, row): Row) -> f32 {
         let rollout = &self.rollouts[rollout as usize];
-        rollout.advantages[row as usize / rollout.shape.agents]
+        let shared = rollout.log_probs.len() / rollout.advantages.len();
+        rollout.advantages[row as usize / shared]
     }
 
     #[allow(clippy::too_many_arguments)] // one shard's share of one objective
@@ -235,10 +254,7 @@ impl Pass<'_> {
         minibatch_rows: usize,
     ) -> (Vec<f32>, Sums) {
         let shape = self.shape(shard);
-        let (weights, outputs) =
-            self.outputs(network, weights, shard, shape.observation_len, |r| {
-                &r.observations
-            });
+        let (weights, outputs) = self.outputs(network, weights, shard, self.observations(shard));
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
         let old = matrix(self.gather(shard, 1, |r| &r.log_probs), 1, self.device);
         let advantages = shard
@@ -277,21 +293,30 @@ impl Pass<'_> {
     pub fn improve_critic(
         &self,
         critic: &mut Trainable,
-        (offset, scale): (f32, f32),
+        objective: &CriticObjective,
         step: &Step,
         random: &mut ChaCha8Rng,
     ) -> Sums {
+        let &CriticObjective {
+            input,
+            sample_share,
+            units: (offset, scale),
+        } = objective;
+        let rows_of = |rollout: &Rollout| rollout.critic_rows(input);
         let shards = shards(
             self.rollouts,
-            Rollout::missions,
-            1.0,
+            rows_of,
+            sample_share,
             step.shard_rows,
             random,
         );
         self.descend_by_shard(critic, &shards, step, |network, weights, shard, rows| {
             let shape = self.shape(shard);
-            let (weights, outputs) =
-                self.outputs(network, weights, shard, shape.global_len, |r| &r.global);
+            let mut seen = Vec::with_capacity(shard.len() * input.len(&shape));
+            for &(rollout, row) in shard {
+                self.rollouts[rollout as usize].write_critic_row(input, row as usize, &mut seen);
+            }
+            let (weights, outputs) = self.outputs(network, weights, shard, seen);
             let mut targets = self.gather(shard, 1, |r| &r.targets);
             targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
             let targets = matrix(targets, 1, self.device);
@@ -299,30 +324,6 @@ impl Pass<'_> {
                 .square()
                 .sum()
                 .div_scalar(2.0 * rows as f64);
-            self.finish(network, &weights, &shape, loss, shard.len(), rows)
-        })
-    }
-
-    /// One epoch of imitation of the teacher's actions.
-    pub fn imitate(
-        &self,
-        actor: &mut Trainable,
-        head: Head,
-        share: f64,
-        step: &Step,
-        random: &mut ChaCha8Rng,
-    ) -> Sums {
-        let rows_of = |rollout: &Rollout| rollout.log_probs.len();
-        let shards = shards(self.rollouts, rows_of, share, step.shard_rows, random);
-        self.descend_by_shard(actor, &shards, step, |network, weights, shard, rows| {
-            let shape = self.shape(shard);
-            let (weights, outputs) =
-                self.outputs(network, weights, shard, shape.observation_len, |r| {
-                    &r.observations
-                });
-            let lessons = self.gather(shard, 2, |r| &r.teacher_actions);
-            let loss = head.imitation_loss(outputs, &lessons);
-            let loss = loss.sum().div_scalar(rows as f64);
             self.finish(network, &weights, &shape, loss, shard.len(), rows)
         })
     }
@@ -354,12 +355,10 @@ impl Pass<'_> {
         network: &Network,
         weights: &[Tensor<2>],
         shard: &[Row],
-        columns: usize,
-        of: impl Fn(&Rollout) -> &[f32],
+        mut inputs: Vec<f32>,
     ) -> (Vec<Tensor<2>>, Tensor<2>) {
         // The same numbers for every shard, but a graph of its own.
         let weights: Vec<_> = weights.iter().map(|w| w.clone().detach()).collect();
-        let mut inputs = self.gather(shard, columns, of);
         self.inputs.apply(&mut inputs);
         let outputs = network.forward(&weights, inputs, &self.shape(shard));
         (weights, outputs)
@@ -418,17 +417,18 @@ fn descend(
     total
 }
 
-/// Values of many global states, in the critic's own units, computed in parallel shards.
+/// Values of many critic rows of `columns` fields, in the critic's own units, computed in parallel shards.
 pub fn evaluate(
     critic: &Trainable,
     states: &[f32],
+    columns: usize,
     inputs: &Affine,
     shape: &Shape,
     device: &Device,
 ) -> Vec<f32> {
     const ROWS: usize = 1024;
     states
-        .par_chunks(ROWS * shape.global_len)
+        .par_chunks(ROWS * columns)
         .flat_map_iter(|states| {
             let mut states = states.to_vec();
             inputs.apply(&mut states);

@@ -4,7 +4,7 @@
 //! tensor operations, distances and counts took many small passes over memory.
 
 use super::{
-    COMMON, CROWD, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN, OWN_FIRST, SLOT_FIELDS, TARGET_FEATURES,
+    COMMON, CROWD, Critic, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN, OWN_FIRST, SLOT_FIELDS,
     UAV_FIELDS,
 };
 use crate::environment::Shape;
@@ -23,11 +23,11 @@ pub(super) struct Observed {
 
 /// Inputs of the critic's products.
 pub(super) struct Overseen {
-    /// Rows × [`COMMON`].
+    /// Rows × [`Critic::common`].
     pub common: Vec<f32>,
     /// UAVs and a 1, rows × UAVs × ([`UAV_FIELDS`] + 1).
     pub uavs: Vec<f32>,
-    /// Rows × hotspots × [`TARGET_FEATURES`].
+    /// Rows × hotspots × [`Critic::target_features`].
     pub hotspots: Vec<f32>,
 }
 
@@ -88,21 +88,39 @@ pub(super) fn observed(rows: &[f32], shape: &Shape) -> Observed {
     out
 }
 
-/// Reads global states (rows × 6N + 4n + 4).
-pub(super) fn overseen(rows: &[f32], shape: &Shape) -> Overseen {
+/// Reads global states (rows × 6N + 4n + 4), each followed by a UAV's observation where the critic is of
+/// UAVs.
+pub(super) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Overseen {
     let (agents, n) = (shape.agents, shape.hotspots);
-    let length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
+    let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
+    let length = state_length
+        + if critic.of_uav {
+            shape.observation_len
+        } else {
+            0
+        };
     let count = rows.len() / length;
     let cells = shape.position_cells();
     let mut out = Overseen {
-        common: Vec::with_capacity(count * COMMON),
+        common: Vec::with_capacity(count * critic.common()),
         uavs: Vec::with_capacity(count * agents * (UAV_FIELDS + 1)),
-        hotspots: Vec::with_capacity(count * n * TARGET_FEATURES),
+        hotspots: Vec::with_capacity(count * n * critic.target_features()),
     };
     for row in rows.chunks_exact(length) {
-        let (uavs, rest) = row.split_at(UAV_FIELDS * agents);
+        let (state, observation) = row.split_at(state_length);
+        let (uavs, rest) = state.split_at(UAV_FIELDS * agents);
         let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * n);
         out.common.extend_from_slice(common);
+        let mut own_targets = [].as_slice();
+        if critic.of_uav {
+            let (head, rest) = observation.split_at(OWN_FIRST);
+            let (targets, rest) = rest.split_at(HOTSPOT_FIELDS * n);
+            let tail = &rest[SLOT_FIELDS * shape.neighbour_slots..];
+            out.common.extend_from_slice(head);
+            out.common.extend_from_slice(tail);
+            own_targets = targets;
+        }
+        let mut own_targets = own_targets.chunks_exact(HOTSPOT_FIELDS);
         for uav in uavs.chunks_exact(UAV_FIELDS) {
             out.uavs.extend_from_slice(uav);
             out.uavs.push(1.0);
@@ -117,6 +135,16 @@ pub(super) fn overseen(rows: &[f32], shape: &Shape) -> Overseen {
             }
             out.hotspots.extend_from_slice(hotspot);
             out.hotspots.extend(near.map(|sum| sum / CROWD));
+            if let Some(own) = own_targets.next() {
+                let far = distance(own[0], own[1], cells);
+                out.hotspots.extend_from_slice(&[
+                    own[0],
+                    own[1],
+                    own[3],
+                    far / (2.0 * cells[0]),
+                    nearness(far, 4.0),
+                ]);
+            }
         }
     }
     out

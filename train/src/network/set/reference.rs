@@ -133,12 +133,19 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
     blocks.trunk(&[&attended[..], &neighbours, &own].concat())
 }
 
-/// The critic's output for one global state.
+/// The critic's output for one global state, with or without an observation of a UAV after it.
 pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
     let mut blocks = Blocks::of(network, parameters);
     let (uavs, rest) = row.split_at(UAV_FIELDS * shape.agents);
-    let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
-    assert_eq!(common.len(), COMMON);
+    let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
+    let (common, observation) = rest.split_at(COMMON);
+    let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
+    let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
+    let own = match observation.len() {
+        0 => Vec::new(),
+        _ => [&observation[..OWN_FIRST], &observation[tail_first..]].concat(),
+    };
+    let common = &[common, &own].concat()[..];
     let uavs = || uavs.chunks_exact(UAV_FIELDS);
 
     let (first, second) = (blocks.linear(), blocks.linear());
@@ -151,13 +158,20 @@ pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape)
     let context = context(&[common, &fleet].concat());
     let embedded: Vec<_> = hotspots
         .chunks_exact(HOTSPOT_FIELDS)
-        .map(|hotspot| {
+        .enumerate()
+        .map(|(index, hotspot)| {
             let place = [hotspot[0], hotspot[1]];
             let count = |reach: f32| -> f32 {
                 let each = uavs().map(|uav| near(apart(place, [uav[0], uav[1]], shape), reach));
                 each.sum::<f32>() / CROWD
             };
-            let features = [hotspot, &[count(1.0), count(4.0), count(12.0)]].concat();
+            let mut features = [hotspot, &[count(1.0), count(4.0), count(12.0)]].concat();
+            if !own.is_empty() {
+                let seen = &observation[OWN_FIRST + HOTSPOT_FIELDS * index..];
+                let far = apart([seen[0], seen[1]], [0.0; 2], shape);
+                features.extend([seen[0], seen[1], seen[3]]);
+                features.extend([far / (2.0 * shape.position_cells()[0]), near(far, 4.0)]);
+            }
             relu(&second(&relu(&plus(&first(&features), &context))))
         })
         .collect();

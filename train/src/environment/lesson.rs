@@ -1,0 +1,146 @@
+//! The mission as training flies it: some fields of its configuration changed, its radar eased in.
+
+use crate::settings::{Curriculum, Settings};
+use jcas_core::{Config, Model};
+use std::sync::Arc;
+
+/// A mission while training, from the first batch to the last.
+#[derive(Clone)]
+pub struct Lesson {
+    model: Arc<Model<'static>>,
+    curriculum: Option<Curriculum>,
+}
+
+fn built(config: Config) -> Result<Arc<Model<'static>>, String> {
+    let model = Model::new(config).map_err(|error| error.to_string())?;
+    Ok(Arc::new(model))
+}
+
+impl Lesson {
+    /// The mission of a configuration under these settings; what the configuration does not allow is
+    /// refused.
+    pub fn new(config: &Config, settings: &Settings) -> Result<Lesson, String> {
+        let mut fields = serde_json::to_value(config).map_err(|error| error.to_string())?;
+        for (name, value) in &settings.mission {
+            let field = fields
+                .get_mut(name)
+                .ok_or_else(|| format!("mission.{name}: a configuration has no such field"))?;
+            *field = value.clone();
+        }
+        let config = serde_json::from_value(fields).map_err(|error| format!("mission: {error}"))?;
+        let lesson = Lesson {
+            model: built(config).map_err(|error| format!("mission: {error}"))?,
+            curriculum: settings.curriculum,
+        };
+        if let Some(Curriculum { threshold_db, .. }) = lesson.curriculum {
+            built(lesson.with_threshold(threshold_db))
+                .map_err(|error| format!("curriculum.threshold_db: {error}"))?;
+        }
+        Ok(lesson)
+    }
+
+    fn with_threshold(&self, threshold_db: f64) -> Config {
+        Config {
+            detection_threshold_db: Some(threshold_db),
+            ..*self.model.config()
+        }
+    }
+
+    /// The stage that a batch, counted from 0, belongs to.
+    pub fn stage(&self, batch: u64) -> u64 {
+        match self.curriculum {
+            Some(Curriculum {
+                batches, stages, ..
+            }) if batch < batches => batch * stages / batches,
+            Some(Curriculum { stages, .. }) => stages,
+            None => 0,
+        }
+    }
+
+    /// What is flown in a stage. Models of two stages take no states of each other.
+    pub fn model(&self, stage: u64) -> Arc<Model<'static>> {
+        match self.curriculum {
+            Some(Curriculum {
+                threshold_db,
+                stages,
+                ..
+            }) if stage < stages => {
+                let progress = stage as f64 / stages as f64;
+                let last_db = self.model.detection_threshold_db();
+                let eased = self.with_threshold(threshold_db + progress * (last_db - threshold_db));
+                built(eased).expect("between two thresholds that are allowed every one is")
+            }
+            _ => self.model.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Preset;
+    use jcas_core::InformPayment;
+    use serde_json::Value;
+    use std::collections::BTreeMap;
+
+    fn mission<const K: usize>(fields: [(&str, Value); K]) -> BTreeMap<String, Value> {
+        let fields = fields.into_iter();
+        fields.map(|(name, value)| (name.into(), value)).collect()
+    }
+
+    fn settings() -> Settings {
+        Settings {
+            mission: mission([
+                ("quorum", 2.into()),
+                ("penalty_revisit", 2.into()),
+                ("inform_payment", "every_step".into()),
+            ]),
+            curriculum: Some(Curriculum {
+                threshold_db: -20.0,
+                batches: 8,
+                stages: 4,
+            }),
+            ..Settings::preset(Preset::Paper)
+        }
+    }
+
+    // From -20 dB to the configuration's 12 dB in four stages of two batches: 8 dB a stage.
+    #[test]
+    fn the_radar_is_eased_in_and_named_fields_are_changed() {
+        let config = Config {
+            detection_threshold_db: Some(12.0),
+            ..Config::default()
+        };
+        let lesson = Lesson::new(&config, &settings()).unwrap();
+        let thresholds = [0, 1, 2, 7, 8, 100]
+            .map(|batch| lesson.model(lesson.stage(batch)).detection_threshold_db());
+        assert_eq!(thresholds, [-20.0, -20.0, -12.0, 4.0, 12.0, 12.0]);
+        let expected = Config {
+            quorum: 2,
+            penalty_revisit: 2.0,
+            inform_payment: InformPayment::EveryStep,
+            ..config
+        };
+        assert_eq!(*lesson.model(4).config(), expected);
+    }
+
+    #[test]
+    fn what_the_configuration_does_not_allow_is_refused_by_name() {
+        let refused = |name: &str, value: Value| {
+            let mut settings = settings();
+            settings.mission = mission([(name, value)]);
+            Lesson::new(&Config::default(), &settings).err().unwrap()
+        };
+        assert!(refused("shaping", 1.into()).contains("mission.shaping"));
+        assert!(refused("quorum", 1.5.into()).contains("mission"));
+        assert!(refused("quorum", 0.into()).contains("quorum"));
+        let mut settings = settings();
+        settings.curriculum = Some(Curriculum {
+            threshold_db: f64::NAN,
+            batches: 3,
+            stages: 3,
+        });
+        let told = Lesson::new(&Config::default(), &settings).err().unwrap();
+        assert!(told.contains("curriculum.threshold_db"), "{told}");
+    }
+}
