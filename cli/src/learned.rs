@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use jcas_core::Model;
+use jcas_evaluate::policy::Policy;
 use jcas_train::error::TrainError;
 use jcas_train::policy::Mode;
 use jcas_train::policy::files::{CARD, Card, Stored, load};
 
 use crate::error::CliError;
-use crate::options::PolicyFactory;
+
+/// Makes policies for one model; one for each worker.
+pub type PolicyFactory = Box<dyn Fn() -> Box<dyn Policy> + Sync>;
 
 /// Whether what was typed names a folder with a trained policy.
 pub fn is_policy(name: &str) -> bool {

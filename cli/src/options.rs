@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model};
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
+use jcas_evaluate::policy::{BaselineKind, PilotMode};
 
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::CliError;
-use crate::learned;
+use crate::learned::{self, PolicyFactory};
 
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
@@ -108,9 +108,6 @@ pub struct PolicyOptions {
 pub const DEFAULT_POLICY: &str = "teams";
 /// Senses as well as `max` and communicates better.
 pub const DEFAULT_PILOT: &str = "adaptive";
-
-/// Makes policies for one model; one for each worker.
-pub type PolicyFactory = Box<dyn Fn() -> Box<dyn Policy> + Sync>;
 
 /// Finds a policy by what was typed.
 pub fn policy_factory(

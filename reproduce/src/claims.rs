@@ -1,491 +1,403 @@
-//! The paper's claims beside what was measured, and every cell beside the best baseline.
+//! What the paper claims, and what the table of results says about it. A claim is data: its words, what is
+//! measured, and the rule that judges the measurement. To add one, add a row to [`CLAIMS`].
 
-use super::figures::Curve;
-use super::plan::Scale;
-use super::table::{Quantity, Row, Table, mean};
-use jcas_evaluate::figures::report::{Cell, Table as ReportTable, Tone};
+use crate::curves::Curve;
+use crate::fit;
+use crate::plan::Scale;
+use crate::table::{Quantity, Query, Row, Table, numbers_of_hotspots};
+use jcas_core::Preset;
+use jcas_evaluate::statistics::wilson;
 
 /// One claim of the paper.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claim {
     /// What the paper says.
-    pub paper: String,
-    /// What was measured, in words and numbers.
-    pub measured: String,
-    /// Whether it holds; none where this reproduction cannot tell.
-    pub holds: Option<bool>,
+    pub text: &'static str,
+    /// What is measured of it.
+    pub measure: Measure,
+    /// When it holds.
+    pub rule: Rule,
 }
 
-fn rows<'a>(table: &'a Table, preset: &str, policy: &str, pilot: &str) -> Vec<&'a Row> {
-    table.select(|row| {
-        row.experiment == "grid"
-            && row.preset == preset
-            && row.policy == policy
-            && row.pilot == pilot
-    })
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// A quantity at one fleet size.
+    At(Quantity, u32),
+    /// A quantity at every fleet size.
+    OverFleets(Quantity),
+    /// Success with adaptive less that with constant pilot density, in points of 100, at one fleet size.
+    PilotGap(u32),
+    /// A quantity with adaptive and with constant pilot density, at one fleet size.
+    Pilots(Quantity, u32),
+    /// Share of the trainings of at least sixty iterations whose return changes by at most a tenth of its whole
+    /// gain after the fortieth.
+    FlatTrainings,
+    /// Seconds that the paper's number of iterations takes at one fleet size, mean over trainings.
+    TrainingTime(u32),
 }
 
-fn at_fleet(
-    table: &Table,
-    (preset, policy, pilot): (&str, &str, &str),
-    uavs: u32,
-    quantity: Quantity,
-) -> Option<f64> {
-    let rows: Vec<&Row> = rows(table, preset, policy, pilot)
-        .into_iter()
-        .filter(|row| row.uavs == uavs)
-        .collect();
-    mean(&rows, quantity).map(|estimate| estimate.value)
+/// When a claim holds, given the measured values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// The value lies within the 95 % interval of this success rate in 100 missions, or above it.
+    Success(f64),
+    /// The value is at least this.
+    AtLeast(f64),
+    /// The value is at most this.
+    AtMost(f64),
+    /// The value is at most this far from 0.
+    Within(f64),
+    /// Each value is lower than the one before, and the last step down is smaller than the first.
+    FallsAndSaturates,
+    /// The last value over the first is less than the fleets' ratio.
+    LessThanProportional,
+    /// The second value is lower than the first.
+    SecondIsLower,
 }
 
-fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or("not measured".to_owned(), |value| {
-        format!("{value:.digits$}")
-    })
+const fn claim(text: &'static str, measure: Measure, rule: Rule) -> Claim {
+    Claim {
+        text,
+        measure,
+        rule,
+    }
 }
 
-/// Who is measured against the claims, by preset.
-const PRESETS: [(&str, (&str, &str), &str); 2] = [
-    ("mission", ("learned", "adaptive"), "our settings"),
-    ("paper", ("ppo", "adaptive"), "the paper's settings"),
+/// The paper's claims.
+pub const CLAIMS: [Claim; 12] = [
+    claim(
+        "success 0.73 at N = 10",
+        Measure::At(Quantity::Success, 10),
+        Rule::Success(0.73),
+    ),
+    claim(
+        "success 0.97 at N = 15",
+        Measure::At(Quantity::Success, 15),
+        Rule::Success(0.97),
+    ),
+    claim(
+        "mission time falls with N and saturates",
+        Measure::OverFleets(Quantity::Steps),
+        Rule::FallsAndSaturates,
+    ),
+    claim(
+        "energy grows less than in proportion to N",
+        Measure::OverFleets(Quantity::Energy),
+        Rule::LessThanProportional,
+    ),
+    claim(
+        "adaptive and constant pilot within about 5 points at N = 10",
+        Measure::PilotGap(10),
+        Rule::Within(5.0),
+    ),
+    claim(
+        "adaptive pilot up to about 10 points better at N = 15",
+        Measure::PilotGap(15),
+        Rule::AtLeast(5.0),
+    ),
+    claim(
+        "constant pilot lowers throughput, N = 15",
+        Measure::Pilots(Quantity::Throughput, 15),
+        Rule::SecondIsLower,
+    ),
+    claim(
+        "the return is flat after about 40 iterations",
+        Measure::FlatTrainings,
+        Rule::AtLeast(0.5),
+    ),
+    claim(
+        "training takes 402 s at N = 5 on eight processes",
+        Measure::TrainingTime(5),
+        Rule::AtMost(402.0),
+    ),
+    claim(
+        "training takes 598 s at N = 10 on eight processes",
+        Measure::TrainingTime(10),
+        Rule::AtMost(598.0),
+    ),
+    claim(
+        "training takes 1253 s at N = 15 on eight processes",
+        Measure::TrainingTime(15),
+        Rule::AtMost(1253.0),
+    ),
+    claim(
+        "training takes 1751 s at N = 20 on eight processes",
+        Measure::TrainingTime(20),
+        Rule::AtMost(1751.0),
+    ),
 ];
 
-/// Claims with what the table says about them.
-pub fn claims(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Claim> {
-    let mut claims = Vec::new();
-    for (preset, (policy, pilot), settings) in PRESETS {
-        let who = (preset, policy, pilot);
-        let tag = format!("preset `{preset}`, {settings}{}", cells_told(scale, preset));
-        let over = |quantity| -> Vec<Option<f64>> {
-            scale
-                .fleets
+/// Who is held to the claims: a reading of what the paper trained, or our own settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// For people.
+    pub title: String,
+    preset: &'static str,
+    policy: &'static str,
+    /// Trained once a cell, so that its trainings can be compared with the paper's.
+    of_a_cell: bool,
+}
+
+/// The readings that a reproduction has.
+pub fn readings(scale: &Scale) -> Vec<Reading> {
+    let learners = scale.learners().into_iter().map(|learner| Reading {
+        title: learner.title.to_owned(),
+        preset: Preset::Paper.name(),
+        policy: learner.name,
+        of_a_cell: true,
+    });
+    let ours = scale.presets.iter().map(|preset| Reading {
+        title: format!("our settings, preset `{}`", preset.name()),
+        preset: preset.name(),
+        policy: "learned",
+        of_a_cell: false,
+    });
+    learners.chain(ours).collect()
+}
+
+/// How a claim came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It holds.
+    Holds,
+    /// More is reached than is claimed.
+    Exceeded,
+    /// It does not hold.
+    Fails,
+    /// What it takes has not been trained or flown.
+    NotMeasured,
+}
+
+impl Verdict {
+    /// In words.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Verdict::Holds => "holds",
+            Verdict::Exceeded => "exceeded",
+            Verdict::Fails => "does not hold",
+            Verdict::NotMeasured => "not run",
+        }
+    }
+}
+
+/// A claim, who was held to it, and what came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// What the paper says.
+    pub claim: &'static str,
+    /// Who was held to it.
+    pub reading: String,
+    /// What was measured, in words and numbers.
+    pub measured: String,
+    /// Whether it holds.
+    pub verdict: Verdict,
+}
+
+/// Every claim with every reading that it can be asked of.
+pub fn judge(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Judged> {
+    let readings = readings(scale);
+    let mut judged = Vec::new();
+    for claim in CLAIMS {
+        let of_training = matches!(
+            claim.measure,
+            Measure::FlatTrainings | Measure::TrainingTime(_)
+        );
+        for reading in readings.iter().filter(|r| r.of_a_cell || !of_training) {
+            let evidence = Evidence {
+                scale,
+                table,
+                curves,
+                reading,
+            };
+            let values = evidence.values(claim.measure);
+            judged.push(Judged {
+                claim: claim.text,
+                reading: reading.title.clone(),
+                measured: evidence.words(claim.measure, &values),
+                verdict: verdict(claim.rule, &values, &scale.fleets),
+            });
+        }
+    }
+    judged
+}
+
+fn verdict(rule: Rule, values: &[Option<f64>], fleets: &[u32]) -> Verdict {
+    let values: Option<Vec<f64>> = values.iter().copied().collect();
+    let (Some(values), true) = (values, !fleets.is_empty()) else {
+        return Verdict::NotMeasured;
+    };
+    let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
+        return Verdict::NotMeasured;
+    };
+    let holds = match rule {
+        Rule::Success(rate) => {
+            let missions = fit::PAPER[0].missions;
+            let interval = wilson((rate * missions).round() as u64, missions as u64);
+            if first > interval.high {
+                return Verdict::Exceeded;
+            }
+            first >= interval.low
+        }
+        Rule::AtLeast(bound) => first >= bound,
+        Rule::AtMost(bound) => first <= bound,
+        Rule::Within(bound) => first.abs() <= bound,
+        Rule::FallsAndSaturates => {
+            let falls: Vec<f64> = values.windows(2).map(|w| w[0] - w[1]).collect();
+            falls.iter().all(|&fall| fall > 0.0) && falls.last() < falls.first()
+        }
+        Rule::LessThanProportional => {
+            let fleets = f64::from(fleets[fleets.len() - 1]) / f64::from(fleets[0]);
+            last / first < fleets
+        }
+        Rule::SecondIsLower => last < first,
+    };
+    if holds {
+        Verdict::Holds
+    } else {
+        Verdict::Fails
+    }
+}
+
+struct Evidence<'a> {
+    scale: &'a Scale,
+    table: &'a Table,
+    curves: &'a [Curve],
+    reading: &'a Reading,
+}
+
+impl Evidence<'_> {
+    fn query(&self, pilot: &'static str) -> Query<'static> {
+        Query::new("grid", self.reading.preset, (self.reading.policy, pilot))
+    }
+
+    /// The rows that a measure takes: groups whose means are its values.
+    fn groups(&self, measure: Measure) -> Vec<Vec<&Row>> {
+        let of = |pilot, uavs| self.query(pilot).uavs(uavs).rows(self.table);
+        match measure {
+            Measure::At(_, uavs) => vec![of("adaptive", uavs)],
+            Measure::OverFleets(_) => {
+                let fleets = self.scale.fleets.iter();
+                fleets.map(|&uavs| of("adaptive", uavs)).collect()
+            }
+            Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => {
+                common(of("adaptive", uavs), of("constant", uavs)).into()
+            }
+            Measure::FlatTrainings | Measure::TrainingTime(_) => Vec::new(),
+        }
+    }
+
+    fn values(&self, measure: Measure) -> Vec<Option<f64>> {
+        let means = |quantity| -> Vec<Option<f64>> {
+            self.groups(measure)
                 .iter()
-                .map(|&n| at_fleet(table, who, n, quantity))
+                .map(|rows| Some(crate::table::mean(rows, quantity)?.value))
                 .collect()
         };
-        for (uavs, published) in [(10, 0.73), (15, 0.97)] {
-            let measured = at_fleet(table, who, uavs, Quantity::Success);
-            claims.push(Claim {
-                paper: format!("success {published} at N = {uavs} ({tag})"),
-                measured: number(measured, 3),
-                holds: measured.map(|measured| measured >= published),
-            });
+        match measure {
+            Measure::At(quantity, _)
+            | Measure::OverFleets(quantity)
+            | Measure::Pilots(quantity, _) => means(quantity),
+            Measure::PilotGap(_) => {
+                let both: Option<Vec<f64>> = means(Quantity::Success).into_iter().collect();
+                // Two policies that never succeed say nothing about pilots.
+                let gap = both
+                    .filter(|both| both.iter().sum::<f64>() > 0.0)
+                    .map(|both| 100.0 * (both[0] - both[1]));
+                vec![gap]
+            }
+            Measure::FlatTrainings => vec![flat_share(&self.trainings(None))],
+            Measure::TrainingTime(uavs) => {
+                let times: Vec<f64> = self
+                    .trainings(Some(uavs))
+                    .iter()
+                    .map(|curve| curve.whole_training_s())
+                    .collect();
+                vec![(!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)]
+            }
         }
-        let steps = over(Quantity::Steps);
-        claims.push(Claim {
-            paper: format!("mission time falls with N and saturates ({tag})"),
-            measured: listed(&scale.fleets, &steps, 1),
-            holds: all(&steps).map(|steps| {
-                let falls: Vec<f64> = steps.windows(2).map(|w| w[0] - w[1]).collect();
-                falls.iter().all(|&fall| fall > 0.0) && falls.last() < falls.first()
-            }),
-        });
-        let energy = over(Quantity::Energy);
-        claims.push(Claim {
-            paper: format!("energy grows less than in proportion to N ({tag})"),
-            measured: listed(&scale.fleets, &energy, 3),
-            holds: all(&energy).map(|energy| {
-                let ratio = energy[energy.len() - 1] / energy[0];
-                let fleets = f64::from(scale.fleets[scale.fleets.len() - 1] / scale.fleets[0]);
-                ratio < fleets
-            }),
-        });
-        let constant = (preset, policy, "constant");
-        for (uavs, text) in [
-            (
-                10,
-                "adaptive and constant pilot within about 5 points at N = 10",
-            ),
-            (15, "adaptive pilot up to about 10 points better at N = 15"),
-        ] {
-            let pair = at_fleet(table, who, uavs, Quantity::Success).zip(at_fleet(
-                table,
-                constant,
-                uavs,
-                Quantity::Success,
-            ));
-            let gap = pair.map(|(adaptive, constant)| 100.0 * (adaptive - constant));
-            // Two policies that never succeed say nothing about pilots.
-            let tells = pair.is_some_and(|(adaptive, constant)| adaptive + constant > 0.0);
-            claims.push(Claim {
-                paper: format!("{text} ({tag})"),
-                measured: match gap {
-                    None => "not measured".to_owned(),
-                    Some(_) if !tells => "neither ever succeeds".to_owned(),
-                    Some(gap) => format!("{gap:+.1} points"),
-                },
-                holds: gap.filter(|_| tells).map(|gap| {
-                    if uavs == 10 {
-                        gap.abs() <= 5.0
-                    } else {
-                        gap >= 5.0
-                    }
-                }),
-            });
-        }
-        let throughput = |who| at_fleet(table, who, 15, Quantity::Throughput);
-        let pair = throughput(who).zip(throughput(constant));
-        claims.push(Claim {
-            paper: format!("constant pilot lowers throughput, N = 15 ({tag})"),
-            measured: pair.map_or("not measured".to_owned(), |(adaptive, constant)| {
-                format!("adaptive {adaptive:.3}, constant {constant:.3}")
-            }),
-            holds: pair.map(|(adaptive, constant)| constant < adaptive),
-        });
     }
-    claims.push(flat_after_40(curves));
-    for (uavs, published) in [(5, 402.0), (10, 598.0), (15, 1253.0), (20, 1751.0)] {
-        let times: Vec<f64> = curves
+
+    fn trainings(&self, uavs: Option<u32>) -> Vec<&Curve> {
+        self.curves
             .iter()
-            .filter(|curve| curve.uavs == uavs)
-            .map(Curve::whole_training_s)
-            .collect();
-        let time = (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64);
-        claims.push(Claim {
-            paper: format!("training takes {published} s at N = {uavs} on eight processes"),
-            measured: time.map_or("not measured".to_owned(), |time| {
-                format!("{time:.0} s for 62 iterations at the pace measured here")
-            }),
-            holds: time.map(|time| time <= published),
-        });
+            .filter(|curve| curve.learner == self.reading.policy)
+            .filter(|curve| uavs.is_none_or(|uavs| curve.uavs == uavs))
+            .collect()
     }
-    claims
+
+    /// The values, and over which numbers of hotspots they are means where that is not the whole grid.
+    fn words(&self, measure: Measure, values: &[Option<f64>]) -> String {
+        if values.iter().all(Option::is_none) {
+            return "not run".to_owned();
+        }
+        let number = |value: Option<f64>, digits: usize| {
+            value.map_or("not run".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        let text = match measure {
+            Measure::At(quantity, _) => number(values[0], quantity.digits()),
+            Measure::OverFleets(quantity) => {
+                let parts = self.scale.fleets.iter().zip(values);
+                let parts: Vec<String> = parts
+                    .map(|(n, value)| format!("N = {n}: {}", number(*value, quantity.digits())))
+                    .collect();
+                parts.join(", ")
+            }
+            Measure::PilotGap(_) => {
+                values[0].map_or(String::new(), |gap| format!("{gap:+.1} points"))
+            }
+            Measure::Pilots(quantity, _) => format!(
+                "adaptive {}, constant {}",
+                number(values[0], quantity.digits()),
+                number(values[1], quantity.digits())
+            ),
+            Measure::FlatTrainings => format!("in {} of the trainings", number(values[0], 2)),
+            Measure::TrainingTime(_) => format!(
+                "{} s for 62 iterations at the pace measured here",
+                number(values[0], 0)
+            ),
+        };
+        text + &self.over(measure)
+    }
+
+    fn over(&self, measure: Measure) -> String {
+        let groups = self.groups(measure);
+        let numbers = numbers_of_hotspots(&groups.concat());
+        if groups.is_empty() || numbers == self.scale.hotspots {
+            return String::new();
+        }
+        let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
+        format!(" (n = {})", numbers.join(", "))
+    }
 }
 
-/// Which numbers of hotspots a claim's means run over, where these are not the whole grid's.
-fn cells_told(scale: &Scale, preset: &str) -> String {
-    let mut trained: Vec<u32> = scale.paper_cells.iter().map(|cell| cell.1).collect();
-    trained.sort_unstable();
-    trained.dedup();
-    if preset == "mission" || trained == scale.hotspots {
-        return String::new();
-    }
-    let trained: Vec<String> = trained.iter().map(u32::to_string).collect();
-    format!(", n = {}", trained.join(", "))
+/// Only the cells that both have flown.
+fn common<'a>(a: Vec<&'a Row>, b: Vec<&'a Row>) -> [Vec<&'a Row>; 2] {
+    let of = |rows: &[&'a Row], others: &[&'a Row]| {
+        rows.iter()
+            .copied()
+            .filter(|row| others.iter().any(|other| other.hotspots == row.hotspots))
+            .collect()
+    };
+    [of(&a, &b), of(&b, &a)]
 }
 
-/// Whether the last third of the iterations still adds a tenth of the gain of the whole training.
-fn flat_after_40(curves: &[Curve]) -> Claim {
-    let paper = "the return is flat after about 40 iterations".to_owned();
-    let long: Vec<&Curve> = curves
+fn flat_share(curves: &[&Curve]) -> Option<f64> {
+    let long: Vec<&&Curve> = curves
         .iter()
         .filter(|curve| curve.returns.len() >= 60)
         .collect();
-    if long.is_empty() {
-        return Claim {
-            paper,
-            measured: "not measured: the trainings of this reproduction are shorter".to_owned(),
-            holds: None,
-        };
-    }
-    let window = |returns: &[f64]| {
+    let mean = |returns: &[f64]| {
         let finite: Vec<f64> = returns.iter().copied().filter(|r| r.is_finite()).collect();
         finite.iter().sum::<f64>() / finite.len().max(1) as f64
     };
     let flat = long.iter().filter(|curve| {
         let returns = &curve.returns;
-        let start = window(&returns[..5]);
-        let middle = window(&returns[37..42]);
-        let end = window(&returns[returns.len() - 5..]);
+        let (start, middle) = (mean(&returns[..5]), mean(&returns[37..42]));
+        let end = mean(&returns[returns.len() - 5..]);
         (end - middle).abs() <= 0.1 * (end - start).abs()
     });
-    let flat = flat.count();
-    Claim {
-        paper,
-        measured: format!(
-            "in {flat} of {} trainings the rest adds at most a tenth of the whole gain",
-            long.len()
-        ),
-        holds: Some(2 * flat >= long.len()),
-    }
-}
-
-fn all(values: &[Option<f64>]) -> Option<Vec<f64>> {
-    values.iter().copied().collect()
-}
-
-fn listed(fleets: &[u32], values: &[Option<f64>], digits: usize) -> String {
-    if values.iter().all(Option::is_none) {
-        return "not measured".to_owned();
-    }
-    let parts: Vec<String> = fleets
-        .iter()
-        .zip(values)
-        .filter_map(|(n, value)| Some(format!("N = {n}: {:.digits$}", (*value)?)))
-        .collect();
-    parts.join(", ")
-}
-
-fn verdict(holds: Option<bool>) -> (&'static str, Tone) {
-    match holds {
-        Some(true) => ("holds", Tone::Good),
-        Some(false) => ("does not hold", Tone::Bad),
-        None => ("open", Tone::Plain),
-    }
-}
-
-/// The claims as a table of the report.
-pub fn report_table(scale: &Scale, table: &Table, curves: &[Curve]) -> ReportTable {
-    ReportTable {
-        caption: "The paper's claims".to_owned(),
-        head: ["The paper", "Measured here", ""]
-            .map(str::to_owned)
-            .to_vec(),
-        rows: claims(scale, table, curves)
-            .into_iter()
-            .map(|claim| {
-                let (text, tone) = verdict(claim.holds);
-                vec![
-                    claim.paper.into(),
-                    claim.measured.into(),
-                    Cell::from(text).tone(tone),
-                ]
-            })
-            .collect(),
-    }
-}
-
-/// A learned cell beside the best baseline on the same missions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bar {
-    /// UAVs, hotspots.
-    pub cell: (u32, u32),
-    /// The baseline with the highest success, then the shortest missions.
-    pub best: Row,
-    /// The learned policy, mean over seeds: success, steps, energy, throughput.
-    pub learned: [f64; 4],
-    /// Success at least the lower end of the baseline's interval.
-    pub success_holds: bool,
-    /// Steps and energy at least 10 % lower and throughput no lower.
-    pub economy_holds: bool,
-}
-
-/// Every cell of the grid that both have flown.
-pub fn bars(scale: &Scale, table: &Table) -> Vec<Bar> {
-    let mut bars = Vec::new();
-    for cell in scale.cells() {
-        let here = |row: &Row| {
-            row.experiment == "grid" && row.preset == "mission" && (row.uavs, row.hotspots) == cell
-        };
-        let baselines = table.select(|row| here(row) && row.policy != "learned");
-        let best = baselines.into_iter().max_by(|a, b| {
-            let key = |row: &Row| (row.success_rate, -row.mission_steps, -row.energy_kwh);
-            key(a)
-                .partial_cmp(&key(b))
-                .unwrap_or(std::cmp::Ordering::Equal)
-        });
-        let learned =
-            table.select(|row| here(row) && row.policy == "learned" && row.pilot == "adaptive");
-        let of = |quantity| mean(&learned, quantity).map(|estimate| estimate.value);
-        let learned = (|| {
-            Some([
-                of(Quantity::Success)?,
-                of(Quantity::Steps)?,
-                of(Quantity::Energy)?,
-                of(Quantity::Throughput)?,
-            ])
-        })();
-        if let (Some(best), Some(learned)) = (best, learned) {
-            bars.push(Bar {
-                cell,
-                best: best.clone(),
-                learned,
-                success_holds: learned[0] >= best.success_rate_low,
-                economy_holds: learned[1] <= 0.9 * best.mission_steps
-                    && learned[2] <= 0.9 * best.energy_kwh
-                    && learned[3] >= best.throughput,
-            });
-        }
-    }
-    bars
-}
-
-impl Bar {
-    fn texts(&self) -> [String; 7] {
-        let [success, steps, energy, throughput] = self.learned;
-        let best = &self.best;
-        let change = |learned: f64, best: f64| {
-            format!(
-                "{learned:.3} ({:+.1} %)",
-                100.0 * (learned / best.max(1e-9) - 1.0)
-            )
-        };
-        [
-            format!("{}", self.cell.0),
-            format!("{}", self.cell.1),
-            format!("{}:{}", best.policy, best.pilot),
-            format!("{success:.3} (best {:.3})", best.success_rate),
-            change(steps, best.mission_steps),
-            change(energy, best.energy_kwh),
-            change(throughput, best.throughput),
-        ]
-    }
-
-    fn verdict(&self) -> (&'static str, bool) {
-        match (self.success_holds, self.economy_holds) {
-            (true, true) => ("success and 10 % economy", true),
-            (true, false) => ("success only", false),
-            (false, _) => ("missed", false),
-        }
-    }
-}
-
-/// Pictures that the page shows, of those that [`super::figures`] draws.
-pub const PICTURES: [(&str, &str); 8] = [
-    ("success_over_uavs", "Success over fleet size"),
-    ("mission_time_over_uavs", "Mission time over fleet size"),
-    ("energy_over_uavs", "Energy over fleet size"),
-    ("throughput_over_uavs", "Throughput over fleet size"),
-    ("training_returns", "Return over training iterations"),
-    ("trade_off", "Success against throughput"),
-    (
-        "approach",
-        "Pilot density over distance to the nearest unconfirmed hotspot",
-    ),
-    ("battery_co2", "Carbon over renewable share"),
-];
-
-const BAR_HEAD: [&str; 8] = [
-    "N",
-    "n",
-    "best baseline",
-    "success",
-    "steps",
-    "energy (kWh)",
-    "throughput",
-    "reached",
-];
-
-/// The cells as a table of the report.
-pub fn bar_table(scale: &Scale, table: &Table) -> ReportTable {
-    ReportTable {
-        caption: "Learned policy beside the best baseline on the same missions".to_owned(),
-        head: BAR_HEAD.map(str::to_owned).to_vec(),
-        rows: bars(scale, table)
-            .iter()
-            .map(|bar| {
-                let mut cells: Vec<Cell> = bar.texts().map(Cell::from).to_vec();
-                let (text, good) = bar.verdict();
-                cells.push(Cell::from(text).tone(if good { Tone::Good } else { Tone::Bad }));
-                cells
-            })
-            .collect(),
-    }
-}
-
-const VARIATION_HEAD: [&str; 6] = [
-    "changed",
-    "tests",
-    "success",
-    "steps",
-    "energy (kWh)",
-    "throughput",
-];
-
-/// What becomes of the paper's training when one thing is changed; first as the paper has it.
-fn variation_rows(scale: &Scale, table: &Table) -> Vec<[String; 6]> {
-    let Some(cell) = scale.variation_cell() else {
-        return Vec::new();
-    };
-    let line = |name: &str, tests: &str, rows: &[&Row]| -> Option<[String; 6]> {
-        let of = |quantity, digits| {
-            mean(rows, quantity).map(|e| {
-                format!(
-                    "{:.digits$} [{:.digits$}, {:.digits$}]",
-                    e.value, e.low, e.high
-                )
-            })
-        };
-        Some([
-            name.to_owned(),
-            tests.to_owned(),
-            of(Quantity::Success, 3)?,
-            of(Quantity::Steps, 1)?,
-            of(Quantity::Energy, 3)?,
-            of(Quantity::Throughput, 3)?,
-        ])
-    };
-    let of_cell = |rows: Vec<&'_ Row>| -> Vec<Row> {
-        let rows = rows
-            .into_iter()
-            .filter(|row| (row.uavs, row.hotspots) == cell);
-        rows.cloned().collect()
-    };
-    let paper = of_cell(rows(table, "paper", "ppo", "adaptive"));
-    let varied = scale.variations.iter().map(|variation| {
-        let rows =
-            table.select(|row| row.experiment == "variation" && row.policy == variation.name);
-        (variation.name, variation.tests, of_cell(rows))
-    });
-    std::iter::once(("nothing", "the paper's equations and settings", paper))
-        .chain(varied)
-        .filter_map(|(name, tests, rows)| line(name, tests, &rows.iter().collect::<Vec<_>>()))
-        .collect()
-}
-
-/// The variations as a table of the report.
-pub fn variation_table(scale: &Scale, table: &Table) -> ReportTable {
-    let (uavs, hotspots) = scale.variation_cell().unwrap_or_default();
-    ReportTable {
-        caption: format!("The paper's training with one thing changed, N = {uavs}, n = {hotspots}"),
-        head: VARIATION_HEAD.map(str::to_owned).to_vec(),
-        rows: variation_rows(scale, table)
-            .into_iter()
-            .map(|row| row.map(Cell::from).to_vec())
-            .collect(),
-    }
-}
-
-fn markdown_head(names: &[&str]) -> String {
-    format!(
-        "| {} |\n|{}\n",
-        names.join(" | "),
-        " --- |".repeat(names.len())
-    )
-}
-
-/// The same as a Markdown page, with the pictures that lie in `pictures` (relative to the page).
-pub fn markdown(scale: &Scale, table: &Table, curves: &[Curve], pictures: &str) -> String {
-    let mut text = format!(
-        "# Results\n\nMade by `jcas reproduce{}` from its `results.csv`: {} missions a cell on the \
-         seeds of campaign {}, {} training seed(s).\n\n## The paper's claims\n\n\
-         | the paper | measured here | |\n| --- | --- | --- |\n",
-        if scale.name == "quick" {
-            " --quick"
-        } else {
-            ""
-        },
-        scale.episodes,
-        jcas_train::run::EVALUATION_SEED,
-        scale.seeds.len()
-    );
-    for claim in claims(scale, table, curves) {
-        let (verdict, _) = verdict(claim.holds);
-        text += &format!("| {} | {} | {verdict} |\n", claim.paper, claim.measured);
-    }
-    text += "\n## Every cell against the best baseline\n\n";
-    text += "The best baseline has the highest success, then the shortest missions, among five \
-             baselines with adaptive and with full pilot density.\n\n";
-    text += &markdown_head(&BAR_HEAD);
-    for bar in bars(scale, table) {
-        text += &format!("| {} | {} |\n", bar.texts().join(" | "), bar.verdict().0);
-    }
-    let variations = variation_rows(scale, table);
-    if let (Some((uavs, hotspots)), true) = (scale.variation_cell(), variations.len() > 1) {
-        text += &format!(
-            "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
-             n = {hotspots}, with one thing changed at a time.\n\n"
-        );
-        text += &markdown_head(&VARIATION_HEAD);
-        for row in variations {
-            text += &format!("| {} |\n", row.join(" | "));
-        }
-    }
-    text += "\n## Pictures\n";
-    for (name, title) in PICTURES {
-        text += &format!("\n![{title}]({pictures}{name}.png)\n");
-    }
-    text
+    (!long.is_empty()).then(|| flat.count() as f64 / long.len() as f64)
 }
 
 #[cfg(test)]
@@ -494,6 +406,7 @@ mod tests {
 
     fn curve(returns: Vec<f64>) -> Curve {
         Curve {
+            learner: "ppo",
             uavs: 10,
             hotspots: 5,
             seed: 0,
@@ -505,10 +418,37 @@ mod tests {
     #[test]
     fn a_curve_that_goes_on_rising_is_not_flat() {
         let rising = curve((0..62).map(f64::from).collect());
-        assert_eq!(flat_after_40(&[rising]).holds, Some(false));
         let flat = curve((0..62).map(|k| f64::from(k.min(35))).collect());
-        assert_eq!(flat_after_40(&[flat]).holds, Some(true));
-        let short = curve(vec![0.0; 6]);
-        assert_eq!(flat_after_40(&[short]).holds, None);
+        assert_eq!(flat_share(&[&rising]), Some(0.0));
+        assert_eq!(flat_share(&[&flat, &rising]), Some(0.5));
+        assert_eq!(flat_share(&[&curve(vec![0.0; 6])]), None);
+    }
+
+    #[test]
+    fn rules_judge_as_they_say() {
+        use Verdict::{Exceeded, Fails, Holds, NotMeasured};
+        let fleets = [5, 10, 20];
+        for (rule, values, expected) in [
+            // Wilson's interval of 73 of 100 is [0.636, 0.807].
+            (Rule::Success(0.73), &[0.64][..], Holds),
+            (Rule::Success(0.73), &[0.63], Fails),
+            (Rule::Success(0.73), &[0.81], Exceeded),
+            (Rule::AtLeast(0.5), &[0.5], Holds),
+            (Rule::AtMost(402.0), &[402.5], Fails),
+            (Rule::Within(5.0), &[-5.5], Fails),
+            (Rule::FallsAndSaturates, &[90.0, 50.0, 40.0], Holds),
+            (Rule::FallsAndSaturates, &[90.0, 80.0, 40.0], Fails),
+            (Rule::LessThanProportional, &[1.0, 2.0, 3.9], Holds),
+            (Rule::LessThanProportional, &[1.0, 2.0, 4.1], Fails),
+            (Rule::SecondIsLower, &[2.0, 1.9], Holds),
+        ] {
+            let values: Vec<Option<f64>> = values.iter().copied().map(Some).collect();
+            assert_eq!(
+                verdict(rule, &values, &fleets),
+                expected,
+                "{rule:?} {values:?}"
+            );
+        }
+        assert_eq!(verdict(Rule::AtLeast(0.0), &[None], &fleets), NotMeasured);
     }
 }

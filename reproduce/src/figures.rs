@@ -1,79 +1,72 @@
-//! The pictures of a reproduction, as SVG, PNG and one HTML report.
+//! The pictures of a reproduction. A picture is data: which rows it shows, over what, and where it stands. To add
+//! one, add a row to [`PICTURES`].
 
-use super::claims;
-use super::flights::POLICIES;
-use super::plan::{PAPER_ITERATIONS, Scale};
-use super::table::{Quantity, Row, Table, mean};
-use jcas_evaluate::figures::report::Report;
-use jcas_evaluate::figures::{Axis, Draw, Figure, FigureError, Point, Series};
+use crate::curves::Curve;
+use crate::fit::PAPER;
+use crate::page::Results;
+use crate::plan::Scale;
+use crate::table::{Quantity, Query, Row, Table, mean};
+use crate::text::capital;
+use jcas_core::Preset;
+use jcas_evaluate::figures::{Axis, Figure, Point, Series};
 use jcas_train::error::TrainError;
-use jcas_train::policy::files::CARD;
-use jcas_train::run::METRICS;
 use std::path::Path;
 
-/// Training of one cell with the paper's settings.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// UAVs.
-    pub uavs: u32,
-    /// Hotspots.
-    pub hotspots: u32,
-    /// Training seed.
-    pub seed: u64,
-    /// Mean return of the missions that ended in each iteration (NaN where none did).
-    pub returns: Vec<f64>,
-    /// Wall time of the training.
-    pub training_s: f64,
+/// Name of the figure of the study of the sensing range.
+pub const RANGE: &str = "success_over_range";
+
+/// A picture and its place.
+pub struct Picture {
+    /// Name of its files.
+    pub name: &'static str,
+    /// Section of the report that it stands in; pictures of one section follow each other.
+    pub section: &'static str,
+    /// What it shows.
+    pub title: &'static str,
+    /// Whether the Markdown page shows it.
+    pub on_page: bool,
+    content: Content,
 }
 
-impl Curve {
-    /// Wall time of the paper's number of iterations at this run's pace.
-    pub fn whole_training_s(&self) -> f64 {
-        self.training_s * PAPER_ITERATIONS as f64 / self.returns.len().max(1) as f64
-    }
+enum Content {
+    /// Means of rows of the table.
+    Means(Means),
+    /// Returns of the paper's training over its iterations.
+    Returns,
+    /// What a training of the paper's length takes.
+    TrainingTimes,
+    /// Success against throughput with the pilot density held.
+    TradeOff,
+    /// Pilot density over the distance to a hotspot.
+    Approach,
 }
 
-/// The training curves of the adaptive runs with the paper's settings, as far as they are trained.
-pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
-    let mut curves = Vec::new();
-    for &(uavs, hotspots) in &scale.paper_cells {
-        for &seed in &scale.seeds {
-            let folder = out
-                .join(POLICIES)
-                .join(format!("ppo-{uavs}x{hotspots}-adaptive-s{seed}"));
-            if !folder.join(CARD).exists() {
-                continue;
-            }
-            let (returns, wall_s) = iterations(&folder.join(METRICS))?;
-            curves.push(Curve {
-                uavs,
-                hotspots,
-                seed,
-                returns,
-                training_s: wall_s.iter().sum(),
-            });
-        }
-    }
-    Ok(curves)
+/// Lines of means.
+struct Means {
+    experiment: &'static str,
+    preset: Preset,
+    quantity: Quantity,
+    over: Over,
+    /// Name, policy and pilot rule of each line.
+    lines: &'static [(&'static str, &'static str, &'static str)],
+    /// Whether the paper's success rates are marked.
+    published: bool,
 }
 
-/// Mean return and wall time of each iteration. A run that was stopped and continued has them all here.
-fn iterations(path: &Path) -> Result<(Vec<f64>, Vec<f64>), TrainError> {
-    #[derive(serde::Deserialize)]
-    struct Line {
-        return_mean: Option<f64>,
-        wall_s: f64,
-    }
-    let mut reader = csv::Reader::from_path(path).map_err(TrainError::format(path))?;
-    let lines = reader.deserialize::<Line>().map(|line| {
-        let line = line.map_err(TrainError::format(path))?;
-        Ok((line.return_mean.unwrap_or(f64::NAN), line.wall_s))
-    });
-    lines.collect()
+/// What runs from left to right.
+#[derive(Clone, Copy)]
+enum Over {
+    /// The fleet's size, mean over the numbers of hotspots.
+    Fleets,
+    /// The number of hotspots, at a fleet size.
+    Hotspots(u32),
+    /// What the experiment varies.
+    Varied(&'static str),
 }
 
-/// Who is compared in the figures over fleets and hotspots: name, condition.
-const COMPARED: [(&str, &str, &str); 7] = [
+type Lines = &'static [(&'static str, &'static str, &'static str)];
+
+const SCRIPTS: Lines = &[
     ("learned, adaptive pilot", "learned", "adaptive"),
     ("learned, constant pilot 0.3", "learned", "constant"),
     ("teams", "teams", "adaptive"),
@@ -82,110 +75,221 @@ const COMPARED: [(&str, &str, &str); 7] = [
     ("sweep", "sweep", "adaptive"),
     ("random", "random", "adaptive"),
 ];
-
-/// Name of the file, title, unit, quantity.
-const QUANTITIES: [(&str, &str, &str, Quantity); 4] = [
-    ("success", "success rate", "", Quantity::Success),
-    ("mission_time", "mission time", "steps", Quantity::Steps),
-    ("energy", "energy spent", "kWh", Quantity::Energy),
-    (
-        "throughput",
-        "normalised throughput",
-        "",
-        Quantity::Throughput,
-    ),
+const PAPERS: Lines = &[
+    ("random walk", "random", "mid"),
+    ("the paper's PPO", "ppo", "adaptive"),
+    ("the same, constant pilot 0.3", "ppo", "constant"),
+    ("credit of each UAV", "ppo-uav", "adaptive"),
+    ("our settings", "learned", "adaptive"),
+    ("teams, full pilot", "teams", "max"),
+];
+const PILOTS: Lines = &[
+    ("learned, adaptive pilot", "learned", "adaptive"),
+    ("learned, constant pilot 0.3", "learned", "constant"),
+    ("teams, adaptive", "teams", "adaptive"),
+    ("teams, constant 0.3", "teams", "max"),
+];
+const BATTERIES: Lines = &[
+    ("learned", "learned", "adaptive"),
+    ("teams", "teams", "adaptive"),
 ];
 
-fn grid_rows<'a>(table: &'a Table, policy: &str, pilot: &str) -> Vec<&'a Row> {
-    table.select(|row| {
-        row.experiment == "grid"
-            && row.preset == "mission"
-            && row.policy == policy
-            && row.pilot == pilot
+const fn grid(preset: Preset, quantity: Quantity, over: Over, lines: Lines) -> Content {
+    Content::Means(Means {
+        experiment: "grid",
+        preset,
+        quantity,
+        over,
+        lines,
+        published: matches!(quantity, Quantity::Success) && matches!(over, Over::Fleets),
     })
 }
 
-fn points(rows: &[&Row], xs: &[u32], quantity: Quantity, x_of: impl Fn(&Row) -> u32) -> Vec<Point> {
-    xs.iter()
-        .filter_map(|&x| {
+const fn battery(quantity: Quantity) -> Content {
+    Content::Means(Means {
+        experiment: "battery",
+        preset: Preset::Mission,
+        quantity,
+        over: Over::Varied("renewable share of the charge"),
+        lines: BATTERIES,
+        published: false,
+    })
+}
+
+const fn picture(
+    section: &'static str,
+    name: &'static str,
+    title: &'static str,
+    on_page: bool,
+    content: Content,
+) -> Picture {
+    Picture {
+        name,
+        section,
+        title,
+        on_page,
+        content,
+    }
+}
+
+const PAPER_FLEETS: &str = "Fleet size, preset `paper`";
+const TRAINING: &str = "Training with the paper's settings";
+const FLEETS: &str = "Fleet size, preset `mission`";
+const PILOT: &str = "Adaptive against constant pilot density, preset `mission`";
+const TALK: &str = "Sensing against communication, preset `mission`";
+const CHARGE: &str = "Carbon and charging, preset `mission`";
+
+/// Every picture but the study of the sensing range, in the order of the report.
+#[rustfmt::skip]
+pub const PICTURES: [Picture; 19] = {
+    use Over::{Fleets, Hotspots};
+    use Preset::{Mission, Paper};
+    use Quantity::{Co2, Energy, Steps, Success, Throughput};
+    [
+        picture(PAPER_FLEETS, "paper_success_over_uavs", "success over fleet size", true, grid(Paper, Success, Fleets, PAPERS)),
+        picture(PAPER_FLEETS, "paper_mission_time_over_uavs", "mission time over fleet size", true, grid(Paper, Steps, Fleets, PAPERS)),
+        picture(PAPER_FLEETS, "paper_energy_over_uavs", "energy over fleet size", true, grid(Paper, Energy, Fleets, PAPERS)),
+        picture(PAPER_FLEETS, "paper_throughput_over_uavs", "throughput over fleet size", true, grid(Paper, Throughput, Fleets, PAPERS)),
+        picture(PAPER_FLEETS, "paper_success_over_hotspots_n10", "success over hotspots at N = 10", false, grid(Paper, Success, Hotspots(10), PAPERS)),
+        picture(TRAINING, "training_returns", "return over training iterations", true, Content::Returns),
+        picture(TRAINING, "training_time", "training time of one cell with the paper's settings", false, Content::TrainingTimes),
+        picture(FLEETS, "success_over_uavs", "success over fleet size", true, grid(Mission, Success, Fleets, SCRIPTS)),
+        picture(FLEETS, "mission_time_over_uavs", "mission time over fleet size", true, grid(Mission, Steps, Fleets, SCRIPTS)),
+        picture(FLEETS, "energy_over_uavs", "energy over fleet size", true, grid(Mission, Energy, Fleets, SCRIPTS)),
+        picture(FLEETS, "throughput_over_uavs", "throughput over fleet size", true, grid(Mission, Throughput, Fleets, SCRIPTS)),
+        picture(PILOT, "success_over_hotspots_n10", "success over hotspots at N = 10", false, grid(Mission, Success, Hotspots(10), PILOTS)),
+        picture(PILOT, "throughput_over_hotspots_n10", "throughput over hotspots at N = 10", false, grid(Mission, Throughput, Hotspots(10), PILOTS)),
+        picture(PILOT, "success_over_hotspots_n15", "success over hotspots at N = 15", false, grid(Mission, Success, Hotspots(15), PILOTS)),
+        picture(PILOT, "throughput_over_hotspots_n15", "throughput over hotspots at N = 15", false, grid(Mission, Throughput, Hotspots(15), PILOTS)),
+        picture(TALK, "trade_off", "success against throughput", true, Content::TradeOff),
+        picture(TALK, "approach", "pilot density over distance to the nearest unconfirmed hotspot", true, Content::Approach),
+        picture(CHARGE, "battery_co2", "carbon over renewable share, small batteries", true, battery(Co2)),
+        picture(CHARGE, "battery_success", "success over renewable share, small batteries", false, battery(Success)),
+    ]
+};
+
+impl Picture {
+    /// Whether there is anything to show: rows of what is learnt or of one of our own experiments.
+    pub(crate) fn shows(&self, results: &Results) -> bool {
+        let flown = |experiment, preset: Preset| {
+            let mut rows = results.table.rows.iter();
+            rows.any(|row| row.experiment == experiment && row.preset == preset.name())
+        };
+        match &self.content {
+            Content::Means(means) => flown(means.experiment, means.preset),
+            Content::Returns | Content::TrainingTimes => !results.curves.is_empty(),
+            Content::TradeOff | Content::Approach => flown("density", Preset::Mission),
+        }
+    }
+
+    /// The figure; `out` holds the tables of their own that some pictures show.
+    pub(crate) fn draw(&self, results: &Results, out: &Path) -> Result<Figure, TrainError> {
+        let Results {
+            scale,
+            table,
+            curves,
+        } = *results;
+        let figure = match &self.content {
+            Content::Means(means) => means.figure(scale, table),
+            Content::Returns => returns(scale, curves),
+            Content::TrainingTimes => training_times(scale, curves),
+            Content::TradeOff => trade_off(scale, table),
+            Content::Approach => approach(scale, out)?,
+        };
+        Ok(Figure {
+            title: format!("{}{}", capital(self.title), self.condition(scale)),
+            ..figure
+        })
+    }
+
+    /// Which mission the picture is of, where its title does not say.
+    fn condition(&self, scale: &Scale) -> String {
+        match &self.content {
+            Content::Means(means) if means.experiment == "grid" => {
+                format!(", preset {}", means.preset.name())
+            }
+            Content::TradeOff | Content::Approach => {
+                let (uavs, hotspots) = scale.hard_cell();
+                format!(", N = {uavs}, n = {hotspots}")
+            }
+            Content::Returns => format!(", N = {}", returns_fleet(scale)),
+            Content::Means(_) | Content::TrainingTimes => String::new(),
+        }
+    }
+}
+
+impl Means {
+    fn figure(&self, scale: &Scale, table: &Table) -> Figure {
+        let x_axis = match self.over {
+            Over::Fleets => Axis::new("UAVs", ""),
+            Over::Hotspots(_) => Axis::new("hotspots", ""),
+            Over::Varied(what) => Axis::new(what, ""),
+        };
+        let y_axis = Axis::new(self.quantity.title(), self.quantity.unit());
+        let note = match self.over {
+            Over::Varied(_) => {
+                "N = 10, n = 5, batteries of 0.03 kWh: about 25 moves to a charge.".to_owned()
+            }
+            Over::Fleets | Over::Hotspots(_) => format!(
+                "{} missions a cell, {} training seed(s); intervals: mean of the 95 % intervals of the cells.",
+                scale.episodes,
+                scale.seeds.len()
+            ),
+        };
+        let mut figure = Figure::new("", x_axis, y_axis).note(note);
+        for &(name, policy, pilot) in self.lines {
+            let points = self.points(table, (policy, pilot));
+            if !points.is_empty() {
+                figure = figure.with(Series::line(name, points));
+            }
+        }
+        if self.published {
+            let marks = PAPER.map(|p| Point::new(f64::from(p.uavs), p.rate));
+            figure = figure.with(Series::points("the paper", marks.to_vec()));
+        }
+        figure
+    }
+
+    fn points(&self, table: &Table, flown: (&str, &str)) -> Vec<Point> {
+        let query = Query::new(self.experiment, self.preset.name(), flown);
+        let query = match self.over {
+            Over::Hotspots(uavs) => query.uavs(uavs),
+            Over::Fleets | Over::Varied(_) => query,
+        };
+        let x_of = |row: &Row| match self.over {
+            Over::Fleets => f64::from(row.uavs),
+            Over::Hotspots(_) => f64::from(row.hotspots),
+            Over::Varied(_) => row.x,
+        };
+        let rows = query.rows(table);
+        let mut xs: Vec<f64> = rows.iter().map(|row| x_of(row)).collect();
+        xs.sort_by(f64::total_cmp);
+        xs.dedup();
+        let point = |x: f64| {
             let at: Vec<&Row> = rows.iter().copied().filter(|row| x_of(row) == x).collect();
-            let estimate = mean(&at, quantity)?;
+            let estimate = mean(&at, self.quantity)?;
             Some(Point::interval(
-                f64::from(x),
+                x,
                 estimate.value,
                 estimate.low,
                 estimate.high,
             ))
-        })
-        .collect()
-}
-
-fn note(scale: &Scale) -> String {
-    format!(
-        "{} missions a cell, {} training seed(s); intervals: mean of the 95 % intervals of the cells.",
-        scale.episodes,
-        scale.seeds.len()
-    )
-}
-
-/// A quantity over the fleet size, averaged over the numbers of hotspots.
-fn over_fleets(scale: &Scale, table: &Table, index: usize) -> Figure {
-    let (_, title, unit, quantity) = QUANTITIES[index];
-    let mut figure = Figure::new(
-        format!("{} over fleet size, mean over hotspots", capital(title)),
-        Axis::new("UAVs", ""),
-        Axis::new(title, unit),
-    )
-    .note(note(scale));
-    for (name, policy, pilot) in COMPARED {
-        let rows = grid_rows(table, policy, pilot);
-        figure = figure.with(Series::line(
-            name,
-            points(&rows, &scale.fleets, quantity, |r| r.uavs),
-        ));
+        };
+        xs.into_iter().filter_map(point).collect()
     }
-    if quantity == Quantity::Success {
-        let published = vec![Point::new(10.0, 0.73), Point::new(15.0, 0.97)];
-        figure = figure.with(Series::points("the paper", published));
-    }
-    figure
 }
 
-/// Adaptive against constant pilot over the number of hotspots, at one fleet size.
-fn over_hotspots(scale: &Scale, table: &Table, index: usize, uavs: u32) -> Figure {
-    let (_, title, unit, quantity) = QUANTITIES[index];
-    let mut figure = Figure::new(
-        format!("{} over hotspots at N = {uavs}", capital(title)),
-        Axis::new("hotspots", ""),
-        Axis::new(title, unit),
-    )
-    .note(note(scale));
-    let compared = [
-        ("learned, adaptive pilot", "learned", "adaptive"),
-        ("learned, constant pilot 0.3", "learned", "constant"),
-        ("teams, adaptive", "teams", "adaptive"),
-        ("teams, constant 0.3", "teams", "max"),
-    ];
-    for (name, policy, pilot) in compared {
-        let rows: Vec<&Row> = grid_rows(table, policy, pilot)
-            .into_iter()
-            .filter(|row| row.uavs == uavs)
-            .collect();
-        let points = points(&rows, &scale.hotspots, quantity, |r| r.hotspots);
-        figure = figure.with(Series::line(name, points));
-    }
-    figure
+/// The fleet whose trainings are shown: N = 10 where it is trained.
+fn returns_fleet(scale: &Scale) -> u32 {
+    let mut fleets = scale.paper_cells.iter().map(|cell| cell.0);
+    let first = fleets.clone().next().unwrap_or(10);
+    fleets.find(|&uavs| uavs == 10).unwrap_or(first)
 }
 
-fn training_returns(scale: &Scale, curves: &[Curve]) -> Figure {
-    let uavs = scale
-        .paper_cells
-        .iter()
-        .map(|cell| cell.0)
-        .find(|&n| n == 10);
-    let uavs = uavs.unwrap_or(scale.paper_cells[0].0);
+fn returns(scale: &Scale, curves: &[Curve]) -> Figure {
+    let uavs = returns_fleet(scale);
     let mut figure = Figure::new(
-        format!("Return over training iterations, the paper's settings, N = {uavs}"),
+        "",
         Axis::new("iteration of 4096 environment steps", ""),
         Axis::new("mean episode return", ""),
     )
@@ -193,127 +297,92 @@ fn training_returns(scale: &Scale, curves: &[Curve]) -> Figure {
         "Band: least to greatest of {} training seed(s).",
         scale.seeds.len()
     ));
-    for &hotspots in &scale.hotspots {
-        let runs: Vec<&Curve> = curves
-            .iter()
-            .filter(|c| (c.uavs, c.hotspots) == (uavs, hotspots))
-            .collect();
-        if runs.is_empty() {
-            continue;
+    for learner in scale.learners() {
+        for &hotspots in &scale.hotspots {
+            let of = |curve: &&Curve| {
+                curve.learner == learner.name && (curve.uavs, curve.hotspots) == (uavs, hotspots)
+            };
+            let runs: Vec<&Curve> = curves.iter().filter(of).collect();
+            if runs.is_empty() {
+                continue;
+            }
+            let name = format!("{}, n = {hotspots}", learner.title);
+            figure = figure.with(Series::band(name, band(&runs)));
         }
-        let length = runs.iter().map(|run| run.returns.len()).min().unwrap_or(0);
-        let points = (0..length)
-            .map(|k| {
-                let values: Vec<f64> = runs.iter().map(|run| run.returns[k]).collect();
-                let mean = values.iter().sum::<f64>() / values.len() as f64;
-                let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-                let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                Point::interval(k as f64 + 1.0, mean, low, high)
-            })
-            .filter(|point| point.y.is_finite())
-            .collect();
-        figure = figure.with(Series::band(format!("n = {hotspots}"), points));
     }
     figure
 }
 
+fn band(runs: &[&Curve]) -> Vec<Point> {
+    let length = runs.iter().map(|run| run.returns.len()).min().unwrap_or(0);
+    (0..length)
+        .map(|k| {
+            let values: Vec<f64> = runs.iter().map(|run| run.returns[k]).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            Point::interval(k as f64 + 1.0, mean, low, high)
+        })
+        .filter(|point| point.y.is_finite())
+        .collect()
+}
+
 fn training_times(scale: &Scale, curves: &[Curve]) -> Figure {
-    let measured = scale
-        .fleets
-        .iter()
-        .filter_map(|&uavs| {
+    let mut figure = Figure::new("", Axis::new("UAVs", ""), Axis::new("wall time", "s")).note(
+        "62 iterations at the pace measured here; the paper: eight processes of a Xeon Gold 6444Y.",
+    );
+    for learner in scale.learners() {
+        let measured = scale.fleets.iter().filter_map(|&uavs| {
+            let of = |curve: &&Curve| curve.learner == learner.name && curve.uavs == uavs;
             let times: Vec<f64> = curves
                 .iter()
-                .filter(|curve| curve.uavs == uavs)
+                .filter(of)
                 .map(Curve::whole_training_s)
                 .collect();
             let mean = times.iter().sum::<f64>() / times.len() as f64;
             (!times.is_empty()).then(|| Point::new(f64::from(uavs), mean))
-        })
-        .collect();
+        });
+        let points: Vec<Point> = measured.collect();
+        if !points.is_empty() {
+            figure = figure.with(Series::line(format!("{}, here", learner.title), points));
+        }
+    }
     let paper = [(5.0, 402.0), (10.0, 598.0), (15.0, 1253.0), (20.0, 1751.0)];
-    Figure::new(
-        "Training time of one cell with the paper's settings",
-        Axis::new("UAVs", ""),
-        Axis::new("wall time", "s"),
-    )
-    .note(
-        "62 iterations at the pace measured here; the paper: eight processes of a Xeon Gold 6444Y.",
-    )
-    .with(Series::line("this machine", measured))
-    .with(Series::line(
-        "the paper",
-        paper.map(|(x, y)| Point::new(x, y)).to_vec(),
-    ))
+    let points = paper.map(|(x, y)| Point::new(x, y));
+    figure.with(Series::line("the paper", points.to_vec()))
 }
 
 fn trade_off(scale: &Scale, table: &Table) -> Figure {
     let (uavs, hotspots) = scale.hard_cell();
-    let place = |rows: &[&Row]| -> Option<Point> {
-        let success = mean(rows, Quantity::Success)?;
-        let throughput = mean(rows, Quantity::Throughput)?;
+    let place = |query: Query| -> Option<Point> {
+        let success = query.mean(table, Quantity::Success)?;
+        let throughput = query.mean(table, Quantity::Throughput)?;
         Some(
             Point::interval(throughput.value, success.value, success.low, success.high)
                 .x_interval(throughput.low, throughput.high),
         )
     };
     let mut figure = Figure::new(
-        format!("Success against throughput, N = {uavs}, n = {hotspots}"),
-        Axis::new("normalised throughput", ""),
-        Axis::new("success rate", ""),
+        "",
+        Axis::new(Quantity::Throughput.title(), ""),
+        Axis::new(Quantity::Success.title(), ""),
     )
     .note("Lines: the same motions with the pilot density held at the value beside each point.");
+    let preset = Preset::Mission.name();
     for policy in ["learned", "teams"] {
-        let held: Vec<(Point, String)> = scale
-            .densities
-            .iter()
-            .filter_map(|&density| {
-                let rows = table.select(|row| {
-                    row.experiment == "density" && row.policy == policy && row.x == density
-                });
-                Some((place(&rows)?, format!("{density:.2}")))
-            })
-            .collect();
-        let points = held.iter().map(|(point, _)| *point).collect();
-        let labels = held.iter().map(|(_, label)| label.clone());
+        let held = scale.densities.iter().filter_map(|&density| {
+            let query = Query::new("density", preset, (policy, "held")).x(density);
+            Some((place(query)?, format!("{density:.2}")))
+        });
+        let (points, labels): (Vec<Point>, Vec<String>) = held.unzip();
         let name = format!("{policy}, held pilot density");
         figure = figure.with(Series::line(name, points).labels(labels));
     }
-    for (name, policy, pilot) in COMPARED.iter().take(4) {
-        let rows: Vec<&Row> = grid_rows(table, policy, pilot)
-            .into_iter()
-            .filter(|row| (row.uavs, row.hotspots) == (uavs, hotspots))
-            .collect();
-        figure = figure.with(Series::points(*name, place(&rows).into_iter().collect()));
-    }
-    figure
-}
-
-fn batteries(scale: &Scale, table: &Table, quantity: Quantity, title: &str, unit: &str) -> Figure {
-    let mut figure = Figure::new(
-        format!("{} over renewable share, small batteries", capital(title)),
-        Axis::new("renewable share of the charge", ""),
-        Axis::new(title, unit),
-    )
-    .note("N = 10, n = 5, batteries of 0.03 kWh: about 25 moves to a charge.");
-    for policy in ["learned", "teams"] {
-        let points = scale
-            .renewable_shares
-            .iter()
-            .filter_map(|&share| {
-                let rows = table.select(|row| {
-                    row.experiment == "battery" && row.policy == policy && row.x == share
-                });
-                let estimate = mean(&rows, quantity)?;
-                Some(Point::interval(
-                    share,
-                    estimate.value,
-                    estimate.low,
-                    estimate.high,
-                ))
-            })
-            .collect();
-        figure = figure.with(Series::line(policy, points));
+    for &(name, policy, pilot) in SCRIPTS.iter().take(4) {
+        let query = Query::new("grid", preset, (policy, pilot))
+            .uavs(uavs)
+            .hotspots(hotspots);
+        figure = figure.with(Series::points(name, place(query).into_iter().collect()));
     }
     figure
 }
@@ -324,9 +393,8 @@ fn approach(scale: &Scale, out: &Path) -> Result<Figure, TrainError> {
         distance_cells: f64,
         pilot_density_mean: f64,
     }
-    let (uavs, hotspots) = scale.hard_cell();
     let mut figure = Figure::new(
-        format!("Pilot density over distance to the nearest unconfirmed hotspot, N = {uavs}, n = {hotspots}"),
+        "",
         Axis::new("Manhattan distance", "cells"),
         Axis::new("mean pilot density", "").span(0.0, 0.3),
     )
@@ -349,91 +417,21 @@ fn approach(scale: &Scale, out: &Path) -> Result<Figure, TrainError> {
     Ok(figure)
 }
 
-fn capital(text: &str) -> String {
-    let mut text = text.to_owned();
-    text[..1].make_ascii_uppercase();
-    text
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Draws everything and writes the report.
-pub fn write_all(
-    scale: &Scale,
-    table: &Table,
-    curves: &[Curve],
-    out: &Path,
-) -> Result<(), TrainError> {
-    let mut report = Report::new(
-        "The paper's results, measured here",
-        &format!(
-            "A {} reproduction on this machine: {} missions a cell, {} training seed(s).",
-            scale.name,
-            scale.episodes,
-            scale.seeds.len()
-        ),
-    );
-    report.section("Claims");
-    report.text("What the paper says, what was measured here, and whether it holds.");
-    report.table(&claims::report_table(scale, table, curves));
-
-    let mut gallery = Gallery {
-        report: &mut report,
-        out,
-    };
-    gallery.section("Training with the paper's settings");
-    gallery.add("training_returns", &training_returns(scale, curves), "")?;
-    gallery.add("training_time", &training_times(scale, curves), "")?;
-    gallery.section("Fleet size");
-    for (index, quantity) in QUANTITIES.iter().enumerate() {
-        let name = format!("{}_over_uavs", quantity.0);
-        gallery.add(&name, &over_fleets(scale, table, index), "")?;
-    }
-    gallery.section("Adaptive against constant pilot density");
-    for uavs in [10, 15] {
-        for index in [0, 3] {
-            let name = format!("{}_over_hotspots_n{uavs}", QUANTITIES[index].0);
-            gallery.add(&name, &over_hotspots(scale, table, index, uavs), "")?;
+    #[test]
+    fn pictures_have_names_of_their_own_and_sections_in_one_piece() {
+        let mut sections: Vec<&str> = PICTURES.iter().map(|picture| picture.section).collect();
+        sections.dedup();
+        for (k, section) in sections.iter().enumerate() {
+            assert!(!sections[..k].contains(section), "{section}");
         }
-    }
-    gallery.section("Sensing against communication");
-    gallery.add("trade_off", &trade_off(scale, table), "")?;
-    gallery.add("approach", &approach(scale, out)?, "")?;
-    gallery.section("Carbon and charging");
-    let co2 = batteries(scale, table, Quantity::Co2, "carbon emitted", "kg");
-    gallery.add("battery_co2", &co2, "")?;
-    let success = batteries(scale, table, Quantity::Success, "success rate", "");
-    gallery.add("battery_success", &success, "")?;
-    gallery.section("Every cell against the best baseline");
-    report.table(&claims::bar_table(scale, table));
-    if !scale.variations.is_empty() {
-        report.section("What the paper's training hangs on");
-        report.table(&claims::variation_table(scale, table));
-    }
-    let path = out.join("report.html");
-    report.write(&path).map_err(|error| drawn(&path)(error))
-}
-
-fn drawn(path: &Path) -> impl FnOnce(FigureError) -> TrainError {
-    TrainError::format(path)
-}
-
-struct Gallery<'a> {
-    report: &'a mut Report,
-    out: &'a Path,
-}
-
-impl Gallery<'_> {
-    fn section(&mut self, heading: &str) {
-        self.report.section(heading);
-    }
-
-    /// A figure in the report and in files of its own.
-    fn add(&mut self, name: &str, figure: &Figure, caption: &str) -> Result<(), TrainError> {
-        let svg = self.out.join(format!("{name}.svg"));
-        let text = figure.svg().map_err(drawn(&svg))?;
-        jcas_train::store::write_whole(&svg, text.as_bytes())?;
-        let png = self.out.join(format!("{name}.png"));
-        jcas_train::store::write_whole(&png, &figure.png().map_err(drawn(&png))?)?;
-        self.report.figure(figure, caption).map_err(drawn(&svg))?;
-        Ok(())
+        for (k, picture) in PICTURES.iter().enumerate() {
+            let before = &PICTURES[..k];
+            assert!(before.iter().all(|other| other.name != picture.name));
+            assert_ne!(picture.name, RANGE);
+        }
     }
 }

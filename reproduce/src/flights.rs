@@ -1,15 +1,17 @@
 //! Training and flying what the table lacks.
 
-use super::plan::{CONSTANT_PILOT, Scale, Variation};
-use super::table::{Key, Table};
-use super::{Narrator, Progress};
-use jcas_core::{Config, Model, Sim};
+use crate::approach;
+use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Variation};
+use crate::range;
+use crate::table::{Key, Table};
+use crate::{Narrator, Progress};
+use jcas_core::{Config, Model, Preset};
 use jcas_evaluate::mission::{Campaign, fly};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_evaluate::statistics::Summary;
 use jcas_train::error::TrainError;
 use jcas_train::policy::files::{CARD, Card, Precision, Stored, load};
-use jcas_train::policy::{Actor, LearnedPolicy, Mode};
+use jcas_train::policy::{Actor, LearnedPolicy};
 use jcas_train::run::{EVALUATION_SEED, Ending, Plan};
 use jcas_train::settings::Settings;
 use jcas_train::store::write_whole;
@@ -38,8 +40,8 @@ struct Flights<'a> {
     narrator: &'a mut dyn Narrator,
 }
 
-/// Everything, in an order in which early parts already tell something.
-pub(super) fn fly_all(
+/// The parts that are asked for, in an order in which early ones already tell something.
+pub(crate) fn fly_all(
     scale: &Scale,
     out: &Path,
     table: &mut Table,
@@ -51,58 +53,34 @@ pub(super) fn fly_all(
         table,
         narrator,
     };
-    flights.baselines()?;
-    for &seed in &scale.seeds {
-        for constant in [None, Some(CONSTANT_PILOT)] {
-            let Some(policy) = flights.tuned(seed, constant)? else {
-                return Ok(Progress::Stopped);
-            };
-            flights.grid(&policy, seed, constant)?;
-            if constant.is_none() {
-                flights.trade_off(&policy, seed)?;
-                flights.batteries(&policy, seed)?;
-                flights.approach(&policy, seed)?;
-            }
+    for part in Part::ALL {
+        if !scale.parts.contains(&part) {
+            continue;
+        }
+        let whole = match part {
+            Part::Baselines => flights.baselines()?,
+            Part::SensingRange => flights.sensing_range()?,
+            Part::Paper => flights.paper()?,
+            Part::Tuned => flights.all_tuned()?,
+            Part::Variations => flights.variations()?,
+        };
+        if !whole || flights.stopped() {
+            return Ok(Progress::Stopped);
         }
     }
-    for &(uavs, hotspots) in &scale.paper_cells {
-        for &seed in &scale.seeds {
-            for constant in [None, Some(CONSTANT_PILOT)] {
-                if !flights.paper(uavs, hotspots, seed, constant)? {
-                    return Ok(Progress::Stopped);
-                }
-            }
-        }
-    }
-    for variation in &scale.variations {
-        for &seed in &scale.seeds {
-            if !flights.variation(variation, seed)? {
-                return Ok(Progress::Stopped);
-            }
-        }
-    }
-    Ok(if flights.stopped() {
-        Progress::Stopped
-    } else {
-        Progress::Finished
-    })
+    Ok(Progress::Finished)
 }
 
-fn key(experiment: &str, config: &Config, policy: &str, pilot: &str, seed: u64, x: f64) -> Key {
-    let paper = jcas_core::Preset::Paper;
-    let as_paper = Config {
-        uav_count: config.uav_count,
-        hotspot_count: config.hotspot_count,
-        ..Config::preset(paper)
-    };
+fn key(
+    (experiment, x): (&str, f64),
+    preset: Preset,
+    config: &Config,
+    (policy, pilot): (&str, &str),
+    seed: u64,
+) -> Key {
     Key {
         experiment: experiment.to_owned(),
-        preset: if *config == as_paper {
-            "paper"
-        } else {
-            "mission"
-        }
-        .to_owned(),
+        preset: preset.name().to_owned(),
         uavs: config.uav_count,
         hotspots: config.hotspot_count,
         policy: policy.to_owned(),
@@ -110,6 +88,21 @@ fn key(experiment: &str, config: &Config, policy: &str, pilot: &str, seed: u64, 
         seed,
         x,
     }
+}
+
+const GRID: (&str, f64) = ("grid", 0.0);
+
+/// The folder of a training with the paper's settings in the preset `paper`.
+pub(crate) fn paper_name(
+    learner: &str,
+    (uavs, hotspots): (u32, u32),
+    constant: Option<f64>,
+    seed: u64,
+) -> String {
+    format!(
+        "{learner}-{uavs}x{hotspots}-{}-s{seed}",
+        pilot_name(constant)
+    )
 }
 
 impl Flights<'_> {
@@ -147,32 +140,98 @@ impl Flights<'_> {
             .add(key, &Summary::of(&missions, config.horizon_steps))
     }
 
-    fn baselines(&mut self) -> Result<(), TrainError> {
+    fn baselines(&mut self) -> Result<bool, TrainError> {
         self.narrator.chapter("baselines over the grid");
-        for (uavs, hotspots) in self.scale.cells() {
-            let config = self.scale.mission(uavs, hotspots);
-            for kind in BASELINES {
-                for pilot in [PilotMode::Adaptive, PilotMode::Max] {
-                    let key = key("grid", &config, kind.name(), &pilot.name(), 0, 0.0);
+        for &preset in &self.scale.presets {
+            for cell in self.scale.cells() {
+                let config = self.scale.mission(preset, cell);
+                for kind in BASELINES {
+                    for pilot in [PilotMode::Adaptive, PilotMode::Mid, PilotMode::Max] {
+                        let flown = (kind.name(), pilot.name());
+                        let key = key(GRID, preset, &config, (flown.0, &flown.1), 0);
+                        self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Success over the sensing range; false if stopped meanwhile.
+    fn sensing_range(&mut self) -> Result<bool, TrainError> {
+        self.narrator.chapter("success over the sensing range");
+        for cells in self.scale.ranges.clone() {
+            for cell in self.scale.cells() {
+                let config = self.scale.ranged(cells, cell);
+                for (kind, pilot) in range::SCRIPTED {
+                    let flown = (kind.name(), pilot.name());
+                    let campaign = (range::EXPERIMENT, cells);
+                    let key = key(campaign, Preset::Paper, &config, (flown.0, &flown.1), 0);
                     self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
                 }
             }
         }
-        Ok(())
+        let (ranges, trained) = self.scale.trained_ranges.clone();
+        for learner in self.scale.learners() {
+            for &cells in &ranges {
+                for &cell in &trained {
+                    for &seed in &self.scale.seeds {
+                        let config = self.scale.ranged(cells, cell);
+                        let (uavs, hotspots) = cell;
+                        let name =
+                            format!("{}-{uavs}x{hotspots}-{cells}cells-s{seed}", learner.name);
+                        let campaign = (range::EXPERIMENT, cells);
+                        let flown = (learner.name, pilot_name(None));
+                        let key = key(campaign, Preset::Paper, &config, flown, seed);
+                        let settings = Settings {
+                            seed,
+                            ..learner.settings.clone()
+                        };
+                        if !self.trained_and_flown(&name, settings, config, &key)? {
+                            return Ok(false);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Our settings: one policy for the whole grid of each preset; false if stopped meanwhile.
+    fn all_tuned(&mut self) -> Result<bool, TrainError> {
+        for &preset in &self.scale.presets {
+            for &seed in &self.scale.seeds {
+                for constant in [None, Some(CONSTANT_PILOT)] {
+                    let Some(policy) = self.tuned(preset, seed, constant)? else {
+                        return Ok(false);
+                    };
+                    self.grid(preset, &policy, seed, constant)?;
+                    if constant.is_none() && preset == Preset::Mission {
+                        self.trade_off(&policy, seed)?;
+                        self.batteries(&policy, seed)?;
+                        self.approach(&policy, seed)?;
+                    }
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// A policy with our settings for the whole grid; none if stopped meanwhile.
-    fn tuned(&mut self, seed: u64, constant: Option<f64>) -> Result<Option<Stored>, TrainError> {
-        let name = format!("learned-{}-s{seed}", pilot_name(constant));
+    fn tuned(
+        &mut self,
+        preset: Preset,
+        seed: u64,
+        constant: Option<f64>,
+    ) -> Result<Option<Stored>, TrainError> {
+        let name = format!("learned-{}-{}-s{seed}", preset.name(), pilot_name(constant));
         let settings = Settings {
             seed,
             constant_pilot: constant,
             ..self.scale.tuned.clone()
         };
         let cells = self.scale.cells();
-        let configs = cells
-            .iter()
-            .map(|&(uavs, hotspots)| self.scale.mission(uavs, hotspots));
+        let configs = cells.iter().map(|&cell| self.scale.mission(preset, cell));
         self.trained(&name, settings, configs.collect())
     }
 
@@ -211,15 +270,17 @@ impl Flights<'_> {
 
     fn grid(
         &mut self,
+        preset: Preset,
         policy: &Stored,
         seed: u64,
         constant: Option<f64>,
     ) -> Result<(), TrainError> {
         self.narrator
             .chapter(&format!("flying {} over the grid", policy.card.name));
-        for (uavs, hotspots) in self.scale.cells() {
-            let config = self.scale.mission(uavs, hotspots);
-            let key = key("grid", &config, "learned", pilot_name(constant), seed, 0.0);
+        for cell in self.scale.cells() {
+            let config = self.scale.mission(preset, cell);
+            let flown = ("learned", pilot_name(constant));
+            let key = key(GRID, preset, &config, flown, seed);
             self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
         }
         Ok(())
@@ -228,15 +289,17 @@ impl Flights<'_> {
     /// Success against throughput: the motions of the learned policy and of `teams`, the pilot density held.
     fn trade_off(&mut self, policy: &Stored, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("sensing against communication");
-        let (uavs, hotspots) = self.scale.hard_cell();
-        let config = self.scale.mission(uavs, hotspots);
+        let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
         for &density in &self.scale.densities {
             let held = action_of(&config, density);
             let actor = Arc::new(Actor {
                 constant_pilot: Some(held),
                 ..Actor::clone(&policy.actor)
             });
-            let key_of = |policy, seed| key("density", &config, policy, "held", seed, density);
+            let key_of = |policy, seed| {
+                let campaign = ("density", density);
+                key(campaign, Preset::Mission, &config, (policy, "held"), seed)
+            };
             let key = key_of("learned", seed);
             let mode = policy.card.mode;
             self.campaign(&key, config, &|| {
@@ -255,9 +318,19 @@ impl Flights<'_> {
         self.narrator.chapter("small batteries");
         for &share in &self.scale.renewable_shares {
             let config = self.scale.small_battery(share);
-            let learned = key("battery", &config, "learned", "adaptive", seed, share);
+            let key_of = |policy, seed| {
+                let campaign = ("battery", share);
+                key(
+                    campaign,
+                    Preset::Mission,
+                    &config,
+                    (policy, "adaptive"),
+                    seed,
+                )
+            };
+            let learned = key_of("learned", seed);
             self.campaign(&learned, config, &|| Box::new(policy.policy(None)))?;
-            let teams = key("battery", &config, "teams", "adaptive", 0, share);
+            let teams = key_of("teams", 0);
             self.campaign(&teams, config, &|| {
                 Box::new(BaselineKind::Teams.build_privileged(PilotMode::Adaptive))
             })?;
@@ -271,10 +344,9 @@ impl Flights<'_> {
         if path.exists() || self.stopped() {
             return Ok(());
         }
-        let (uavs, hotspots) = self.scale.hard_cell();
-        let config = self.scale.mission(uavs, hotspots);
+        let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
         let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
-        let bins = observe_approach(&model, policy, self.scale.episodes.min(100))
+        let bins = approach::observe(&model, policy, self.scale.episodes.min(100))
             .map_err(|error| TrainError::Setting(error.to_string()))?;
         let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
         for (distance, (count, sum)) in bins.iter().enumerate() {
@@ -285,48 +357,88 @@ impl Flights<'_> {
         write_whole(&path, text.as_bytes())
     }
 
-    /// The paper's settings on one cell; false if stopped meanwhile.
-    fn paper(
-        &mut self,
-        uavs: u32,
-        hotspots: u32,
-        seed: u64,
-        constant: Option<f64>,
-    ) -> Result<bool, TrainError> {
-        let pilot = pilot_name(constant);
-        let name = format!("ppo-{uavs}x{hotspots}-{pilot}-s{seed}");
-        let settings = Settings {
-            seed,
-            constant_pilot: constant,
-            ..self.scale.paper.clone()
-        };
-        let config = self.scale.paper_mission(uavs, hotspots);
-        let Some(policy) = self.trained(&name, settings, vec![config])? else {
-            return Ok(false);
-        };
-        let key = key("grid", &config, "ppo", pilot, seed, 0.0);
-        self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
+    /// The paper's settings in every cell, with every credit; false if stopped meanwhile.
+    fn paper(&mut self) -> Result<bool, TrainError> {
+        for &cell in &self.scale.paper_cells {
+            for &seed in &self.scale.seeds {
+                for learner in self.scale.learners() {
+                    for constant in [None, Some(CONSTANT_PILOT)] {
+                        if !self.paper_cell(&learner, cell, seed, constant)? {
+                            return Ok(false);
+                        }
+                    }
+                }
+            }
+        }
         Ok(true)
     }
 
-    /// The paper's settings with one thing changed; false if stopped meanwhile.
-    fn variation(&mut self, variation: &Variation, seed: u64) -> Result<bool, TrainError> {
-        let Some((uavs, hotspots)) = self.scale.variation_cell() else {
+    fn paper_cell(
+        &mut self,
+        learner: &Learner,
+        cell: (u32, u32),
+        seed: u64,
+        constant: Option<f64>,
+    ) -> Result<bool, TrainError> {
+        let name = paper_name(learner.name, cell, constant, seed);
+        let settings = Settings {
+            seed,
+            constant_pilot: constant,
+            ..learner.settings.clone()
+        };
+        let config = self.scale.mission(Preset::Paper, cell);
+        let flown = (learner.name, pilot_name(constant));
+        let key = key(GRID, Preset::Paper, &config, flown, seed);
+        self.trained_and_flown(&name, settings, config, &key)
+    }
+
+    /// One policy for one mission; false if stopped meanwhile.
+    fn trained_and_flown(
+        &mut self,
+        name: &str,
+        settings: Settings,
+        config: Config,
+        key: &Key,
+    ) -> Result<bool, TrainError> {
+        let Some(policy) = self.trained(name, settings, vec![config])? else {
+            return Ok(false);
+        };
+        self.campaign(key, config, &|| Box::new(policy.policy(None)))?;
+        Ok(true)
+    }
+
+    /// The paper's settings with one thing changed at a time; false if stopped meanwhile.
+    fn variations(&mut self) -> Result<bool, TrainError> {
+        let Some(cell) = self.scale.variation_cell() else {
             return Ok(true);
         };
-        let mut config = self.scale.paper_mission(uavs, hotspots);
+        for variation in &self.scale.variations {
+            for &seed in &self.scale.seeds {
+                if !self.variation(variation, cell, seed)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    fn variation(
+        &mut self,
+        variation: &Variation,
+        cell: (u32, u32),
+        seed: u64,
+    ) -> Result<bool, TrainError> {
+        let mut config = self.scale.mission(Preset::Paper, cell);
         let mut settings = Settings {
             seed,
             ..self.scale.paper.clone()
         };
         (variation.apply)(&mut config, &mut settings);
-        let name = format!("ppo-{uavs}x{hotspots}-{}-s{seed}", variation.name);
-        let Some(policy) = self.trained(&name, settings, vec![config])? else {
-            return Ok(false);
-        };
-        let key = key("variation", &config, variation.name, "adaptive", seed, 0.0);
-        self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
-        Ok(true)
+        let name = format!("ppo-{}x{}-{}-s{seed}", cell.0, cell.1, variation.name);
+        let campaign = ("variation", 0.0);
+        let flown = (variation.name, pilot_name(None));
+        let key = key(campaign, Preset::Paper, &config, flown, seed);
+        self.trained_and_flown(&name, settings, config, &key)
     }
 }
 
@@ -350,57 +462,4 @@ fn pilot_name(constant: Option<f64>) -> &'static str {
     } else {
         "adaptive"
     }
-}
-
-/// For each Manhattan distance: how many UAV-steps, and the sum of their pilot densities.
-fn observe_approach(
-    model: &Model<'static>,
-    policy: &Stored,
-    episodes: u64,
-) -> Result<Vec<(u64, f64)>, jcas_core::Error> {
-    let config = model.config();
-    let mut bins = vec![(0, 0.0); (config.grid_width + config.grid_height) as usize];
-    let mut sim = Sim::new(model);
-    let mut policy = policy.policy(Some(Mode::Deterministic));
-    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
-    let mut actions = vec![0.0; model.action_len()];
-    let campaign = Campaign {
-        episodes,
-        seed: EVALUATION_SEED,
-    };
-    for episode in 0..episodes {
-        let seed = campaign.episode_seed(episode);
-        sim.reset(seed);
-        policy.reset(model, seed);
-        for _ in 0..config.horizon_steps {
-            sim.observe(&mut observations)?;
-            policy.see(&observations);
-            policy.act(model, &sim.state(), &mut actions);
-            let before: Vec<Option<u32>> = nearest_unconfirmed(model, &sim);
-            let outcome = sim.step(&actions)?;
-            for (uav, distance) in before.iter().enumerate() {
-                if let Some(distance) = distance {
-                    let bin = &mut bins[*distance as usize];
-                    bin.0 += 1;
-                    bin.1 += sim.state().pilot_density(uav);
-                }
-            }
-            if outcome.terminated || outcome.truncated {
-                break;
-            }
-        }
-    }
-    Ok(bins)
-}
-
-fn nearest_unconfirmed(model: &Model<'static>, sim: &Sim<'_>) -> Vec<Option<u32>> {
-    let state = sim.state();
-    (0..model.uav_count())
-        .map(|uav| {
-            (0..model.hotspot_count())
-                .filter(|&hotspot| !state.confirmed(hotspot))
-                .map(|hotspot| state.cell(uav).manhattan(state.hotspot_cell(hotspot)))
-                .min()
-        })
-        .collect()
 }

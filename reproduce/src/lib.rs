@@ -4,16 +4,25 @@
 //! is not flown again, so a reproduction goes on where it was stopped. Figures and texts are made
 //! from the table alone.
 
+mod approach;
+pub mod bars;
 pub mod claims;
+pub mod curves;
 pub mod figures;
-pub mod flights;
+pub mod fit;
+mod flights;
+pub mod page;
 pub mod plan;
+pub mod range;
 pub mod table;
+mod text;
 
 use jcas_train::error::TrainError;
 use jcas_train::run::Observer;
 use jcas_train::store::write_whole;
+use page::Results;
 use plan::Scale;
+use range::Study;
 use std::path::Path;
 use table::Table;
 
@@ -42,26 +51,35 @@ pub fn reproduce(
     let mut table = Table::open(&out.join("results.csv"))?;
     let progress = flights::fly_all(scale, out, &mut table, narrator)?;
     narrator.chapter("figures and report");
-    let curves = figures::curves(scale, out)?;
-    figures::write_all(scale, &table, &curves, out)?;
-    let text = claims::markdown(scale, &table, &curves, "");
-    write_whole(&out.join("results.md"), text.as_bytes())?;
+    let curves = curves::curves(scale, out)?;
+    let results = Results {
+        scale,
+        table: &table,
+        curves: &curves,
+    };
+    results.write(out)?;
+    write_whole(&out.join("results.md"), results.markdown("").as_bytes())?;
     Ok(progress)
 }
 
-/// Writes the page of claims of a reproduction to a place of its own, its pictures into a folder
-/// beside it.
+/// Writes the page of a reproduction to a place of its own, its pictures into a folder beside it.
 pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError> {
     let table = Table::open(&out.join("results.csv"))?;
-    let curves = figures::curves(scale, out)?;
+    let curves = curves::curves(scale, out)?;
+    let results = Results {
+        scale,
+        table: &table,
+        curves: &curves,
+    };
     let folder = page.with_extension("");
     std::fs::create_dir_all(&folder).map_err(TrainError::file(&folder))?;
-    for (name, _) in claims::PICTURES {
+    let range = Study::of(scale, &table).map(|_| figures::RANGE);
+    for name in results.pictures().map(|picture| picture.name).chain(range) {
         let picture = out.join(format!("{name}.png"));
         let bytes = std::fs::read(&picture).map_err(TrainError::file(&picture))?;
         write_whole(&folder.join(format!("{name}.png")), &bytes)?;
     }
     let beside = folder.file_name().unwrap_or_default().to_string_lossy();
-    let text = claims::markdown(scale, &table, &curves, &format!("{beside}/"));
+    let text = results.markdown(&format!("{beside}/"));
     write_whole(page, text.as_bytes())
 }

@@ -1,6 +1,6 @@
 //! How much of the paper's grid is trained and flown.
 
-use jcas_core::{Config, InformPayment};
+use jcas_core::{Config, InformPayment, Preset as World, radar};
 use jcas_train::head::Head;
 use jcas_train::settings::{Preset, Settings};
 
@@ -9,6 +9,8 @@ use jcas_train::settings::{Preset, Settings};
 pub struct Scale {
     /// Name in reports: `full` or `quick`.
     pub name: &'static str,
+    /// Presets in which the grid is flown and our settings are trained.
+    pub presets: Vec<World>,
     /// Fleet sizes N.
     pub fleets: Vec<u32>,
     /// Numbers of hotspots n.
@@ -29,6 +31,49 @@ pub struct Scale {
     pub densities: Vec<f64>,
     /// Renewable shares of the small-battery missions.
     pub renewable_shares: Vec<f64>,
+    /// Sensing ranges of the study of what the paper's numbers imply, in cells, rising.
+    pub ranges: Vec<f64>,
+    /// Those of them at which the paper's training is tried as well, for these cells (N, n).
+    pub trained_ranges: (Vec<f64>, Vec<(u32, u32)>),
+    /// What is to be done; what is not is left as it is.
+    pub parts: Vec<Part>,
+}
+
+/// A part of a reproduction that can be done by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Scripted policies over the grid, in both presets.
+    Baselines,
+    /// Success over the sensing range, and which range fits the paper's numbers.
+    SensingRange,
+    /// The paper's training in each cell of the preset `paper`.
+    Paper,
+    /// One policy for the whole grid, with our settings, in both presets.
+    Tuned,
+    /// The paper's training with one thing changed at a time.
+    Variations,
+}
+
+impl Part {
+    /// All of them, in the order in which they are done.
+    pub const ALL: [Part; 5] = [
+        Part::Baselines,
+        Part::SensingRange,
+        Part::Paper,
+        Part::Tuned,
+        Part::Variations,
+    ];
+}
+
+/// Who trains with the paper's settings.
+#[derive(Clone, Debug)]
+pub struct Learner {
+    /// Name in the table and in folders.
+    pub name: &'static str,
+    /// For people.
+    pub title: &'static str,
+    /// How it is trained.
+    pub settings: Settings,
 }
 
 /// One change of the paper's model or of its training.
@@ -113,6 +158,7 @@ impl Scale {
         let hotspots = vec![3, 5, 7, 9, 11];
         Scale {
             name: "full",
+            presets: vec![World::Paper, World::Mission],
             seeds: (0..seeds).collect(),
             episodes: 1000,
             tuned: Settings::preset(Preset::Tuned),
@@ -121,6 +167,11 @@ impl Scale {
             variations: variations(),
             densities: vec![0.01, 0.05, 0.10, 0.15, 0.20, 0.25, 0.30],
             renewable_shares: vec![0.0, 0.1, 0.25, 0.5, 0.75, 1.0],
+            ranges: vec![
+                0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 4.0, 4.5, 5.0,
+            ],
+            trained_ranges: (vec![2.0, 2.5, 3.0, 3.5, 4.0], vec![(10, 5), (15, 5)]),
+            parts: Part::ALL.to_vec(),
             fleets,
             hotspots,
         }
@@ -144,11 +195,14 @@ impl Scale {
         };
         Scale {
             name: "quick",
+            presets: vec![World::Paper],
             episodes: 40,
             paper_cells: grid(&[5], &hotspots),
             variations: Vec::new(),
             densities: vec![0.01, 0.10, 0.20, 0.30],
             renewable_shares: vec![0.0, 0.5, 1.0],
+            ranges: vec![1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0],
+            trained_ranges: (Vec::new(), Vec::new()),
             tuned,
             paper,
             hotspots,
@@ -168,21 +222,39 @@ impl Scale {
         self
     }
 
-    /// The mission of a cell in our preset.
-    pub fn mission(&self, uavs: u32, hotspots: u32) -> Config {
+    /// Only these parts; none given: all.
+    #[must_use]
+    pub fn parts(mut self, parts: Vec<Part>) -> Scale {
+        if !parts.is_empty() {
+            self.parts = parts;
+        }
+        self
+    }
+
+    /// Who trains with the paper's settings.
+    pub fn learners(&self) -> Vec<Learner> {
+        vec![Learner {
+            name: "ppo",
+            title: "the paper's PPO",
+            settings: self.paper.clone(),
+        }]
+    }
+
+    /// The mission of a cell in a preset.
+    pub fn mission(&self, preset: World, (uavs, hotspots): (u32, u32)) -> Config {
         Config {
             uav_count: uavs,
             hotspot_count: hotspots,
-            ..Config::default()
+            ..Config::preset(preset)
         }
     }
 
-    /// The mission of a cell as the paper's equations have it.
-    pub fn paper_mission(&self, uavs: u32, hotspots: u32) -> Config {
-        let base = Config::preset(jcas_core::Preset::Paper);
+    /// The mission of a cell in the preset `paper` with another sensing range.
+    pub fn ranged(&self, cells: f64, cell: (u32, u32)) -> Config {
+        let base = self.mission(World::Paper, cell);
+        let range_m = cells * base.cell_size_m;
         Config {
-            uav_count: uavs,
-            hotspot_count: hotspots,
+            detection_threshold_db: Some(radar::snr_db(&base, range_m)),
             ..base
         }
     }
@@ -198,7 +270,7 @@ impl Scale {
             battery_capacity_kwh: 0.03,
             rtb_threshold_kwh: 0.01,
             renewable_share,
-            ..self.mission(10, 5)
+            ..self.mission(World::Mission, (10, 5))
         }
     }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Which campaign a row is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Key {
-    /// `grid`, `density`, `battery` or `variation`.
+    /// `grid`, `density`, `battery`, `variation` or `range`.
     pub experiment: String,
     /// `mission` or `paper`.
     pub preset: String,
@@ -152,6 +152,37 @@ pub enum Quantity {
     Co2,
 }
 
+impl Quantity {
+    /// Its name, for people.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Quantity::Success => "success rate",
+            Quantity::Steps => "mission time",
+            Quantity::Energy => "energy spent",
+            Quantity::Throughput => "normalised throughput",
+            Quantity::Co2 => "carbon emitted",
+        }
+    }
+
+    /// Its unit; empty for a pure number.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Quantity::Success | Quantity::Throughput => "",
+            Quantity::Steps => "steps",
+            Quantity::Energy => "kWh",
+            Quantity::Co2 => "kg",
+        }
+    }
+
+    /// Decimals that a report gives of it.
+    pub const fn digits(self) -> usize {
+        match self {
+            Quantity::Steps => 1,
+            _ => 3,
+        }
+    }
+}
+
 /// All rows.
 #[derive(Clone, Debug)]
 pub struct Table {
@@ -187,10 +218,87 @@ impl Table {
         let bytes = csv_bytes(&self.rows, true, &self.path)?;
         write_whole(&self.path, &bytes)
     }
+}
 
-    /// Rows that a condition holds for.
-    pub fn select(&self, condition: impl Fn(&Row) -> bool) -> Vec<&Row> {
-        self.rows.iter().filter(|row| condition(row)).collect()
+/// Which rows a number is the mean of; what is absent may be anything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Query<'a> {
+    /// `grid`, `density`, `battery`, `variation` or `range`.
+    pub experiment: &'a str,
+    /// `mission` or `paper`.
+    pub preset: &'a str,
+    /// Baseline or learner.
+    pub policy: &'a str,
+    /// Pilot rule.
+    pub pilot: &'a str,
+    /// UAVs.
+    pub uavs: Option<u32>,
+    /// Hotspots.
+    pub hotspots: Option<u32>,
+    /// What the experiment varies.
+    pub x: Option<f64>,
+}
+
+impl<'a> Query<'a> {
+    /// Every campaign of an experiment that one policy has flown with one pilot rule.
+    pub const fn new(
+        experiment: &'a str,
+        preset: &'a str,
+        (policy, pilot): (&'a str, &'a str),
+    ) -> Self {
+        Query {
+            experiment,
+            preset,
+            policy,
+            pilot,
+            uavs: None,
+            hotspots: None,
+            x: None,
+        }
+    }
+
+    /// Only at a fleet size.
+    #[must_use]
+    pub const fn uavs(self, uavs: u32) -> Self {
+        Query {
+            uavs: Some(uavs),
+            ..self
+        }
+    }
+
+    /// Only at a number of hotspots.
+    #[must_use]
+    pub const fn hotspots(self, hotspots: u32) -> Self {
+        Query {
+            hotspots: Some(hotspots),
+            ..self
+        }
+    }
+
+    /// Only at a value of what the experiment varies.
+    #[must_use]
+    pub const fn x(self, x: f64) -> Self {
+        Query { x: Some(x), ..self }
+    }
+
+    /// Its rows, in the order in which they were flown.
+    pub fn rows<'t>(&self, table: &'t Table) -> Vec<&'t Row> {
+        let is = |wanted: Option<u32>, value: u32| wanted.is_none_or(|wanted| wanted == value);
+        let wanted = |row: &&Row| {
+            row.experiment == self.experiment
+                && row.preset == self.preset
+                && row.policy == self.policy
+                && row.pilot == self.pilot
+                && is(self.uavs, row.uavs)
+                && is(self.hotspots, row.hotspots)
+                && self.x.is_none_or(|x| row.x == x)
+        };
+        table.rows.iter().filter(wanted).collect()
+    }
+
+    /// The mean over its rows; none without rows.
+    pub fn mean(&self, table: &Table, quantity: Quantity) -> Option<Estimate> {
+        mean(&self.rows(table), quantity)
     }
 }
 
@@ -211,4 +319,17 @@ pub fn mean(rows: &[&Row], quantity: Quantity) -> Option<Estimate> {
         low: over(|e| e.low),
         high: over(|e| e.high),
     })
+}
+
+/// The numbers of hotspots among rows, rising.
+pub fn numbers_of_hotspots(rows: &[&Row]) -> Vec<u32> {
+    let numbers: std::collections::BTreeSet<u32> = rows.iter().map(|row| row.hotspots).collect();
+    numbers.into_iter().collect()
+}
+
+/// Whether a policy of the table is a script, not learnt.
+pub fn is_baseline(policy: &str) -> bool {
+    policy
+        .parse::<jcas_evaluate::policy::BaselineKind>()
+        .is_ok()
 }

@@ -1,5 +1,6 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
+use jcas_core::Preset;
 use jcas_reproduce::plan::{Scale, variations};
 use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
@@ -58,6 +59,9 @@ fn scale() -> Scale {
         variations: variations()[..2].to_vec(),
         densities: vec![0.01, 0.3],
         renewable_shares: vec![0.0, 1.0],
+        ranges: vec![1.0, 3.0, 5.0],
+        trained_ranges: (vec![3.0], vec![(10, 1)]),
+        presets: vec![Preset::Paper, Preset::Mission],
         ..quick
     }
 }
@@ -73,13 +77,16 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     assert_eq!(done, Progress::Finished);
 
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
-    // Per cell ten baselines and two learned policies; then densities, batteries, the paper's cells and
-    // variations.
+    let learners = scale().learners().len();
+    // Per cell and preset fifteen baselines and two learned policies; then densities, batteries, the
+    // paper's cells, variations, and per range and cell two scripts and a few trainings.
     assert_eq!(
         results.lines().count(),
-        1 + 4 * 12 + 2 * 2 + 2 * 2 + 2 * 2 + 2
+        1 + 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners
     );
     for file in [
+        "success_over_range",
+        "paper_success_over_uavs",
         "training_returns",
         "training_time",
         "success_over_uavs",
@@ -95,6 +102,9 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     }
     let page = std::fs::read_to_string(out.join("results.md")).unwrap();
     assert!(page.contains("success 0.73 at N = 10"), "{page}");
+    let numbers = page.find("| the paper | 0.73 | 0.97 |").unwrap();
+    assert!(numbers < page.find("The paper's claims").unwrap(), "{page}");
+    assert!(page.contains("For random the best range is"), "{page}");
     assert!(
         std::fs::read_to_string(out.join("report.html"))
             .unwrap()

@@ -9,7 +9,8 @@ use jcas_evaluate::{replay, trace};
 use super::trace::read_from;
 use crate::error::{CliError, Outcome};
 use crate::files;
-use crate::options::{EpisodeOptions, MissionOptions, PolicyFactory, PolicyOptions};
+use crate::learned::PolicyFactory;
+use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
-use jcas_reproduce::plan::Scale;
+use clap::{Args, ValueEnum};
+use jcas_reproduce::plan::{Part, Scale};
 use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
@@ -16,7 +16,35 @@ const EXAMPLES: &str = "\
 Examples:
   jcas reproduce --quick                  minutes; a smaller version of every part
   jcas reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped
-  jcas reproduce --paper-hotspots 5       the whole grid, the paper's own training at n = 5 only";
+  jcas reproduce --paper-hotspots 5       the whole grid, the paper's own training at n = 5 only
+  jcas reproduce --only sensing-range     which sensing range the paper's two success rates imply";
+
+/// A part that can be done by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Only {
+    /// Scripted policies over the grid
+    Baselines,
+    /// Success over the sensing range, and which range fits the paper's numbers
+    SensingRange,
+    /// The paper's training in each cell
+    Paper,
+    /// One policy for the whole grid, with our settings
+    Tuned,
+    /// The paper's training with one thing changed at a time
+    Variations,
+}
+
+impl From<Only> for Part {
+    fn from(only: Only) -> Part {
+        match only {
+            Only::Baselines => Part::Baselines,
+            Only::SensingRange => Part::SensingRange,
+            Only::Paper => Part::Paper,
+            Only::Tuned => Part::Tuned,
+            Only::Variations => Part::Variations,
+        }
+    }
+}
 
 /// Train, fly and draw the paper's results: CSV, SVG, PNG, one HTML report, claims in Markdown
 ///
@@ -27,6 +55,9 @@ pub struct Reproduce {
     /// A smaller version of every part, in minutes
     #[arg(long)]
     quick: bool,
+    /// Do only these parts, with commas; the pages show whatever is in the folder
+    #[arg(long, value_enum, value_name = "PART", value_delimiter = ',')]
+    only: Vec<Only>,
     /// Training seeds
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=100))]
     seeds: u64,
@@ -57,6 +88,7 @@ impl Reproduce {
         } else {
             Scale::full(self.seeds)
         };
+        let scale = scale.parts(self.only.iter().copied().map(Part::from).collect());
         let scale = scale.only(&self.uavs, &self.hotspots, &self.paper_hotspots);
         files::prepare_folder(&self.out)?;
         let progress = self

@@ -9,7 +9,8 @@ use jcas_evaluate::statistics::Summary;
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
-use crate::options::{MissionOptions, PolicyFactory, PolicyOptions, ThreadOptions};
+use crate::learned::PolicyFactory;
+use crate::options::{MissionOptions, PolicyOptions, ThreadOptions};
 use crate::{files, interrupt, learned, progress};
 
 const EXAMPLES: &str = "\

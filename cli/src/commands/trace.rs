@@ -11,7 +11,8 @@ use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
 use crate::files;
-use crate::options::{EpisodeOptions, MissionOptions, PolicyFactory, PolicyOptions};
+use crate::learned::PolicyFactory;
+use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions};
 
 const RECORD_EXAMPLES: &str = "\
 Examples:

@@ -8,21 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, RGBAColor, ShapeStyle, TextStyle};
 
 use super::font::font;
-use super::palette::{Marker, PAPER};
-
-/// Red, green, blue, opacity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Colour(pub u8, pub u8, pub u8, pub f64);
-
-impl Colour {
-    pub(super) fn opacity(self, opacity: f64) -> Self {
-        Self(self.0, self.1, self.2, opacity)
-    }
-
-    fn rgba(self) -> RGBAColor {
-        RGBAColor(self.0, self.1, self.2, self.3)
-    }
-}
+use super::palette::{Colour, Marker, PAPER};
 
 pub(super) type Place = (f64, f64);
 
@@ -185,7 +171,7 @@ impl Canvas {
                     width,
                 } => {
                     let style = ShapeStyle {
-                        color: colour.rgba(),
+                        color: rgba(*colour),
                         filled: false,
                         stroke_width: (width * scale).round().max(1.0) as u32,
                     };
@@ -196,14 +182,14 @@ impl Canvas {
                 }
                 Shape::Fill { points, colour } => {
                     let corners: Vec<_> = points.iter().copied().map(pixel).collect();
-                    area.draw(&Polygon::new(corners, colour.rgba()))?;
+                    area.draw(&Polygon::new(corners, rgba(*colour)))?;
                 }
                 Shape::Box { from, to, colour } => {
-                    let style = ShapeStyle::from(colour.rgba()).filled();
+                    let style = ShapeStyle::from(rgba(*colour)).filled();
                     area.draw(&Rectangle::new([pixel(*from), pixel(*to)], style))?;
                 }
                 Shape::Disc { at, radius, colour } => {
-                    let style = ShapeStyle::from(colour.rgba()).filled();
+                    let style = ShapeStyle::from(rgba(*colour)).filled();
                     area.draw(&Circle::new(
                         pixel(*at),
                         (radius * scale).round() as i32,
@@ -227,7 +213,7 @@ impl Canvas {
                     } else {
                         FontTransform::None
                     };
-                    let colour = kind.colour.rgba();
+                    let colour = rgba(kind.colour);
                     let style =
                         TextStyle::from(font(kind.size * scale, kind.bold).transform(turned))
                             .color(&colour)
@@ -244,6 +230,10 @@ impl Canvas {
         }
         Ok(())
     }
+}
+
+fn rgba(Colour(red, green, blue, opacity): Colour) -> RGBAColor {
+    RGBAColor(red, green, blue, opacity)
 }
 
 /// Cuts a polyline into the strokes of a dash pattern (on, off, on, off, …); an empty pattern leaves it whole.

@@ -1,12 +1,12 @@
 //! A table of numbers, each on a colour that grows darker with it.
 
 use super::Axis;
-use super::canvas::{Align, Canvas, Colour, Type};
-use super::chart::{CAPTION, LABEL, MARGIN, NOTE, header};
+use super::canvas::{Align, Canvas, Type};
 use super::font::text_width;
 use super::output::Draw;
-use super::palette::{GRID, PAPER, TEXT, heat};
+use super::palette::{Colour, GRID, PAPER, TEXT, heat};
 use super::scale::{Extent, number, short_number};
+use super::style::{CAPTION, LABEL, MARGIN, NOTE, header};
 
 /// A heat table: categories across and down, one value for each pair.
 #[derive(Clone, Debug)]

@@ -2,9 +2,10 @@
 //! end; else the names are a list.
 
 use super::canvas::{Align, Canvas};
-use super::chart::{LABEL, MARGIN, Plot};
 use super::font::{text_width, wrap};
 use super::palette::look;
+use super::plot::Plot;
+use super::style::{LABEL, MARGIN};
 use super::{Figure, Mark, Series};
 
 /// A stroke and a marker as the series has them.

@@ -16,8 +16,10 @@ mod legend;
 mod output;
 mod palette;
 mod panels;
+mod plot;
 pub mod report;
 mod scale;
+mod style;
 
 pub use heat::HeatTable;
 pub use output::{Draw, FigureError};

@@ -1,6 +1,14 @@
 //! What tells series apart: colour (after Okabe and Ito, darkened where white paper asks for it), marker and dash.
 
-use super::canvas::Colour;
+/// Red, green, blue, opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Colour(pub u8, pub u8, pub u8, pub f64);
+
+impl Colour {
+    pub(super) fn opacity(self, opacity: f64) -> Self {
+        Self(self.0, self.1, self.2, opacity)
+    }
+}
 
 pub(super) const TEXT: Colour = Colour(0x1f, 0x27, 0x33, 1.0);
 pub(super) const MUTED: Colour = Colour(0x5a, 0x66, 0x7b, 1.0);

@@ -2,10 +2,11 @@
 
 use super::Figure;
 use super::canvas::{Align, Canvas};
-use super::chart::{CAPTION, Plot, Rect, header};
 use super::legend::{self, Name, ROW_HEIGHT};
 use super::output::Draw;
+use super::plot::{Plot, Rect};
 use super::scale::Extent;
+use super::style::{CAPTION, MARGIN, header};
 
 /// Figures that share their vertical axis, their names and colours.
 #[derive(Clone, Debug)]
@@ -22,7 +23,6 @@ pub struct Panels {
 
 const PANEL_WIDTH: f64 = 280.0;
 const PANEL_HEIGHT: f64 = 250.0;
-const MARGIN: f64 = super::chart::MARGIN;
 
 impl Panels {
     fn rows(&self) -> usize {

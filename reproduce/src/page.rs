@@ -1,0 +1,369 @@
+//! The pages of a reproduction: Markdown, and one HTML report with every figure.
+
+use crate::bars::{self, bars};
+use crate::claims::{self, Judged, Verdict};
+use crate::curves::Curve;
+use crate::figures::{self, PICTURES};
+use crate::fit::PAPER;
+use crate::plan::Scale;
+use crate::range::{self, Study};
+use crate::table::{Quantity, Query, Table, mean, numbers_of_hotspots};
+use crate::text;
+use jcas_core::Preset;
+use jcas_evaluate::figures::report::{Cell, Report, Table as ReportTable, Tone};
+use jcas_evaluate::figures::{Draw, FigureError};
+use jcas_train::error::TrainError;
+use jcas_train::run::EVALUATION_SEED;
+use jcas_train::store::write_whole;
+use std::path::Path;
+
+/// All that pages are made of.
+pub struct Results<'a> {
+    /// What was to be done.
+    pub scale: &'a Scale,
+    /// What was flown.
+    pub table: &'a Table,
+    /// What was trained with the paper's settings.
+    pub curves: &'a [Curve],
+}
+
+const NUMBERS_HEAD: [&str; 5] = [
+    "in the preset `paper`",
+    "success at N = 10",
+    "success at N = 15",
+    "steps at N = 10",
+    "steps at N = 15",
+];
+const CLAIMS_HEAD: [&str; 4] = ["the paper", "who", "measured here", ""];
+const VARIATION_HEAD: [&str; 6] = [
+    "changed",
+    "tests",
+    "success",
+    "steps",
+    "energy (kWh)",
+    "throughput",
+];
+
+impl Results<'_> {
+    /// The paper's two numbers and what policies do about them.
+    fn numbers(&self) -> Vec<[String; 5]> {
+        let learners = self.scale.learners();
+        let learned = learners
+            .iter()
+            .map(|learner| (learner.title, learner.name, "adaptive"));
+        let policies = [
+            ("a random walk", "random", "mid"),
+            ("the best script, `teams`", "teams", "max"),
+        ]
+        .into_iter()
+        .chain(learned)
+        .chain([("our settings", "learned", "adaptive")]);
+        let paper = [
+            "the paper".to_owned(),
+            format!("{}", PAPER[0].rate),
+            format!("{}", PAPER[1].rate),
+            String::new(),
+            String::new(),
+        ];
+        let measured = policies.map(|(title, policy, pilot)| {
+            let at = |uavs, quantity: Quantity| {
+                let query = Query::new("grid", Preset::Paper.name(), (policy, pilot)).uavs(uavs);
+                let rows = query.rows(self.table);
+                let Some(e) = mean(&rows, quantity) else {
+                    return "not run".to_owned();
+                };
+                let digits = quantity.digits();
+                let numbers = numbers_of_hotspots(&rows);
+                let over = if numbers == self.scale.hotspots {
+                    String::new()
+                } else {
+                    let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
+                    format!(" (n = {})", numbers.join(", "))
+                };
+                format!("{:.digits$}{over}", e.value)
+            };
+            [
+                title.to_owned(),
+                at(10, Quantity::Success),
+                at(15, Quantity::Success),
+                at(10, Quantity::Steps),
+                at(15, Quantity::Steps),
+            ]
+        });
+        [paper].into_iter().chain(measured).collect()
+    }
+
+    fn claims(&self) -> Vec<Judged> {
+        claims::judge(self.scale, self.table, self.curves)
+    }
+
+    /// What becomes of the paper's training when one thing is changed; first as the paper has it.
+    fn variations(&self) -> Vec<[String; 6]> {
+        let Some((uavs, hotspots)) = self.scale.variation_cell() else {
+            return Vec::new();
+        };
+        let line = |experiment, name: &str, shown: &str, tests: &str| -> Option<[String; 6]> {
+            let query = Query::new(experiment, Preset::Paper.name(), (name, "adaptive"));
+            let rows = query.uavs(uavs).hotspots(hotspots).rows(self.table);
+            let of = |quantity: Quantity| {
+                let e = mean(&rows, quantity)?;
+                let digits = quantity.digits();
+                Some(format!(
+                    "{:.digits$} [{:.digits$}, {:.digits$}]",
+                    e.value, e.low, e.high
+                ))
+            };
+            Some([
+                shown.to_owned(),
+                tests.to_owned(),
+                of(Quantity::Success)?,
+                of(Quantity::Steps)?,
+                of(Quantity::Energy)?,
+                of(Quantity::Throughput)?,
+            ])
+        };
+        let unchanged = line(
+            "grid",
+            "ppo",
+            "nothing",
+            "the paper's equations and settings",
+        );
+        let changed = self.scale.variations.iter().filter_map(|variation| {
+            line("variation", variation.name, variation.name, variation.tests)
+        });
+        let changed: Vec<_> = changed.collect();
+        if changed.is_empty() {
+            return Vec::new();
+        }
+        unchanged.into_iter().chain(changed).collect()
+    }
+
+    fn summary(&self) -> String {
+        format!(
+            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s); means over n = {}, \
+             or over the numbers that stand beside a value",
+            self.scale.episodes,
+            self.scale.seeds.len(),
+            self.scale
+                .hotspots
+                .iter()
+                .map(u32::to_string)
+                .collect::<Vec<_>>()
+                .join(", ")
+        )
+    }
+
+    /// The Markdown page, with the pictures that lie in `pictures` (relative to the page).
+    pub fn markdown(&self, pictures: &str) -> String {
+        let quick = if self.scale.name == "quick" {
+            " --quick"
+        } else {
+            ""
+        };
+        let mut text = format!(
+            "# Results\n\nMade by `jcas reproduce{quick}` from its `results.csv`: {}.\n\n## The paper's two numbers\n\n",
+            self.summary()
+        );
+        text += &text::table(NUMBERS_HEAD, &self.numbers());
+        if let Some(study) = Study::of(self.scale, self.table) {
+            text += "\n## What the paper's two numbers imply\n\n";
+            text += &study.text();
+            text += "\n";
+            text += &text::table(range::HEAD, &study.rows());
+            text += &format!(
+                "\n![Success over the sensing range]({pictures}{}.png)\n",
+                figures::RANGE
+            );
+        }
+        text += "\n## The paper's claims\n\n";
+        let rows: Vec<[String; 4]> = self
+            .claims()
+            .into_iter()
+            .map(|c| {
+                [
+                    c.claim.to_owned(),
+                    c.reading,
+                    c.measured,
+                    c.verdict.text().to_owned(),
+                ]
+            })
+            .collect();
+        text += &text::table(CLAIMS_HEAD, &rows);
+        for &preset in &self.scale.presets {
+            let rows: Vec<[String; 8]> = bars(self.scale, self.table, preset)
+                .iter()
+                .map(bars::Bar::texts)
+                .collect();
+            if rows.is_empty() {
+                continue;
+            }
+            text += &format!(
+                "\n## Every cell of the preset `{}` against the best baseline\n\nThe best baseline has the highest \
+                 success, then the shortest missions, among five baselines with three pilot rules.\n\n",
+                preset.name()
+            );
+            text += &text::table(bars::HEAD, &rows);
+        }
+        let variations = self.variations();
+        if let (Some((uavs, hotspots)), false) =
+            (self.scale.variation_cell(), variations.is_empty())
+        {
+            text += &format!(
+                "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
+                 n = {hotspots}, with one thing changed at a time.\n\n"
+            );
+            text += &text::table(VARIATION_HEAD, &variations);
+        }
+        text += "\n## Pictures\n";
+        for picture in self.pictures() {
+            text += &format!("\n![{}]({pictures}{}.png)\n", picture.title, picture.name);
+        }
+        text
+    }
+
+    /// Those of the pictures on the Markdown page that show something.
+    pub fn pictures(&self) -> impl Iterator<Item = &'static figures::Picture> {
+        PICTURES
+            .iter()
+            .filter(|picture| picture.on_page && picture.shows(self))
+    }
+
+    /// Draws every figure and writes the report.
+    pub fn write(&self, out: &Path) -> Result<(), TrainError> {
+        let mut report = Report::new(
+            "The paper's results, measured here",
+            &format!(
+                "A {} reproduction on this machine: {}.",
+                self.scale.name,
+                self.summary()
+            ),
+        );
+        report.section("The paper's two numbers");
+        report.table(&plain(
+            "Success and mission time",
+            NUMBERS_HEAD,
+            self.numbers(),
+        ));
+        let mut gallery = Gallery {
+            report: &mut report,
+            out,
+            section: String::new(),
+        };
+        if let Some(study) = Study::of(self.scale, self.table) {
+            gallery.begin("What the paper's two numbers imply");
+            gallery.report.text(&study.text());
+            gallery.add(figures::RANGE, &study.figure(self.scale, self.table))?;
+            gallery
+                .report
+                .table(&plain("Best ranges", range::HEAD, study.rows()));
+        }
+        gallery.begin("Claims");
+        gallery
+            .report
+            .text("What the paper says, what was measured here, and whether it holds.");
+        gallery.report.table(&judged_table(self.claims()));
+        for picture in PICTURES.iter().filter(|picture| picture.shows(self)) {
+            gallery.begin(picture.section);
+            gallery.add(picture.name, &picture.draw(self, out)?)?;
+        }
+        for &preset in &self.scale.presets {
+            let rows = bars(self.scale, self.table, preset);
+            if rows.is_empty() {
+                continue;
+            }
+            gallery.begin(&format!(
+                "Every cell of the preset `{}` against the best baseline",
+                preset.name()
+            ));
+            gallery.report.table(&bar_table(&rows));
+        }
+        let variations = self.variations();
+        if !variations.is_empty() {
+            gallery.begin("What the paper's training hangs on");
+            let caption = "The paper's training with one thing changed";
+            gallery
+                .report
+                .table(&plain(caption, VARIATION_HEAD, variations));
+        }
+        let path = out.join("report.html");
+        report.write(&path).map_err(|error| drawn(&path)(error))
+    }
+}
+
+fn plain<const K: usize>(caption: &str, head: [&str; K], rows: Vec<[String; K]>) -> ReportTable {
+    ReportTable {
+        caption: caption.to_owned(),
+        head: head.map(str::to_owned).to_vec(),
+        rows: rows
+            .into_iter()
+            .map(|row| row.map(Cell::from).to_vec())
+            .collect(),
+    }
+}
+
+fn judged_table(judged: Vec<Judged>) -> ReportTable {
+    let row = |judged: Judged| {
+        let tone = match judged.verdict {
+            Verdict::Holds | Verdict::Exceeded => Tone::Good,
+            Verdict::Fails => Tone::Bad,
+            Verdict::NotMeasured => Tone::Plain,
+        };
+        vec![
+            judged.claim.into(),
+            judged.reading.into(),
+            judged.measured.into(),
+            Cell::from(judged.verdict.text()).tone(tone),
+        ]
+    };
+    ReportTable {
+        caption: "The paper's claims".to_owned(),
+        head: CLAIMS_HEAD.map(str::to_owned).to_vec(),
+        rows: judged.into_iter().map(row).collect(),
+    }
+}
+
+fn bar_table(rows: &[bars::Bar]) -> ReportTable {
+    let row = |bar: &bars::Bar| {
+        let mut cells = bar.texts().map(Cell::from).to_vec();
+        let good = bar.success_holds() && bar.time_holds();
+        let last = cells.len() - 1;
+        cells[last].tone = if good { Tone::Good } else { Tone::Bad };
+        cells
+    };
+    ReportTable {
+        caption: "Learned policy beside the best baseline on the same missions".to_owned(),
+        head: bars::HEAD.map(str::to_owned).to_vec(),
+        rows: rows.iter().map(row).collect(),
+    }
+}
+
+fn drawn(path: &Path) -> impl FnOnce(FigureError) -> TrainError {
+    TrainError::format(path)
+}
+
+struct Gallery<'a> {
+    report: &'a mut Report,
+    out: &'a Path,
+    section: String,
+}
+
+impl Gallery<'_> {
+    /// Starts a section unless it has begun.
+    fn begin(&mut self, heading: &str) {
+        if self.section != heading {
+            self.report.section(heading);
+            heading.clone_into(&mut self.section);
+        }
+    }
+
+    /// A figure in the report and in files of its own.
+    fn add(&mut self, name: &str, figure: &impl Draw) -> Result<(), TrainError> {
+        let svg = self.out.join(format!("{name}.svg"));
+        let text = figure.svg().map_err(drawn(&svg))?;
+        write_whole(&svg, text.as_bytes())?;
+        let png = self.out.join(format!("{name}.png"));
+        write_whole(&png, &figure.png().map_err(drawn(&png))?)?;
+        self.report.figure(figure, "").map_err(drawn(&svg))?;
+        Ok(())
+    }
+}
