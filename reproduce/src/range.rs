@@ -257,7 +257,7 @@ impl Study {
         text += "\n\nWhat this cannot tell: the paper's averages may run over other missions than its table of settings \
                  says, its two numbers are rounded, and a policy and a range can make up for each other, so a fit \
                  shows that a policy in such a world is compatible with the numbers, not that it made them. The \
-                 simulated rates are taken as known; they rest on at least ten times as many missions as the paper's.\n";
+                 simulated rates are taken as known, without an error of their own.\n";
         text
     }
 }
