@@ -3,8 +3,8 @@
 
 use crate::curves::Curve;
 use crate::fit::PAPER;
-use crate::page::Results;
 use crate::plan::Scale;
+use crate::results::Results;
 use crate::table::{Quantity, Query, Row, Table, mean};
 use crate::text::capital;
 use jcas_core::Preset;

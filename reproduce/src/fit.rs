@@ -89,6 +89,13 @@ pub struct Fit {
     pub p_value: Option<f64>,
 }
 
+impl Fit {
+    /// Whether the published rates together speak against the model at 5 %.
+    pub fn refused(&self) -> bool {
+        self.p_value.is_some_and(|p| p < 1.0 - CONFIDENCE)
+    }
+}
+
 /// Successes and failures weighted by the logarithms of their probabilities; 0 ln 0 is 0.
 fn log_likelihood(published: Published, rate: f64) -> f64 {
     let term = |count: f64, p: f64| if count == 0.0 { 0.0 } else { count * p.ln() };
@@ -219,6 +226,7 @@ mod tests {
         assert!((fit.value - 0.5).abs() < 1e-9);
         assert!((fit.deviance - 8.0542).abs() < 1e-3, "{}", fit.deviance);
         assert!((fit.p_value.unwrap() - 0.00454).abs() < 1e-4, "{fit:?}");
+        assert!(fit.refused());
         assert!((fit.rates[0] - 0.5).abs() < 1e-6 && (fit.rates[1] - 0.5).abs() < 1e-6);
     }
 

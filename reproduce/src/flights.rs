@@ -1,10 +1,10 @@
 //! Training and flying what the table lacks.
 
 use crate::approach;
+use crate::narrator::{Narrator, Progress};
 use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Variation};
 use crate::range;
 use crate::table::{Key, Table};
-use crate::{Narrator, Progress};
 use jcas_core::{Config, Model, Preset};
 use jcas_evaluate::mission::{Campaign, fly};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
@@ -163,7 +163,7 @@ impl Flights<'_> {
         for cells in self.scale.ranges.clone() {
             for cell in self.scale.cells() {
                 let config = self.scale.ranged(cells, cell);
-                for (kind, pilot) in range::SCRIPTED {
+                for (_, kind, pilot) in range::SCRIPTED {
                     let flown = (kind.name(), pilot.name());
                     let campaign = (range::EXPERIMENT, cells);
                     let key = key(campaign, Preset::Paper, &config, (flown.0, &flown.1), 0);

@@ -11,35 +11,22 @@ pub mod curves;
 pub mod figures;
 pub mod fit;
 mod flights;
-pub mod page;
+mod narrator;
+mod page;
 pub mod plan;
 pub mod range;
+pub mod results;
 pub mod table;
 mod text;
 
 use jcas_train::error::TrainError;
-use jcas_train::run::Observer;
 use jcas_train::store::write_whole;
-use page::Results;
+pub use narrator::{Narrator, Progress};
 use plan::Scale;
 use range::Study;
+use results::Results;
 use std::path::Path;
 use table::Table;
-
-/// What is told while it runs; also how it is stopped.
-pub trait Narrator: Observer {
-    /// What begins now.
-    fn chapter(&mut self, title: &str);
-}
-
-/// Whether everything was done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// All rows are there.
-    Finished,
-    /// Stopped when asked; figures and report show what was done.
-    Stopped,
-}
 
 /// Trains and flies whatever is missing, then draws and writes what is there, also when stopped.
 pub fn reproduce(

@@ -2,12 +2,11 @@
 
 use crate::bars::{self, bars};
 use crate::claims::{self, Judged, Verdict};
-use crate::curves::Curve;
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
-use crate::plan::Scale;
 use crate::range::{self, Study};
-use crate::table::{Quantity, Query, Table, mean, numbers_of_hotspots};
+use crate::results::Results;
+use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
 use crate::text;
 use jcas_core::Preset;
 use jcas_evaluate::figures::report::{Cell, Report, Table as ReportTable, Tone};
@@ -16,16 +15,6 @@ use jcas_train::error::TrainError;
 use jcas_train::run::EVALUATION_SEED;
 use jcas_train::store::write_whole;
 use std::path::Path;
-
-/// All that pages are made of.
-pub struct Results<'a> {
-    /// What was to be done.
-    pub scale: &'a Scale,
-    /// What was flown.
-    pub table: &'a Table,
-    /// What was trained with the paper's settings.
-    pub curves: &'a [Curve],
-}
 
 const NUMBERS_HEAD: [&str; 5] = [
     "in the preset `paper`",

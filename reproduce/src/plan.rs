@@ -222,13 +222,10 @@ impl Scale {
         self
     }
 
-    /// Only these parts; none given: all.
+    /// Only these parts.
     #[must_use]
-    pub fn parts(mut self, parts: Vec<Part>) -> Scale {
-        if !parts.is_empty() {
-            self.parts = parts;
-        }
-        self
+    pub fn parts(self, parts: Vec<Part>) -> Scale {
+        Scale { parts, ..self }
     }
 
     /// Who trains with the paper's settings.

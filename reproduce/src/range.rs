@@ -14,9 +14,9 @@ use jcas_evaluate::statistics::wilson;
 pub const EXPERIMENT: &str = "range";
 
 /// Who flies without training: a fleet that ignores what it sees, and one that goes to each hotspot together.
-pub const SCRIPTED: [(BaselineKind, PilotMode); 2] = [
-    (BaselineKind::Random, PilotMode::Mid),
-    (BaselineKind::Swarm, PilotMode::Max),
+pub const SCRIPTED: [(&str, BaselineKind, PilotMode); 2] = [
+    ("a random walk", BaselineKind::Random, PilotMode::Mid),
+    ("`swarm`", BaselineKind::Swarm, PilotMode::Max),
 ];
 
 /// The pilot rule of who learns to choose its density.
@@ -92,7 +92,7 @@ impl Studied {
             });
             figure = figure.with(Series::line(format!("N = {uavs}"), points.collect()));
         }
-        if let Some(fit) = &self.fit {
+        if let Some(fit) = self.fit.as_ref().filter(|fit| !fit.refused()) {
             for published in PAPER {
                 let successes = (published.rate * published.missions).round() as u64;
                 let interval = wilson(successes, published.missions as u64);
@@ -117,16 +117,19 @@ impl Studied {
             .zip(&fit.rates)
             .map(|(published, rate)| format!("{rate:.2} at N = {}", published.uavs))
             .collect();
-        let verdict = match fit.p_value {
-            Some(p) if p < 0.05 => "which the paper's two numbers refuse at 5 %",
-            _ => "with which both of the paper's numbers are compatible",
-        };
+        let rates = rates.join(" and ");
+        let (value, metres) = (fit.value, fit.value * cell_size_m);
+        if fit.refused() {
+            return format!(
+                "{} fits the two numbers at no range: at the best of them, {value:.2} cells, it succeeds in {rates} \
+                 (deviance {:.0}). ",
+                capital(&self.title),
+                fit.deviance
+            );
+        }
         format!(
-            "For {} the best range is {:.2} cells ({:.0} m), where it succeeds in {}, {verdict} (deviance {:.2}). ",
-            self.title,
-            fit.value,
-            fit.value * cell_size_m,
-            rates.join(" and "),
+            "{} fits both at {value:.2} cells ({metres:.0} m), where it succeeds in {rates} (deviance {:.2}). ",
+            capital(&self.title),
             fit.deviance,
         )
     }
@@ -145,10 +148,15 @@ impl Studied {
             Some(p) => format!("{p:.3}"),
             None => String::new(),
         };
+        let interval = format!("{:.2} [{}, {}]", fit.value, end(fit.low), end(fit.high));
         [
             self.title.clone(),
             n.join(", "),
-            format!("{:.2} [{}, {}]", fit.value, end(fit.low), end(fit.high)),
+            if fit.refused() {
+                format!("none (nearest {:.2})", fit.value)
+            } else {
+                interval
+            },
             format!("{:.0}", fit.value * cell_size_m),
             fit.rates
                 .iter()
@@ -185,7 +193,7 @@ pub const HEAD: [&str; 7] = [
 impl Study {
     /// Of the rows that are there; none without any.
     pub fn of(scale: &Scale, table: &Table) -> Option<Study> {
-        let scripted = SCRIPTED.map(|(kind, pilot)| (kind.name(), kind.name(), pilot.name()));
+        let scripted = SCRIPTED.map(|(title, kind, pilot)| (title, kind.name(), pilot.name()));
         let learners = scale.learners();
         let learners = learners
             .iter()

@@ -32,16 +32,19 @@ enum Only {
     Tuned,
     /// The paper's training with one thing changed at a time
     Variations,
+    /// Nothing new: the pages and figures again, from what is there
+    Pages,
 }
 
-impl From<Only> for Part {
-    fn from(only: Only) -> Part {
-        match only {
-            Only::Baselines => Part::Baselines,
-            Only::SensingRange => Part::SensingRange,
-            Only::Paper => Part::Paper,
-            Only::Tuned => Part::Tuned,
-            Only::Variations => Part::Variations,
+impl Only {
+    fn part(self) -> Option<Part> {
+        match self {
+            Only::Baselines => Some(Part::Baselines),
+            Only::SensingRange => Some(Part::SensingRange),
+            Only::Paper => Some(Part::Paper),
+            Only::Tuned => Some(Part::Tuned),
+            Only::Variations => Some(Part::Variations),
+            Only::Pages => None,
         }
     }
 }
@@ -88,7 +91,11 @@ impl Reproduce {
         } else {
             Scale::full(self.seeds)
         };
-        let scale = scale.parts(self.only.iter().copied().map(Part::from).collect());
+        let scale = if self.only.is_empty() {
+            scale
+        } else {
+            scale.parts(self.only.iter().filter_map(|only| only.part()).collect())
+        };
         let scale = scale.only(&self.uavs, &self.hotspots, &self.paper_hotspots);
         files::prepare_folder(&self.out)?;
         let progress = self
