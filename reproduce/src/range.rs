@@ -80,7 +80,7 @@ impl Studied {
 
     fn panel(&self, scale: &Scale, table: &Table) -> Figure {
         let mut figure = Figure::new(
-            self.title.clone(),
+            self.title.replace('`', ""),
             Axis::new("sensing range", "cells"),
             Axis::new(Quantity::Success.title(), "").span(0.0, 1.0),
         );
