@@ -2,7 +2,8 @@
  *
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) && ./a.out policies/fleet/policy.safetensors
  *
- * In place of a file, the name of a baseline: random, greedy, swarm, teams or sweep.
+ * In place of a file, the name of a baseline: random, greedy, swarm, teams, sweep, line,
+ * frontier or relay.
  */
 #include <jcas.h>
 #include <inttypes.h>

@@ -33,6 +33,7 @@ function readEpisode({ header, steps, end }) {
   for (const frame of frames) frame.knownBy = countKnowers(episode, frame);
   countMoves(frames);
   episode.firstVisit = firstVisits(episode);
+  episode.searchedAt = firstSearches(episode);
   episode.confirmedAt = firstSteps(frames, episode.hotspotCount, (frame) => frame.confirmed);
   episode.informedAt = firstSteps(frames, episode.hotspotCount, (frame) => frame.informed);
   episode.series = readSeries(episode);
@@ -74,6 +75,38 @@ function firstVisits({ frames }) {
     }
   });
   return [...seen.values()];
+}
+
+/**
+ * For each UAV the step from which on it knows a cell (row by row from below) to have been looked at, Infinity where
+ * it never does; null without search maps. Positions, grounded UAVs and links are all that this takes.
+ */
+function firstSearches({ config, frames, uavCount }) {
+  if (config.search_maps !== 'shared') return null;
+  const [width, height] = [config.grid_width, config.grid_height];
+  const squared = (config.search_map_radius_m / config.cell_size_m) ** 2;
+  const at = Array.from({ length: uavCount }, () => new Float64Array(width * height).fill(Infinity));
+  for (let t = 1; t < frames.length; t += 1) {
+    const { positions, grounded, links } = frames[t];
+    positions.forEach(([px, py], id) => {
+      if (grounded.has(id)) return;
+      for (let cell = 0; cell < width * height; cell += 1) {
+        const [dx, dy] = [(cell % width) - px, Math.floor(cell / width) - py];
+        if (dx * dx + dy * dy <= squared) at[id][cell] = Math.min(at[id][cell], t);
+      }
+    });
+    const leader = at.map((_, id) => id);
+    const find = (id) => { while (leader[id] !== id) id = leader[id]; return id; };
+    for (const [i, k] of links) leader[find(i)] = find(k);
+    const known = new Map();
+    at.forEach((map, id) => {
+      const root = find(id);
+      if (!known.has(root)) known.set(root, new Set());
+      map.forEach((since, cell) => { if (since <= t) known.get(root).add(cell); });
+    });
+    at.forEach((map, id) => { for (const cell of known.get(find(id))) map[cell] = Math.min(map[cell], t); });
+  }
+  return at;
 }
 
 function readSeries({ frames, uavCount, hotspotCount }) {

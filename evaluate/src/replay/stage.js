@@ -20,6 +20,7 @@ function createStage(svg, episode, onSelect) {
   svg.setAttribute('viewBox', `${-margin} ${-glyph * 0.25} ${width + margin + glyph * 0.25} ${height + margin + glyph * 0.25}`);
 
   drawField();
+  const searched = drawSearched();
   const visited = episode.firstVisit.map(([x, y, t]) => {
     const [cx, cy] = centre([x, y]);
     return { t, node: element(svg, 'rect', { class: 'visited', x: cx - CELL / 2 + 0.5, y: cy - CELL / 2 + 0.5, width: CELL - 1, height: CELL - 1 }) };
@@ -50,6 +51,15 @@ function createStage(svg, episode, onSelect) {
     };
     for (let x = 0; x < config.grid_width; x += every) label((x + 0.5) * CELL, height + margin * 0.5, x);
     for (let y = 0; y < config.grid_height; y += every) label(-margin * 0.5, height - (y + 0.5) * CELL, y);
+  }
+
+  /** A square for each cell of the search maps; none without maps. */
+  function drawSearched() {
+    if (!episode.searchedAt) return [];
+    return Array.from(episode.searchedAt[0], (_, cell) => {
+      const [x, y] = centre([cell % config.grid_width, Math.floor(cell / config.grid_width)]);
+      return element(svg, 'rect', { class: 'searched', x: x - CELL / 2, y: y - CELL / 2, width: CELL, height: CELL });
+    });
   }
 
   function drawDepot(cell) {
@@ -189,6 +199,8 @@ function createStage(svg, episode, onSelect) {
   }
 
   function drawStep(t, frame, selection) {
+    const maps = selection.uav === undefined ? episode.searchedAt : [episode.searchedAt?.[selection.uav]];
+    searched.forEach((node, cell) => { node.style.visibility = maps.some((map) => map[cell] <= t) ? 'visible' : 'hidden'; });
     for (const { node, t: since } of visited) node.style.visibility = since <= t ? 'visible' : 'hidden';
     hotspots.forEach(({ group, title, known }, id) => {
       for (const node of [group, tags[id]]) {
