@@ -15,7 +15,7 @@ fi
 
 prefix=$CARGO_TARGET_DIR/installed/cargo-c
 echo "cargo-c"
-PATH=$tools/bin:$PATH cargo cinstall --locked --release --package jcas-ffi \
+PATH=$tools/bin:$PATH cargo cinstall --locked --profile dist --package jcas-ffi \
     --prefix="$prefix" --libdir=lib
 tests/package/use.sh pkg-config "$prefix"
 
@@ -23,7 +23,9 @@ echo "the README's snippets against that installation"
 .ci/snippets.sh "$prefix"
 
 echo "CMake, installed"
-tests/package/use.sh cmake "$(.ci/cmake_install.sh)"
+installed=$(.ci/cmake_install.sh)
+tests/package/use.sh cmake "$installed"
+tests/package/use.sh pkg-config "$installed"
 
 echo "CMake, add_subdirectory"
 tests/package/use.sh subdirectory

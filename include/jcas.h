@@ -7,12 +7,17 @@
  *   jcas_sim    one state of a model: one running mission.
  *   jcas_batch  many states of a model, stepped together.
  *
- * Statuses. Every function that can fail returns an int32_t: JCAS_OK (0) or a negative JCAS_ERROR_...
- *   After an error every output, buffer and handle is as it was.
+ * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative JCAS_ERROR_...
+ *   After an error every output, buffer and handle is as it was, but for the length of a text that did not
+ *   fit. `Statuses:` at a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be.
  * Memory. ..._new takes memory from the system; ..._init builds in memory of the caller, sized by
- *   ..._layout, and takes none. Both end with ..._free; every simulation and batch before its model.
- *   Pointers that are passed in are not kept, but for the memory of ..._init and the model of a
- *   simulation or batch. Apart from ..._new and texts, no call allocates.
+ *   ..._layout. Both end with ..._free; every simulation and batch before its model. Pointers that are
+ *   passed in are not kept, but for the memory of ..._init and the model of a simulation or batch.
+ *   Only ..._new and jcas_policy_load allocate, in one piece for each object, so that a program with an
+ *   allocator of its own gives it to everything by ..._layout and ..._init. Threads of a batch have stacks
+ *   from the system.
+ *   Where memory or threads cannot be had, the status is RESOURCES; nothing aborts, but for the baselines of
+ *   jcas_policy_baseline, which plan on the heap.
  * Pointers. Not NULL unless the function says so. A pointer that is NULL or misaligned, a handle of the
  *   wrong kind, closed or copied elsewhere, and a wrong number of elements each give a status; beyond
  *   that the caller promises that the memory is there, and that outputs overlap nothing.
@@ -20,14 +25,18 @@
  *   unless the function takes it as an argument.
  * Messages. `message`, where a function has one, receives why a configuration was refused, as a C string
  *   cut to message_capacity bytes; untouched otherwise. It may be NULL.
+ *   A configuration that is legal may still be hopeless: with a quorum above N nothing is ever confirmed.
  * Threads. A const jcas_model may be used by any number of threads at once. A jcas_sim or jcas_batch may
  *   be used by one thread at a time; functions that take it as const may run at once with each other.
- *   The library has no global state.
+ *   The library has no global state; a batch's threads are its own and end with it. A batch with threads
+ *   steps only in the process that built it: after a fork the child gets FORKED and builds its own.
  * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
  *   elements, sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
  *
  * Order of calls:  reset -> step -> step -> ... -> (terminated or truncated) -> reset
- * A step by parts: step_begin -> [set_positions] -> step_sense -> step_communicate[_over] -> step_end
+ * A step by parts: step_begin -> [set_positions, ground, confirm_hotspot] -> step_sense[_over]
+ *                  -> step_communicate[_over] -> step_end
+ * Between steps: set_battery, move_hotspot; at t = 0 also set_starts, set_hotspots, set_batteries.
  */
 
 #ifndef JCAS_H
@@ -36,6 +45,25 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* Stands before everything that the library exports. Define JCAS_SHARED where a Windows program uses the
+ * shared library. */
+#ifndef JCAS_API
+#if defined(_WIN32) && defined(JCAS_SHARED)
+#define JCAS_API __declspec(dllimport)
+#else
+#define JCAS_API
+#endif
+#endif
+
+/* A status that nobody looks at is worth a warning. Define it empty to be spared. */
+#ifndef JCAS_NODISCARD
+#if defined(__GNUC__)
+#define JCAS_NODISCARD __attribute__((warn_unused_result))
+#else
+#define JCAS_NODISCARD
+#endif
+#endif
 
 /* Leaves a real field of jcas_config to be derived from the others. */
 #define JCAS_DERIVED ((double)NAN)
@@ -49,8 +77,9 @@
 // See JCAS_VERSION_MAJOR.
 #define JCAS_VERSION_PATCH 0
 
-// Version of the interface that this header declares: 65536 * major + minor. A program runs with any
-// library of the same major and the same or a later minor version.
+// Version of the interface that this header declares: 65536 * major + minor, counted apart from the
+// library's, as most releases do not change it. 1.0 is the interface of library 0.1.0 as first released,
+// 1.1 what has been added since. Structs grow at their end, and struct_size tells which one a caller has.
 #define JCAS_ABI_VERSION 65537
 
 // The call did what it says.
@@ -92,7 +121,7 @@
 // The bytes are not a snapshot of this model, or not a policy.
 #define JCAS_ERROR_CORRUPT (-12)
 
-// The model still has simulations or batches.
+// The model still has simulations or batches, or memory given to ..._init holds a living handle.
 #define JCAS_ERROR_IN_USE (-13)
 
 // Memory or threads could not be had from the system.
@@ -103,6 +132,9 @@
 
 // A fault of the library itself; please report it. The handle of the call should be reset or freed.
 #define JCAS_ERROR_INTERNAL (-16)
+
+// The batch has threads, which a forked process does not have: build another one there.
+#define JCAS_ERROR_FORKED (-17)
 
 // Most depots of a configuration.
 #define JCAS_MAX_DEPOTS 16
@@ -204,6 +236,9 @@ typedef struct jcas_policy jcas_policy;
 // it as const may run at once with each other.
 typedef struct jcas_sim jcas_sim;
 
+// What a call came to: JCAS_OK or a negative JCAS_ERROR_...
+typedef int32_t jcas_status;
+
 // A cell of the grid: x in 0..W, y in 0..H.
 typedef struct jcas_cell {
     // Column.
@@ -230,7 +265,8 @@ typedef struct jcas_config {
     // Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
     // 100]
     uint32_t horizon_steps;
-    // Positive detections in one step that confirm a hotspot (θ). [UAVs, 1 to 4096; default 3]
+    // Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1 to 4096;
+    // default 3]
     uint32_t quorum;
     // Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
     uint32_t depot_count;
@@ -530,7 +566,7 @@ typedef struct jcas_uav {
     uint32_t known;
     // Always 0.
     uint32_t reserved;
-    // Charge, in microjoules: initial + accepted - spent.
+    // Charge, in microjoules: initial + accepted + given - spent.
     uint64_t battery_uj;
     // Charge at the start of the episode, in microjoules.
     uint64_t initial_uj;
@@ -544,6 +580,8 @@ typedef struct jcas_uav {
     double pilot_density;
     // Mean normalised throughput toward its neighbours; 0 without any.
     double throughput;
+    // What jcas_sim_set_battery has put into the battery, less what it has taken out, in microjoules.
+    int64_t given_uj;
 } jcas_uav;
 
 // A hotspot.
@@ -561,6 +599,30 @@ typedef struct jcas_hotspot {
     // Step at which all UAVs know it; 0 before.
     uint32_t informed_at;
 } jcas_hotspot;
+
+// One task of a batch step. Run it with the context that came with it and a number below `count`.
+typedef void (*jcas_task)(void *task_context, uint32_t index);
+
+// The caller's way to run tasks: calls `task(task_context, index)` once for each index from 0 to count - 1,
+// in any order and on any threads, and returns when all of these calls have. `context` is the caller's own.
+typedef void (*jcas_run_tasks)(jcas_task task, void *task_context, uint32_t count, void *context);
+
+// How a batch is built.
+typedef struct jcas_batch_options {
+    // sizeof(jcas_batch_options).
+    uint32_t struct_size;
+    // M, at least 1.
+    uint32_t environments;
+    // How many threads step at once, the caller's among them. 1: no other is started. 0: one for each
+    // processor. With `run`: how many tasks a step has; no thread is started.
+    uint32_t threads;
+    // Set it to 0.
+    uint32_t reserved;
+    // The caller's way to run the tasks of a step, or NULL.
+    jcas_run_tasks run;
+    // Passed to `run`.
+    void *run_context;
+} jcas_batch_options;
 
 // Buffers that a batch step writes, for M environments; each pointer with its number of elements.
 // Optional ones may be NULL with a count of 0. No buffer may overlap another, or the actions.
@@ -620,170 +682,222 @@ extern "C" {
 #endif // __cplusplus
 
 // Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
-const char *jcas_version(void);
+JCAS_API const char *jcas_version(void);
 
 // Version of the interface of the library that runs. Threads: any.
-uint32_t jcas_abi_version(void);
+JCAS_API uint32_t jcas_abi_version(void);
 
 // Whether the library that runs serves a program compiled with this header:
-// `jcas_abi_check(JCAS_ABI_VERSION)`. JCAS_OK or JCAS_ERROR_ABI. Threads: any.
-int32_t jcas_abi_check(uint32_t header_abi_version);
+// `jcas_abi_check(JCAS_ABI_VERSION)`. Threads: any.
+// Statuses: ABI.
+JCAS_API JCAS_NODISCARD jcas_status jcas_abi_check(uint32_t header_abi_version);
 
 // What a status means, in English.
 //
 // Returns a static string, never NULL; also for values that are no status.
 // Threads: any.
-const char *jcas_status_string(int32_t status);
+JCAS_API const char *jcas_status_string(jcas_status status);
 
 // Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as `struct_size`.
 //
 // `config`: not NULL. Threads: any.
-int32_t jcas_config_default(struct jcas_config *config, size_t struct_size);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE.
+JCAS_API jcas_status jcas_config_default(struct jcas_config *config, size_t struct_size);
 
 // Fills `config` with a preset: "mission", "paper" (the letter of every equation of the paper) or "search"
 // (hidden hotspots, shared search maps).
 //
 // `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
 // Threads: any.
-int32_t jcas_config_preset(const char *name,
-                           size_t name_length,
-                           struct jcas_config *config,
-                           size_t struct_size,
-                           char *message,
-                           size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_config_preset(const char *name,
+                               size_t name_length,
+                               struct jcas_config *config,
+                               size_t struct_size,
+                               char *message,
+                               size_t message_capacity);
 
 // Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a field
 // and replaces the preset's value; unknown keys are errors. The result is validated.
 //
 // `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
 // introduction. Threads: any.
-int32_t jcas_config_from_toml(const char *text,
-                              size_t text_length,
-                              struct jcas_config *config,
-                              size_t struct_size,
-                              char *message,
-                              size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_config_from_toml(const char *text,
+                                  size_t text_length,
+                                  struct jcas_config *config,
+                                  size_t struct_size,
+                                  char *message,
+                                  size_t message_capacity);
 
-// As jcas_config_from_toml, from a JSON object.
-int32_t jcas_config_from_json(const char *text,
-                              size_t text_length,
-                              struct jcas_config *config,
-                              size_t struct_size,
-                              char *message,
-                              size_t message_capacity);
+// As jcas_config_from_toml, from a JSON object; null takes a field that may be derived back to that.
+//
+// `text`, `message`: as for jcas_config_from_toml. Threads: any.
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_config_from_json(const char *text,
+                                  size_t text_length,
+                                  struct jcas_config *config,
+                                  size_t struct_size,
+                                  char *message,
+                                  size_t message_capacity);
 
 // Whether a configuration is legal: JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the field,
 // its value and what is allowed.
 //
 // `config`: not NULL, struct_size set. `message`: see the introduction. Threads: any.
-int32_t jcas_config_validate(const struct jcas_config *config,
-                             char *message,
-                             size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_config_validate(const struct jcas_config *config,
+                                 char *message,
+                                 size_t message_capacity);
 
 // The fingerprint of a legal configuration; part of every state and snapshot.
 //
 // `config`, `hash`: not NULL, struct_size set. Threads: any.
-int32_t jcas_config_hash(const struct jcas_config *config, uint64_t *hash);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
+JCAS_API jcas_status jcas_config_hash(const struct jcas_config *config, uint64_t *hash);
 
 // A legal configuration as JSON text, which jcas_config_from_json reads back; derived fields are absent.
 //
 // `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not NULL;
-// receives the length without the terminating zero, so that `capacity` must be at least one more.
+// receives the length without the terminating zero, so that `capacity` must be at least one more;
+// also where the text does not fit, with JCAS_ERROR_LENGTH.
 // Threads: any.
-int32_t jcas_config_to_json(const struct jcas_config *config,
-                            char *text,
-                            size_t capacity,
-                            size_t *length);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_config_to_json(const struct jcas_config *config,
+                                char *text,
+                                size_t capacity,
+                                size_t *length);
 
-// As jcas_config_to_json, as TOML text.
-int32_t jcas_config_to_toml(const struct jcas_config *config,
-                            char *text,
-                            size_t capacity,
-                            size_t *length);
-
-// The fields of the configuration as JSON text: a list of objects with name, unit, low, high and doc.
+// As jcas_config_to_json, as TOML text, which jcas_config_from_toml reads back.
 //
 // `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
-int32_t jcas_config_fields(char *text,
-                           size_t capacity,
-                           size_t *length);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_config_to_toml(const struct jcas_config *config,
+                                char *text,
+                                size_t capacity,
+                                size_t *length);
+
+// The fields of the configuration as JSON text: a list of objects with name, unit, low, high,
+// default (null: derived) and doc.
+//
+// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+// Statuses: NULL, ALIGNMENT, LENGTH.
+JCAS_API JCAS_NODISCARD jcas_status jcas_config_fields(char *text, size_t capacity, size_t *length);
 
 // How much memory a model takes, for jcas_model_init.
 //
 // `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the introduction.
 // Threads: any.
-int32_t jcas_model_layout(const struct jcas_config *config,
-                          size_t *size,
-                          size_t *alignment,
-                          char *message,
-                          size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_model_layout(const struct jcas_config *config,
+                              size_t *size,
+                              size_t *alignment,
+                              char *message,
+                              size_t message_capacity);
 
 // Builds a model in the caller's memory, which holds it until jcas_model_free and may not be moved.
 //
 // `memory`: at least the size and alignment of jcas_model_layout; not NULL; the caller's.
 // `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
 // `message`: see the introduction. Threads: any.
-int32_t jcas_model_init(void *memory,
-                        size_t size,
-                        const struct jcas_config *config,
-                        struct jcas_model **model,
-                        char *message,
-                        size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG, IN_USE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_model_init(void *memory,
+                            size_t size,
+                            const struct jcas_config *config,
+                            struct jcas_model **model,
+                            char *message,
+                            size_t message_capacity);
 
 // Builds a model in memory of its own, to be ended by jcas_model_free.
 //
 // `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
 // `message`: see the introduction. Threads: any.
-int32_t jcas_model_new(const struct jcas_config *config,
-                       struct jcas_model **model,
-                       char *message,
-                       size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_model_new(const struct jcas_config *config,
+                           struct jcas_model **model,
+                           char *message,
+                           size_t message_capacity);
 
 // Ends a model; memory of the caller is the caller's again. NULL is allowed and does nothing.
 // JCAS_ERROR_IN_USE while simulations or batches of the model have not been freed.
 //
 // Threads: none may be using the model.
-int32_t jcas_model_free(struct jcas_model *model);
+// Statuses: NULL, ALIGNMENT, HANDLE, IN_USE.
+JCAS_API jcas_status jcas_model_free(struct jcas_model *model);
 
 // Sizes and constants of a model.
 //
 // `model`, `info`: not NULL; info->struct_size set. Threads: any.
-int32_t jcas_model_get_info(const struct jcas_model *model, struct jcas_model_info *info);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
+JCAS_API
+jcas_status jcas_model_get_info(const struct jcas_model *model,
+                                struct jcas_model_info *info);
 
 // Where each field of one UAV's observation lies. Together the fields name every entry once.
 //
 // `model`, `fields`: not NULL. `count`: JCAS_OBSERVATION_FIELDS. `struct_size`:
 // sizeof(jcas_observation_field). Threads: any.
-int32_t jcas_model_observation_fields(const struct jcas_model *model,
-                                      struct jcas_observation_field *fields,
-                                      size_t count,
-                                      size_t struct_size);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_model_observation_fields(const struct jcas_model *model,
+                                          struct jcas_observation_field *fields,
+                                          size_t count,
+                                          size_t struct_size);
 
 // The name of a field of an observation, such as "soc" or "hotspot_dx": a static string, or NULL from
 // JCAS_OBSERVATION_FIELDS on. Threads: any.
+JCAS_API
 const char *jcas_observation_field_name(uint32_t index);
 
 // The configuration of a model.
 //
 // `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config). Threads: any.
-int32_t jcas_model_get_config(const struct jcas_model *model,
-                              struct jcas_config *config,
-                              size_t struct_size);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
+JCAS_API
+jcas_status jcas_model_get_config(const struct jcas_model *model,
+                                  struct jcas_config *config,
+                                  size_t struct_size);
 
 // Radar and link over an offset of (dx, dy) cells, at a pilot density of the sender.
 //
 // `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density` from
 // 0 to 1, or JCAS_ERROR_ARGUMENT. Threads: any.
-int32_t jcas_model_get_radio(const struct jcas_model *model,
-                             uint32_t dx,
-                             uint32_t dy,
-                             double pilot_density,
-                             struct jcas_radio *radio);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT.
+JCAS_API
+jcas_status jcas_model_get_radio(const struct jcas_model *model,
+                                 uint32_t dx,
+                                 uint32_t dy,
+                                 double pilot_density,
+                                 struct jcas_radio *radio);
 
 // How much memory a simulation takes, for jcas_sim_init.
 //
 // `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
-int32_t jcas_sim_layout(const struct jcas_model *model, size_t *size, size_t *alignment);
+// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_layout(const struct jcas_model *model,
+                            size_t *size,
+                            size_t *alignment);
 
 // Builds a simulation in the caller's memory, which holds it until jcas_sim_free and may not be moved.
 // It is at t = 0 of seed 0.
@@ -791,31 +905,41 @@ int32_t jcas_sim_layout(const struct jcas_model *model, size_t *size, size_t *al
 // `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's.
 // `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
 // Threads: any.
-int32_t jcas_sim_init(void *memory,
-                      size_t size,
-                      const struct jcas_model *model,
-                      struct jcas_sim **sim);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, IN_USE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_init(void *memory,
+                          size_t size,
+                          const struct jcas_model *model,
+                          struct jcas_sim **sim);
 
 // Builds a simulation in memory of its own, to be ended by jcas_sim_free. It is at t = 0 of seed 0.
 //
 // `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
 // Threads: any.
-int32_t jcas_sim_new(const struct jcas_model *model, struct jcas_sim **sim);
+// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_new(const struct jcas_model *model,
+                         struct jcas_sim **sim);
 
 // Ends a simulation; memory of the caller is the caller's again. NULL is allowed and does nothing.
 //
 // Threads: none may be using the simulation.
-int32_t jcas_sim_free(struct jcas_sim *sim);
+// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_sim_free(struct jcas_sim *sim);
 
 // Begins the episode of a seed; everything random in it follows from the seed.
 //
 // `sim`: not NULL. Threads: only this one uses `sim`.
-int32_t jcas_sim_reset(struct jcas_sim *sim, uint64_t seed);
+// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API JCAS_NODISCARD jcas_status jcas_sim_reset(struct jcas_sim *sim, uint64_t seed);
 
 // The seed with the given index that follows from a seed: mission k of a campaign of the command line
 // has the seed jcas_derive_seed(seed, k), and an automatic reset goes on with index 0.
 //
 // Threads: any.
+JCAS_API
 uint64_t jcas_derive_seed(uint64_t seed,
                           uint64_t index);
 
@@ -825,10 +949,13 @@ uint64_t jcas_derive_seed(uint64_t seed,
 // (JCAS_MOVE_UP and so on; five equal bins of -1 to 1), the second the pilot density, from its minimum
 // at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not NULL, struct_size set.
 // Threads: only this one uses `sim`.
-int32_t jcas_sim_step(struct jcas_sim *sim,
-                      const float *actions,
-                      size_t action_count,
-                      struct jcas_outcome *outcome);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_step(struct jcas_sim *sim,
+                          const float *actions,
+                          size_t action_count,
+                          struct jcas_outcome *outcome);
 
 // Writes what each UAV observes: uav_count rows of observation_len floats.
 //
@@ -839,9 +966,12 @@ int32_t jcas_sim_step(struct jcas_sim *sim,
 //
 // `sim`, `observations`: not NULL. `count`: uav_count * observation_len. Threads: only this one uses
 // `sim`.
-int32_t jcas_sim_observe(struct jcas_sim *sim,
-                         float *observations,
-                         size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_observe(struct jcas_sim *sim,
+                             float *observations,
+                             size_t count);
 
 // Writes the global state, for a centralised critic: global_len floats.
 //
@@ -850,200 +980,411 @@ int32_t jcas_sim_observe(struct jcas_sim *sim,
 // confirmed/n, informed/n, t/T_max.
 //
 // `sim`, `global`: not NULL. Threads: none changes `sim`.
-int32_t jcas_sim_observe_global(const struct jcas_sim *sim,
-                                float *global,
-                                size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_observe_global(const struct jcas_sim *sim,
+                                    float *global,
+                                    size_t count);
 
-// Why the last refused call on this simulation was refused, in words: which value, and what is allowed.
-// Empty if no value of a caller was ever refused. Pointers, lengths and handles are told by the status
-// alone.
+// Why the last call that took this simulation without const was refused, in words: which value, and what
+// is allowed. Empty if that call did what it says.
 //
 // `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `sim`.
-int32_t jcas_sim_message(const struct jcas_sim *sim,
-                         char *text,
-                         size_t capacity,
-                         size_t *length);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_message(const struct jcas_sim *sim,
+                             char *text,
+                             size_t capacity,
+                             size_t *length);
 
 // Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
 // jcas_sim_step_sense.
 //
-// `sim`, `actions`: as for jcas_sim_step.
-int32_t jcas_sim_step_begin(struct jcas_sim *sim, const float *actions, size_t action_count);
+// `sim`, `actions`: as for jcas_sim_step. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_step_begin(struct jcas_sim *sim,
+                                const float *actions,
+                                size_t action_count);
 
 // Puts the UAVs where the host has moved them, in place of the kernel's own motion. A UAV whose cell
 // differs from the one before the step has moved, however far.
 //
 // `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
-int32_t jcas_sim_set_positions(struct jcas_sim *sim,
-                               const struct jcas_cell *cells,
-                               size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_set_positions(struct jcas_sim *sim,
+                                   const struct jcas_cell *cells,
+                                   size_t count);
 
 // Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_over.
 //
 // `sim`: not NULL. Threads: only this one uses `sim`.
-int32_t jcas_sim_step_sense(struct jcas_sim *sim);
+// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_step_sense(struct jcas_sim *sim);
+
+// Keeps a UAV from flying, sensing and communicating in this step, whatever its battery holds. It stays
+// where it was before the step and asks its battery for nothing. Between jcas_sim_step_begin and
+// jcas_sim_step_sense, after jcas_sim_set_positions if that is called too.
+//
+// `sim`: not NULL. `uav`: below uav_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_ground(struct jcas_sim *sim,
+                            uint32_t uav);
+
+// Confirms a hotspot in this step, whatever was detected. Between jcas_sim_step_begin and
+// jcas_sim_step_sense: UAVs that then detect it learn it. Nothing changes if it is confirmed already.
+//
+// `sim`: not NULL. `hotspot`: below hotspot_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
+// `sim`.
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_confirm_hotspot(struct jcas_sim *sim,
+                                     uint32_t hotspot);
+
+// Part 2 of a step with the host's detections, in place of jcas_sim_step_sense.
+//
+// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value but 0 is
+// a detection. Those of grounded UAVs and of hotspots that the UAV knows are ignored, as no draw is made
+// there. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_step_sense_over(struct jcas_sim *sim,
+                                     const uint8_t *detections,
+                                     size_t count);
 
 // Part 3 of a step: communicate over the graph that the kernel's link budget gives. Next:
 // jcas_sim_step_end.
 //
 // `sim`: not NULL. Threads: only this one uses `sim`.
-int32_t jcas_sim_step_communicate(struct jcas_sim *sim);
+// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API JCAS_NODISCARD jcas_status jcas_sim_step_communicate(struct jcas_sim *sim);
 
 // Part 3 of a step over the host's graph, in place of jcas_sim_step_communicate.
 //
 // `links`: a uav_count * uav_count matrix, row by row, any value but 0 is a link; not NULL. It must be
 // symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: the mean normalised
 // throughput of each UAV toward its neighbours as the host measured it, uav_count numbers from 0 to 1e9;
-// or NULL with a count of 0 to take it from the kernel's link budget. Threads: only this one uses `sim`.
-int32_t jcas_sim_step_communicate_over(struct jcas_sim *sim,
-                                       const uint8_t *links,
-                                       size_t link_count,
-                                       const double *throughput,
-                                       size_t throughput_count);
+// or NULL with a count of 0 to take it from the kernel's link budget. A UAV without neighbours has 0 in
+// either case. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_step_communicate_over(struct jcas_sim *sim,
+                                           const uint8_t *links,
+                                           size_t link_count,
+                                           const double *throughput,
+                                           size_t throughput_count);
 
 // Part 4 of a step: energy, charge, carbon, reward, termination.
 //
 // `sim`, `outcome`: not NULL, struct_size set. Threads: only this one uses `sim`.
-int32_t jcas_sim_step_end(struct jcas_sim *sim, struct jcas_outcome *outcome);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_step_end(struct jcas_sim *sim,
+                              struct jcas_outcome *outcome);
 
 // Places the hotspots, in place of the drawn ones: distinct cells without a depot. At t = 0 only.
 //
 // `sim`, `cells`: not NULL. `count`: hotspot_count. Threads: only this one uses `sim`.
-int32_t jcas_sim_set_hotspots(struct jcas_sim *sim, const struct jcas_cell *cells, size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_set_hotspots(struct jcas_sim *sim,
+                                  const struct jcas_cell *cells,
+                                  size_t count);
+
+// Moves a hotspot. Between steps; whether it is confirmed and who knows it stays.
+//
+// `sim`: not NULL. `hotspot`: below hotspot_count. `x`, `y`: a cell of the grid without a depot or another
+// hotspot. JCAS_ERROR_ARGUMENT for anything else. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_move_hotspot(struct jcas_sim *sim,
+                                  uint32_t hotspot,
+                                  uint32_t x,
+                                  uint32_t y);
+
+// Puts the UAVs where they start, in place of the first depot. At t = 0 only.
+//
+// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_set_starts(struct jcas_sim *sim,
+                                const struct jcas_cell *cells,
+                                size_t count);
+
+// Sets what a battery holds now, in microjoules. Between steps; 0 grounds the UAV from the next step on.
+// The difference enters the ledger as given_uj of jcas_uav.
+//
+// `sim`: not NULL. `uav`: below uav_count, `charge_uj`: at most battery_capacity_uj, or
+// JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_set_battery(struct jcas_sim *sim,
+                                 uint32_t uav,
+                                 uint64_t charge_uj);
 
 // Sets what each battery holds at the start, in microjoules, in place of the drawn charge. At t = 0 only.
 //
 // `sim`, `charges_uj`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
-int32_t jcas_sim_set_batteries(struct jcas_sim *sim,
-                               const uint64_t *charges_uj,
-                               size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_set_batteries(struct jcas_sim *sim,
+                                   const uint64_t *charges_uj,
+                                   size_t count);
 
 // Time, phase and the fleet's ledgers.
 //
 // `sim`, `episode`: not NULL; episode->struct_size set. Threads: none changes `sim`.
-int32_t jcas_sim_get_episode(const struct jcas_sim *sim, struct jcas_episode *episode);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
+JCAS_API jcas_status jcas_sim_get_episode(const struct jcas_sim *sim, struct jcas_episode *episode);
 
 // What the episode came to, so far.
 //
 // `sim`, `metrics`: not NULL; metrics->struct_size set. Threads: none changes `sim`.
-int32_t jcas_sim_get_metrics(const struct jcas_sim *sim, struct jcas_metrics *metrics);
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
+JCAS_API jcas_status jcas_sim_get_metrics(const struct jcas_sim *sim, struct jcas_metrics *metrics);
 
 // The components of the last reward. The reward is their sum, from the first to the last.
 //
 // `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
-int32_t jcas_sim_get_rewards(const struct jcas_sim *sim, double *components, size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_rewards(const struct jcas_sim *sim,
+                                 double *components,
+                                 size_t count);
 
 // The reward of each UAV in the last step, 0 before the first. Their mean is the team's: detections,
 // informing, completion, truncation and the spread of knowledge are shared; coverage, energy, carbon and
 // revisits are the UAV's own, times N; so are, in place of their means, its throughput and its potentials.
 //
 // `sim`, `rewards`: not NULL. `count`: uav_count. Threads: none changes `sim`.
-int32_t jcas_sim_uav_rewards(const struct jcas_sim *sim,
-                             double *rewards,
-                             size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_uav_rewards(const struct jcas_sim *sim,
+                                 double *rewards,
+                                 size_t count);
 
 // The components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by jcas_reward_name, whose
 // sum, left to right, is the UAV's reward.
 //
 // `sim`, `components`: not NULL. `count`: uav_count * reward_len. Threads: none changes `sim`.
-int32_t jcas_sim_uav_reward_components(const struct jcas_sim *sim,
-                                       double *components,
-                                       size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_uav_reward_components(const struct jcas_sim *sim,
+                                           double *components,
+                                           size_t count);
 
 // The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
-const char *jcas_reward_name(uint32_t index);
+JCAS_API const char *jcas_reward_name(uint32_t index);
 
 // Every UAV.
 //
 // `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav). Threads: none changes
 // `sim`.
-int32_t jcas_sim_get_uavs(const struct jcas_sim *sim,
-                          struct jcas_uav *uavs,
-                          size_t count,
-                          size_t struct_size);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_uavs(const struct jcas_sim *sim,
+                              struct jcas_uav *uavs,
+                              size_t count,
+                              size_t struct_size);
 
 // Every hotspot.
 //
 // `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot). Threads:
 // none changes `sim`.
-int32_t jcas_sim_get_hotspots(const struct jcas_sim *sim,
-                              struct jcas_hotspot *hotspots,
-                              size_t count,
-                              size_t struct_size);
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_hotspots(const struct jcas_sim *sim,
+                                  struct jcas_hotspot *hotspots,
+                                  size_t count,
+                                  size_t struct_size);
 
 // The radio graph: 1 where two UAVs are neighbours, else 0; a symmetric matrix, row by row.
 //
 // `sim`, `links`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
-int32_t jcas_sim_get_links(const struct jcas_sim *sim, uint8_t *links, size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API jcas_status jcas_sim_get_links(const struct jcas_sim *sim, uint8_t *links, size_t count);
 
 // Who knows what: 1 where a UAV (row) knows a hotspot (column), else 0.
 //
 // `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
-int32_t jcas_sim_get_knowledge(const struct jcas_sim *sim, uint8_t *knowledge, size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_knowledge(const struct jcas_sim *sim,
+                                   uint8_t *knowledge,
+                                   size_t count);
+
+// Who detected what when the UAVs last sensed: 1 where a UAV (row) detected a hotspot (column), else 0.
+// Hotspots that a UAV knew are not sensed by it.
+//
+// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_detections(const struct jcas_sim *sim,
+                                    uint8_t *detections,
+                                    size_t count);
+
+// Normalised throughput of each pair by the kernel's link budget: from a UAV (row) toward another (column),
+// 0 where they are no neighbours.
+//
+// `sim`, `throughputs`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_throughputs(const struct jcas_sim *sim,
+                                     double *throughputs,
+                                     size_t count);
 
 // The cells that any UAV has been in: 1 or 0, row (y) by row.
 //
 // `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
-int32_t jcas_sim_get_visited(const struct jcas_sim *sim, uint8_t *visited, size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_visited(const struct jcas_sim *sim,
+                                 uint8_t *visited,
+                                 size_t count);
 
 // The search maps: 1 where a UAV knows a cell to have been looked at, else 0; a grid, row (y) by row, for
 // each UAV after the other. Without search maps there is nothing to read.
 //
 // `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search maps.
 // Threads: none changes `sim`.
-int32_t jcas_sim_get_search_maps(const struct jcas_sim *sim,
-                                 uint8_t *maps,
-                                 size_t count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_search_maps(const struct jcas_sim *sim,
+                                     uint8_t *maps,
+                                     size_t count);
 
 // Saves a simulation as bytes that mean the same on every platform.
 //
 // `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes. Threads: none changes `sim`.
-int32_t jcas_sim_save(const struct jcas_sim *sim, void *snapshot, size_t size);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_save(const struct jcas_sim *sim,
+                          void *snapshot,
+                          size_t size);
 
 // Takes up a saved simulation of an equal configuration; it goes on exactly as the saved one would have.
 // JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH for anything else, and nothing has changed then.
 //
 // `sim`, `snapshot`: not NULL. `size`: in bytes, any. Threads: only this one uses `sim`.
-int32_t jcas_sim_load(struct jcas_sim *sim,
-                      const void *snapshot,
-                      size_t size);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_load(struct jcas_sim *sim,
+                          const void *snapshot,
+                          size_t size);
 
 // Makes `to` an independent twin of `from`, whose configuration must be equal.
 //
 // `from`, `to`: not NULL; may be the same. Threads: none changes `from`, only this one uses `to`.
-int32_t jcas_sim_fork(const struct jcas_sim *from, struct jcas_sim *to);
+// Statuses: NULL, ALIGNMENT, HANDLE, MODEL_MISMATCH.
+JCAS_API JCAS_NODISCARD jcas_status jcas_sim_fork(const struct jcas_sim *from, struct jcas_sim *to);
 
 // The fingerprint of a state: equal for equal states, on every platform (FNV-1a, 64 bits).
 //
 // `sim`, `state_hash`: not NULL. Threads: none changes `sim`.
-int32_t jcas_sim_hash(const struct jcas_sim *sim, uint64_t *state_hash);
+// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_sim_hash(const struct jcas_sim *sim, uint64_t *state_hash);
 
 // Builds M environments in memory of their own, each at t = 0 of seed 0.
 //
 // `model`: not NULL; must not be freed before the batch. `environments`: M, at least 1. `threads`: how
 // many step at once; 1: the caller's own, no other is started; 0: one for each processor. Results do not
 // depend on it. `batch`: not NULL; receives the handle, to be ended by jcas_batch_free. Threads: any.
-int32_t jcas_batch_new(const struct jcas_model *model,
-                       uint32_t environments,
-                       uint32_t threads,
-                       struct jcas_batch **batch);
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_new(const struct jcas_model *model,
+                           uint32_t environments,
+                           uint32_t threads,
+                           struct jcas_batch **batch);
 
-// Ends a batch and its threads. NULL is allowed and does nothing.
+// How much memory a batch takes, for jcas_batch_init.
+//
+// `model`, `options`, `size`, `alignment`: not NULL; options->struct_size set. `size` in bytes. Threads:
+// any.
+// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_layout(const struct jcas_model *model,
+                              const struct jcas_batch_options *options,
+                              size_t *size,
+                              size_t *alignment);
+
+// Builds a batch in the caller's memory, which holds it until jcas_batch_free and may not be moved. Each
+// environment is at t = 0 of seed 0.
+//
+// `memory`: at least the size and alignment of jcas_batch_layout; not NULL; the caller's. `model`: not
+// NULL; must not be freed before the batch. `options`: not NULL, struct_size set; not needed after the
+// call. `batch`: not NULL; receives the handle. Threads: any.
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, IN_USE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_init(void *memory,
+                            size_t size,
+                            const struct jcas_model *model,
+                            const struct jcas_batch_options *options,
+                            struct jcas_batch **batch);
+
+// Ends a batch and its threads, which have ended when the call returns; memory of the caller is the
+// caller's again. NULL is allowed and does nothing.
 //
 // Threads: none may be using the batch.
-int32_t jcas_batch_free(struct jcas_batch *batch);
+// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_batch_free(struct jcas_batch *batch);
 
 // Begins an episode in each environment and observes.
 //
 // `seeds`: M; not NULL. `observations`: M * uav_count * observation_len; not NULL. `global`: M *
-// global_len, or NULL with a count of 0. Threads: only this one uses `batch`.
-int32_t jcas_batch_reset(struct jcas_batch *batch,
-                         const uint64_t *seeds,
-                         size_t seed_count,
-                         float *observations,
-                         size_t observation_count,
-                         float *global,
-                         size_t global_count);
+// global_len, or NULL with a count of 0. No buffer may overlap another. Threads: only this one uses
+// `batch`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_reset(struct jcas_batch *batch,
+                             const uint64_t *seeds,
+                             size_t seed_count,
+                             float *observations,
+                             size_t observation_count,
+                             float *global,
+                             size_t global_count);
+
+// Begins an episode in some environments, those where `mask` is not 0, and observes these. The others,
+// and their rows of the buffers, stay as they are.
+//
+// `mask`: M; not NULL. The others as for jcas_batch_reset; seeds of the others are not used. Threads: only
+// this one uses `batch`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_reset_some(struct jcas_batch *batch,
+                                  const uint8_t *mask,
+                                  size_t mask_count,
+                                  const uint64_t *seeds,
+                                  size_t seed_count,
+                                  float *observations,
+                                  size_t observation_count,
+                                  float *global,
+                                  size_t global_count);
 
 // Steps every environment once and observes.
 //
@@ -1051,71 +1392,125 @@ int32_t jcas_batch_reset(struct jcas_batch *batch,
 // the ended one's. With 0 an environment whose episode has ended refuses the step, and so the batch does.
 // All is checked before any environment steps, so nothing has changed after an error.
 //
-// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out.
-// Threads: only this one uses `batch`.
-int32_t jcas_batch_step(struct jcas_batch *batch,
-                        const float *actions,
-                        size_t action_count,
-                        int32_t auto_reset,
-                        const struct jcas_batch_out *out);
+// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out. Threads: only
+// this one uses `batch`. A batch with threads of its own steps only in the process that built it; after a
+// fork the child gets JCAS_ERROR_FORKED, may read and free the batch, and builds one of its own.
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER, EPISODE_OVER,
+// FORKED.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_step(struct jcas_batch *batch,
+                            const float *actions,
+                            size_t action_count,
+                            int32_t auto_reset,
+                            const struct jcas_batch_out *out);
 
-// Writes what the environments observe now; the buffers are those of jcas_batch_reset.
-int32_t jcas_batch_observe(struct jcas_batch *batch,
-                           float *observations,
-                           size_t observation_count,
-                           float *global,
-                           size_t global_count);
+// Writes what the environments observe now.
+//
+// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL with a
+// count of 0. No buffer may overlap another. Threads: only this one uses `batch`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_observe(struct jcas_batch *batch,
+                               float *observations,
+                               size_t observation_count,
+                               float *global,
+                               size_t global_count);
+
+// Saves every environment: M snapshots, one after the other, each as jcas_sim_save writes it.
+//
+// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: none changes `batch`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_save(const struct jcas_batch *batch,
+                            void *snapshots,
+                            size_t size);
+
+// Takes up what jcas_batch_save saved, of a batch of equal size and configuration. JCAS_ERROR_CORRUPT or
+// JCAS_ERROR_MODEL_MISMATCH if any snapshot is not right, and nothing has changed then.
+//
+// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: only this one uses `batch`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_load(struct jcas_batch *batch,
+                            const void *snapshots,
+                            size_t size);
+
+// The fingerprint of all states of a batch, in their order (FNV-1a, 64 bits).
+//
+// `batch`, `states_hash`: not NULL. Threads: none changes `batch`.
+// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_batch_hash(const struct jcas_batch *batch, uint64_t *states_hash);
 
 // Copies an environment of a batch into a simulation of an equal configuration, to read every quantity
 // or to save it.
 //
 // `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: none changes `batch`,
 // only this one uses `sim`.
-int32_t jcas_batch_get(const struct jcas_batch *batch,
-                       uint32_t index,
-                       struct jcas_sim *sim);
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
+JCAS_API
+jcas_status jcas_batch_get(const struct jcas_batch *batch,
+                           uint32_t index,
+                           struct jcas_sim *sim);
 
 // Copies a simulation of an equal configuration into an environment of a batch. It should be between
 // steps: one in the middle of a step by parts makes jcas_batch_step refuse.
 //
 // `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
 // `batch`, none changes `sim`.
-int32_t jcas_batch_set(struct jcas_batch *batch,
-                       uint32_t index,
-                       const struct jcas_sim *sim);
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_batch_set(struct jcas_batch *batch,
+                           uint32_t index,
+                           const struct jcas_sim *sim);
 
-// As jcas_sim_message, for a batch. UAVs are counted over the whole batch.
-int32_t jcas_batch_message(const struct jcas_batch *batch,
-                           char *text,
-                           size_t capacity,
-                           size_t *length);
+// Why the last call that took this batch without const was refused, in words: which value, and what is
+// allowed. Empty if that call did what it says. UAVs are counted over the whole batch.
+//
+// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `batch`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_batch_message(const struct jcas_batch *batch,
+                               char *text,
+                               size_t capacity,
+                               size_t *length);
 
 // How much memory a trained policy takes, for jcas_policy_init.
 //
 // `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors. `size` in bytes.
 // `message`: see the introduction. JCAS_ERROR_CORRUPT where the bytes are no policy,
 // JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
-int32_t jcas_policy_layout(const struct jcas_model *model,
-                           const uint8_t *file,
-                           size_t length,
-                           size_t *size,
-                           size_t *alignment,
-                           char *message,
-                           size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_layout(const struct jcas_model *model,
+                               const uint8_t *file,
+                               size_t length,
+                               size_t *size,
+                               size_t *alignment,
+                               char *message,
+                               size_t message_capacity);
 
 // Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may not be moved.
 //
 // `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
 // `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not needed after
 // the call. `policy`: not NULL; receives the handle. `message`: see the introduction. Threads: any.
-int32_t jcas_policy_init(void *memory,
-                         size_t size,
-                         const struct jcas_model *model,
-                         const uint8_t *file,
-                         size_t length,
-                         struct jcas_policy **policy,
-                         char *message,
-                         size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, IN_USE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_init(void *memory,
+                             size_t size,
+                             const struct jcas_model *model,
+                             const uint8_t *file,
+                             size_t length,
+                             struct jcas_policy **policy,
+                             char *message,
+                             size_t message_capacity);
 
 // Builds a trained policy in memory of its own, to be ended by jcas_policy_free.
 //
@@ -1125,12 +1520,15 @@ int32_t jcas_policy_init(void *memory,
 // needed after the call. `policy`: not NULL; receives the handle. `message`: see the introduction.
 // JCAS_ERROR_CORRUPT where the bytes are no policy, JCAS_ERROR_MODEL_MISMATCH where it reads other
 // observations than the model has. Threads: any.
-int32_t jcas_policy_load(const struct jcas_model *model,
-                         const uint8_t *file,
-                         size_t length,
-                         struct jcas_policy **policy,
-                         char *message,
-                         size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_load(const struct jcas_model *model,
+                             const uint8_t *file,
+                             size_t length,
+                             struct jcas_policy **policy,
+                             char *message,
+                             size_t message_capacity);
 
 // Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams, sweep,
 // line, frontier or relay, as `jcas simulate --policy` knows them. It plans on the heap, so that jcas_policy_act may allocate.
@@ -1139,19 +1537,25 @@ int32_t jcas_policy_load(const struct jcas_model *model,
 // or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
 // introduction. JCAS_ERROR_ARGUMENT where there is none of that name, or where it steers by positions that
 // the model hides. Threads: any.
-int32_t jcas_policy_baseline(const struct jcas_model *model,
-                             const char *name,
-                             const char *pilot,
-                             struct jcas_policy **policy,
-                             char *message,
-                             size_t message_capacity);
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_baseline(const struct jcas_model *model,
+                                 const char *name,
+                                 const char *pilot,
+                                 struct jcas_policy **policy,
+                                 char *message,
+                                 size_t message_capacity);
 
 // Chooses how a trained policy's actions follow from its network. Baselines are not affected.
 //
 // `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED. Threads: only this one uses
 // `policy`.
-int32_t jcas_policy_set_mode(struct jcas_policy *policy,
-                             int32_t mode);
+// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_set_mode(struct jcas_policy *policy,
+                                 int32_t mode);
 
 // Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
 //
@@ -1160,25 +1564,32 @@ int32_t jcas_policy_set_mode(struct jcas_policy *policy,
 //
 // `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
 // none changes `sim`.
-int32_t jcas_policy_act(struct jcas_policy *policy,
-                        const struct jcas_sim *sim,
-                        float *actions,
-                        size_t action_count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_act(struct jcas_policy *policy,
+                            const struct jcas_sim *sim,
+                            float *actions,
+                            size_t action_count);
 
 // As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where the outputs
 // of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that simulation are written.
 //
 // `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
 // `policy`, none changes `batch`.
-int32_t jcas_policy_act_batch(struct jcas_policy *policy,
-                              const struct jcas_batch *batch,
-                              float *actions,
-                              size_t action_count);
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_act_batch(struct jcas_policy *policy,
+                                  const struct jcas_batch *batch,
+                                  float *actions,
+                                  size_t action_count);
 
 // Ends a policy; memory of the caller is the caller's again. NULL is allowed and does nothing.
 //
 // Threads: none may be using the policy.
-int32_t jcas_policy_free(struct jcas_policy *policy);
+// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
 
 #ifdef __cplusplus
 }  // extern "C"

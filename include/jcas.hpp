@@ -4,7 +4,7 @@
 //
 // Functions that can fail return jcas::status, or jcas::result<T>, which holds a value if it is ok.
 // Define JCAS_EXCEPTIONS before including this header and result<T>::take() and status::check() throw
-// jcas::error instead of ending the program.
+// jcas::error instead of ending the program; each file of a program may choose for itself.
 //
 //     auto model = jcas::model::create(jcas::configuration());
 //     if (!model) { std::puts(model.message().c_str()); return 1; }
@@ -35,6 +35,13 @@
 #include "jcas.h"
 
 namespace jcas {
+
+// Files with and without exceptions may be linked into one program: what they compile has other names.
+#ifdef JCAS_EXCEPTIONS
+inline namespace throwing {
+#else
+inline namespace plain {
+#endif
 
 /// Contiguous elements of the caller: std::span of C++20, as far as it is needed here.
 template <class T>
@@ -77,6 +84,9 @@ private:
 #endif
 
 namespace detail {
+/// A call with a living handle and sizes of our own, which nothing can refuse.
+inline void certain(std::int32_t) noexcept {}
+
 [[noreturn]] inline void fail(std::int32_t code, const std::string &what)
 {
 #ifdef JCAS_EXCEPTIONS
@@ -150,7 +160,7 @@ private:
 inline jcas_config configuration()
 {
     jcas_config config;
-    jcas_config_default(&config, sizeof config);
+    detail::certain(jcas_config_default(&config, sizeof config));
     return config;
 }
 
@@ -201,7 +211,7 @@ public:
     jcas_config config() const
     {
         jcas_config config;
-        jcas_model_get_config(get(), &config, sizeof config);
+        detail::certain(jcas_model_get_config(get(), &config, sizeof config));
         return config;
     }
 
@@ -220,7 +230,7 @@ private:
     };
     explicit model(jcas_model *handle) : handle_(handle), info_(detail::sized<jcas_model_info>())
     {
-        jcas_model_get_info(handle, &info_);
+        detail::certain(jcas_model_get_info(handle, &info_));
     }
     std::unique_ptr<jcas_model, end> handle_;
     jcas_model_info info_;
@@ -261,7 +271,13 @@ public:
     {
         return jcas_sim_set_positions(get(), cells.data(), cells.size());
     }
+    status ground(std::uint32_t uav) { return jcas_sim_ground(get(), uav); }
+    status confirm_hotspot(std::uint32_t hotspot) { return jcas_sim_confirm_hotspot(get(), hotspot); }
     status step_sense() { return jcas_sim_step_sense(get()); }
+    status step_sense_over(span<const std::uint8_t> detections)
+    {
+        return jcas_sim_step_sense_over(get(), detections.data(), detections.size());
+    }
     status step_communicate() { return jcas_sim_step_communicate(get()); }
     status step_communicate_over(span<const std::uint8_t> links, span<const double> throughput = {})
     {
@@ -285,6 +301,27 @@ public:
         return jcas_sim_set_batteries(get(), charges_uj.data(), charges_uj.size());
     }
 
+    status set_starts(span<const jcas_cell> cells)
+    {
+        return jcas_sim_set_starts(get(), cells.data(), cells.size());
+    }
+    status set_battery(std::uint32_t uav, std::uint64_t charge_uj)
+    {
+        return jcas_sim_set_battery(get(), uav, charge_uj);
+    }
+    status move_hotspot(std::uint32_t hotspot, jcas_cell to)
+    {
+        return jcas_sim_move_hotspot(get(), hotspot, to.x, to.y);
+    }
+    status detections(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_detections(get(), out.data(), out.size());
+    }
+    status throughputs(span<double> out) const
+    {
+        return jcas_sim_get_throughputs(get(), out.data(), out.size());
+    }
+
     status observe(span<float> out) { return jcas_sim_observe(get(), out.data(), out.size()); }
     status observe_global(span<float> out) const
     {
@@ -294,19 +331,19 @@ public:
     jcas_episode episode() const
     {
         auto episode = detail::sized<jcas_episode>();
-        jcas_sim_get_episode(get(), &episode);
+        detail::certain(jcas_sim_get_episode(get(), &episode));
         return episode;
     }
     jcas_metrics metrics() const
     {
         auto metrics = detail::sized<jcas_metrics>();
-        jcas_sim_get_metrics(get(), &metrics);
+        detail::certain(jcas_sim_get_metrics(get(), &metrics));
         return metrics;
     }
     std::vector<double> rewards() const
     {
         std::vector<double> rewards(info_.reward_len);
-        jcas_sim_get_rewards(get(), rewards.data(), rewards.size());
+        detail::certain(jcas_sim_get_rewards(get(), rewards.data(), rewards.size()));
         return rewards;
     }
     /// The reward of each UAV; the mean is the team's.
@@ -324,7 +361,7 @@ public:
     std::vector<jcas_uav> uavs() const
     {
         std::vector<jcas_uav> all(info_.uav_count);
-        jcas_sim_get_uavs(get(), all.data(), all.size(), sizeof(jcas_uav));
+        detail::certain(jcas_sim_get_uavs(get(), all.data(), all.size(), sizeof(jcas_uav)));
         return all;
     }
     /// Without an allocation, into the caller's buffer of hotspot_count elements.
@@ -335,7 +372,7 @@ public:
     std::vector<jcas_hotspot> hotspots() const
     {
         std::vector<jcas_hotspot> all(info_.hotspot_count);
-        jcas_sim_get_hotspots(get(), all.data(), all.size(), sizeof(jcas_hotspot));
+        detail::certain(jcas_sim_get_hotspots(get(), all.data(), all.size(), sizeof(jcas_hotspot)));
         return all;
     }
     status links(span<std::uint8_t> out) const
@@ -354,7 +391,7 @@ public:
     std::vector<unsigned char> save() const
     {
         std::vector<unsigned char> snapshot(info_.snapshot_size);
-        jcas_sim_save(get(), snapshot.data(), snapshot.size());
+        detail::certain(jcas_sim_save(get(), snapshot.data(), snapshot.size()));
         return snapshot;
     }
     status load(span<const unsigned char> snapshot)
@@ -366,7 +403,7 @@ public:
     std::uint64_t hash() const
     {
         std::uint64_t hash = 0;
-        jcas_sim_hash(get(), &hash);
+        detail::certain(jcas_sim_hash(get(), &hash));
         return hash;
     }
     /// Why the last refused call was refused.
@@ -374,7 +411,7 @@ public:
     {
         char text[512] = "";
         std::size_t length = 0;
-        jcas_sim_message(get(), text, sizeof text, &length);
+        detail::certain(jcas_sim_message(get(), text, sizeof text, &length));
         return text;
     }
 
@@ -426,6 +463,23 @@ public:
         out.metrics_size = sizeof(jcas_metrics);
         out.uav_rewards = uav_rewards.data(), out.uav_reward_count = uav_rewards.size();
         return jcas_batch_step(get(), actions.data(), actions.size(), auto_reset ? 1 : 0, &out);
+    }
+
+    /// Only the environments whose mask is not 0.
+    status reset_some(span<const std::uint8_t> mask, span<const std::uint64_t> seeds)
+    {
+        return jcas_batch_reset_some(get(), mask.data(), mask.size(), seeds.data(), seeds.size(),
+                                     observations.data(), observations.size(), global.data(), global.size());
+    }
+
+    /// environments() * snapshot_size bytes.
+    status save(span<unsigned char> out) const { return jcas_batch_save(get(), out.data(), out.size()); }
+    status load(span<const unsigned char> saved) { return jcas_batch_load(get(), saved.data(), saved.size()); }
+    std::uint64_t hash() const
+    {
+        std::uint64_t hash = 0;
+        detail::certain(jcas_batch_hash(get(), &hash));
+        return hash;
     }
 
     status copy_to(std::uint32_t index, sim &to) const { return jcas_batch_get(get(), index, to.get()); }
@@ -511,6 +565,7 @@ private:
 /// Whether the library that runs serves a program compiled with this header.
 inline status check_abi() { return jcas_abi_check(JCAS_ABI_VERSION); }
 
+} // namespace throwing or plain
 } // namespace jcas
 
 #endif // JCAS_HPP

@@ -18,6 +18,9 @@ TARGET = HERE / "src" / "jcas" / "_abi.py"
 
 SCALARS = {
     "int32_t": "c_int32",
+    "int64_t": "c_int64",
+    "jcas_status": "c_int32",
+    "jcas_run_tasks": "c_void_p",
     "uint8_t": "c_uint8",
     "uint32_t": "c_uint32",
     "uint64_t": "c_uint64",
@@ -37,6 +40,7 @@ from ctypes import (
     c_char_p,
     c_double,
     c_int32,
+    c_int64,
     c_size_t,
     c_uint32,
     c_uint64,
@@ -65,6 +69,7 @@ def generate(header: str) -> str:
         name: int(value.strip("()"))
         for name, value in re.findall(r"^#define (JCAS_\w+) (\(?-?\d+\)?)$", code, flags=re.MULTILINE)
     }
+    code = re.sub(r"\bJCAS_(?:API|NODISCARD)\b\s*", "", code)
     code = re.sub(r"^\s*#.*$", "", code, flags=re.MULTILINE).replace('extern "C" {', "")
     structs = dict(re.findall(r"typedef struct (\w+) \{(.*?)\} \1;", code, flags=re.DOTALL))
     functions = re.findall(r"^([\w ]+?[ *]+)(jcas_\w+)\(([^)]*)\);", code, flags=re.MULTILINE)

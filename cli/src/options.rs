@@ -14,8 +14,8 @@ use crate::learned::{self, PolicyFactory};
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
 pub struct ConfigOptions {
-    /// Values to start from: the corrected mission, or the letter of the paper [default: what a trained policy's
-    /// card says, or mission]
+    /// Values to start from, where the file names no preset of its own [default: what a trained policy's card says,
+    /// or mission]
     #[arg(long, value_enum, help_heading = "Configuration")]
     pub preset: Option<PresetName>,
     /// TOML or JSON file whose fields replace those of the preset
@@ -83,10 +83,10 @@ impl MissionOptions {
 
     fn over(&self, mut source: ConfigSource) -> Result<Config, CliError> {
         if let Some(uavs) = self.uavs {
-            source.set("uav_count", i64::from(uavs));
+            source.set("uav_count", uavs)?;
         }
         if let Some(hotspots) = self.hotspots {
-            source.set("hotspot_count", i64::from(hotspots));
+            source.set("hotspot_count", hotspots)?;
         }
         source.resolve()
     }

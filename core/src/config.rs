@@ -55,6 +55,19 @@ macro_rules! configuration {
             pub fn values(&self) -> FieldValues {
                 [ $( self.$name.field_value(), )+ ]
             }
+
+            /// Replaces the field at a position of [`Config::FIELDS`]; `false` if the value is of another type.
+            #[cfg(feature = "text")]
+            pub(crate) fn set_value(&mut self, index: usize, value: &text::TextValue<'_>) -> bool {
+                let mut _position = 0;
+                $(
+                    if index == _position {
+                        return Field::read(value).map(|value| self.$name = value).is_some();
+                    }
+                    _position += 1;
+                )+
+                false
+            }
         }
     };
 }

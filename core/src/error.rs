@@ -57,11 +57,20 @@ pub struct ConfigError {
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            out,
-            "{} = {}: must be {}",
-            self.field, self.value, self.allowed
-        )
+        let Self {
+            field,
+            value,
+            allowed,
+        } = self;
+        match (value, allowed) {
+            (Value::Integer(_), Allowed::Range(low, high)) => {
+                write!(
+                    out,
+                    "{field} = {value}: must be a whole number from {low} to {high}"
+                )
+            }
+            _ => write!(out, "{field} = {value}: must be {allowed}"),
+        }
     }
 }
 

@@ -1,5 +1,5 @@
-//! What a host simulator may own: where the UAVs are, who hears whom, where the hotspots lie, how full
-//! the batteries start.
+//! What a host simulator may own: where the UAVs start and are, who detects what, who hears whom, where the
+//! hotspots lie and when they are confirmed, what the batteries hold.
 
 use crate::bits;
 use crate::config::Cell;
@@ -7,9 +7,9 @@ use crate::error::{Allowed, ConfigError, Error, Value};
 use crate::header::Phase;
 use crate::model::Model;
 use crate::scratch::Scratch;
-use crate::state::StateMut;
+use crate::state::{StateMut, StateRef};
 use crate::step::expect;
-use crate::{knowledge, link, potential};
+use crate::{knowledge, link, potential, search, sensing};
 
 fn check_len(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
     if expected == got {
@@ -48,11 +48,68 @@ impl Model<'_> {
         Ok(())
     }
 
+    /// Keeps a UAV from flying, sensing and communicating in this step, whatever its battery holds: it stays
+    /// where it was before the step, and asks its battery for nothing. Between [`Model::step_begin`] and
+    /// [`Model::step_sense`], after [`Model::set_positions`] if that is called too.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`], or [`Error::Argument`] for a UAV that there is not.
+    pub fn ground(&self, state: &mut StateMut<'_>, uav: usize) -> Result<(), Error> {
+        expect(state, Phase::Moved, "ground", "step_begin")?;
+        check_index("uav", uav, self.uav_count(), "below uav_count")?;
+        bits::set(state.grounded, uav);
+        bits::assign(state.returning, uav, false);
+        state.cells[uav] = state.previous[uav];
+        Ok(())
+    }
+
+    /// Part 2 of a step with the host's detections, in place of [`Model::step_sense`].
+    ///
+    /// `detections` has a row of n for each UAV; any value but 0 is a detection. Those of grounded UAVs and
+    /// of hotspots that the UAV knows are ignored, as step 4 draws none there.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`] or [`Error::Length`].
+    pub fn step_sense_over(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        detections: &[u8],
+    ) -> Result<(), Error> {
+        expect(state, Phase::Moved, "step_sense_over", "step_begin")?;
+        let expected = self.uav_count() * self.hotspot_count();
+        check_len("detections", expected, detections.len())?;
+        search::mark(self, state);
+        sensing::learn_from(self, state, scratch, detections);
+        state.header.set_phase(Phase::Sensed);
+        Ok(())
+    }
+
+    /// Confirms a hotspot in this step, whatever was detected. Between [`Model::step_begin`] and
+    /// [`Model::step_sense`]: UAVs that then detect it learn it. Nothing changes if it is confirmed already.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`], or [`Error::Argument`] for a hotspot that there is not.
+    pub fn confirm_hotspot(&self, state: &mut StateMut<'_>, hotspot: usize) -> Result<(), Error> {
+        expect(state, Phase::Moved, "confirm_hotspot", "step_begin")?;
+        check_index(
+            "hotspot",
+            hotspot,
+            self.hotspot_count(),
+            "below hotspot_count",
+        )?;
+        if !bits::get(state.confirmed, hotspot) {
+            bits::set(state.confirmed, hotspot);
+            state.detected_at[hotspot] = u64::from(state.header.t());
+        }
+        Ok(())
+    }
+
     /// Part 3 of a step over the host's graph, in place of [`Model::step_communicate`].
     ///
     /// `links` is an N × N matrix, row by row; any value but 0 is a link. It must be symmetric; the
     /// diagonal is ignored, and so are links of grounded UAVs. η̄_i is the link budget's over these links,
-    /// or `throughput[i]` where the host measured it.
+    /// or `throughput[i]` where the host measured it; 0 for a UAV without neighbours in either case.
     ///
     /// # Errors
     /// [`Error::OutOfOrder`], [`Error::Length`], or [`Error::Argument`] for a matrix that is not symmetric
@@ -103,6 +160,8 @@ impl Model<'_> {
             Some(measured) => {
                 let mut fleet = 0.0;
                 for (i, &value) in measured.iter().enumerate() {
+                    let alone = bits::is_empty(&state.links[i * row..(i + 1) * row]);
+                    let value = if alone { 0.0 } else { value };
                     state.set_throughput(i, value);
                     fleet += value;
                 }
@@ -145,6 +204,95 @@ impl Model<'_> {
         Ok(())
     }
 
+    /// Moves a hotspot to a free cell. Between steps; whether it is confirmed and who knows it stays.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`], [`Error::EpisodeOver`], or [`Error::Argument`] for a hotspot that there is not
+    /// and a cell off the grid, on a depot or with another hotspot.
+    pub fn move_hotspot(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        hotspot: usize,
+        cell: Cell,
+    ) -> Result<(), Error> {
+        expect(state, Phase::Ready, "move_hotspot", "reset or step_end")?;
+        check_index(
+            "hotspot",
+            hotspot,
+            self.hotspot_count(),
+            "below hotspot_count",
+        )?;
+        self.check_cells("cell", &[cell])?;
+        let mut taken = false;
+        for (other, word) in state.hotspots.iter().enumerate() {
+            taken |= other != hotspot && *word == cell.to_word();
+        }
+        let rule = if self.depots().contains(&cell) {
+            "a cell without a depot"
+        } else {
+            "distinct from the other hotspots"
+        };
+        if taken || self.depots().contains(&cell) {
+            return Err(refuse("cell", Value::Cell(cell.x, cell.y), rule));
+        }
+        state.hotspots[hotspot] = cell.to_word();
+        potential::update(self, state, scratch, false);
+        Ok(())
+    }
+
+    /// Puts the UAVs where they start, in place of the first depot. At t = 0 only. The cells count as
+    /// visited, the depot no longer does.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a cell off
+    /// the grid.
+    pub fn set_starts(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        cells: &[Cell],
+    ) -> Result<(), Error> {
+        expect_start(state, "set_starts")?;
+        check_len("starts", self.uav_count(), cells.len())?;
+        self.check_cells("starts", cells)?;
+        state.visited.fill(0);
+        for (i, &cell) in cells.iter().enumerate() {
+            state.cells[i] = cell.to_word();
+            state.previous[i] = cell.to_word();
+            bits::set(state.visited, self.cell_index(cell));
+        }
+        link::build_graph(self, state, scratch);
+        potential::update(self, state, scratch, false);
+        Ok(())
+    }
+
+    /// Sets what a battery holds now. Between steps. The difference enters the ledger as the host's:
+    /// initial + accepted + given = stored + spent.
+    ///
+    /// # Errors
+    /// [`Error::OutOfOrder`], [`Error::EpisodeOver`], or [`Error::Argument`] for a UAV that there is not
+    /// and a charge above the capacity.
+    pub fn set_battery(
+        &self,
+        state: &mut StateMut<'_>,
+        scratch: &mut Scratch<'_>,
+        uav: usize,
+        charge_uj: u64,
+    ) -> Result<(), Error> {
+        expect(state, Phase::Ready, "set_battery", "reset or step_end")?;
+        check_index("uav", uav, self.uav_count(), "below uav_count")?;
+        self.check_charge(charge_uj)?;
+        state.given[uav] = given_after(state.given[uav], state.battery[uav], charge_uj);
+        state.battery[uav] = charge_uj;
+        if state.header.t() == 0 {
+            bits::assign(state.grounded, uav, charge_uj == 0);
+            link::build_graph(self, state, scratch);
+        }
+        potential::update(self, state, scratch, false);
+        Ok(())
+    }
+
     /// Sets what each battery holds at the start, in place of the drawn charge. At t = 0 only.
     ///
     /// # Errors
@@ -159,19 +307,36 @@ impl Model<'_> {
         expect_start(state, "set_batteries")?;
         check_len("batteries", self.uav_count(), charges_uj.len())?;
         for &charge in charges_uj {
-            if charge > self.energy().capacity_uj {
-                let rule = "at most the battery's capacity, in microjoules";
-                return Err(refuse("batteries", Value::Integer(charge), rule));
-            }
+            self.check_charge(charge)?;
         }
         for (i, &charge) in charges_uj.iter().enumerate() {
             state.battery[i] = charge;
             state.initial[i] = charge;
+            state.given[i] = 0;
             bits::assign(state.grounded, i, charge == 0);
         }
         link::build_graph(self, state, scratch);
         potential::update(self, state, scratch, false);
         Ok(())
+    }
+
+    fn check_charge(&self, charge_uj: u64) -> Result<(), Error> {
+        if charge_uj <= self.energy().capacity_uj {
+            return Ok(());
+        }
+        let rule = "at most the battery's capacity, in microjoules";
+        Err(refuse("battery", Value::Integer(charge_uj), rule))
+    }
+
+    /// η_ij: the normalised throughput of UAV `i` toward UAV `k` in the present graph; 0 where they are no
+    /// neighbours.
+    #[must_use]
+    pub fn pair_throughput(&self, state: &StateRef<'_>, i: usize, k: usize) -> f64 {
+        if !state.linked(i, k) {
+            return 0.0;
+        }
+        let full = self.full_throughput().between(state.cell(i), state.cell(k));
+        (1.0 - state.pilot_density(i)) * full
     }
 
     fn check_cells(&self, what: &'static str, cells: &[Cell]) -> Result<(), Error> {
@@ -185,6 +350,26 @@ impl Model<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// The host's entry in a battery's ledger once it has set the charge, as bits of i64.
+#[inline]
+#[must_use]
+pub(crate) const fn given_after(given: u64, battery_uj: u64, charge_uj: u64) -> u64 {
+    given.wrapping_add(charge_uj).wrapping_sub(battery_uj)
+}
+
+fn check_index(
+    field: &'static str,
+    index: usize,
+    count: usize,
+    rule: &'static str,
+) -> Result<(), Error> {
+    if index < count {
+        Ok(())
+    } else {
+        Err(refuse(field, Value::Integer(index as u64), rule))
     }
 }
 

@@ -29,9 +29,9 @@ impl Layout {
             SearchMaps::Off => 0,
             SearchMaps::Shared => words_for(cells),
         };
-        let per_uav = (11 + OWN_COMPONENTS) * uavs + 3 * words_for(uavs);
+        let per_uav = (12 + OWN_COMPONENTS) * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
-        let pairs = uavs * words_for(hotspots) + uavs * words_for(uavs);
+        let pairs = 2 * uavs * words_for(hotspots) + uavs * words_for(uavs);
         Self {
             uavs,
             hotspots,

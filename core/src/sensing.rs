@@ -20,8 +20,43 @@ pub(crate) fn sense_and_learn(
 ) {
     let (detected, positives) = scratch.detections(model);
     detect(model, state, detected, positives);
+    state.detected.copy_from_slice(detected);
+    conclude(model, state, positives);
+}
+
+/// As [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV, in place of the
+/// draws. A UAV asks for nothing where it is grounded or knows the hotspot.
+pub(crate) fn learn_from(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+    detections: &[u8],
+) {
+    let positives = scratch.list(model.hotspot_count());
+    positives.fill(0);
+    state.detected.fill(0);
+    let (row, hotspots) = (model.hotspot_words(), model.hotspot_count());
+    for i in 0..model.uav_count() {
+        let known = &state.knowledge[i * row..(i + 1) * row];
+        let senses = !bits::get(state.grounded, i) && bits::count(known) < hotspots;
+        bits::assign(state.sensing, i, senses);
+        if !senses {
+            continue;
+        }
+        for j in 0..hotspots {
+            if detections[i * hotspots + j] != 0 && !bits::get(known, j) {
+                bits::set(&mut state.detected[i * row..(i + 1) * row], j);
+                positives[j] += 1;
+            }
+        }
+    }
+    conclude(model, state, positives);
+}
+
+/// Confirms by quorum; UAVs learn what they detected and is confirmed.
+fn conclude(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     confirm(model, state, positives);
-    learn(state.knowledge, detected, state.confirmed);
+    learn(state.knowledge, state.detected, state.confirmed);
 }
 
 fn detect(

@@ -138,6 +138,54 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.set_batteries(state, scratch, charges_uj))
     }
 
+    /// Keeps a UAV on the ground in this step; see [`Model::ground`].
+    ///
+    /// # Errors
+    /// As [`Model::ground`].
+    pub fn ground(&mut self, uav: usize) -> Result<(), Error> {
+        self.with(|model, state, _| model.ground(state, uav))
+    }
+
+    /// Part 2 of a step with the host's detections; see [`Model::step_sense_over`].
+    ///
+    /// # Errors
+    /// As [`Model::step_sense_over`].
+    pub fn step_sense_over(&mut self, detections: &[u8]) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.step_sense_over(state, scratch, detections))
+    }
+
+    /// Confirms a hotspot; see [`Model::confirm_hotspot`].
+    ///
+    /// # Errors
+    /// As [`Model::confirm_hotspot`].
+    pub fn confirm_hotspot(&mut self, hotspot: usize) -> Result<(), Error> {
+        self.with(|model, state, _| model.confirm_hotspot(state, hotspot))
+    }
+
+    /// Moves a hotspot; see [`Model::move_hotspot`].
+    ///
+    /// # Errors
+    /// As [`Model::move_hotspot`].
+    pub fn move_hotspot(&mut self, hotspot: usize, cell: Cell) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.move_hotspot(state, scratch, hotspot, cell))
+    }
+
+    /// Puts the UAVs where they start; see [`Model::set_starts`].
+    ///
+    /// # Errors
+    /// As [`Model::set_starts`].
+    pub fn set_starts(&mut self, cells: &[Cell]) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.set_starts(state, scratch, cells))
+    }
+
+    /// Sets a battery; see [`Model::set_battery`].
+    ///
+    /// # Errors
+    /// As [`Model::set_battery`].
+    pub fn set_battery(&mut self, uav: usize, charge_uj: u64) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.set_battery(state, scratch, uav, charge_uj))
+    }
+
     /// Writes the observations; see [`observation::observe`].
     ///
     /// # Errors

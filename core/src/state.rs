@@ -133,6 +133,10 @@ state! {
     visited: Length::Visited;
     /// For each UAV the cells that it knows to have been looked at; nothing without maps.
     searched: Length::Maps;
+    /// What a host has put into each battery, less what it has taken out, as bits of i64.
+    given: Length::PerUav;
+    /// For each UAV the hotspots that it detected when it last sensed.
+    detected: Length::Knowledge;
 }
 
 impl Model<'_> {
@@ -300,6 +304,12 @@ impl<'a> StateRef<'a> {
         self.spent[i]
     }
 
+    /// What a host has put into the battery of UAV `i`, less what it has taken out.
+    #[must_use]
+    pub fn given_uj(&self, i: usize) -> i64 {
+        self.given[i] as i64
+    }
+
     /// Energy that UAV `i` asked for and did not have.
     #[must_use]
     pub fn shortfall_uj(&self, i: usize) -> u64 {
@@ -370,6 +380,14 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn knows(&self, i: usize, j: usize) -> bool {
         bits::get(self.knowledge_of(i), j)
+    }
+
+    /// Whether UAV `i` detected hotspot `j` when it last sensed.
+    #[inline]
+    #[must_use]
+    pub fn detected(&self, i: usize, j: usize) -> bool {
+        let row = bits::words_for(self.layout.hotspots);
+        bits::get(&self.detected[i * row..(i + 1) * row], j)
     }
 
     /// Cell of hotspot `j`.

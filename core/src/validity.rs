@@ -65,8 +65,8 @@ impl StateRef<'_> {
                 || self.battery[i] > plan.capacity_uj
                 || self.initial[i] > plan.capacity_uj
                 || self.accepted[i] > most_uj
-                || self.spent[i] > self.initial[i] + self.accepted[i]
-                || self.battery[i] != self.initial[i] + self.accepted[i] - self.spent[i]
+                || self.spent[i] > steps * plan.most_asked_uj()
+                || self.battery[i] != self.balance_uj(i)
                 || self.shortfall[i] > steps * plan.most_asked_uj()
                 || !(density >= config.pilot_density_min && density <= config.pilot_density_max)
                 || !(throughput >= 0.0 && throughput <= THROUGHPUT_MAX)
@@ -78,6 +78,15 @@ impl StateRef<'_> {
         bits::fits(self.grounded, model.uav_count())
             && bits::fits(self.returning, model.uav_count())
             && bits::fits(self.sensing, model.uav_count())
+    }
+
+    /// What the ledger of UAV `i` leaves in its battery. Each entry is below 2^62 and the host's is the
+    /// difference of the others, so that sums modulo 2^64 are exact.
+    fn balance_uj(&self, i: usize) -> u64 {
+        self.initial[i]
+            .wrapping_add(self.accepted[i])
+            .wrapping_add(self.given[i])
+            .wrapping_sub(self.spent[i])
     }
 
     fn hotspots_are_valid(&self, model: &Model<'_>) -> bool {
@@ -112,7 +121,10 @@ impl StateRef<'_> {
             }
         }
         for i in 0..model.uav_count() {
-            if !bits::is_subset(self.knowledge_of(i), self.confirmed) {
+            let own = i * row..(i + 1) * row;
+            if !bits::is_subset(self.knowledge_of(i), self.confirmed)
+                || !bits::fits(&self.detected[own], model.hotspot_count())
+            {
                 return false;
             }
         }

@@ -43,7 +43,8 @@ int main(int argc, char **argv)
 
     float actions[2 * N];
     jcas_outcome outcome = {.struct_size = sizeof outcome};
-    jcas_sim_reset(sim, 1);
+    if (jcas_sim_reset(sim, 1) != JCAS_OK)
+        return 1;
     while (!outcome.terminated && !outcome.truncated)
         if (jcas_policy_act(policy, sim, actions, 2 * N) || jcas_sim_step(sim, actions, 2 * N, &outcome))
             return 1;

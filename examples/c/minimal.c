@@ -30,8 +30,8 @@ int main(void)
         fprintf(stderr, "%s\n", message);
         return 1;
     }
-    jcas_sim_new(model, &sim);
-    jcas_sim_reset(sim, 42);
+    if (jcas_sim_new(model, &sim) != JCAS_OK || jcas_sim_reset(sim, 42) != JCAS_OK)
+        return 1;
 
     jcas_outcome outcome = {.struct_size = sizeof outcome};
     while (!outcome.terminated && !outcome.truncated) {

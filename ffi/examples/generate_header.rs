@@ -1,5 +1,5 @@
-//! Writes include/jcas.h from the sources of this crate: `cargo run -p jcas-ffi --example generate_header`.
-//! With `--check` it only says whether the header is fresh.
+//! Writes include/jcas.h from the sources of this crate, and include/jcas_dl.h from that:
+//! `cargo run -p jcas-ffi --example generate_header`. With `--check` it only says whether both are fresh.
 
 use std::fs;
 use std::path::Path;
@@ -7,19 +7,52 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let generated = generate(root);
-    let header = root.join("../include/jcas.h");
-    if !std::env::args().any(|argument| argument == "--check") {
-        let new = header.with_extension("h.new");
-        fs::write(&new, generated).expect("include/ can be written");
-        fs::rename(&new, &header).expect("include/ can be written");
+    let header = generate(root);
+    let types = function_types(&header);
+    let check = std::env::args().any(|argument| argument == "--check");
+    let mut fresh = true;
+    for (name, generated) in [("jcas.h", header), ("jcas_dl.h", types)] {
+        let path = root.join("../include").join(name);
+        if check {
+            fresh &= fs::read_to_string(&path).is_ok_and(|kept| kept == generated);
+        } else {
+            let new = path.with_extension("h.new");
+            fs::write(&new, generated).expect("include/ can be written");
+            fs::rename(&new, &path).expect("include/ can be written");
+        }
+    }
+    if fresh {
         return ExitCode::SUCCESS;
     }
-    if fs::read_to_string(&header).is_ok_and(|kept| kept == generated) {
-        return ExitCode::SUCCESS;
-    }
-    eprintln!("include/jcas.h is stale: cargo run -p jcas-ffi --example generate_header");
+    eprintln!("include/ is stale: cargo run -p jcas-ffi --example generate_header");
     ExitCode::FAILURE
+}
+
+/// A type for each function of the header, for programs that load the library when they run.
+fn function_types(header: &str) -> String {
+    let mut text = String::from(
+        "/* Types of the functions of jcas.h, for programs that load the library when they run:\n \
+         *\n \
+         *     jcas_sim_step_fn *step = (jcas_sim_step_fn *)dlsym(library, \"jcas_sim_step\");\n \
+         *\n \
+         * SPDX-License-Identifier: MIT OR Apache-2.0\n \
+         */\n\
+         #ifndef JCAS_DL_H\n#define JCAS_DL_H\n\n#include \"jcas.h\"\n\n",
+    );
+    let code: String = header
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    for declaration in code.split("\nJCAS_API").skip(1) {
+        let declaration = declaration.split(';').next().unwrap_or_default();
+        let words = declaration.replace("JCAS_NODISCARD", " ");
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let words = words.join(" ");
+        let (before, arguments) = words.split_once('(').expect("a function has arguments");
+        text += &format!("typedef {before}_fn({arguments};\n");
+    }
+    text + "\n#endif\n"
 }
 
 fn generate(root: &Path) -> String {

@@ -1,18 +1,22 @@
 //! Batches: many environments of one model, stepped into the caller's contiguous buffers.
 
-use std::ffi::c_char;
+use std::ffi::{c_char, c_void};
 
 use jcas_core::batch::BatchOut;
-use jcas_core::{Metrics, observation, reward};
+use jcas_core::{Error, Metrics, Model, Scratch, observation, reward};
 
-use crate::batch_block::BatchBlock;
-use crate::handle::{model, open, see};
-use crate::memory::{Plain, Record, input, optional_output, output, place, read_record, text_out};
+use crate::batch_block::{BatchBlock, Plan, Sizes};
+use crate::handle::{self, Memory, Open, model, see};
+use crate::memory::{
+    Buffer, Plain, Record, Words, input, optional_output, output, place, read_record, text_out,
+};
 use crate::model::jcas_model;
 use crate::records::jcas_metrics;
+use crate::shares::Runner;
 use crate::sim::jcas_sim;
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_STRUCT_SIZE, JCAS_OK, guard,
+    jcas_status,
 };
 
 /// M environments of one model, with their working memory and, if wanted, threads of their own. One
@@ -79,37 +83,154 @@ unsafe impl Plain for jcas_batch_out {}
 // SAFETY: `struct_size` comes first.
 unsafe impl Record for jcas_batch_out {}
 
+/// One task of a batch step. Run it with the context that came with it and a number below `count`.
+pub type jcas_task = Option<unsafe extern "C" fn(task_context: *mut c_void, index: u32)>;
+
+/// The caller's way to run tasks: calls `task(task_context, index)` once for each index from 0 to count - 1,
+/// in any order and on any threads, and returns when all of these calls have. `context` is the caller's own.
+pub type jcas_run_tasks = Option<
+    unsafe extern "C" fn(
+        task: jcas_task,
+        task_context: *mut c_void,
+        count: u32,
+        context: *mut c_void,
+    ),
+>;
+
+/// How a batch is built.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct jcas_batch_options {
+    /// sizeof(jcas_batch_options).
+    pub struct_size: u32,
+    /// M, at least 1.
+    pub environments: u32,
+    /// How many threads step at once, the caller's among them. 1: no other is started. 0: one for each
+    /// processor. With `run`: how many tasks a step has; no thread is started.
+    pub threads: u32,
+    /// Set it to 0.
+    pub reserved: u32,
+    /// The caller's way to run the tasks of a step, or NULL.
+    pub run: jcas_run_tasks,
+    /// Passed to `run`.
+    pub run_context: *mut c_void,
+}
+
+// SAFETY: integers, a raw pointer and a function pointer that may be null; what a caller puts there is the
+// caller's promise.
+unsafe impl Plain for jcas_batch_options {}
+// SAFETY: `struct_size` comes first.
+unsafe impl Record for jcas_batch_options {}
+
+impl jcas_batch_options {
+    fn plan(&self) -> Result<Plan, Fault> {
+        if self.reserved != 0 {
+            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
+        }
+        let runner = self.run.map(|run| Runner {
+            run,
+            context: self.run_context,
+        });
+        Plan::new(self.environments as usize, self.threads as usize, runner)
+    }
+}
+
 /// Builds M environments in memory of their own, each at t = 0 of seed 0.
 ///
 /// `model`: not NULL; must not be freed before the batch. `environments`: M, at least 1. `threads`: how
 /// many step at once; 1: the caller's own, no other is started; 0: one for each processor. Results do not
 /// depend on it. `batch`: not NULL; receives the handle, to be ended by jcas_batch_free. Threads: any.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_new(
     model: *const jcas_model,
     environments: u32,
     threads: u32,
     batch: *mut *mut jcas_batch,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `batch`.
         let out = unsafe { place(batch) }?;
-        if environments == 0 {
-            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
-        }
-        let block = BatchBlock::build(model, environments as usize, threads as usize)?;
-        out.put(Box::into_raw(block).cast());
+        let plan = Plan::new(environments as usize, threads as usize, None)?;
+        let memory = Memory::allocate(plan.layout(model.get())?)?;
+        // SAFETY: memory of ours with this layout.
+        let block = unsafe { BatchBlock::build(model, plan, memory) }?;
+        out.put(block.cast());
         Ok(())
     })
 }
 
-/// Ends a batch and its threads. NULL is allowed and does nothing.
+/// How much memory a batch takes, for jcas_batch_init.
+///
+/// `model`, `options`, `size`, `alignment`: not NULL; options->struct_size set. `size` in bytes. Threads:
+/// any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_layout(
+    model: *const jcas_model,
+    options: *const jcas_batch_options,
+    size: *mut usize,
+    alignment: *mut usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `options`.
+        let plan = unsafe { read_record(options) }?.plan()?;
+        // SAFETY: the caller's promise for `size`.
+        let size = unsafe { place(size) }?;
+        // SAFETY: the caller's promise for `alignment`.
+        let alignment = unsafe { place(alignment) }?;
+        let layout = plan.layout(model.get())?;
+        size.put(layout.size());
+        alignment.put(layout.align());
+        Ok(())
+    })
+}
+
+/// Builds a batch in the caller's memory, which holds it until jcas_batch_free and may not be moved. Each
+/// environment is at t = 0 of seed 0.
+///
+/// `memory`: at least the size and alignment of jcas_batch_layout; not NULL; the caller's. `model`: not
+/// NULL; must not be freed before the batch. `options`: not NULL, struct_size set; not needed after the
+/// call. `batch`: not NULL; receives the handle. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, IN_USE, RESOURCES.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_init(
+    memory: *mut c_void,
+    size: usize,
+    model: *const jcas_model,
+    options: *const jcas_batch_options,
+    batch: *mut *mut jcas_batch,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `options`.
+        let plan = unsafe { read_record(options) }?.plan()?;
+        // SAFETY: the caller's promise for `batch`.
+        let out = unsafe { place(batch) }?;
+        // SAFETY: the caller's promise for `memory`.
+        let memory = unsafe { Memory::lent(memory.cast(), size, plan.layout(model.get())?) }?;
+        // SAFETY: checked memory that the caller lends for as long as the batch lives.
+        let block = unsafe { BatchBlock::build(model, plan, memory) }?;
+        out.put(block.cast());
+        Ok(())
+    })
+}
+
+/// Ends a batch and its threads, which have ended when the call returns; memory of the caller is the
+/// caller's again. NULL is allowed and does nothing.
 ///
 /// Threads: none may be using the batch.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_batch_free(batch: *mut jcas_batch) -> i32 {
+pub unsafe extern "C" fn jcas_batch_free(batch: *mut jcas_batch) -> jcas_status {
     if batch.is_null() {
         return JCAS_OK;
     }
@@ -117,10 +238,30 @@ pub unsafe extern "C" fn jcas_batch_free(batch: *mut jcas_batch) -> i32 {
     guard(|| unsafe { BatchBlock::free(batch.cast()) })
 }
 
+/// Opens a batch for change, and keeps why what is done with it is refused.
+///
+/// # Safety
+/// As [`BatchBlock::open`].
+unsafe fn change(
+    batch: *mut jcas_batch,
+    act: impl FnOnce(&mut BatchBlock) -> Result<(), Fault>,
+) -> i32 {
+    guard(|| {
+        // SAFETY: passed on.
+        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+        let done = act(batch);
+        batch.refusal = done.err();
+        done
+    })
+}
+
 /// Begins an episode in each environment and observes.
 ///
 /// `seeds`: M; not NULL. `observations`: M * uav_count * observation_len; not NULL. `global`: M *
-/// global_len, or NULL with a count of 0. Threads: only this one uses `batch`.
+/// global_len, or NULL with a count of 0. No buffer may overlap another. Threads: only this one uses
+/// `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_reset(
     batch: *mut jcas_batch,
@@ -130,15 +271,18 @@ pub unsafe extern "C" fn jcas_batch_reset(
     observation_count: usize,
     global: *mut f32,
     global_count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
         let sizes = batch.sizes();
-        apart(&[
-            span(seeds, seed_count),
-            span(observations, observation_count),
-            span(global, global_count),
+        Buffer::check_all(&[
+            Buffer::new("seeds", seeds, seed_count, sizes.count),
+            Buffer::new(
+                "observations",
+                observations,
+                observation_count,
+                sizes.observations,
+            ),
+            Buffer::optional("global", global, global_count, sizes.global),
         ])?;
         // SAFETY: the caller's promise for `seeds`.
         let seeds = unsafe { input(seeds, seed_count, sizes.count) }?;
@@ -146,8 +290,65 @@ pub unsafe extern "C" fn jcas_batch_reset(
         let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
         // SAFETY: the caller's promise for `global`.
         let global = unsafe { optional_output(global, global_count, sizes.global) }?;
-        batch.reset(seeds, observations, global)
-    })
+        batch.each_mut(|model, m, words, scratch| {
+            model.reset(words, scratch, seeds[m])?;
+            observe(model, m, words, scratch, observations, global)
+        })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Begins an episode in some environments, those where `mask` is not 0, and observes these. The others,
+/// and their rows of the buffers, stay as they are.
+///
+/// `mask`: M; not NULL. The others as for jcas_batch_reset; seeds of the others are not used. Threads: only
+/// this one uses `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_reset_some(
+    batch: *mut jcas_batch,
+    mask: *const u8,
+    mask_count: usize,
+    seeds: *const u64,
+    seed_count: usize,
+    observations: *mut f32,
+    observation_count: usize,
+    global: *mut f32,
+    global_count: usize,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        let sizes = batch.sizes();
+        Buffer::check_all(&[
+            Buffer::new("mask", mask, mask_count, sizes.count),
+            Buffer::new("seeds", seeds, seed_count, sizes.count),
+            Buffer::new(
+                "observations",
+                observations,
+                observation_count,
+                sizes.observations,
+            ),
+            Buffer::optional("global", global, global_count, sizes.global),
+        ])?;
+        // SAFETY: the caller's promise for `mask`.
+        let mask = unsafe { input(mask, mask_count, sizes.count) }?;
+        // SAFETY: the caller's promise for `seeds`.
+        let seeds = unsafe { input(seeds, seed_count, sizes.count) }?;
+        // SAFETY: the caller's promise for `observations`.
+        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
+        // SAFETY: the caller's promise for `global`.
+        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
+        batch.each_mut(|model, m, words, scratch| {
+            if mask[m] == 0 {
+                return Ok(());
+            }
+            model.reset(words, scratch, seeds[m])?;
+            observe(model, m, words, scratch, observations, global)
+        })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
 }
 
 /// Steps every environment once and observes.
@@ -156,8 +357,12 @@ pub unsafe extern "C" fn jcas_batch_reset(
 /// the ended one's. With 0 an environment whose episode has ended refuses the step, and so the batch does.
 /// All is checked before any environment steps, so nothing has changed after an error.
 ///
-/// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out.
-/// Threads: only this one uses `batch`.
+/// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out. Threads: only
+/// this one uses `batch`. A batch with threads of its own steps only in the process that built it; after a
+/// fork the child gets JCAS_ERROR_FORKED, may read and free the batch, and builds one of its own.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER, EPISODE_OVER,
+/// FORKED.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_step(
     batch: *mut jcas_batch,
@@ -165,13 +370,10 @@ pub unsafe extern "C" fn jcas_batch_step(
     action_count: usize,
     auto_reset: i32,
     out: *const jcas_batch_out,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
         let sizes = batch.sizes();
-        // SAFETY: the caller's promise for `actions`.
-        let actions = unsafe { input(actions, action_count, sizes.actions) }?;
+        let m = sizes.count;
         let auto_reset = match auto_reset {
             0 => false,
             1 => true,
@@ -179,23 +381,15 @@ pub unsafe extern "C" fn jcas_batch_step(
         };
         // SAFETY: the caller's promise for `out`.
         let c = unsafe { read_record(out) }?;
+        if c.reserved != 0 {
+            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
+        }
         if !c.final_metrics.is_null() && c.metrics_size != size_of::<jcas_metrics>() {
             return Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE));
         }
-        apart(&[
-            span(actions.as_ptr(), action_count),
-            span(c.observations, c.observation_count),
-            span(c.rewards, c.reward_count),
-            span(c.terminated, c.terminated_count),
-            span(c.truncated, c.truncated_count),
-            span(c.global, c.global_count),
-            span(c.components, c.component_count),
-            span(c.final_observations, c.final_observation_count),
-            span(c.final_global, c.final_global_count),
-            span(c.final_metrics, c.final_metrics_count),
-            span(c.uav_rewards, c.uav_reward_count),
-        ])?;
-        let m = sizes.count;
+        check_step_buffers(&c, actions, action_count, &sizes)?;
+        // SAFETY: the caller's promise for `actions`.
+        let actions = unsafe { input(actions, action_count, sizes.actions) }?;
         // SAFETY: the caller's promise for each buffer; none overlaps another.
         let (buffers, metrics) = unsafe {
             let buffers = BatchOut {
@@ -223,19 +417,78 @@ pub unsafe extern "C" fn jcas_batch_step(
             (buffers, metrics)
         };
         let wanted = !metrics.is_empty();
-        batch.step(
-            actions,
-            auto_reset,
-            buffers,
-            wanted,
-            |at, ended: &Metrics| {
-                metrics[at] = jcas_metrics::of(ended);
-            },
-        )
-    })
+        let keep = |at: usize, ended: &Metrics| metrics[at] = jcas_metrics::of(ended);
+        batch.step(actions, auto_reset, buffers, wanted, keep)
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
 }
 
-/// Writes what the environments observe now; the buffers are those of jcas_batch_reset.
+/// Every buffer of a step: there, long enough, apart from the others.
+fn check_step_buffers(
+    c: &jcas_batch_out,
+    actions: *const f32,
+    action_count: usize,
+    sizes: &Sizes,
+) -> Result<(), Fault> {
+    let m = sizes.count;
+    let components = m * reward::COMPONENTS;
+    Buffer::check_all(&[
+        Buffer::new("actions", actions, action_count, sizes.actions),
+        Buffer::new(
+            "observations",
+            c.observations,
+            c.observation_count,
+            sizes.observations,
+        ),
+        Buffer::new("rewards", c.rewards, c.reward_count, m),
+        Buffer::new("terminated", c.terminated, c.terminated_count, m),
+        Buffer::new("truncated", c.truncated, c.truncated_count, m),
+        Buffer::optional("global", c.global, c.global_count, sizes.global),
+        Buffer::optional("components", c.components, c.component_count, components),
+        Buffer::optional(
+            "final_observations",
+            c.final_observations,
+            c.final_observation_count,
+            sizes.observations,
+        ),
+        Buffer::optional(
+            "final_global",
+            c.final_global,
+            c.final_global_count,
+            sizes.global,
+        ),
+        Buffer::optional("final_metrics", c.final_metrics, c.final_metrics_count, m),
+        Buffer::optional("uav_rewards", c.uav_rewards, c.uav_reward_count, sizes.uavs),
+    ])
+}
+
+/// Observes environment `m` into its rows.
+fn observe(
+    model: &Model<'_>,
+    m: usize,
+    words: &[u64],
+    scratch: &mut Scratch<'_>,
+    observations: &mut [f32],
+    global: &mut [f32],
+) -> Result<(), Error> {
+    let state = model.state(words)?;
+    let len = model.uav_count() * model.observation_len();
+    let own = &mut observations[m * len..(m + 1) * len];
+    observation::observe(model, &state, scratch, own)?;
+    if !global.is_empty() {
+        let len = model.global_len();
+        observation::observe_global(model, &state, &mut global[m * len..(m + 1) * len])?;
+    }
+    Ok(())
+}
+
+/// Writes what the environments observe now.
+///
+/// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL with a
+/// count of 0. No buffer may overlap another. Threads: only this one uses `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_observe(
     batch: *mut jcas_batch,
@@ -243,31 +496,87 @@ pub unsafe extern "C" fn jcas_batch_observe(
     observation_count: usize,
     global: *mut f32,
     global_count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
         let sizes = batch.sizes();
-        apart(&[
-            span(observations, observation_count),
-            span(global, global_count),
+        Buffer::check_all(&[
+            Buffer::new(
+                "observations",
+                observations,
+                observation_count,
+                sizes.observations,
+            ),
+            Buffer::optional("global", global, global_count, sizes.global),
         ])?;
         // SAFETY: the caller's promise for `observations`.
         let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
         // SAFETY: the caller's promise for `global`.
         let global = unsafe { optional_output(global, global_count, sizes.global) }?;
-        batch.each(|model, m, words, scratch| {
-            let state = model.state(words)?;
-            let len = observations.len() / sizes.count;
-            let own = &mut observations[m * len..(m + 1) * len];
-            observation::observe(model, &state, scratch, own)?;
-            if !global.is_empty() {
-                let len = model.global_len();
-                let own = &mut global[m * len..(m + 1) * len];
-                observation::observe_global(model, &state, own)?;
-            }
-            Ok(())
+        batch.each_mut(|model, m, words, scratch| {
+            observe(model, m, words, scratch, observations, global)
         })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Saves every environment: M snapshots, one after the other, each as jcas_sim_save writes it.
+///
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_save(
+    batch: *const jcas_batch,
+    snapshots: *mut c_void,
+    size: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        // SAFETY: the caller's promise for `snapshots`.
+        let out = unsafe { output::<u8>(snapshots.cast(), size, batch.sizes().snapshots) }?;
+        batch.save(out)
+    })
+}
+
+/// Takes up what jcas_batch_save saved, of a batch of equal size and configuration. JCAS_ERROR_CORRUPT or
+/// JCAS_ERROR_MODEL_MISMATCH if any snapshot is not right, and nothing has changed then.
+///
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: only this one uses `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_load(
+    batch: *mut jcas_batch,
+    snapshots: *const c_void,
+    size: usize,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        // SAFETY: the caller's promise for `snapshots`.
+        let saved = unsafe { input::<u8>(snapshots.cast(), size, batch.sizes().snapshots) }?;
+        batch.load(saved)
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// The fingerprint of all states of a batch, in their order (FNV-1a, 64 bits).
+///
+/// `batch`, `states_hash`: not NULL. Threads: none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_hash(
+    batch: *const jcas_batch,
+    states_hash: *mut u64,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        // SAFETY: the caller's promise for `states_hash`.
+        let out = unsafe { place(states_hash) }?;
+        out.put(batch.hash());
+        Ok(())
     })
 }
 
@@ -276,22 +585,28 @@ pub unsafe extern "C" fn jcas_batch_observe(
 ///
 /// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: none changes `batch`,
 /// only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_get(
     batch: *const jcas_batch,
     index: u32,
     sim: *mut jcas_sim,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
         let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let copy = |sim: &mut Open<'_>| {
+            if batch.model().config_hash() != sim.model.config_hash() {
+                return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
+            }
+            sim.words.copy_from_slice(batch.state(index as usize)?);
+            Ok(())
+        };
         // SAFETY: the caller's promise for `sim`.
-        let sim = unsafe { open(sim.cast()) }?;
-        if batch.model().config_hash() != sim.model.config_hash() {
-            return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
+        match unsafe { handle::change(sim.cast(), copy) } {
+            JCAS_OK => Ok(()),
+            status => Err(Fault::Status(status)),
         }
-        sim.words.copy_from_slice(batch.state(index as usize)?);
-        Ok(())
     })
 }
 
@@ -300,15 +615,15 @@ pub unsafe extern "C" fn jcas_batch_get(
 ///
 /// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
 /// `batch`, none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_set(
     batch: *mut jcas_batch,
     index: u32,
     sim: *const jcas_sim,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
         if batch.model().config_hash() != sim.model.config_hash() {
@@ -316,40 +631,27 @@ pub unsafe extern "C" fn jcas_batch_set(
         }
         batch.state_mut(index as usize)?.copy_from_slice(sim.words);
         Ok(())
-    })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
 }
 
-/// As jcas_sim_message, for a batch. UAVs are counted over the whole batch.
+/// Why the last call that took this batch without const was refused, in words: which value, and what is
+/// allowed. Empty if that call did what it says. UAVs are counted over the whole batch.
+///
+/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_message(
     batch: *const jcas_batch,
     text: *mut c_char,
     capacity: usize,
     length: *mut usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
         let batch = unsafe { BatchBlock::see(batch.cast()) }?;
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&batch.message(), text, capacity, length) }
+        unsafe { text_out(&Words(batch.refusal), text, capacity, length) }
     })
-}
-
-/// First address of a buffer and the one behind its last.
-fn span<T>(buffer: *const T, count: usize) -> (usize, usize) {
-    let begin = if buffer.is_null() { 0 } else { buffer.addr() };
-    let bytes = count.saturating_mul(size_of::<T>());
-    (begin, begin.saturating_add(bytes))
-}
-
-/// Whether no two buffers overlap; those left out never do.
-fn apart(spans: &[(usize, usize)]) -> Result<(), Fault> {
-    for (index, a) in spans.iter().enumerate() {
-        for b in &spans[..index] {
-            if a.0 != 0 && b.0 != 0 && a.0 < b.1 && b.0 < a.1 {
-                return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
-            }
-        }
-    }
-    Ok(())
 }

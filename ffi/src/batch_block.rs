@@ -1,12 +1,24 @@
-//! A batch behind its handle: states side by side, a share of the working memory for each thread.
+//! A batch behind its handle: states side by side, a share of the working memory for each task.
+//!
+//! | part | content |
+//! | --- | --- |
+//! | [`BatchBlock`] | sizes, the team of threads, where the other parts begin |
+//! | words | the states, two spare states, the working memory of each share |
+//! | metrics | what each environment's episode came to, while a step hands them out |
+//! | claims | one flag a share: whether a task has taken it in the present step |
+//! | threads | handles of the batch's own threads |
+
+use std::alloc::Layout;
+use std::slice;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use jcas_core::batch::BatchOut;
-use jcas_core::header::Phase;
-use jcas_core::{Error, Metrics, Model, Scratch, reward};
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use jcas_core::{Error, Metrics, Model, Scratch, hash};
 
-use crate::handle::{Block, ModelBlock, check};
-use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_RESOURCES};
+use crate::handle::{Block, Memory, ModelBlock, check};
+use crate::shares::{Round, Runner, check_all};
+use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RESOURCES};
+use crate::team::{Job, Team, Thread, join, processors, start};
 
 /// Shares of the batch per thread: enough that no thread waits long for another at the end.
 const SHARES_PER_THREAD: usize = 4;
@@ -14,19 +26,38 @@ const SHARES_PER_THREAD: usize = 4;
 #[repr(C)]
 pub(crate) struct BatchBlock {
     seal: u64,
+    memory: Memory,
     model: *const ModelBlock,
-    count: usize,
-    shares: usize,
-    states: Vec<u64>,
-    scratch: Vec<u64>,
-    metrics: Vec<Metrics>,
-    pool: Option<ThreadPool>,
-    refusal: Option<Error>,
+    plan: Plan,
+    parts: Parts,
+    /// The process that started the threads: they are in no other.
+    process: u32,
+    team: Team,
+    pub(crate) refusal: Option<Fault>,
 }
 
 // SAFETY: `repr(C)`, the seal comes first.
 unsafe impl Block for BatchBlock {
     const SEAL: u64 = u64::from_le_bytes(*b"jcas bat");
+}
+
+/// How large a batch is and who steps it.
+#[derive(Clone, Copy)]
+pub(crate) struct Plan {
+    pub(crate) count: usize,
+    /// Threads of its own, beside the caller's.
+    threads: usize,
+    shares: usize,
+    runner: Option<Runner>,
+}
+
+/// Where the parts behind a block begin, in bytes from its start.
+#[derive(Clone, Copy)]
+struct Parts {
+    words: usize,
+    metrics: usize,
+    claims: usize,
+    threads: usize,
 }
 
 /// Lengths of the buffers of a batch.
@@ -37,59 +68,153 @@ pub(crate) struct Sizes {
     pub(crate) observations: usize,
     pub(crate) global: usize,
     pub(crate) uavs: usize,
+    pub(crate) snapshots: usize,
 }
 
-/// Some environments of a batch with all that belongs to them.
-struct Work<'a> {
+impl Plan {
+    /// `threads` as a caller gives them: 0 for one a processor; with a runner, the number of tasks.
+    pub(crate) fn new(count: usize, threads: usize, runner: Option<Runner>) -> Result<Self, Fault> {
+        if count == 0 {
+            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
+        }
+        let wanted = if threads == 0 { processors() } else { threads }.min(count);
+        let (threads, shares) = match (runner, wanted) {
+            (Some(_), tasks) => (0, tasks),
+            (None, 1) => (0, 1),
+            (None, threads) => (threads - 1, count.min(SHARES_PER_THREAD * threads)),
+        };
+        Ok(Self {
+            count,
+            threads,
+            shares,
+            runner,
+        })
+    }
+
+    fn words(&self, model: &Model<'_>) -> Option<usize> {
+        let states = (self.count.checked_add(2)?).checked_mul(model.state_words())?;
+        let scratch = self.shares.checked_mul(Scratch::words_for(model))?;
+        states.checked_add(scratch)
+    }
+
+    pub(crate) fn layout(&self, model: &Model<'_>) -> Result<Layout, Fault> {
+        Ok(self.parts(model)?.0)
+    }
+
+    fn parts(&self, model: &Model<'_>) -> Result<(Layout, Parts), Fault> {
+        let scarce = Fault::Status(JCAS_ERROR_RESOURCES);
+        let lay_out = || {
+            let words = Layout::array::<u64>(self.words(model)?).ok()?;
+            let metrics = Layout::array::<Metrics>(self.count).ok()?;
+            let claims = Layout::array::<AtomicBool>(self.shares).ok()?;
+            let threads = Layout::array::<Thread>(self.threads).ok()?;
+            let (layout, words) = Layout::new::<BatchBlock>().extend(words).ok()?;
+            let (layout, metrics) = layout.extend(metrics).ok()?;
+            let (layout, claims) = layout.extend(claims).ok()?;
+            let (layout, threads) = layout.extend(threads).ok()?;
+            let parts = Parts {
+                words,
+                metrics,
+                claims,
+                threads,
+            };
+            Some((layout.pad_to_align(), parts))
+        };
+        lay_out().ok_or(scarce)
+    }
+}
+
+/// The parts of an open batch.
+struct Open<'a> {
+    model: &'static Model<'static>,
     states: &'a mut [u64],
+    spare: &'a mut [u64],
     scratch: &'a mut [u64],
-    actions: &'a [f32],
-    out: BatchOut<'a>,
-    shares: usize,
+    metrics: &'a mut [Metrics],
+    claims: &'a [AtomicBool],
 }
 
 impl BatchBlock {
-    pub(crate) fn build(
-        block: &ModelBlock,
-        count: usize,
-        threads: usize,
-    ) -> Result<Box<Self>, Fault> {
-        let model = block.get();
-        let threads = match threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            threads => threads,
-        };
-        let threads = threads.min(count);
-        let shares = if threads == 1 {
-            1
-        } else {
-            count.min(SHARES_PER_THREAD * threads)
-        };
-        let pool = match threads {
-            1 => None,
-            _ => Some(
-                ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .thread_name(|index| format!("jcas-batch-{index}"))
-                    .build()
-                    .map_err(|_| Fault::Status(JCAS_ERROR_RESOURCES))?,
-            ),
-        };
-        let mut batch = Box::new(Self {
-            seal: 0,
-            model: block,
-            count,
-            shares,
-            states: filled(count, model.state_words(), 0)?,
-            scratch: filled(shares, Scratch::words_for(model), 0)?,
-            metrics: filled(count, 1, Metrics::default())?,
-            pool,
+    /// Builds a batch in memory that has its layout.
+    ///
+    /// # Safety
+    /// `at` and `memory` come from [`Memory`] with [`Plan::layout`] of this model.
+    pub(crate) unsafe fn build(
+        model: &ModelBlock,
+        plan: Plan,
+        (at, memory): (*mut u8, Memory),
+    ) -> Result<*mut Self, Fault> {
+        let block = at.cast::<Self>();
+        let parts = plan.parts(model.get())?.1;
+        // SAFETY: the layout has room for all parts; all zero is a value of words, metrics and flags.
+        unsafe { at.write_bytes(0, memory.size()) };
+        let value = Self {
+            seal: Self::seal(block),
+            memory,
+            model,
+            plan,
+            parts,
+            process: std::process::id(),
+            team: Team::new(),
             refusal: None,
-        });
-        batch.each_mut(|model, _, words, scratch| model.reset(words, scratch, 0))?;
-        batch.seal = Self::seal(&raw const *batch);
-        block.add_user();
-        Ok(batch)
+        };
+        // SAFETY: in front of the other parts, aligned by the layout.
+        unsafe { block.write(value) };
+        // SAFETY: just built, and nobody else has it.
+        unsafe { &mut *block }
+            .each_mut(|model, _, words, scratch| model.reset(words, scratch, 0))?;
+        // SAFETY: as above; the block is not moved while threads serve its team.
+        if let Err(fault) = unsafe { Self::start_threads(block) } {
+            // SAFETY: as above; nobody has the handle.
+            unsafe { (&raw mut (*block).seal).write(0) };
+            // SAFETY: the threads have ended.
+            unsafe { memory.release(at) };
+            return Err(fault);
+        }
+        model.add_user();
+        Ok(block)
+    }
+
+    /// Starts the threads of a batch; all or none.
+    ///
+    /// # Safety
+    /// A batch that was just built.
+    unsafe fn start_threads(block: *mut Self) -> Result<(), Fault> {
+        // SAFETY: the caller's promise; only shared parts of the block are used from here on.
+        let batch = unsafe { &*block };
+        let first = batch.threads_at(block);
+        for index in 0..batch.plan.threads {
+            // SAFETY: the team stays in the block until `stop_threads`.
+            let Some(thread) = (unsafe { start(&raw const batch.team) }) else {
+                // SAFETY: as many as were started.
+                unsafe { batch.stop_threads(first, index) };
+                return Err(Fault::Status(JCAS_ERROR_RESOURCES));
+            };
+            // SAFETY: the layout has room for this many.
+            unsafe { first.add(index).write(thread) };
+        }
+        Ok(())
+    }
+
+    fn threads_at(&self, block: *mut Self) -> *mut Thread {
+        block.cast::<u8>().wrapping_add(self.parts.threads).cast()
+    }
+
+    /// Ends threads and waits until they have.
+    ///
+    /// # Safety
+    /// `count` threads of this process stand at `first`.
+    unsafe fn stop_threads(&self, first: *mut Thread, count: usize) {
+        if count == 0 {
+            return;
+        }
+        self.team.quit();
+        for index in 0..count {
+            // SAFETY: written when the thread was started, and read once.
+            let thread = unsafe { first.add(index).read() };
+            // SAFETY: the caller's promise.
+            unsafe { join(thread) };
+        }
     }
 
     /// Ends a batch.
@@ -99,12 +224,25 @@ impl BatchBlock {
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living batch came from a box and is not used again.
-        let mut batch = unsafe { Box::from_raw(at) };
-        batch.seal = 0;
+        // SAFETY: a living batch that only this call and its own threads use.
+        let batch = unsafe { &*at };
+        // In a forked process there are no threads to end.
+        if !batch.is_forked() {
+            // SAFETY: started when the batch was built.
+            unsafe { batch.stop_threads(batch.threads_at(at), batch.plan.threads) };
+        }
         // SAFETY: a model cannot be freed while it has batches.
         unsafe { &*batch.model }.drop_user();
+        let memory = batch.memory;
+        // SAFETY: nobody else uses the block any more; whoever looks again finds no seal.
+        unsafe { (&raw mut (*at).seal).write(0) };
+        // SAFETY: nothing uses the block any more.
+        unsafe { memory.release(at.cast()) };
         Ok(())
+    }
+
+    fn is_forked(&self) -> bool {
+        self.plan.threads > 0 && self.process != std::process::id()
     }
 
     /// Opens a batch for change.
@@ -114,7 +252,7 @@ impl BatchBlock {
     pub(crate) unsafe fn open<'a>(at: *mut Self) -> Result<&'a mut Self, Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living batch that only this call uses.
+        // SAFETY: a living batch that only this call uses; its threads wait on the team, which is shared.
         Ok(unsafe { &mut *at })
     }
 
@@ -135,62 +273,112 @@ impl BatchBlock {
     }
 
     pub(crate) fn sizes(&self) -> Sizes {
-        let model = self.model();
+        let (model, count) = (self.model(), self.plan.count);
         Sizes {
-            count: self.count,
-            actions: self.count * model.action_len(),
-            observations: self.count * model.uav_count() * model.observation_len(),
-            global: self.count * model.global_len(),
-            uavs: self.count * model.uav_count(),
+            count,
+            actions: count * model.action_len(),
+            observations: count * model.uav_count() * model.observation_len(),
+            global: count * model.global_len(),
+            uavs: count * model.uav_count(),
+            snapshots: count * model.save_len(),
         }
     }
 
-    pub(crate) fn message(&self) -> String {
-        self.refusal
-            .as_ref()
-            .map_or_else(String::new, ToString::to_string)
+    fn part(&self, offset: usize) -> *const u8 {
+        (&raw const *self).cast::<u8>().wrapping_add(offset)
+    }
+
+    fn states(&self) -> &[u64] {
+        let count = self.plan.count * self.model().state_words();
+        // SAFETY: the words begin with the states, initialised when the batch was built.
+        unsafe { slice::from_raw_parts(self.part(self.parts.words).cast(), count) }
+    }
+
+    fn parts_mut(&mut self) -> Open<'_> {
+        let model = self.model();
+        let at = (&raw mut *self).cast::<u8>();
+        let (plan, parts) = (self.plan, self.parts);
+        let count = plan.words(model).unwrap_or(0);
+        // SAFETY: laid out behind the block by `Plan::parts`, initialised when it was built.
+        let words =
+            unsafe { slice::from_raw_parts_mut(at.wrapping_add(parts.words).cast(), count) };
+        // SAFETY: as above; no part overlaps another.
+        let metrics =
+            unsafe { slice::from_raw_parts_mut(at.wrapping_add(parts.metrics).cast(), plan.count) };
+        // SAFETY: as above.
+        let claims =
+            unsafe { slice::from_raw_parts(at.wrapping_add(parts.claims).cast(), plan.shares) };
+        let (states, rest) = words.split_at_mut(plan.count * model.state_words());
+        let (spare, scratch) = rest.split_at_mut(2 * model.state_words());
+        Open {
+            model,
+            states,
+            spare,
+            scratch,
+            metrics,
+            claims,
+        }
     }
 
     pub(crate) fn state(&self, index: usize) -> Result<&[u64], Fault> {
-        let mut states = self.states.chunks_exact(self.model().state_words());
+        let mut states = self.states().chunks_exact(self.model().state_words());
         states.nth(index).ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))
     }
 
     pub(crate) fn state_mut(&mut self, index: usize) -> Result<&mut [u64], Fault> {
-        let words = self.model().state_words();
-        let mut states = self.states.chunks_exact_mut(words);
+        let Open { model, states, .. } = self.parts_mut();
+        let mut states = states.chunks_exact_mut(model.state_words());
         states.nth(index).ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))
     }
 
-    pub(crate) fn reset(
-        &mut self,
-        seeds: &[u64],
-        observations: &mut [f32],
-        global: &mut [f32],
-    ) -> Result<(), Fault> {
-        let model = self.model();
-        let mut scratch = Scratch::new(model, &mut self.scratch).ok_or(Error::ModelMismatch)?;
-        let states = &mut self.states;
-        Ok(model.batch_reset(states, &mut scratch, seeds, observations, global)?)
-    }
-
     /// Visits every environment, on this thread.
-    pub(crate) fn each(
-        &mut self,
-        mut visit: impl FnMut(&Model<'_>, usize, &[u64], &mut Scratch<'_>) -> Result<(), Error>,
-    ) -> Result<(), Fault> {
-        self.each_mut(|model, m, words, scratch| visit(model, m, words, scratch))
-    }
-
-    fn each_mut(
+    pub(crate) fn each_mut(
         &mut self,
         mut visit: impl FnMut(&Model<'_>, usize, &mut [u64], &mut Scratch<'_>) -> Result<(), Error>,
     ) -> Result<(), Fault> {
-        let model = self.model();
-        let mut scratch = Scratch::new(model, &mut self.scratch).ok_or(Error::ModelMismatch)?;
-        let states = self.states.chunks_exact_mut(model.state_words());
-        for (m, words) in states.enumerate() {
+        let Open {
+            model,
+            states,
+            scratch,
+            ..
+        } = self.parts_mut();
+        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        for (m, words) in states.chunks_exact_mut(model.state_words()).enumerate() {
             visit(model, m, words, &mut scratch)?;
+        }
+        Ok(())
+    }
+
+    /// The fingerprint of all states, one after the other.
+    pub(crate) fn hash(&self) -> u64 {
+        hash::words(self.states())
+    }
+
+    /// Saves every environment, one snapshot after the other.
+    pub(crate) fn save(&self, out: &mut [u8]) -> Result<(), Fault> {
+        let model = self.model();
+        let states = self.states().chunks_exact(model.state_words());
+        for (words, bytes) in states.zip(out.chunks_exact_mut(model.save_len())) {
+            model.save(words, bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Loads every environment; all snapshots are judged before the first is taken up.
+    pub(crate) fn load(&mut self, saved: &[u8]) -> Result<(), Fault> {
+        let Open {
+            model,
+            states,
+            spare,
+            ..
+        } = self.parts_mut();
+        let (trial, spare) = spare.split_at_mut(model.state_words());
+        for bytes in saved.chunks_exact(model.save_len()) {
+            model.load(bytes, trial, spare)?;
+        }
+        let states = states.chunks_exact_mut(model.state_words());
+        for (words, bytes) in states.zip(saved.chunks_exact(model.save_len())) {
+            model.load(bytes, words, spare)?;
         }
         Ok(())
     }
@@ -204,43 +392,46 @@ impl BatchBlock {
         metrics_wanted: bool,
         mut ended: impl FnMut(usize, &Metrics),
     ) -> Result<(), Fault> {
-        let model = self.model();
-        let final_metrics: &mut [Metrics] = if metrics_wanted {
-            &mut self.metrics
+        if self.is_forked() {
+            return Err(Fault::Status(JCAS_ERROR_FORKED));
+        }
+        let plan = self.plan;
+        let team = &raw const self.team;
+        let open = self.parts_mut();
+        // A share must not refuse after another has stepped.
+        check_all(open.model, open.states, actions)?;
+        let final_metrics = if metrics_wanted {
+            &mut *open.metrics
         } else {
             &mut []
         };
-        let stepped = if let Some(pool) = &self.pool {
-            // A share must not refuse after another has stepped.
-            check_all(model, &self.states, actions).and_then(|()| {
-                let work = Work {
-                    states: &mut self.states,
-                    scratch: &mut self.scratch,
-                    actions,
-                    out: BatchOut {
-                        final_metrics,
-                        ..out
-                    },
-                    shares: self.shares,
-                };
-                pool.install(|| work.run(model, auto_reset))
-            })
-        } else {
-            let work = Work {
-                states: &mut self.states,
-                scratch: &mut self.scratch,
-                actions,
-                out: BatchOut {
-                    final_metrics,
-                    ..out
-                },
-                shares: 1,
-            };
-            work.run(model, auto_reset)
+        let out = BatchOut {
+            final_metrics,
+            ..out
         };
-        stepped.inspect_err(|error| self.refusal = Some(*error))?;
+        for claim in open.claims {
+            claim.store(false, Ordering::Relaxed);
+        }
+        let (states, scratch) = (open.states, open.scratch);
+        let round = Round::new(
+            open.model,
+            states,
+            scratch,
+            actions,
+            auto_reset,
+            out,
+            open.claims,
+        );
+        let job: Job = round.job();
+        match plan.runner {
+            Some(runner) => runner.run(job),
+            // SAFETY: a part of the block of its own, which `parts_mut` gives out nowhere.
+            None if plan.threads > 0 => unsafe { &*team }.run(plan.threads, job),
+            None => {}
+        }
+        round.finish()?;
         if metrics_wanted {
-            for (m, metrics) in self.metrics.iter_mut().enumerate() {
+            for (m, metrics) in self.parts_mut().metrics.iter_mut().enumerate() {
                 if metrics.terminated || metrics.truncated {
                     ended(m, metrics);
                     *metrics = Metrics::default();
@@ -249,133 +440,4 @@ impl BatchBlock {
         }
         Ok(())
     }
-}
-
-impl Work<'_> {
-    fn run(mut self, model: &Model<'_>, auto_reset: bool) -> Result<(), Error> {
-        if self.shares > 1 {
-            let (left, right) = self.split(model);
-            let (a, b) = rayon::join(
-                || left.run(model, auto_reset),
-                || right.run(model, auto_reset),
-            );
-            return a.and(b);
-        }
-        let mut scratch = Scratch::new(model, self.scratch).ok_or(Error::ModelMismatch)?;
-        model.batch_step(
-            self.states,
-            &mut scratch,
-            self.actions,
-            auto_reset,
-            &mut self.out,
-        )
-    }
-
-    /// Two parts, each with its shares' environments, buffers and working memory.
-    fn split<'b>(self, model: &Model<'_>) -> (Work<'b>, Work<'b>)
-    where
-        Self: 'b,
-    {
-        let count = self.states.len() / model.state_words();
-        let shares = self.shares / 2;
-        let left = count * shares / self.shares;
-        let per_observation = model.uav_count() * model.observation_len();
-        let (states, other_states) = self.states.split_at_mut(left * model.state_words());
-        let (scratch, other_scratch) = self
-            .scratch
-            .split_at_mut(shares * Scratch::words_for(model));
-        let (actions, other_actions) = self.actions.split_at(left * model.action_len());
-        let out = self.out;
-        let (observations, b_observations) = cut(out.observations, left * per_observation);
-        let (global, b_global) = cut(out.global, left * model.global_len());
-        let (rewards, b_rewards) = cut(out.rewards, left);
-        let (components, b_components) = cut(out.components, left * reward::COMPONENTS);
-        let (terminated, b_terminated) = cut(out.terminated, left);
-        let (truncated, b_truncated) = cut(out.truncated, left);
-        let (final_observations, b_final_observations) =
-            cut(out.final_observations, left * per_observation);
-        let (final_global, b_final_global) = cut(out.final_global, left * model.global_len());
-        let (final_metrics, b_final_metrics) = cut(out.final_metrics, left);
-        let uavs = left * model.uav_count();
-        let (uav_rewards, b_uav_rewards) = cut(out.uav_rewards, uavs);
-        let (uav_components, b_uav_components) = cut(out.uav_components, uavs * reward::COMPONENTS);
-        let one = Work {
-            states,
-            scratch,
-            actions,
-            out: BatchOut {
-                observations,
-                global,
-                rewards,
-                components,
-                terminated,
-                truncated,
-                final_observations,
-                final_global,
-                final_metrics,
-                uav_rewards,
-                uav_components,
-            },
-            shares,
-        };
-        let other = Work {
-            states: other_states,
-            scratch: other_scratch,
-            actions: other_actions,
-            out: BatchOut {
-                observations: b_observations,
-                global: b_global,
-                rewards: b_rewards,
-                components: b_components,
-                terminated: b_terminated,
-                truncated: b_truncated,
-                final_observations: b_final_observations,
-                final_global: b_final_global,
-                final_metrics: b_final_metrics,
-                uav_rewards: b_uav_rewards,
-                uav_components: b_uav_components,
-            },
-            shares: self.shares - shares,
-        };
-        (one, other)
-    }
-}
-
-/// Both sides of a buffer; a buffer left out has two empty sides.
-fn cut<T>(buffer: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
-    let at = if buffer.is_empty() { 0 } else { at };
-    buffer.split_at_mut(at)
-}
-
-/// What could make any environment refuse a step.
-fn check_all(model: &Model<'_>, states: &[u64], actions: &[f32]) -> Result<(), Error> {
-    if let Some(index) = actions.iter().position(|value| value.is_nan()) {
-        return Err(Error::ActionNan {
-            uav: index / 2,
-            component: index % 2,
-        });
-    }
-    for words in states.chunks_exact(model.state_words()) {
-        match model.state(words)?.header.phase() {
-            Some(Phase::Ready) => {}
-            Some(phase) if phase.is_over() => return Err(Error::EpisodeOver),
-            _ => {
-                return Err(Error::OutOfOrder {
-                    called: "batch_step",
-                    after: "step_end",
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// `count` times `each` values, or a status where a system without the memory would abort.
-fn filled<T: Clone>(count: usize, each: usize, value: T) -> Result<Vec<T>, Fault> {
-    let scarce = || Fault::Status(JCAS_ERROR_RESOURCES);
-    let len = count.checked_mul(each).ok_or_else(scarce)?;
-    let mut values = Vec::new();
-    values.try_reserve_exact(len).map_err(|_| scarce())?;
-    values.resize(len, value);
-    Ok(values)
 }

@@ -72,7 +72,8 @@ pub struct jcas_config {
     /// Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
     /// 100]
     pub horizon_steps: u32,
-    /// Positive detections in one step that confirm a hotspot (θ). [UAVs, 1 to 4096; default 3]
+    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1 to 4096;
+    /// default 3]
     pub quorum: u32,
     /// Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
     pub depot_count: u32,

@@ -1,15 +1,14 @@
 //! Configurations by preset, and from and to text.
 
 use std::ffi::c_char;
-use std::fmt::Display;
+use std::fmt::{self, Display, Write};
 
-use jcas_core::config::text::TextError;
+use jcas_core::config::text::{Excerpt, TextError};
 use jcas_core::{Config, Preset};
-use serde_json::json;
 
 use crate::config::jcas_config;
-use crate::memory::{bytes, message, place, read_record, sized_record, text_out};
-use crate::status::{Fault, JCAS_ERROR_CONFIG, guard};
+use crate::memory::{Said, Text, bytes, message, place, read_record, sized_record, text_out};
+use crate::status::{Fault, JCAS_ERROR_CONFIG, guard, jcas_status};
 
 /// Says why a configuration was refused.
 ///
@@ -17,7 +16,7 @@ use crate::status::{Fault, JCAS_ERROR_CONFIG, guard};
 /// As [`message`].
 pub(crate) unsafe fn refuse(error: impl Display, buffer: *mut c_char, capacity: usize) -> Fault {
     // SAFETY: passed on.
-    unsafe { message(&error.to_string(), buffer, capacity) };
+    unsafe { message(&Said(error), buffer, capacity) };
     Fault::Status(JCAS_ERROR_CONFIG)
 }
 
@@ -42,8 +41,12 @@ pub(crate) unsafe fn legal(
 /// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as `struct_size`.
 ///
 /// `config`: not NULL. Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_config_default(config: *mut jcas_config, struct_size: usize) -> i32 {
+pub unsafe extern "C" fn jcas_config_default(
+    config: *mut jcas_config,
+    struct_size: usize,
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `config`.
         let out = unsafe { sized_record(config, struct_size) }?;
@@ -57,6 +60,8 @@ pub unsafe extern "C" fn jcas_config_default(config: *mut jcas_config, struct_si
 ///
 /// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
 /// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_preset(
     name: *const c_char,
@@ -65,10 +70,10 @@ pub unsafe extern "C" fn jcas_config_preset(
     struct_size: usize,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     let parse = |name: &str| match name.parse::<Preset>() {
         Ok(preset) => Ok(Config::preset(preset)),
-        Err(error) => Err(format!("preset = {name}: {error}")),
+        Err(error) => Err(TextError::Preset(Excerpt::of(name), error)),
     };
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {
@@ -89,6 +94,8 @@ pub unsafe extern "C" fn jcas_config_preset(
 ///
 /// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
 /// introduction. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_from_toml(
     text: *const c_char,
@@ -97,7 +104,7 @@ pub unsafe extern "C" fn jcas_config_from_toml(
     struct_size: usize,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {
         from_text(
@@ -112,7 +119,11 @@ pub unsafe extern "C" fn jcas_config_from_toml(
     })
 }
 
-/// As jcas_config_from_toml, from a JSON object.
+/// As jcas_config_from_toml, from a JSON object; null takes a field that may be derived back to that.
+///
+/// `text`, `message`: as for jcas_config_from_toml. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_from_json(
     text: *const c_char,
@@ -121,7 +132,7 @@ pub unsafe extern "C" fn jcas_config_from_json(
     struct_size: usize,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {
         from_text(
@@ -140,12 +151,14 @@ pub unsafe extern "C" fn jcas_config_from_json(
 /// its value and what is allowed.
 ///
 /// `config`: not NULL, struct_size set. `message`: see the introduction. Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_validate(
     config: *const jcas_config,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe { legal(config, message, message_capacity) }.map(|_| ()))
 }
@@ -153,8 +166,12 @@ pub unsafe extern "C" fn jcas_config_validate(
 /// The fingerprint of a legal configuration; part of every state and snapshot.
 ///
 /// `config`, `hash`: not NULL, struct_size set. Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_config_hash(config: *const jcas_config, hash: *mut u64) -> i32 {
+pub unsafe extern "C" fn jcas_config_hash(
+    config: *const jcas_config,
+    hash: *mut u64,
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `config`; no message is wanted.
         let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
@@ -168,63 +185,61 @@ pub unsafe extern "C" fn jcas_config_hash(config: *const jcas_config, hash: *mut
 /// A legal configuration as JSON text, which jcas_config_from_json reads back; derived fields are absent.
 ///
 /// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not NULL;
-/// receives the length without the terminating zero, so that `capacity` must be at least one more.
+/// receives the length without the terminating zero, so that `capacity` must be at least one more;
+/// also where the text does not fit, with JCAS_ERROR_LENGTH.
 /// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_to_json(
     config: *const jcas_config,
     text: *mut c_char,
     capacity: usize,
     length: *mut usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `config`; no message is wanted.
         let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&json!(config).to_string(), text, capacity, length) }
+        unsafe { text_out(&Json(&config), text, capacity, length) }
     })
 }
 
-/// As jcas_config_to_json, as TOML text.
+/// As jcas_config_to_json, as TOML text, which jcas_config_from_toml reads back.
+///
+/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_to_toml(
     config: *const jcas_config,
     text: *mut c_char,
     capacity: usize,
     length: *mut usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `config`; no message is wanted.
         let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&config.to_toml(), text, capacity, length) }
+        unsafe { text_out(&Toml(&config), text, capacity, length) }
     })
 }
 
-/// The fields of the configuration as JSON text: a list of objects with name, unit, low, high and doc.
+/// The fields of the configuration as JSON text: a list of objects with name, unit, low, high,
+/// default (null: derived) and doc.
 ///
 /// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_fields(
     text: *mut c_char,
     capacity: usize,
     length: *mut usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
-        let fields: Vec<_> = Config::FIELDS
-            .iter()
-            .map(|info| {
-                json!({
-                    "name": info.name,
-                    "unit": info.unit,
-                    "low": info.low,
-                    "high": info.high,
-                    "doc": info.doc.trim(),
-                })
-            })
-            .collect();
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&json!(fields).to_string(), text, capacity, length) }
+        unsafe { text_out(&Fields, text, capacity, length) }
     })
 }
 
@@ -232,44 +247,55 @@ pub unsafe extern "C" fn jcas_config_fields(
 ///
 /// # Safety
 /// The promises that each exported function above names.
-unsafe fn from_text<E: Into<Refusal>>(
+unsafe fn from_text(
     text: *const c_char,
     text_length: usize,
     config: *mut jcas_config,
     struct_size: usize,
     message: *mut c_char,
     message_capacity: usize,
-    parse: impl Fn(&str) -> Result<Config, E>,
+    parse: impl Fn(&str) -> Result<Config, TextError>,
 ) -> Result<(), Fault> {
     // SAFETY: passed on.
     let text = unsafe { bytes(text.cast(), text_length) }?;
     // SAFETY: passed on.
     let out = unsafe { sized_record(config, struct_size) }?;
-    let parsed = match std::str::from_utf8(text) {
-        Ok(text) => parse(text).map_err(Into::into),
-        Err(error) => Err(Refusal(format!("the text is not UTF-8: {error}"))),
-    };
-    match parsed {
-        Ok(config) => {
+    let refused = match std::str::from_utf8(text).map(parse) {
+        Ok(Ok(config)) => {
             out.put(jcas_config::from_core(&config));
-            Ok(())
+            return Ok(());
         }
         // SAFETY: passed on.
-        Err(refusal) => Err(unsafe { refuse(refusal.0, message, message_capacity) }),
+        Ok(Err(error)) => unsafe { refuse(error, message, message_capacity) },
+        // SAFETY: passed on.
+        Err(_) => unsafe { refuse("the text is not UTF-8", message, message_capacity) },
+    };
+    Err(refused)
+}
+
+/// A configuration as JSON.
+struct Json<'a>(&'a Config);
+
+impl Text for Json<'_> {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
+        self.0.write_json(out)
     }
 }
 
-/// Why a text is no configuration, in words.
-struct Refusal(String);
+/// A configuration as TOML.
+struct Toml<'a>(&'a Config);
 
-impl From<TextError> for Refusal {
-    fn from(error: TextError) -> Self {
-        Self(error.to_string())
+impl Text for Toml<'_> {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
+        self.0.write_toml(out)
     }
 }
 
-impl From<String> for Refusal {
-    fn from(words: String) -> Self {
-        Self(words)
+/// The description of every field.
+struct Fields;
+
+impl Text for Fields {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
+        Config::write_fields(out)
     }
 }

@@ -15,9 +15,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use jcas_core::{Config, Error, Model, Scratch, StateMut};
 
+use crate::batch_block::BatchBlock;
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_IN_USE, JCAS_ERROR_LENGTH,
-    JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES,
+    JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES, guard,
 };
 
 /// A kind of block.
@@ -50,8 +51,8 @@ pub(crate) struct SimBlock {
     /// The model's sizes, kept here so that no call works them out again.
     state_words: usize,
     scratch_words: usize,
-    /// The kernel's last refusal, for its words.
-    pub(crate) refusal: Option<Error>,
+    /// Why the last call that could change it was refused.
+    pub(crate) refusal: Option<Fault>,
 }
 
 // SAFETY: `repr(C)`, the seal comes first.
@@ -82,13 +83,23 @@ impl Memory {
     }
 
     /// The caller's memory, checked.
-    pub(crate) fn lent(at: *mut u8, size: usize, layout: Layout) -> Result<(*mut u8, Self), Fault> {
+    ///
+    /// # Safety
+    /// If `at` is neither null nor misaligned, `size` bytes can be read there.
+    pub(crate) unsafe fn lent(
+        at: *mut u8,
+        size: usize,
+        layout: Layout,
+    ) -> Result<(*mut u8, Self), Fault> {
         if at.is_null() {
             Err(Fault::Status(JCAS_ERROR_NULL))
         } else if at.addr() % layout.align() != 0 {
             Err(Fault::Status(JCAS_ERROR_ALIGNMENT))
         } else if size < layout.size() {
             Err(Fault::Status(JCAS_ERROR_LENGTH))
+        // SAFETY: large enough and aligned, as was just checked.
+        } else if unsafe { holds_a_handle(at) } {
+            Err(Fault::Status(JCAS_ERROR_IN_USE))
         } else {
             Ok((
                 at,
@@ -115,6 +126,21 @@ impl Memory {
             unsafe { dealloc(at, self.layout) };
         }
     }
+}
+
+/// Whether memory holds a living handle, which building another over it would lose.
+///
+/// # Safety
+/// Eight bytes can be read at `at`, which is aligned for them.
+unsafe fn holds_a_handle(at: *mut u8) -> bool {
+    // SAFETY: the caller's promise; volatile, as nobody may have written there before.
+    let seal = unsafe { at.cast::<u64>().read_volatile() };
+    [
+        ModelBlock::seal(at.cast()),
+        SimBlock::seal(at.cast()),
+        BatchBlock::seal(at.cast()),
+    ]
+    .contains(&seal)
 }
 
 /// A block of type `B` followed by `words` words.
@@ -237,14 +263,14 @@ pub(crate) struct Open<'a> {
     pub(crate) words: &'a mut [u64],
     pub(crate) scratch: &'a mut [u64],
     pub(crate) spare: &'a mut [u64],
-    pub(crate) refusal: &'a mut Option<Error>,
+    pub(crate) refusal: &'a mut Option<Fault>,
 }
 
 /// A simulation opened to read.
 pub(crate) struct Seen<'a> {
     pub(crate) model: &'a Model<'static>,
     pub(crate) words: &'a [u64],
-    pub(crate) refusal: &'a Option<Error>,
+    pub(crate) refusal: &'a Option<Fault>,
 }
 
 /// Opens a simulation for change.
@@ -270,6 +296,23 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
         scratch,
         spare,
         refusal,
+    })
+}
+
+/// Opens a simulation for change, and keeps why what is done with it is refused.
+///
+/// # Safety
+/// As [`open`].
+pub(crate) unsafe fn change(
+    at: *mut SimBlock,
+    act: impl FnOnce(&mut Open<'_>) -> Result<(), Fault>,
+) -> i32 {
+    guard(|| {
+        // SAFETY: passed on.
+        let mut sim = unsafe { open(at) }?;
+        let done = act(&mut sim);
+        *sim.refusal = done.err();
+        done
     })
 }
 
@@ -363,6 +406,6 @@ impl Open<'_> {
             .model
             .state_mut(self.words)
             .and_then(|mut state| act(self.model, &mut state, &mut scratch));
-        Ok(acted.inspect_err(|error| *self.refusal = Some(*error))?)
+        Ok(acted?)
     }
 }

@@ -40,6 +40,8 @@ mod memory;
 mod policy_block;
 #[cfg(any(kani, test))]
 mod proofs;
+mod shares;
+mod team;
 
 pub use batch::*;
 pub use config::*;

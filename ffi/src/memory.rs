@@ -1,10 +1,15 @@
 //! Pointers from C become slices and records, once checked. Every raw pointer of a caller passes here.
 
 use std::ffi::c_char;
+use std::fmt::{self, Display, Write};
 use std::slice;
 
+use jcas_core::Error;
+use jcas_core::config::text::Counter;
+
 use crate::status::{
-    Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_LENGTH, JCAS_ERROR_NULL, JCAS_ERROR_STRUCT_SIZE,
+    Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_INTERNAL, JCAS_ERROR_LENGTH, JCAS_ERROR_NULL,
+    JCAS_ERROR_STRUCT_SIZE,
 };
 
 /// A type for which every pattern of bits is a value.
@@ -44,6 +49,76 @@ fn check<T>(pointer: *const T) -> Result<(), Fault> {
     }
 }
 
+fn check_count(what: &'static str, got: usize, expected: usize) -> Result<(), Fault> {
+    if got == expected {
+        return Ok(());
+    }
+    Err(Fault::Kernel(Error::Length {
+        what,
+        expected,
+        got,
+    }))
+}
+
+/// A buffer of a call that takes several, before any is touched.
+pub(crate) struct Buffer {
+    name: &'static str,
+    checked: Result<(), Fault>,
+    begin: usize,
+    end: usize,
+}
+
+impl Buffer {
+    /// A buffer that must be there.
+    pub(crate) fn new<T>(
+        name: &'static str,
+        pointer: *const T,
+        count: usize,
+        expected: usize,
+    ) -> Self {
+        let begin = pointer.addr();
+        Self {
+            name,
+            checked: check(pointer).and_then(|()| check_count(name, count, expected)),
+            begin,
+            end: begin.saturating_add(count.saturating_mul(size_of::<T>())),
+        }
+    }
+
+    /// A buffer that may be left out: null with a count of 0.
+    pub(crate) fn optional<T>(
+        name: &'static str,
+        pointer: *const T,
+        count: usize,
+        expected: usize,
+    ) -> Self {
+        let buffer = Self::new(name, pointer, count, expected);
+        if pointer.is_null() && count == 0 {
+            return Self {
+                checked: Ok(()),
+                end: buffer.begin,
+                ..buffer
+            };
+        }
+        buffer
+    }
+
+    /// Each buffer for itself, then whether any two overlap.
+    pub(crate) fn check_all(buffers: &[Self]) -> Result<(), Fault> {
+        for buffer in buffers {
+            buffer.checked?;
+        }
+        for (index, a) in buffers.iter().enumerate() {
+            for b in &buffers[..index] {
+                if a.begin < b.end && b.begin < a.end {
+                    return Err(Fault::Overlap(a.name, b.name));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 /// A caller's buffer that must have exactly `expected` elements, to read.
 ///
 /// # Safety
@@ -55,9 +130,7 @@ pub(crate) unsafe fn input<'a, T: Plain>(
     expected: usize,
 ) -> Result<&'a [T], Fault> {
     check(pointer)?;
-    if count != expected {
-        return Err(Fault::Status(JCAS_ERROR_LENGTH));
-    }
+    check_count("a buffer", count, expected)?;
     // SAFETY: not null, aligned, and readable for `count` elements by the caller's promise; `expected`
     // comes from a validated model, so that the bytes fit an isize.
     Ok(unsafe { slice::from_raw_parts(pointer, count) })
@@ -73,9 +146,7 @@ pub(crate) unsafe fn output<'a, T: Plain>(
     expected: usize,
 ) -> Result<&'a mut [T], Fault> {
     check(pointer)?;
-    if count != expected {
-        return Err(Fault::Status(JCAS_ERROR_LENGTH));
-    }
+    check_count("a buffer", count, expected)?;
     // SAFETY: as in `input`; exclusive by the caller's promise.
     Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
 }
@@ -171,47 +242,116 @@ pub(crate) unsafe fn read_record<T: Record>(pointer: *const T) -> Result<T, Faul
     Ok(unsafe { pointer.read() })
 }
 
+/// Something that says itself in words, without a detour through formatting where it is a plain text.
+pub(crate) trait Text {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result;
+}
+
+impl Text for str {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
+        out.write_str(self)
+    }
+}
+
+/// What can be displayed, as a text.
+pub(crate) struct Said<T>(pub(crate) T);
+
+impl<T: Display> Text for Said<T> {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
+        write!(out, "{}", self.0)
+    }
+}
+
 /// Writes a message as a C string, cut to what fits. A null buffer takes none.
 ///
 /// # Safety
 /// `capacity` bytes can be written at a pointer that is not null.
-pub(crate) unsafe fn message(text: &str, buffer: *mut c_char, capacity: usize) {
+pub(crate) unsafe fn message<T: Text + ?Sized>(text: &T, buffer: *mut c_char, capacity: usize) {
     if buffer.is_null() || capacity == 0 {
         return;
     }
-    let mut end = text.len().min(capacity - 1);
-    while !text.is_char_boundary(end) {
-        end -= 1;
-    }
-    // SAFETY: fewer than `capacity` bytes, which the caller promised; a str is no buffer of the caller.
-    unsafe { buffer.copy_from_nonoverlapping(text.as_ptr().cast(), end) };
-    // SAFETY: end < capacity.
-    let terminator = unsafe { buffer.add(end) };
+    let mut cut = Cut {
+        buffer,
+        room: capacity - 1,
+        written: 0,
+    };
+    // A text that does not fit ends where it was cut.
+    let _cut = text.write_to(&mut cut);
+    // SAFETY: at most `capacity` - 1 bytes were written.
+    let terminator = unsafe { buffer.add(cut.written) };
     // SAFETY: as above.
     unsafe { terminator.write(0) };
 }
 
-/// Gives a text out: its length always, the text with a terminating zero if there is a buffer.
+/// Writes into a caller's buffer until it is full, whole characters only.
+struct Cut {
+    buffer: *mut c_char,
+    room: usize,
+    written: usize,
+}
+
+impl Write for Cut {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let mut end = text.len().min(self.room - self.written);
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        // SAFETY: within the caller's buffer, whose room is counted here.
+        let to = unsafe { self.buffer.add(self.written) };
+        // SAFETY: as above; a str is no buffer of the caller.
+        unsafe { to.copy_from_nonoverlapping(text.as_ptr().cast(), end) };
+        self.written += end;
+        if end == text.len() {
+            Ok(())
+        } else {
+            self.room = self.written;
+            Err(fmt::Error)
+        }
+    }
+}
+
+/// A refusal in words; nothing where there was none.
+pub(crate) struct Words(pub(crate) Option<Fault>);
+
+impl Text for Words {
+    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
+        self.0.map_or(Ok(()), |fault| write!(out, "{fault}"))
+    }
+}
+
+/// Gives a text out: its length always, the text with a terminating zero if there is a buffer. A buffer
+/// that is too short takes nothing but the length.
 ///
 /// # Safety
 /// `capacity` bytes can be written at `buffer` if it is not null; `length` as for [`place`].
-pub(crate) unsafe fn text_out(
-    text: &str,
+pub(crate) unsafe fn text_out<T: Text + ?Sized>(
+    text: &T,
     buffer: *mut c_char,
     capacity: usize,
     length: *mut usize,
 ) -> Result<(), Fault> {
     // SAFETY: passed on.
     let length = unsafe { place(length) }?;
-    if !buffer.is_null() {
-        if capacity <= text.len() {
-            return Err(Fault::Status(JCAS_ERROR_LENGTH));
-        }
-        // SAFETY: passed on; the whole text fits.
-        unsafe { message(text, buffer, capacity) };
-    } else if capacity != 0 {
+    if buffer.is_null() && capacity != 0 {
         return Err(Fault::Status(JCAS_ERROR_NULL));
     }
-    length.put(text.len());
+    let mut counter = Counter::default();
+    let counted = text.write_to(&mut counter);
+    counted.map_err(|_| Fault::Status(JCAS_ERROR_INTERNAL))?;
+    length.put(counter.0);
+    if buffer.is_null() {
+        return Ok(());
+    }
+    check_fits(counter.0, capacity)?;
+    // SAFETY: passed on; the whole text fits.
+    unsafe { message(text, buffer, capacity) };
     Ok(())
+}
+
+const fn check_fits(len: usize, capacity: usize) -> Result<(), Fault> {
+    if capacity > len {
+        Ok(())
+    } else {
+        Err(Fault::Status(JCAS_ERROR_LENGTH))
+    }
 }

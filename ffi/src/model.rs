@@ -12,7 +12,7 @@ use crate::memory::{output, place, record, sized_record};
 use crate::records::{
     JCAS_OBSERVATION_FIELDS, jcas_model_info, jcas_observation_field, jcas_radio,
 };
-use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_STRUCT_SIZE, guard};
+use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_STRUCT_SIZE, guard, jcas_status};
 
 /// A validated configuration with everything that can be worked out before the first step. It never
 /// changes: any number of threads may use one model at once.
@@ -22,6 +22,8 @@ pub struct jcas_model(());
 ///
 /// `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the introduction.
 /// Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_layout(
     config: *const jcas_config,
@@ -29,7 +31,7 @@ pub unsafe extern "C" fn jcas_model_layout(
     alignment: *mut usize,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promises for `config` and `message`.
         let config = unsafe { legal(config, message, message_capacity) }?;
@@ -49,6 +51,8 @@ pub unsafe extern "C" fn jcas_model_layout(
 /// `memory`: at least the size and alignment of jcas_model_layout; not NULL; the caller's.
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
 /// `message`: see the introduction. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG, IN_USE, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_init(
     memory: *mut c_void,
@@ -57,11 +61,12 @@ pub unsafe extern "C" fn jcas_model_init(
     model: *mut *mut jcas_model,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promises for `config` and `message`.
         let config = unsafe { legal(config, message, message_capacity) }?;
-        let memory = Memory::lent(memory.cast(), size, ModelBlock::layout(&config)?)?;
+        // SAFETY: the caller's promise for `memory`.
+        let memory = unsafe { Memory::lent(memory.cast(), size, ModelBlock::layout(&config)?) }?;
         // SAFETY: the caller's promises for `memory` and `model`.
         unsafe { build(config, memory, model) }
     })
@@ -71,13 +76,15 @@ pub unsafe extern "C" fn jcas_model_init(
 ///
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
 /// `message`: see the introduction. Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_new(
     config: *const jcas_config,
     model: *mut *mut jcas_model,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promises for `config` and `message`.
         let config = unsafe { legal(config, message, message_capacity) }?;
@@ -93,8 +100,9 @@ pub unsafe extern "C" fn jcas_model_new(
 /// JCAS_ERROR_IN_USE while simulations or batches of the model have not been freed.
 ///
 /// Threads: none may be using the model.
+/// Statuses: NULL, ALIGNMENT, HANDLE, IN_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_model_free(model: *mut jcas_model) -> i32 {
+pub unsafe extern "C" fn jcas_model_free(model: *mut jcas_model) -> jcas_status {
     if model.is_null() {
         return crate::JCAS_OK;
     }
@@ -105,11 +113,12 @@ pub unsafe extern "C" fn jcas_model_free(model: *mut jcas_model) -> i32 {
 /// Sizes and constants of a model.
 ///
 /// `model`, `info`: not NULL; info->struct_size set. Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_get_info(
     model: *const jcas_model,
     info: *mut jcas_model_info,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -124,13 +133,15 @@ pub unsafe extern "C" fn jcas_model_get_info(
 ///
 /// `model`, `fields`: not NULL. `count`: JCAS_OBSERVATION_FIELDS. `struct_size`:
 /// sizeof(jcas_observation_field). Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_observation_fields(
     model: *const jcas_model,
     fields: *mut jcas_observation_field,
     count: usize,
     struct_size: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -186,12 +197,13 @@ pub extern "C" fn jcas_observation_field_name(index: u32) -> *const c_char {
 /// The configuration of a model.
 ///
 /// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config). Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_get_config(
     model: *const jcas_model,
     config: *mut jcas_config,
     struct_size: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -206,6 +218,7 @@ pub unsafe extern "C" fn jcas_model_get_config(
 ///
 /// `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density` from
 /// 0 to 1, or JCAS_ERROR_ARGUMENT. Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_get_radio(
     model: *const jcas_model,
@@ -213,7 +226,7 @@ pub unsafe extern "C" fn jcas_model_get_radio(
     dy: u32,
     pilot_density: f64,
     radio: *mut jcas_radio,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?.get();

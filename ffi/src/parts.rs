@@ -1,4 +1,4 @@
-//! Stepping by parts, and what a host simulator may own: positions, links, hotspots, batteries.
+//! Stepping by parts, and what a host simulator may own: positions, detections, links, hotspots, batteries.
 
 use std::mem::offset_of;
 use std::slice;
@@ -6,73 +6,133 @@ use std::slice;
 use jcas_core::Cell;
 
 use crate::config::jcas_cell;
-use crate::handle::open;
+use crate::handle::{Open, change};
 use crate::memory::{input, record};
 use crate::records::jcas_outcome;
 use crate::sim::jcas_sim;
-use crate::status::guard;
+use crate::status::jcas_status;
 
 /// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
 /// jcas_sim_step_sense.
 ///
-/// `sim`, `actions`: as for jcas_sim_step.
+/// `sim`, `actions`: as for jcas_sim_step. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_step_begin(
     sim: *mut jcas_sim,
     actions: *const f32,
     action_count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { input(actions, action_count, sim.model.action_len()) }?;
         sim.act(|model, state, _| model.step_begin(state, actions))
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Puts the UAVs where the host has moved them, in place of the kernel's own motion. A UAV whose cell
 /// differs from the one before the step has moved, however far.
 ///
 /// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_set_positions(
     sim: *mut jcas_sim,
     cells: *const jcas_cell,
     count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
         sim.act(|model, state, _| model.set_positions(state, kernel_cells(cells)))
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_over.
 ///
 /// `sim`: not NULL. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
-        sim.act(|model, state, scratch| model.step_sense(state, scratch))
-    })
+pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> jcas_status {
+    let act =
+        |sim: &mut Open<'_>| sim.act(|model, state, scratch| model.step_sense(state, scratch));
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Keeps a UAV from flying, sensing and communicating in this step, whatever its battery holds. It stays
+/// where it was before the step and asks its battery for nothing. Between jcas_sim_step_begin and
+/// jcas_sim_step_sense, after jcas_sim_set_positions if that is called too.
+///
+/// `sim`: not NULL. `uav`: below uav_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_status {
+    let act = |sim: &mut Open<'_>| sim.act(|model, state, _| model.ground(state, uav as usize));
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Confirms a hotspot in this step, whatever was detected. Between jcas_sim_step_begin and
+/// jcas_sim_step_sense: UAVs that then detect it learn it. Nothing changes if it is confirmed already.
+///
+/// `sim`: not NULL. `hotspot`: below hotspot_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
+/// `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u32) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        sim.act(|model, state, _| model.confirm_hotspot(state, hotspot as usize))
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Part 2 of a step with the host's detections, in place of jcas_sim_step_sense.
+///
+/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value but 0 is
+/// a detection. Those of grounded UAVs and of hotspots that the UAV knows are ignored, as no draw is made
+/// there. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_step_sense_over(
+    sim: *mut jcas_sim,
+    detections: *const u8,
+    count: usize,
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        let expected = sim.model.uav_count() * sim.model.hotspot_count();
+        // SAFETY: the caller's promise for `detections`.
+        let detections = unsafe { input(detections, count, expected) }?;
+        sim.act(|model, state, scratch| model.step_sense_over(state, scratch, detections))
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Part 3 of a step: communicate over the graph that the kernel's link budget gives. Next:
 /// jcas_sim_step_end.
 ///
 /// `sim`: not NULL. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_step_communicate(sim: *mut jcas_sim) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+pub unsafe extern "C" fn jcas_sim_step_communicate(sim: *mut jcas_sim) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         sim.act(|model, state, scratch| model.step_communicate(state, scratch))
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Part 3 of a step over the host's graph, in place of jcas_sim_step_communicate.
@@ -80,7 +140,10 @@ pub unsafe extern "C" fn jcas_sim_step_communicate(sim: *mut jcas_sim) -> i32 {
 /// `links`: a uav_count * uav_count matrix, row by row, any value but 0 is a link; not NULL. It must be
 /// symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: the mean normalised
 /// throughput of each UAV toward its neighbours as the host measured it, uav_count numbers from 0 to 1e9;
-/// or NULL with a count of 0 to take it from the kernel's link budget. Threads: only this one uses `sim`.
+/// or NULL with a count of 0 to take it from the kernel's link budget. A UAV without neighbours has 0 in
+/// either case. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_step_communicate_over(
     sim: *mut jcas_sim,
@@ -88,10 +151,8 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_over(
     link_count: usize,
     throughput: *const f64,
     throughput_count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         let uavs = sim.model.uav_count();
         // SAFETY: the caller's promise for `links`.
         let links = unsafe { input(links, link_count, uavs * uavs) }?;
@@ -104,60 +165,133 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_over(
         sim.act(|model, state, scratch| {
             model.step_communicate_over(state, scratch, links, throughput)
         })
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Part 4 of a step: energy, charge, carbon, reward, termination.
 ///
 /// `sim`, `outcome`: not NULL, struct_size set. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_step_end(sim: *mut jcas_sim, outcome: *mut jcas_outcome) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+pub unsafe extern "C" fn jcas_sim_step_end(
+    sim: *mut jcas_sim,
+    outcome: *mut jcas_outcome,
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `outcome`.
         let out = unsafe { record(outcome) }?;
         out.put(jcas_outcome::of(
             sim.act(|model, state, scratch| model.step_end(state, scratch))?,
         ));
         Ok(())
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Places the hotspots, in place of the drawn ones: distinct cells without a depot. At t = 0 only.
 ///
 /// `sim`, `cells`: not NULL. `count`: hotspot_count. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_set_hotspots(
     sim: *mut jcas_sim,
     cells: *const jcas_cell,
     count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.hotspot_count()) }?;
         sim.act(|model, state, scratch| model.set_hotspots(state, scratch, kernel_cells(cells)))
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Moves a hotspot. Between steps; whether it is confirmed and who knows it stays.
+///
+/// `sim`: not NULL. `hotspot`: below hotspot_count. `x`, `y`: a cell of the grid without a depot or another
+/// hotspot. JCAS_ERROR_ARGUMENT for anything else. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_move_hotspot(
+    sim: *mut jcas_sim,
+    hotspot: u32,
+    x: u32,
+    y: u32,
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        sim.act(|model, state, scratch| {
+            model.move_hotspot(state, scratch, hotspot as usize, Cell { x, y })
+        })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Puts the UAVs where they start, in place of the first depot. At t = 0 only.
+///
+/// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_set_starts(
+    sim: *mut jcas_sim,
+    cells: *const jcas_cell,
+    count: usize,
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        // SAFETY: the caller's promise for `cells`.
+        let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
+        sim.act(|model, state, scratch| model.set_starts(state, scratch, kernel_cells(cells)))
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Sets what a battery holds now, in microjoules. Between steps; 0 grounds the UAV from the next step on.
+/// The difference enters the ledger as given_uj of jcas_uav.
+///
+/// `sim`: not NULL. `uav`: below uav_count, `charge_uj`: at most battery_capacity_uj, or
+/// JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_set_battery(
+    sim: *mut jcas_sim,
+    uav: u32,
+    charge_uj: u64,
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        sim.act(|model, state, scratch| model.set_battery(state, scratch, uav as usize, charge_uj))
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Sets what each battery holds at the start, in microjoules, in place of the drawn charge. At t = 0 only.
 ///
 /// `sim`, `charges_uj`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_set_batteries(
     sim: *mut jcas_sim,
     charges_uj: *const u64,
     count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `charges_uj`.
         let charges = unsafe { input(charges_uj, count, sim.model.uav_count()) }?;
         sim.act(|model, state, scratch| model.set_batteries(state, scratch, charges))
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 const _: () = assert!(size_of::<jcas_cell>() == size_of::<Cell>());

@@ -10,12 +10,12 @@ use jcas_core::Model;
 use crate::batch::jcas_batch;
 use crate::batch_block::BatchBlock;
 use crate::handle::{Memory, model, see};
-use crate::memory::{bytes, message, output, place};
+use crate::memory::{Said, bytes, message, output, place};
 use crate::model::jcas_model;
 use crate::policy_block::{PolicyBlock, fault};
 use crate::sim::jcas_sim;
 use crate::status::{
-    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard,
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard, jcas_status,
 };
 
 /// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a time may
@@ -40,16 +40,16 @@ unsafe fn network(
 ) -> Result<(Network, &'static [u8]), Fault> {
     // SAFETY: the caller's promise; the slice does not outlive the call.
     let file: &'static [u8] = unsafe { bytes(file, length) }?;
-    let refuse = |text: String, fault| {
+    let network = Network::read(file).map_err(|error| {
         // SAFETY: passed on.
-        unsafe { message(&text, buffer, capacity) };
-        fault
-    };
-    let network = Network::read(file)
-        .map_err(|error| refuse(error.to_string(), Fault::Status(JCAS_ERROR_CORRUPT)))?;
-    network
-        .check(model)
-        .map_err(|error| refuse(error.to_string(), fault(error)))?;
+        unsafe { message(&Said(error), buffer, capacity) };
+        Fault::Status(JCAS_ERROR_CORRUPT)
+    })?;
+    network.check(model).map_err(|error| {
+        // SAFETY: passed on.
+        unsafe { message(&Said(&error), buffer, capacity) };
+        fault(error)
+    })?;
     Ok((network, file))
 }
 
@@ -58,6 +58,8 @@ unsafe fn network(
 /// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors. `size` in bytes.
 /// `message`: see the introduction. JCAS_ERROR_CORRUPT where the bytes are no policy,
 /// JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_layout(
     model: *const jcas_model,
@@ -67,7 +69,7 @@ pub unsafe extern "C" fn jcas_policy_layout(
     alignment: *mut usize,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -90,6 +92,8 @@ pub unsafe extern "C" fn jcas_policy_layout(
 /// `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
 /// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not needed after
 /// the call. `policy`: not NULL; receives the handle. `message`: see the introduction. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, IN_USE, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_init(
     memory: *mut c_void,
@@ -100,7 +104,7 @@ pub unsafe extern "C" fn jcas_policy_init(
     policy: *mut *mut jcas_policy,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -110,7 +114,8 @@ pub unsafe extern "C" fn jcas_policy_init(
         let (network, file) =
             unsafe { network(model.get(), file, length, message, message_capacity) }?;
         let layout = PolicyBlock::layout(model.get(), Some(&network))?;
-        let memory = Memory::lent(memory.cast(), size, layout)?;
+        // SAFETY: the caller's promise for `memory`.
+        let memory = unsafe { Memory::lent(memory.cast(), size, layout) }?;
         // SAFETY: checked memory that the caller lends for as long as the policy lives.
         let block = unsafe { PolicyBlock::build_network(model, &network, file, memory) }?;
         out.put(block.cast());
@@ -126,6 +131,8 @@ pub unsafe extern "C" fn jcas_policy_init(
 /// needed after the call. `policy`: not NULL; receives the handle. `message`: see the introduction.
 /// JCAS_ERROR_CORRUPT where the bytes are no policy, JCAS_ERROR_MODEL_MISMATCH where it reads other
 /// observations than the model has. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_load(
     model: *const jcas_model,
@@ -134,7 +141,7 @@ pub unsafe extern "C" fn jcas_policy_load(
     policy: *mut *mut jcas_policy,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -158,6 +165,8 @@ pub unsafe extern "C" fn jcas_policy_load(
 /// or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
 /// introduction. JCAS_ERROR_ARGUMENT where there is none of that name, or where it steers by positions that
 /// the model hides. Threads: any.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_baseline(
     model: *const jcas_model,
@@ -166,7 +175,7 @@ pub unsafe extern "C" fn jcas_policy_baseline(
     policy: *mut *mut jcas_policy,
     message: *mut c_char,
     message_capacity: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -190,7 +199,7 @@ pub unsafe extern "C" fn jcas_policy_baseline(
         });
         let (kind, mode) = chosen.map_err(|error| {
             // SAFETY: the caller's promise for `message`.
-            unsafe { self::message(&error.to_string(), message, message_capacity) };
+            unsafe { self::message(&Said(error), message, message_capacity) };
             Fault::Status(JCAS_ERROR_ARGUMENT)
         })?;
         let memory = Memory::allocate(PolicyBlock::layout(model.get(), None)?)?;
@@ -205,8 +214,10 @@ pub unsafe extern "C" fn jcas_policy_baseline(
 ///
 /// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED. Threads: only this one uses
 /// `policy`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i32) -> i32 {
+pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i32) -> jcas_status {
     guard(|| {
         let mode = match mode {
             JCAS_POLICY_DETERMINISTIC => Mode::Deterministic,
@@ -225,13 +236,15 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
 ///
 /// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
 /// none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_act(
     policy: *mut jcas_policy,
     sim: *const jcas_sim,
     actions: *mut f32,
     action_count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -247,13 +260,15 @@ pub unsafe extern "C" fn jcas_policy_act(
 ///
 /// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
 /// `policy`, none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_act_batch(
     policy: *mut jcas_policy,
     batch: *const jcas_batch,
     actions: *mut f32,
     action_count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
         let batch = unsafe { BatchBlock::see(batch.cast()) }?;
@@ -272,8 +287,9 @@ pub unsafe extern "C" fn jcas_policy_act_batch(
 /// Ends a policy; memory of the caller is the caller's again. NULL is allowed and does nothing.
 ///
 /// Threads: none may be using the policy.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_policy_free(policy: *mut jcas_policy) -> i32 {
+pub unsafe extern "C" fn jcas_policy_free(policy: *mut jcas_policy) -> jcas_status {
     if policy.is_null() {
         return JCAS_OK;
     }

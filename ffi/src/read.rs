@@ -9,7 +9,7 @@ use crate::handle::{Seen, see};
 use crate::memory::{output, record};
 use crate::records::{jcas_episode, jcas_hotspot, jcas_metrics, jcas_uav};
 use crate::sim::jcas_sim;
-use crate::status::{Fault, JCAS_ERROR_STRUCT_SIZE, guard};
+use crate::status::{Fault, JCAS_ERROR_STRUCT_SIZE, guard, jcas_status};
 
 impl Seen<'_> {
     fn state(&self) -> Result<StateRef<'_>, Fault> {
@@ -20,11 +20,12 @@ impl Seen<'_> {
 /// Time, phase and the fleet's ledgers.
 ///
 /// `sim`, `episode`: not NULL; episode->struct_size set. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_episode(
     sim: *const jcas_sim,
     episode: *mut jcas_episode,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -38,11 +39,12 @@ pub unsafe extern "C" fn jcas_sim_get_episode(
 /// What the episode came to, so far.
 ///
 /// `sim`, `metrics`: not NULL; metrics->struct_size set. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_metrics(
     sim: *const jcas_sim,
     metrics: *mut jcas_metrics,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -56,12 +58,13 @@ pub unsafe extern "C" fn jcas_sim_get_metrics(
 /// The components of the last reward. The reward is their sum, from the first to the last.
 ///
 /// `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_rewards(
     sim: *const jcas_sim,
     components: *mut f64,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -77,12 +80,14 @@ pub unsafe extern "C" fn jcas_sim_get_rewards(
 /// revisits are the UAV's own, times N; so are, in place of their means, its throughput and its potentials.
 ///
 /// `sim`, `rewards`: not NULL. `count`: uav_count. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_uav_rewards(
     sim: *const jcas_sim,
     rewards: *mut f64,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -100,12 +105,14 @@ pub unsafe extern "C" fn jcas_sim_uav_rewards(
 /// sum, left to right, is the UAV's reward.
 ///
 /// `sim`, `components`: not NULL. `count`: uav_count * reward_len. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_uav_reward_components(
     sim: *const jcas_sim,
     components: *mut f64,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -146,13 +153,14 @@ pub extern "C" fn jcas_reward_name(index: u32) -> *const c_char {
 ///
 /// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav). Threads: none changes
 /// `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_uavs(
     sim: *const jcas_sim,
     uavs: *mut jcas_uav,
     count: usize,
     struct_size: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -171,13 +179,14 @@ pub unsafe extern "C" fn jcas_sim_get_uavs(
 ///
 /// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot). Threads:
 /// none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_hotspots(
     sim: *const jcas_sim,
     hotspots: *mut jcas_hotspot,
     count: usize,
     struct_size: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -195,12 +204,13 @@ pub unsafe extern "C" fn jcas_sim_get_hotspots(
 /// The radio graph: 1 where two UAVs are neighbours, else 0; a symmetric matrix, row by row.
 ///
 /// `sim`, `links`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_links(
     sim: *const jcas_sim,
     links: *mut u8,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -216,12 +226,13 @@ pub unsafe extern "C" fn jcas_sim_get_links(
 /// Who knows what: 1 where a UAV (row) knows a hotspot (column), else 0.
 ///
 /// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_knowledge(
     sim: *const jcas_sim,
     knowledge: *mut u8,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -234,15 +245,66 @@ pub unsafe extern "C" fn jcas_sim_get_knowledge(
     })
 }
 
+/// Who detected what when the UAVs last sensed: 1 where a UAV (row) detected a hotspot (column), else 0.
+/// Hotspots that a UAV knew are not sensed by it.
+///
+/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_detections(
+    sim: *const jcas_sim,
+    detections: *mut u8,
+    count: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let (uavs, hotspots) = (sim.model.uav_count(), sim.model.hotspot_count());
+        // SAFETY: the caller's promise for `detections`.
+        let out = unsafe { output(detections, count, uavs * hotspots) }?;
+        let state = sim.state()?;
+        fill_rows(out, hotspots, |i, j| state.detected(i, j));
+        Ok(())
+    })
+}
+
+/// Normalised throughput of each pair by the kernel's link budget: from a UAV (row) toward another (column),
+/// 0 where they are no neighbours.
+///
+/// `sim`, `throughputs`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_throughputs(
+    sim: *const jcas_sim,
+    throughputs: *mut f64,
+    count: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let uavs = sim.model.uav_count();
+        // SAFETY: the caller's promise for `throughputs`.
+        let out = unsafe { output(throughputs, count, uavs * uavs) }?;
+        let state = sim.state()?;
+        for (index, value) in out.iter_mut().enumerate() {
+            *value = sim
+                .model
+                .pair_throughput(&state, index / uavs, index % uavs);
+        }
+        Ok(())
+    })
+}
+
 /// The cells that any UAV has been in: 1 or 0, row (y) by row.
 ///
 /// `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_visited(
     sim: *const jcas_sim,
     visited: *mut u8,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -260,12 +322,13 @@ pub unsafe extern "C" fn jcas_sim_get_visited(
 ///
 /// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search maps.
 /// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_search_maps(
     sim: *const jcas_sim,
     maps: *mut u8,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;

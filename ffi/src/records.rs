@@ -187,7 +187,7 @@ pub struct jcas_uav {
     pub known: u32,
     /// Always 0.
     pub reserved: u32,
-    /// Charge, in microjoules: initial + accepted - spent.
+    /// Charge, in microjoules: initial + accepted + given - spent.
     pub battery_uj: u64,
     /// Charge at the start of the episode, in microjoules.
     pub initial_uj: u64,
@@ -201,6 +201,8 @@ pub struct jcas_uav {
     pub pilot_density: f64,
     /// Mean normalised throughput toward its neighbours; 0 without any.
     pub throughput: f64,
+    /// What jcas_sim_set_battery has put into the battery, less what it has taken out, in microjoules.
+    pub given_uj: i64,
 }
 
 /// A hotspot.
@@ -331,6 +333,7 @@ impl jcas_uav {
             shortfall_uj: state.shortfall_uj(i),
             pilot_density: state.pilot_density(i),
             throughput: state.throughput(i),
+            given_uj: state.given_uj(i),
         }
     }
 }

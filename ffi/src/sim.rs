@@ -5,11 +5,11 @@ use std::ffi::{c_char, c_void};
 use jcas_core::observation;
 use jcas_core::{Error, Scratch};
 
-use crate::handle::{Memory, SimBlock, model, open, see};
-use crate::memory::{input, output, place, record, text_out};
+use crate::handle::{Memory, Open, SimBlock, change, model, see};
+use crate::memory::{Words, input, output, place, record, text_out};
 use crate::model::jcas_model;
 use crate::records::jcas_outcome;
-use crate::status::{JCAS_OK, guard};
+use crate::status::{JCAS_OK, guard, jcas_status};
 
 /// One state of a model, with its working memory. One thread at a time may use it; functions that take
 /// it as const may run at once with each other.
@@ -29,12 +29,14 @@ pub const JCAS_MOVE_STAY: f32 = 0.8;
 /// How much memory a simulation takes, for jcas_sim_init.
 ///
 /// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+/// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_layout(
     model: *const jcas_model,
     size: *mut usize,
     alignment: *mut usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -55,19 +57,22 @@ pub unsafe extern "C" fn jcas_sim_layout(
 /// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's.
 /// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
 /// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, IN_USE, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_init(
     memory: *mut c_void,
     size: usize,
     model: *const jcas_model,
     sim: *mut *mut jcas_sim,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `sim`.
         let out = unsafe { place(sim) }?;
-        let memory = Memory::lent(memory.cast(), size, SimBlock::layout(model.get())?)?;
+        // SAFETY: the caller's promise for `memory`.
+        let memory = unsafe { Memory::lent(memory.cast(), size, SimBlock::layout(model.get())?) }?;
         // SAFETY: checked memory that the caller lends for as long as the simulation lives.
         let block = unsafe { SimBlock::build(model, memory) }?;
         out.put(block.cast());
@@ -79,8 +84,13 @@ pub unsafe extern "C" fn jcas_sim_init(
 ///
 /// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
 /// Threads: any.
+/// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_new(model: *const jcas_model, sim: *mut *mut jcas_sim) -> i32 {
+pub unsafe extern "C" fn jcas_sim_new(
+    model: *const jcas_model,
+    sim: *mut *mut jcas_sim,
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -97,8 +107,9 @@ pub unsafe extern "C" fn jcas_sim_new(model: *const jcas_model, sim: *mut *mut j
 /// Ends a simulation; memory of the caller is the caller's again. NULL is allowed and does nothing.
 ///
 /// Threads: none may be using the simulation.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_free(sim: *mut jcas_sim) -> i32 {
+pub unsafe extern "C" fn jcas_sim_free(sim: *mut jcas_sim) -> jcas_status {
     if sim.is_null() {
         return JCAS_OK;
     }
@@ -109,10 +120,12 @@ pub unsafe extern "C" fn jcas_sim_free(sim: *mut jcas_sim) -> i32 {
 /// Begins the episode of a seed; everything random in it follows from the seed.
 ///
 /// `sim`: not NULL. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_reset(sim: *mut jcas_sim, seed: u64) -> i32 {
+pub unsafe extern "C" fn jcas_sim_reset(sim: *mut jcas_sim, seed: u64) -> jcas_status {
     // SAFETY: the caller's promise for `sim`.
-    guard(|| unsafe { open(sim.cast()) }?.reset(seed))
+    unsafe { change(sim.cast(), |sim| sim.reset(seed)) }
 }
 
 /// The seed with the given index that follows from a seed: mission k of a campaign of the command line
@@ -130,16 +143,16 @@ pub extern "C" fn jcas_derive_seed(seed: u64, index: u64) -> u64 {
 /// (JCAS_MOVE_UP and so on; five equal bins of -1 to 1), the second the pilot density, from its minimum
 /// at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not NULL, struct_size set.
 /// Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_step(
     sim: *mut jcas_sim,
     actions: *const f32,
     action_count: usize,
     outcome: *mut jcas_outcome,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { input(actions, action_count, sim.model.action_len()) }?;
         // SAFETY: the caller's promise for `outcome`.
@@ -148,7 +161,9 @@ pub unsafe extern "C" fn jcas_sim_step(
             model.step(state, scratch, actions)
         })?));
         Ok(())
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Writes what each UAV observes: uav_count rows of observation_len floats.
@@ -160,22 +175,24 @@ pub unsafe extern "C" fn jcas_sim_step(
 ///
 /// `sim`, `observations`: not NULL. `count`: uav_count * observation_len. Threads: only this one uses
 /// `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_observe(
     sim: *mut jcas_sim,
     observations: *mut f32,
     count: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         let expected = sim.model.uav_count() * sim.model.observation_len();
         // SAFETY: the caller's promise for `observations`.
         let out = unsafe { output(observations, count, expected) }?;
         let state = sim.model.state(sim.words)?;
         let mut scratch = Scratch::new(sim.model, sim.scratch).ok_or(Error::ModelMismatch)?;
         Ok(observation::observe(sim.model, &state, &mut scratch, out)?)
-    })
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Writes the global state, for a centralised critic: global_len floats.
@@ -185,12 +202,14 @@ pub unsafe extern "C" fn jcas_sim_observe(
 /// confirmed/n, informed/n, t/T_max.
 ///
 /// `sim`, `global`: not NULL. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_observe_global(
     sim: *const jcas_sim,
     global: *mut f32,
     count: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -204,26 +223,22 @@ pub unsafe extern "C" fn jcas_sim_observe_global(
     })
 }
 
-/// Why the last refused call on this simulation was refused, in words: which value, and what is allowed.
-/// Empty if no value of a caller was ever refused. Pointers, lengths and handles are told by the status
-/// alone.
+/// Why the last call that took this simulation without const was refused, in words: which value, and what
+/// is allowed. Empty if that call did what it says.
 ///
 /// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_message(
     sim: *const jcas_sim,
     text: *mut c_char,
     capacity: usize,
     length: *mut usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
-        let words = sim
-            .refusal
-            .as_ref()
-            .map_or_else(String::new, ToString::to_string);
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&words, text, capacity, length) }
+        unsafe { text_out(&Words(*sim.refusal), text, capacity, length) }
     })
 }

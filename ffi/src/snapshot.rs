@@ -5,20 +5,22 @@ use std::ptr;
 
 use jcas_core::{Error, hash};
 
-use crate::handle::{Open, open, see};
+use crate::handle::{Open, change, see};
 use crate::memory::{bytes, output, place};
 use crate::sim::jcas_sim;
-use crate::status::guard;
+use crate::status::{Fault, JCAS_OK, guard, jcas_status};
 
 /// Saves a simulation as bytes that mean the same on every platform.
 ///
 /// `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_save(
     sim: *const jcas_sim,
     snapshot: *mut c_void,
     size: usize,
-) -> i32 {
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
@@ -32,55 +34,57 @@ pub unsafe extern "C" fn jcas_sim_save(
 /// JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH for anything else, and nothing has changed then.
 ///
 /// `sim`, `snapshot`: not NULL. `size`: in bytes, any. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_load(
     sim: *mut jcas_sim,
     snapshot: *const c_void,
     size: usize,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the caller's promise for `sim`.
-        let sim = unsafe { open(sim.cast()) }?;
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `snapshot`.
         let saved = unsafe { bytes(snapshot.cast(), size) }?;
-        let Open {
-            model,
-            words,
-            spare,
-            refusal,
-            ..
-        } = sim;
-        let loaded = model.load(saved, words, spare);
-        Ok(loaded.inspect_err(|error| *refusal = Some(*error))?)
-    })
+        Ok(sim.model.load(saved, sim.words, sim.spare)?)
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
 }
 
 /// Makes `to` an independent twin of `from`, whose configuration must be equal.
 ///
 /// `from`, `to`: not NULL; may be the same. Threads: none changes `from`, only this one uses `to`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, MODEL_MISMATCH.
+#[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_fork(from: *const jcas_sim, to: *mut jcas_sim) -> i32 {
+pub unsafe extern "C" fn jcas_sim_fork(from: *const jcas_sim, to: *mut jcas_sim) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `from`.
         let source = unsafe { see(from.cast()) }?;
         if ptr::eq(from, to) {
             return Ok(());
         }
+        let copy = |target: &mut Open<'_>| {
+            if source.model.config_hash() != target.model.config_hash() {
+                return Err(Error::ModelMismatch.into());
+            }
+            target.words.copy_from_slice(source.words);
+            Ok(())
+        };
         // SAFETY: the caller's promise for `to`, which is another simulation.
-        let target = unsafe { open(to.cast()) }?;
-        if source.model.config_hash() != target.model.config_hash() {
-            return Err(Error::ModelMismatch.into());
+        match unsafe { change(to.cast(), copy) } {
+            JCAS_OK => Ok(()),
+            status => Err(Fault::Status(status)),
         }
-        target.words.copy_from_slice(source.words);
-        Ok(())
     })
 }
 
 /// The fingerprint of a state: equal for equal states, on every platform (FNV-1a, 64 bits).
 ///
 /// `sim`, `state_hash`: not NULL. Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_hash(sim: *const jcas_sim, state_hash: *mut u64) -> i32 {
+pub unsafe extern "C" fn jcas_sim_hash(sim: *const jcas_sim, state_hash: *mut u64) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;

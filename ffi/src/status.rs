@@ -1,9 +1,13 @@
 //! Status codes, and the one place where results become statuses.
 
-use std::ffi::c_char;
+use std::ffi::{CStr, c_char};
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jcas_core::Error;
+
+/// What a call came to: JCAS_OK or a negative JCAS_ERROR_...
+pub type jcas_status = i32;
 
 /// The call did what it says.
 pub const JCAS_OK: i32 = 0;
@@ -31,7 +35,7 @@ pub const JCAS_ERROR_OUT_OF_ORDER: i32 = -10;
 pub const JCAS_ERROR_EPISODE_OVER: i32 = -11;
 /// The bytes are not a snapshot of this model, or not a policy.
 pub const JCAS_ERROR_CORRUPT: i32 = -12;
-/// The model still has simulations or batches.
+/// The model still has simulations or batches, or memory given to ..._init holds a living handle.
 pub const JCAS_ERROR_IN_USE: i32 = -13;
 /// Memory or threads could not be had from the system.
 pub const JCAS_ERROR_RESOURCES: i32 = -14;
@@ -40,12 +44,15 @@ pub const JCAS_ERROR_ABI: i32 = -15;
 /// A fault of the library itself; please report it. The handle of the call should be reset or freed.
 pub const JCAS_ERROR_INTERNAL: i32 = -16;
 
+/// The batch has threads, which a forked process does not have: build another one there.
+pub const JCAS_ERROR_FORKED: i32 = -17;
+
 /// What a status means, in English.
 ///
 /// Returns a static string, never NULL; also for values that are no status.
 /// Threads: any.
 #[unsafe(no_mangle)]
-pub extern "C" fn jcas_status_string(status: i32) -> *const c_char {
+pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
     // Each ends with its zero; Kani does not read C string literals.
     let text: &str = match status {
         JCAS_OK => "ok\0",
@@ -61,20 +68,23 @@ pub extern "C" fn jcas_status_string(status: i32) -> *const c_char {
         JCAS_ERROR_OUT_OF_ORDER => "a part of a step was called out of its order\0",
         JCAS_ERROR_EPISODE_OVER => "the episode has ended: reset before the next step\0",
         JCAS_ERROR_CORRUPT => "the bytes are not a snapshot of this model\0",
-        JCAS_ERROR_IN_USE => "the model still has simulations or batches\0",
+        JCAS_ERROR_IN_USE => "still in use: free what is alive first\0",
         JCAS_ERROR_RESOURCES => "memory or threads could not be had\0",
         JCAS_ERROR_ABI => "compiled for an incompatible version of the library\0",
         JCAS_ERROR_INTERNAL => "a fault of the library itself\0",
+        JCAS_ERROR_FORKED => "the threads of the batch are in the parent process\0",
         _ => "not a status of jcas\0",
     };
     text.as_ptr().cast()
 }
 
 /// Why a call is refused.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fault {
     /// A status of the ABI itself.
     Status(i32),
+    /// Two buffers that share memory.
+    Overlap(&'static str, &'static str),
     /// A refusal of the kernel.
     Kernel(Error),
 }
@@ -89,6 +99,7 @@ impl Fault {
     pub(crate) fn status(&self) -> i32 {
         match self {
             Self::Status(status) => *status,
+            Self::Overlap(..) => JCAS_ERROR_ARGUMENT,
             Self::Kernel(error) => match error {
                 Error::Config(_) => JCAS_ERROR_CONFIG,
                 Error::ActionNan { .. } => JCAS_ERROR_NAN,
@@ -104,9 +115,23 @@ impl Fault {
     }
 }
 
+impl fmt::Display for Fault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Status(status) => {
+                // SAFETY: a static C string.
+                let words = unsafe { CStr::from_ptr(jcas_status_string(*status)) };
+                out.write_str(words.to_str().unwrap_or_default())
+            }
+            Self::Overlap(a, b) => write!(out, "{a} and {b} overlap: buffers must lie apart"),
+            Self::Kernel(error) => error.fmt(out),
+        }
+    }
+}
+
 /// Runs the body of an exported function. A panic, which would be a fault of ours, ends here.
 #[inline]
-pub(crate) fn guard(body: impl FnOnce() -> Result<(), Fault>) -> i32 {
+pub(crate) fn guard(body: impl FnOnce() -> Result<(), Fault>) -> jcas_status {
     match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => JCAS_OK,
         Ok(Err(fault)) => fault.status(),

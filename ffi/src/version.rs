@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use crate::status::{JCAS_ERROR_ABI, JCAS_OK};
+use crate::status::{JCAS_ERROR_ABI, JCAS_OK, jcas_status};
 
 /// Version of the library that this header belongs to.
 pub const JCAS_VERSION_MAJOR: u32 = 0;
@@ -11,8 +11,9 @@ pub const JCAS_VERSION_MINOR: u32 = 1;
 /// See JCAS_VERSION_MAJOR.
 pub const JCAS_VERSION_PATCH: u32 = 0;
 
-/// Version of the interface that this header declares: 65536 * major + minor. A program runs with any
-/// library of the same major and the same or a later minor version.
+/// Version of the interface that this header declares: 65536 * major + minor, counted apart from the
+/// library's, as most releases do not change it. 1.0 is the interface of library 0.1.0 as first released,
+/// 1.1 what has been added since. Structs grow at their end, and struct_size tells which one a caller has.
 pub const JCAS_ABI_VERSION: u32 = 0x0001_0001;
 
 /// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
@@ -28,9 +29,11 @@ pub extern "C" fn jcas_abi_version() -> u32 {
 }
 
 /// Whether the library that runs serves a program compiled with this header:
-/// `jcas_abi_check(JCAS_ABI_VERSION)`. JCAS_OK or JCAS_ERROR_ABI. Threads: any.
+/// `jcas_abi_check(JCAS_ABI_VERSION)`. Threads: any.
+/// Statuses: ABI.
+#[must_use]
 #[unsafe(no_mangle)]
-pub extern "C" fn jcas_abi_check(header_abi_version: u32) -> i32 {
+pub extern "C" fn jcas_abi_check(header_abi_version: u32) -> jcas_status {
     let same_major = header_abi_version >> 16 == JCAS_ABI_VERSION >> 16;
     if same_major && header_abi_version <= JCAS_ABI_VERSION {
         JCAS_OK

@@ -68,6 +68,24 @@ static void abuse_building(const struct subject *subject)
     OK(jcas_batch_free(batch));
 }
 
+static void abuse_resetting_some(const struct subject *subject, struct buffers *buffers)
+{
+    jcas_batch *batch = subject->batch;
+    uint64_t seeds[ENVIRONMENTS] = {5, 6};
+    uint8_t mask[ENVIRONMENTS] = {1, 1};
+    float *seen = buffers->observations;
+    size_t observed = buffers->observed;
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_reset_some(NULL, mask, 2, seeds, 2, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_reset_some(batch, NULL, 2, seeds, 2, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset_some(batch, mask, 1, seeds, 2, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset_some(batch, mask, 2, seeds, 1, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset_some(batch, mask, 2, seeds, 2, seen, 1, NULL, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_batch_reset_some(batch, (uint8_t *)seeds, 2, seeds, 2, seen, observed,
+                                                      NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_batch_reset_some(FOREIGN(jcas_batch), mask, 2, seeds, 2, seen, observed, NULL, 0));
+}
+
 static void abuse_reset(const struct subject *subject, struct buffers *buffers)
 {
     jcas_batch *batch = subject->batch;
@@ -84,6 +102,13 @@ static void abuse_reset(const struct subject *subject, struct buffers *buffers)
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 2, observations, observed, global, 1));
     EXPECT(JCAS_ERROR_ARGUMENT,
            jcas_batch_reset(batch, seeds, 2, observations, observed, observations, shared));
+    char text[128];
+    size_t length;
+    OK(jcas_batch_message(batch, text, sizeof text, &length));
+    CHECK(strcmp(text, "global and observations overlap: buffers must lie apart") == 0);
+    /* The length is judged first, wherever the buffers lie. */
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 2, observations, observed, observations, 1));
+    abuse_resetting_some(subject, buffers);
     EXPECT(JCAS_ERROR_HANDLE,
            jcas_batch_reset(FOREIGN(jcas_batch), seeds, 2, observations, observed, NULL, 0));
     CHECK(untouched(observations, observed * sizeof(float)) && untouched(global, shared * sizeof(float)));
@@ -109,6 +134,7 @@ static void abuse_outputs(const struct subject *subject, struct buffers *buffers
 #define WRONG(status_, field, value)                                                                   \
     wrong[count].status = status_, wrong[count].out = *good, wrong[count++].out.field = value
     WRONG(JCAS_ERROR_STRUCT_SIZE, struct_size, 0);
+    WRONG(JCAS_ERROR_ARGUMENT, reserved, 1);
     WRONG(JCAS_ERROR_NULL, observations, NULL);
     WRONG(JCAS_ERROR_LENGTH, observation_count, buffers->observed - 1);
     WRONG(JCAS_ERROR_NULL, rewards, NULL);
@@ -187,6 +213,63 @@ static void abuse_step(const struct subject *subject, struct buffers *buffers, c
     CHECK(hash_of(subject) == before && memcmp(&reward, &buffers->rewards[0], sizeof reward) == 0);
 }
 
+static void abuse_options(const struct subject *subject)
+{
+    jcas_batch_options options = {.struct_size = sizeof options, .environments = 2, .threads = 1};
+    jcas_batch_options wrong = options;
+    const jcas_model *model = subject->model;
+    jcas_batch *batch;
+    size_t size, alignment;
+    mark(&size, sizeof size);
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_layout(NULL, &options, &size, &alignment));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_layout(model, NULL, &size, &alignment));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_layout(model, &options, NULL, &alignment));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_layout(model, &options, &size, NULL));
+    wrong.reserved = 1;
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_batch_layout(model, &wrong, &size, &alignment));
+    wrong.reserved = 0, wrong.environments = 0;
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_batch_layout(model, &wrong, &size, &alignment));
+    wrong.struct_size = 8;
+    EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_batch_layout(model, &wrong, &size, &alignment));
+    CHECK(untouched(&size, sizeof size));
+    OK(jcas_batch_layout(model, &options, &size, &alignment));
+    unsigned char *memory = ARRAY(unsigned char, size + 1);
+    mark(memory, size + 1);
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_init(NULL, size, model, &options, &batch));
+    EXPECT(JCAS_ERROR_ALIGNMENT, jcas_batch_init(memory + 1, size, model, &options, &batch));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_init(memory, size - 1, model, &options, &batch));
+    EXPECT(JCAS_ERROR_HANDLE, jcas_batch_init(memory, size, FOREIGN(jcas_model), &options, &batch));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_init(memory, size, model, &options, NULL));
+    CHECK(untouched(memory, size + 1));
+    OK(jcas_batch_init(memory, size, model, &options, &batch));
+    CHECK(untouched(memory + size, 1));
+    OK(jcas_batch_free(batch));
+    free(memory);
+}
+
+static void abuse_saving(const struct subject *subject)
+{
+    jcas_batch *batch = subject->batch;
+    size_t size = ENVIRONMENTS * subject->info.snapshot_size;
+    unsigned char *saved = ARRAY(unsigned char, size);
+    uint64_t hash;
+    mark(saved, size);
+    mark(&hash, sizeof hash);
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_save(NULL, saved, size));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_save(batch, NULL, size));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_save(batch, saved, size - 1));
+    EXPECT(JCAS_ERROR_HANDLE, jcas_batch_save(FOREIGN(jcas_batch), saved, size));
+    CHECK(untouched(saved, size));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_load(batch, NULL, size));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_load(batch, saved, size - 8));
+    EXPECT(JCAS_ERROR_CORRUPT, jcas_batch_load(batch, saved, size));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_hash(NULL, &hash));
+    EXPECT(JCAS_ERROR_NULL, jcas_batch_hash(batch, NULL));
+    EXPECT(JCAS_ERROR_HANDLE, jcas_batch_hash(FOREIGN(jcas_batch), &hash));
+    CHECK(untouched(&hash, sizeof hash));
+    free(saved);
+}
+
 static void abuse_members(const struct subject *subject)
 {
     jcas_batch *batch = subject->batch;
@@ -209,6 +292,8 @@ void abuse_batches(struct subject *subject)
     begin(&buffers, &out, &subject->info);
     abuse_building(subject);
     abuse_members(subject);
+    abuse_options(subject);
+    abuse_saving(subject);
     abuse_reset(subject, &buffers);
     abuse_outputs(subject, &buffers, &out);
     abuse_step(subject, &buffers, &out);

@@ -80,6 +80,13 @@ static void abuse_fields(const struct subject *subject)
     config = subject->config;
     config.range_min_m = 25.0;
     OK(jcas_config_validate(&config, NULL, 0));
+    /* The sign of a zero changes nothing. */
+    uint64_t unsigned_zero;
+    config.sense_energy_kwh = 0.0;
+    OK(jcas_config_hash(&config, &unsigned_zero));
+    config.sense_energy_kwh = -0.0;
+    OK(jcas_config_hash(&config, &hash));
+    CHECK(hash == unsigned_zero);
 }
 
 typedef int32_t text_function(const jcas_config *, char *, size_t, size_t *);
@@ -97,7 +104,7 @@ static void abuse_text(const struct subject *subject, text_function *write)
     mark(text, length + 1);
     mark(&other, sizeof other);
     EXPECT(JCAS_ERROR_LENGTH, write(&subject->config, text, length, &other));
-    CHECK(untouched(text, length + 1) && untouched(&other, sizeof other));
+    CHECK(untouched(text, length + 1) && other == length); /* the length that it takes */
     OK(write(&subject->config, text, length + 1, &other));
     CHECK(other == length && strlen(text) == length);
     jcas_config back;
@@ -133,7 +140,7 @@ static void abuse_building(const struct subject *subject)
     EXPECT(JCAS_ERROR_NULL, jcas_model_layout(&subject->config, NULL, &alignment, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_model_layout(&subject->config, &size, NULL, NULL, 0));
     EXPECT(JCAS_ERROR_CONFIG, jcas_model_layout(&bad, &size, &alignment, message, sizeof message));
-    CHECK(strcmp(message, "quorum = 0: must be a number from 1 to 4096") == 0);
+    CHECK(strcmp(message, "quorum = 0: must be a whole number from 1 to 4096") == 0);
     CHECK(untouched(&size, sizeof size) && untouched(&alignment, sizeof alignment));
     OK(jcas_model_layout(&subject->config, &size, &alignment, NULL, 0));
 
@@ -156,6 +163,8 @@ static void abuse_building(const struct subject *subject)
 
     OK(jcas_model_init(memory, size, config, &model, NULL, 0));
     CHECK(memory[size] == 0xa5);
+    jcas_model *over;
+    EXPECT(JCAS_ERROR_IN_USE, jcas_model_init(memory, size, config, &over, NULL, 0));
     /* A copy of a model is none, and neither is a model that was freed. */
     unsigned char *copy = ARRAY(unsigned char, size);
     memcpy(copy, memory, size);

@@ -62,6 +62,8 @@ void abuse_reading(struct subject *subject)
     ABUSE_BUFFER(jcas_hotspot, get_hotspots, sim, info->hotspot_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_links, sim, info->uav_count * info->uav_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_knowledge, sim, info->uav_count * info->hotspot_count);
+    ABUSE_BUFFER(uint8_t, jcas_sim_get_detections, sim, info->uav_count * info->hotspot_count);
+    ABUSE_BUFFER(double, jcas_sim_get_throughputs, sim, info->uav_count * info->uav_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_visited, sim, info->grid_width * info->grid_height);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_search_maps, sim,
                  (size_t)info->uav_count * info->grid_width * info->grid_height);

@@ -239,6 +239,67 @@ static void abuse_start(struct subject *subject, const float *actions)
     CHECK(hash_of(sim) == before);
 }
 
+/* Empty after a success, and of the last failure only. */
+static void expect_message(const jcas_sim *sim, const char *words)
+{
+    char text[160];
+    size_t length;
+    OK(jcas_sim_message(sim, text, sizeof text, &length));
+    if (strcmp(text, words) != 0)
+        fprintf(stderr, "message: %s\n", text);
+    CHECK(strcmp(text, words) == 0 && length == strlen(words));
+}
+
+static void abuse_hosting(jcas_sim *sim, const float *actions)
+{
+    jcas_cell starts[4] = {{0, 0}, {1, 1}, {2, 2}, {11, 11}}, off = {12, 0};
+    uint8_t detections[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    jcas_uav uavs[4];
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_set_starts(NULL, starts, 4));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_set_starts(sim, NULL, 4));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_set_starts(sim, starts, 3));
+    expect_message(sim, "a buffer has 3 elements: must have 4");
+    starts[2] = off;
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_set_starts(sim, starts, 4));
+    expect_message(sim, "starts = [12, 0]: must be cells of the grid");
+    starts[2].x = 2;
+    OK(jcas_sim_set_starts(sim, starts, 4));
+    expect_message(sim, "");
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_set_battery(NULL, 0, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_set_battery(sim, 4, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_set_battery(sim, 0, UINT64_MAX));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_move_hotspot(NULL, 0, 0, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_move_hotspot(sim, 3, 0, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_move_hotspot(sim, 0, 6, 6));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_ground(sim, 0));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_confirm_hotspot(sim, 0));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_sense_over(sim, detections, 12));
+    OK(jcas_sim_set_battery(sim, 0, 1000));
+    OK(jcas_sim_step_begin(sim, actions, 8));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_set_battery(sim, 0, 0));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_move_hotspot(sim, 0, 0, 0));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_set_starts(sim, starts, 4));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_ground(NULL, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_ground(sim, 4));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_confirm_hotspot(NULL, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_confirm_hotspot(sim, 3));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_sense_over(NULL, detections, 12));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_sense_over(sim, NULL, 12));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_sense_over(sim, detections, 11));
+    OK(jcas_sim_ground(sim, 3));
+    OK(jcas_sim_step_sense_over(sim, detections, 12));
+    OK(jcas_sim_get_detections(sim, detections, 12));
+    CHECK(detections[0] == 1 && detections[8] == 1 && detections[9] == 0 && detections[11] == 0);
+    OK(jcas_sim_step_communicate(sim));
+    OK(jcas_sim_step_end(sim, &outcome));
+    OK(jcas_sim_get_uavs(sim, uavs, 4, sizeof *uavs));
+    CHECK(uavs[0].given_uj < 0 && uavs[3].grounded == 1 && uavs[3].moved == 0 && uavs[3].spent_uj == 0);
+    CHECK(uavs[0].battery_uj + uavs[0].spent_uj ==
+          uavs[0].initial_uj + uavs[0].accepted_uj + (uint64_t)uavs[0].given_uj);
+    CHECK(uavs[0].known == 3 && uavs[3].known == 0);
+}
+
 void abuse_parts(struct subject *subject)
 {
     float actions[8] = {0};
@@ -256,6 +317,8 @@ void abuse_parts(struct subject *subject)
     actions[0] = NAN;
     EXPECT(JCAS_ERROR_NAN, jcas_sim_step_begin(sim, actions, 8));
     actions[0] = INFINITY; /* clipped */
+    abuse_hosting(sim, actions);
+    OK(jcas_sim_reset(sim, 9));
     OK(jcas_sim_step_begin(sim, actions, 8));
     abuse_positions(sim, actions);
     abuse_links(sim);

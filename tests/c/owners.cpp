@@ -20,7 +20,7 @@ static void refuse_configurations()
 {
     auto wrong = jcas::configuration_from_toml("uav_count = 0");
     CHECK(!wrong && wrong.code() == JCAS_ERROR_CONFIG);
-    CHECK(wrong.message() == "uav_count = 0: must be a number from 1 to 4096");
+    CHECK(wrong.message() == "uav_count = 0: must be a whole number from 1 to 4096");
     CHECK(!jcas::preset("best") && jcas::preset("paper"));
     CHECK(!jcas::configuration_from_json("") && jcas::configuration_from_json("{\"quorum\": 2}")->quorum == 2);
     jcas_config config = jcas::configuration();

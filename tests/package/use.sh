@@ -17,6 +17,11 @@ cd "$outside"
 case $how in
 pkg-config)
     export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+    [[ -n $(find "$prefix" -path '*licenses*' -name 'LICENSE-MIT' -o -path '*licenses/jcas/LICENSE-MIT') ]]
+    if readelf --sections "$prefix/lib/libjcas.so" | grep --quiet '\.debug_info'; then
+        echo "the shared library is not stripped" >&2
+        exit 1
+    fi
     cc minimal.c $(pkg-config --cflags --libs jcas) -o shared
     LD_LIBRARY_PATH=$prefix/lib ./shared
     readelf --dynamic shared | grep --quiet 'libjcas.so.0.1'

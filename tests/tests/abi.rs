@@ -83,6 +83,25 @@ fn threads_compute_what_one_computes() {
 }
 
 #[test]
+fn the_end_of_memory_is_a_status() {
+    let compiler = compilers(C)[0];
+    let source = c_tests(&["scarce.c"]);
+    run(&mut Command::new(compile(
+        compiler, "gnu11", "scarce", &source,
+    )));
+}
+
+#[test]
+fn tasks_snapshots_and_forks_of_batches() {
+    for compiler in compilers(C) {
+        let source = c_tests(&["tasks.c"]);
+        run(&mut Command::new(compile(
+            compiler, "c11", "tasks", &source,
+        )));
+    }
+}
+
+#[test]
 fn nothing_is_allocated_in_the_callers_memory() {
     for compiler in compilers(C) {
         let source = c_tests(&["no_allocation.c"]);
@@ -101,6 +120,10 @@ fn owners_own_with_and_without_exceptions() {
     for compiler in compilers(CPP) {
         run(&mut Command::new(compile(
             compiler, "c++17", "owners", &source,
+        )));
+        let mixed = c_tests(&["owners_mixed.cpp", "owners_plain.cpp"]);
+        run(&mut Command::new(compile(
+            compiler, "c++17", "mixed", &mixed,
         )));
         let throwing = root().join("tests/c/owners_throwing.cpp");
         run(&mut Command::new(compile(

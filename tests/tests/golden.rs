@@ -445,3 +445,33 @@ fn headers_hold_every_field() {
         );
     }
 }
+
+/// The page `docs/model.md` is enough to rebuild every trace: a script that knows nothing else does.
+#[test]
+fn the_page_is_enough_to_rebuild_every_trace() {
+    let script = folder().join("../rebuild/rebuild.py");
+    let traces = fs::read_dir(folder())
+        .expect("the golden traces are there")
+        .map(|entry| entry.expect("a readable folder").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "jsonl"));
+    let output = std::process::Command::new("python3")
+        .arg(&script)
+        .args(traces)
+        .output()
+        .expect("python3 runs");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    // A trace of another seed is none of its own.
+    let other = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("other_seed.jsonl");
+    let text = fs::read_to_string(folder().join("one_uav.jsonl")).expect("a golden trace");
+    let at = text.find("\"seed\":\"0x").expect("a seed") + 10;
+    let digit = if &text[at..=at] == "0" { "1" } else { "0" };
+    let changed = format!("{}{digit}{}", &text[..at], &text[at + 1..]);
+    fs::write(&other, changed).expect("the target folder can be written");
+    let output = std::process::Command::new("python3")
+        .arg(&script)
+        .arg(&other)
+        .output()
+        .expect("python3 runs");
+    assert!(!output.status.success());
+}

@@ -96,6 +96,37 @@ fn the_header_speaks_c() {
     assert!(text.lines().all(|line| line.chars().count() <= 110));
 }
 
+/// Whoever reads one declaration finds there who may call it and what it can give.
+#[test]
+fn every_declaration_says_threads_and_statuses() {
+    let text = header();
+    for block in text
+        .split("\n\n")
+        .filter(|block| block.contains("\nJCAS_API"))
+    {
+        assert!(block.contains("Threads:"), "no threads: {block}");
+        let fails = block.contains("jcas_status jcas_");
+        assert_eq!(fails, block.contains("\n// Statuses:"), "statuses: {block}");
+    }
+}
+
+/// A type for each function, with the function's own signature.
+#[test]
+fn function_types_fit_their_functions() {
+    let mut program = String::from("#include <jcas_dl.h>\n");
+    for function in declared_functions(&header()) {
+        program += &format!("static {function}_fn *const a_{function} = {function};\n");
+    }
+    program += "int main(void)\n{\n";
+    for function in declared_functions(&header()) {
+        program += &format!("    (void)a_{function};\n");
+    }
+    program += "    return 0;\n}\n";
+    let source = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("function_types.c");
+    fs::write(&source, program).expect("the target folder can be written");
+    abi_support::compile(compilers(&["gcc", "clang"])[0], "c11", "types", &[source]);
+}
+
 /// The C struct has the kernel's fields, in their order.
 #[test]
 fn jcas_config_has_every_field_of_the_configuration() {

@@ -72,6 +72,7 @@ fn uav(world: &World, state: &StateRef<'_>, i: usize) -> Outcome {
     equal("battery_uj", world.battery_uj[i], state.battery_uj(i))?;
     equal("spent_uj", world.spent_uj[i], state.spent_uj(i))?;
     equal("accepted_uj", world.accepted_uj[i], state.accepted_uj(i))?;
+    equal("given_uj", world.given_uj[i], state.given_uj(i))?;
     equal("shortfall_uj", world.shortfall_uj[i], state.shortfall_uj(i))?;
     real("pilot density", world.pilot[i], state.pilot_density(i))?;
     real("throughput", world.throughput[i], state.throughput(i))?;
@@ -87,6 +88,8 @@ fn uav(world: &World, state: &StateRef<'_>, i: usize) -> Outcome {
     }
     for j in 0..world.hotspot.len() {
         equal(&format!("knows {j}"), world.knows[i][j], state.knows(i, j))?;
+        let (ours, theirs) = (world.detected[i][j], state.detected(i, j));
+        equal(&format!("detected {j}"), ours, theirs)?;
     }
     Ok(())
 }

@@ -59,7 +59,7 @@ pub struct Check {
     /// TOML or JSON files
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Values for the fields that a file does not name
+    /// Values for the fields that a file does not name, unless it names a preset of its own
     #[arg(long, value_enum, default_value_t = PresetName::Mission)]
     preset: PresetName,
     /// Print JSON

@@ -151,8 +151,8 @@ impl Train {
         for uavs in or(&self.uavs, base.uav_count) {
             for hotspots in or(&self.hotspots, base.hotspot_count) {
                 let mut source = source.clone();
-                source.set("uav_count", i64::from(uavs));
-                source.set("hotspot_count", i64::from(hotspots));
+                source.set("uav_count", uavs)?;
+                source.set("hotspot_count", hotspots)?;
                 configs.push(source.resolve()?);
             }
         }

@@ -1,5 +1,9 @@
 //! Fields of the configuration seen alike, for checks, listings and fingerprints.
 
+use core::fmt;
+
+#[cfg(feature = "text")]
+use super::text::TextValue;
 use super::{
     ChargeBilling, Config, Depots, InformPayment, MapDirections, SearchMaps, TargetVisibility,
     UavTag,
@@ -37,6 +41,26 @@ pub enum FieldValue {
     Cells(Depots),
 }
 
+/// As TOML and JSON write it; a derived value, which neither writes, is empty.
+impl fmt::Display for FieldValue {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(value) => write!(out, "{value}"),
+            Self::Real(value) | Self::Optional(Some(value)) => write!(out, "{value:?}"),
+            Self::Optional(None) => Ok(()),
+            Self::Choice(name, _) => write!(out, "\"{name}\""),
+            Self::Cells(cells) => {
+                out.write_str("[")?;
+                for (index, cell) in cells.as_slice().iter().enumerate() {
+                    out.write_str(if index > 0 { "," } else { "" })?;
+                    write!(out, "[{},{}]", cell.x, cell.y)?;
+                }
+                out.write_str("]")
+            }
+        }
+    }
+}
+
 /// The values of all fields.
 pub type FieldValues = [FieldValue; Config::FIELD_COUNT];
 
@@ -45,10 +69,11 @@ impl FieldValue {
     pub(super) fn write(&self, hash: &mut Fnv1a) {
         match self {
             Self::Integer(value) | Self::Choice(_, value) => hash.write_u64(u64::from(*value)),
-            Self::Real(value) => hash.write_u64(value.to_bits()),
+            // The sign of a zero would make two equal configurations differ.
+            Self::Real(value) => hash.write_u64((value + 0.0).to_bits()),
             Self::Optional(Some(value)) => {
                 hash.write_u64(1);
-                hash.write_u64(value.to_bits());
+                hash.write_u64((value + 0.0).to_bits());
             }
             Self::Optional(None) => hash.write_u64(0),
             Self::Cells(cells) => {
@@ -57,6 +82,16 @@ impl FieldValue {
                     hash.write_u64(cell.to_word());
                 }
             }
+        }
+    }
+
+    /// Whether the value is left to be derived from other fields.
+    #[must_use]
+    pub const fn is_derived(&self) -> bool {
+        match self {
+            Self::Optional(value) => value.is_none(),
+            Self::Cells(cells) => cells.is_empty(),
+            _ => false,
         }
     }
 
@@ -74,11 +109,14 @@ impl FieldValue {
 }
 
 /// A type that a field can have.
-pub(super) trait Field {
+pub(super) trait Field: Sized {
     fn field_value(&self) -> FieldValue;
-    #[cfg_attr(not(feature = "serde"), allow(dead_code))]
+    /// The value that a text gives; `None` if it is of another type.
+    #[cfg(feature = "text")]
+    fn read(value: &TextValue<'_>) -> Option<Self>;
+    #[cfg(feature = "serde")]
     fn is_derived(&self) -> bool {
-        false
+        self.field_value().is_derived()
     }
 }
 
@@ -86,11 +124,22 @@ impl Field for u32 {
     fn field_value(&self) -> FieldValue {
         FieldValue::Integer(*self)
     }
+    #[cfg(feature = "text")]
+    fn read(value: &TextValue<'_>) -> Option<Self> {
+        match *value {
+            TextValue::Whole(whole, _) => whole,
+            _ => None,
+        }
+    }
 }
 
 impl Field for f64 {
     fn field_value(&self) -> FieldValue {
         FieldValue::Real(*self)
+    }
+    #[cfg(feature = "text")]
+    fn read(value: &TextValue<'_>) -> Option<Self> {
+        value.real()
     }
 }
 
@@ -98,8 +147,12 @@ impl Field for Option<f64> {
     fn field_value(&self) -> FieldValue {
         FieldValue::Optional(*self)
     }
-    fn is_derived(&self) -> bool {
-        self.is_none()
+    #[cfg(feature = "text")]
+    fn read(value: &TextValue<'_>) -> Option<Self> {
+        match value {
+            TextValue::Null => Some(None),
+            _ => value.real().map(Some),
+        }
     }
 }
 
@@ -107,8 +160,13 @@ impl Field for Depots {
     fn field_value(&self) -> FieldValue {
         FieldValue::Cells(*self)
     }
-    fn is_derived(&self) -> bool {
-        self.is_empty()
+    #[cfg(feature = "text")]
+    fn read(value: &TextValue<'_>) -> Option<Self> {
+        match *value {
+            TextValue::Null => Some(Self::CENTRE),
+            TextValue::Cells(cells) => Some(cells),
+            _ => None,
+        }
     }
 }
 
@@ -117,6 +175,13 @@ macro_rules! choice_field {
         impl Field for $name {
             fn field_value(&self) -> FieldValue {
                 FieldValue::Choice(self.name(), *self as u32)
+            }
+            #[cfg(feature = "text")]
+            fn read(value: &TextValue<'_>) -> Option<Self> {
+                match value {
+                    TextValue::Name(name) => name.parse().ok(),
+                    _ => None,
+                }
             }
         }
     )+ };

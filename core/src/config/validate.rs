@@ -1,6 +1,6 @@
 //! The rules of a legal configuration.
 
-use super::{Config, FieldValue, MapDirections, SearchMaps};
+use super::{Config, MapDirections, SearchMaps};
 use crate::carbon::milligrams;
 use crate::energy::EnergyPlan;
 use crate::error::{Allowed, ConfigError, Value};
@@ -83,16 +83,6 @@ impl Config {
                     value,
                     allowed: Allowed::Range(info.low, info.high),
                 });
-            }
-            // The sign of a zero would make two equal configurations differ.
-            if let FieldValue::Real(real) | FieldValue::Optional(Some(real)) = value {
-                if real.to_bits() == (-0.0f64).to_bits() {
-                    return Err(ConfigError {
-                        field: info.name,
-                        value: Value::Real(real),
-                        allowed: Allowed::Rule("0, without a sign"),
-                    });
-                }
             }
         }
         Ok(())

@@ -18,7 +18,7 @@ use crate::validity::THROUGHPUT_MAX;
 
 /// Words of a state of the smallest model.
 #[cfg(any(kani, test))]
-pub(super) const SMALLEST_STATE_WORDS: usize = 76;
+pub(super) const SMALLEST_STATE_WORDS: usize = 80;
 /// Words of a state of any model that Kani sees.
 #[cfg(kani)]
 pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;

@@ -9,6 +9,7 @@ from ctypes import (
     c_char_p,
     c_double,
     c_int32,
+    c_int64,
     c_size_t,
     c_uint32,
     c_uint64,
@@ -36,6 +37,7 @@ JCAS_ERROR_IN_USE = -13
 JCAS_ERROR_RESOURCES = -14
 JCAS_ERROR_ABI = -15
 JCAS_ERROR_INTERNAL = -16
+JCAS_ERROR_FORKED = -17
 JCAS_MAX_DEPOTS = 16
 JCAS_VISIBILITY_KNOWN = 0
 JCAS_VISIBILITY_HIDDEN = 1
@@ -245,6 +247,7 @@ class jcas_uav(Structure):
         ("shortfall_uj", c_uint64),
         ("pilot_density", c_double),
         ("throughput", c_double),
+        ("given_uj", c_int64),
     )
 
 
@@ -256,6 +259,17 @@ class jcas_hotspot(Structure):
         ("informed", c_uint32),
         ("detected_at", c_uint32),
         ("informed_at", c_uint32),
+    )
+
+
+class jcas_batch_options(Structure):
+    _fields_ = (
+        ("struct_size", c_uint32),
+        ("environments", c_uint32),
+        ("threads", c_uint32),
+        ("reserved", c_uint32),
+        ("run", c_void_p),
+        ("run_context", c_void_p),
     )
 
 
@@ -359,6 +373,12 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_set_positions.restype = c_int32
     library.jcas_sim_step_sense.argtypes = (c_void_p,)
     library.jcas_sim_step_sense.restype = c_int32
+    library.jcas_sim_ground.argtypes = (c_void_p, c_uint32)
+    library.jcas_sim_ground.restype = c_int32
+    library.jcas_sim_confirm_hotspot.argtypes = (c_void_p, c_uint32)
+    library.jcas_sim_confirm_hotspot.restype = c_int32
+    library.jcas_sim_step_sense_over.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_step_sense_over.restype = c_int32
     library.jcas_sim_step_communicate.argtypes = (c_void_p,)
     library.jcas_sim_step_communicate.restype = c_int32
     library.jcas_sim_step_communicate_over.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_size_t)
@@ -367,6 +387,12 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_step_end.restype = c_int32
     library.jcas_sim_set_hotspots.argtypes = (c_void_p, POINTER(jcas_cell), c_size_t)
     library.jcas_sim_set_hotspots.restype = c_int32
+    library.jcas_sim_move_hotspot.argtypes = (c_void_p, c_uint32, c_uint32, c_uint32)
+    library.jcas_sim_move_hotspot.restype = c_int32
+    library.jcas_sim_set_starts.argtypes = (c_void_p, POINTER(jcas_cell), c_size_t)
+    library.jcas_sim_set_starts.restype = c_int32
+    library.jcas_sim_set_battery.argtypes = (c_void_p, c_uint32, c_uint64)
+    library.jcas_sim_set_battery.restype = c_int32
     library.jcas_sim_set_batteries.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_set_batteries.restype = c_int32
     library.jcas_sim_get_episode.argtypes = (c_void_p, POINTER(jcas_episode))
@@ -389,6 +415,10 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_get_links.restype = c_int32
     library.jcas_sim_get_knowledge.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_get_knowledge.restype = c_int32
+    library.jcas_sim_get_detections.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_get_detections.restype = c_int32
+    library.jcas_sim_get_throughputs.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_get_throughputs.restype = c_int32
     library.jcas_sim_get_visited.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_get_visited.restype = c_int32
     library.jcas_sim_get_search_maps.argtypes = (c_void_p, c_void_p, c_size_t)
@@ -403,14 +433,26 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_hash.restype = c_int32
     library.jcas_batch_new.argtypes = (c_void_p, c_uint32, c_uint32, POINTER(c_void_p))
     library.jcas_batch_new.restype = c_int32
+    library.jcas_batch_layout.argtypes = (c_void_p, POINTER(jcas_batch_options), c_void_p, c_void_p)
+    library.jcas_batch_layout.restype = c_int32
+    library.jcas_batch_init.argtypes = (c_void_p, c_size_t, c_void_p, POINTER(jcas_batch_options), POINTER(c_void_p))
+    library.jcas_batch_init.restype = c_int32
     library.jcas_batch_free.argtypes = (c_void_p,)
     library.jcas_batch_free.restype = c_int32
     library.jcas_batch_reset.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t)
     library.jcas_batch_reset.restype = c_int32
+    library.jcas_batch_reset_some.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t)
+    library.jcas_batch_reset_some.restype = c_int32
     library.jcas_batch_step.argtypes = (c_void_p, c_void_p, c_size_t, c_int32, POINTER(jcas_batch_out))
     library.jcas_batch_step.restype = c_int32
     library.jcas_batch_observe.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_size_t)
     library.jcas_batch_observe.restype = c_int32
+    library.jcas_batch_save.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_batch_save.restype = c_int32
+    library.jcas_batch_load.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_batch_load.restype = c_int32
+    library.jcas_batch_hash.argtypes = (c_void_p, c_void_p)
+    library.jcas_batch_hash.restype = c_int32
     library.jcas_batch_get.argtypes = (c_void_p, c_uint32, c_void_p)
     library.jcas_batch_get.restype = c_int32
     library.jcas_batch_set.argtypes = (c_void_p, c_uint32, c_void_p)

@@ -34,6 +34,12 @@ impl Specification {
                 world.linked[i][k] = i != k && both_fly && out >= least && back >= least;
             }
         }
+        self.measure(world);
+    }
+
+    /// What each UAV reaches toward its neighbours, and the fleet's mean.
+    pub(super) fn measure(&self, world: &mut World) {
+        let n = self.uavs();
         for i in 0..n {
             let mut sum = 0.0;
             let mut neighbours = 0;

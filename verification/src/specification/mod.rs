@@ -10,6 +10,7 @@
 
 pub mod draws;
 mod energy;
+mod host;
 mod link;
 mod observation;
 pub mod philox;
@@ -21,6 +22,7 @@ mod search;
 mod step;
 
 pub use energy::Ledger;
+pub use host::Host;
 pub use reward::Rewards;
 pub use step::motion;
 
@@ -79,6 +81,8 @@ pub struct World {
     pub spent_uj: Vec<u64>,
     /// Energy that each battery has taken at depots so far, in microjoules.
     pub accepted_uj: Vec<u64>,
+    /// What a host has put into each battery, less what it has taken out, in microjoules.
+    pub given_uj: Vec<i64>,
     /// Energy asked for and not there, so far, in microjoules.
     pub shortfall_uj: Vec<u64>,
     /// Pilot density of each UAV.
@@ -95,6 +99,8 @@ pub struct World {
     pub linked: Vec<Vec<bool>>,
     /// Cell of each hotspot.
     pub hotspot: Vec<Position>,
+    /// `detected[i][j]`: UAV i detected hotspot j when it last sensed.
+    pub detected: Vec<Vec<bool>>,
     /// `knows[i][j]`: the paper's k_ij.
     pub knows: Vec<Vec<bool>>,
     /// Step at which each hotspot was confirmed.

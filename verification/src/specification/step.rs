@@ -1,21 +1,31 @@
 //! One step, in the order of the model's list.
 
-use super::{Position, Specification, World, draws, potential::Potentials, reward::StepFacts};
+use super::{
+    Host, Position, Specification, World, draws, potential::Potentials, reward::StepFacts,
+};
 
 impl Specification {
     /// Advances the world by one step. `actions[i]` is (u_dir, u_pilot) of UAV i
     /// and must hold no NaN.
     pub fn step(&self, world: &mut World, actions: &[(f32, f32)]) {
+        self.step_with(world, actions, &Host::default());
+    }
+
+    /// The same, with what a host puts in place of the model's own.
+    pub fn step_with(&self, world: &mut World, actions: &[(f32, f32)], host: &Host) {
         let before = self.potentials(world);
         let before_of: Vec<Potentials> = (0..self.uavs())
             .map(|i| self.uav_potentials(world, i))
             .collect();
         world.t += 1;
         self.decide_pilot(world, actions);
-        let mut facts = self.fly(world, actions);
+        let mut facts = self.fly(world, actions, host);
         self.look_around(world);
-        let was_sensing = self.sense_and_learn(world);
-        self.link_up(world);
+        let was_sensing = self.sense_and_learn(world, host);
+        match &host.links {
+            None => self.link_up(world),
+            Some(links) => self.link_over(world, links, host),
+        }
         self.consensus(world);
         self.share_maps(world);
         world.billed_intensity_mg_per_kwh = world.coming_intensity_mg_per_kwh;
@@ -47,7 +57,7 @@ impl Specification {
     }
 
     /// Return to base and motion; counts what the reward needs of it.
-    fn fly(&self, world: &mut World, actions: &[(f32, f32)]) -> StepFacts {
+    fn fly(&self, world: &mut World, actions: &[(f32, f32)], host: &Host) -> StepFacts {
         let visited_before = world.visited.clone();
         let mut facts = StepFacts::default();
         for (i, &(u_dir, _)) in actions.iter().enumerate() {
@@ -62,6 +72,14 @@ impl Specification {
             } else {
                 self.moved_by(here, motion(u_dir))
             };
+            let there = match &host.positions {
+                None => there,
+                Some(positions) => positions[i],
+            };
+            let held = host.grounded.contains(&i);
+            world.grounded[i] |= held;
+            world.returning[i] &= !held;
+            let there = if held { here } else { there };
             world.moved[i] = there != here;
             world.position[i] = there;
             let (x, y) = (there.x as usize, there.y as usize);
@@ -95,10 +113,13 @@ impl Specification {
     }
 
     /// Draws, confirms, learns. Returns which UAVs were sensing, for their energy.
-    fn sense_and_learn(&self, world: &mut World) -> Vec<bool> {
+    fn sense_and_learn(&self, world: &mut World, host: &Host) -> Vec<bool> {
         let (n, m) = (self.uavs(), self.hotspots());
         let mut was_sensing = vec![false; n];
         let mut positive = vec![vec![false; m]; n];
+        for &j in &host.confirmed {
+            world.detected_at[j] = world.detected_at[j].or(Some(world.t));
+        }
         for i in 0..n {
             for j in 0..m {
                 if world.knows[i][j] || world.grounded[i] {
@@ -106,8 +127,13 @@ impl Specification {
                 }
                 was_sensing[i] = true;
                 let (uav, hotspot) = (world.position[i], world.hotspot[j]);
-                let p = self.detection_probability(uav, hotspot, world.pilot[i]);
-                positive[i][j] = draws::detects(world.seed, world.t, i, j, p);
+                positive[i][j] = match &host.detections {
+                    Some(detections) => detections[i][j],
+                    None => {
+                        let p = self.detection_probability(uav, hotspot, world.pilot[i]);
+                        draws::detects(world.seed, world.t, i, j, p)
+                    }
+                };
             }
         }
         for j in 0..m {
@@ -121,6 +147,7 @@ impl Specification {
                 }
             }
         }
+        world.detected = positive;
         was_sensing
     }
 

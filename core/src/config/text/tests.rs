@@ -1,0 +1,245 @@
+use alloc::format;
+use alloc::string::{String, ToString};
+
+use super::*;
+
+fn toml_of(config: &Config) -> String {
+    let mut text = String::new();
+    config.write_toml(&mut text).unwrap();
+    text
+}
+
+fn json_of(config: &Config) -> String {
+    let mut text = String::new();
+    config.write_json(&mut text).unwrap();
+    text
+}
+
+#[test]
+fn toml_and_json_agree_and_round_trip() {
+    let toml =
+        Config::from_toml("preset = 'paper'\nuav_count = 15\ndepots = [[0, 0], [3, 4]]").unwrap();
+    let json =
+        Config::from_json(r#"{"preset": "paper", "uav_count": 15, "depots": [[0, 0], [3, 4]]}"#)
+            .unwrap();
+    assert_eq!(toml, json);
+    assert_eq!(toml.hash(), json.hash());
+    assert_eq!(Config::from_toml(&toml_of(&toml)).unwrap(), toml);
+    assert_eq!(Config::from_json(&json_of(&toml)).unwrap(), toml);
+    assert_ne!(toml.hash(), Config::default().hash());
+    let mut counted = Counter::default();
+    toml.write_json(&mut counted).unwrap();
+    assert_eq!(counted.0, json_of(&toml).len());
+}
+
+#[test]
+fn messages_name_field_value_and_what_is_allowed() {
+    let refused = |text: &str| Config::from_toml(text).unwrap_err().to_string();
+    for (text, says) in [
+        (
+            "uav_count = 0",
+            "uav_count = 0: must be a whole number from 1 to 4096",
+        ),
+        (
+            "uav_count = -3",
+            "uav_count = -3: must be a whole number from 1 to 4096",
+        ),
+        (
+            "uav_count = 2.5",
+            "uav_count = 2.5: must be a whole number from 1 to 4096",
+        ),
+        (
+            "uav_count = true",
+            "uav_count = true: must be a whole number from 1 to 4096",
+        ),
+        (
+            "uav_cuont = 5",
+            "uav_cuont: no such field; did you mean uav_count?",
+        ),
+        (
+            "cell_size_m = nan",
+            "cell_size_m = NaN: must be a number from 0.001 to 1000000",
+        ),
+        (
+            "pilot_density_min = 0.4",
+            "pilot_density_min = 0.4: must be at most 0.3 (pilot_density_max)",
+        ),
+        (
+            "move_energy_kwh = -1e-3",
+            "move_energy_kwh = -0.001: must be a number from 0 to 1",
+        ),
+        (
+            "depots = 5",
+            "depots = 5: must be a list of at most 16 cells [x, y]",
+        ),
+        (
+            "target_visibility = 'seen'",
+            "target_visibility = 'seen': must be one of known, hidden",
+        ),
+        (
+            "quorum = 3\nquorum = 3",
+            "quorum: given twice, must be given once",
+        ),
+        (
+            "[fleet]\nquorum = 3",
+            "[fleet]: no such field (`jcas config show` lists all)",
+        ),
+        (
+            "fleet.quorum = 3",
+            "fleet.quorum: no such field (`jcas config show` lists all)",
+        ),
+        (
+            "quorum = 3 4",
+            "line 1 column 12: must be the end of the line",
+        ),
+        ("\nquorum = = 3", "line 2 column 10: must be a value"),
+    ] {
+        assert_eq!(refused(text), says);
+    }
+    assert!(refused("hotspot_count = 150").contains("must be at most 143"));
+    assert!(refused("depots = [[12, 0]]").contains("[12, 0]"));
+    assert!(refused("preset = 'best'").contains("`mission`"));
+    assert!(
+        refused("horizon_steps = 1000000\nuav_count = 4096\ncharge_power_kw = 10000")
+            .contains("2^62")
+    );
+}
+
+/// Whatever a list holds, its message stays short.
+#[test]
+fn messages_are_bounded() {
+    let many = "[0, 0], ".repeat(60);
+    let long = "x".repeat(100_000);
+    for text in [
+        format!("depots = [{many}]"),
+        format!("depots = '{long}'"),
+        format!("{long} = 1"),
+        format!("preset = '{long}'"),
+        format!("quorum = 1{}", "0".repeat(100_000)),
+    ] {
+        let message = Config::from_toml(&text).unwrap_err().to_string();
+        assert!(message.len() < 200, "{message}");
+    }
+}
+
+/// What both forms take and refuse alike.
+#[test]
+fn one_text_has_one_meaning() {
+    for (toml, json, legal) in [
+        ("quorum = 4", r#"{"quorum": 4}"#, true),
+        ("'quorum' = 4 # four", "\t{\"quorum\"\n:4 }\n", true),
+        ("", "{}", true),
+        ("preset = 'paper'", r#"{"preset": "paper"}"#, true),
+        ("preset = 3", r#"{"preset": 3}"#, false),
+        ("step_duration_s = 5", r#"{"step_duration_s": 5}"#, true),
+        (
+            "step_duration_s = 5e-1",
+            r#"{"step_duration_s": 5e-1}"#,
+            true,
+        ),
+        (
+            "step_duration_s = none",
+            r#"{"step_duration_s": null}"#,
+            false,
+        ),
+        (
+            "quorum = 3\nquorum = 5",
+            r#"{"quorum":3,"quorum":5}"#,
+            false,
+        ),
+        (
+            "quorum = 3\n'quorum' = 3",
+            r#"{"quorum":3, "quorum" : 3}"#,
+            false,
+        ),
+        (
+            "preset='paper'\npreset='paper'",
+            r#"{"preset":"paper","preset":"paper"}"#,
+            false,
+        ),
+        ("quorum = 03", r#"{"quorum": 03}"#, false),
+        ("quorum = 3.", r#"{"quorum": 3.}"#, false),
+        ("quorum = '3'", r#"{"quorum": "3"}"#, false),
+        ("quorum = [3]", r#"{"quorum": [3]}"#, false),
+        ("quorum = {}", r#"{"quorum": {}}"#, false),
+        ("depots = []", r#"{"depots": []}"#, true),
+        ("depots = [[1, 2]]", r#"{"depots": [[1, 2]]}"#, true),
+        ("depots = [[1, 2, 3]]", r#"{"depots": [[1, 2, 3]]}"#, false),
+        ("depots = [[1, -2]]", r#"{"depots": [[1, -2]]}"#, false),
+        ("depots = [1, 2]", r#"{"depots": [1, 2]}"#, false),
+        ("depots = [[1, 2]", r#"{"depots": [[1, 2]"#, false),
+        ("reward_spread = -0.0", r#"{"reward_spread": -0.0}"#, true),
+        (
+            "sense_energy_kwh = -0.0",
+            r#"{"sense_energy_kwh": -0.0}"#,
+            true,
+        ),
+        ("quorum 3", r#"{"quorum" 3}"#, false),
+        ("quorum = 3 x", r#"{"quorum": 3} x"#, false),
+        ("quorum = 'a\nb'", "{\"quorum\": \"a\nb\"}", false),
+        ("\0", "\0", false),
+    ] {
+        let (a, b) = (Config::from_toml(toml), Config::from_json(json));
+        assert_eq!(a.is_ok(), legal, "{toml}: {a:?}");
+        assert_eq!(b.is_ok(), legal, "{json}: {b:?}");
+        if legal {
+            assert_eq!(a, b);
+            assert_eq!(a.unwrap().hash(), b.unwrap().hash());
+        }
+    }
+}
+
+#[test]
+fn null_takes_a_derived_field_back_and_no_other() {
+    let given = Config {
+        range_min_m: Some(3.0),
+        depots: crate::config::Depots::one(crate::config::Cell { x: 1, y: 1 }),
+        ..Config::default()
+    };
+    let text = r#"{"range_min_m": null, "depots": null}"#;
+    assert_eq!(given.overlaid(text, Form::Json).unwrap(), Config::default());
+    assert_eq!(
+        given.assigned("range_min_m", "none").unwrap().range_min_m,
+        None
+    );
+    assert!(given.assigned("quorum", "none").is_err());
+}
+
+#[test]
+fn toml_writes_numbers_in_its_own_ways() {
+    for (text, quorum) in [("0x10", 16), ("1_0", 10), ("+7", 7), ("0b11", 3)] {
+        let config = Config::from_toml(&format!("quorum = {text}\nuav_count = 20")).unwrap();
+        assert_eq!(config.quorum, quorum);
+    }
+    for text in ["1__0", "_1", "1_", "0x", "--3", "1e", ".5", "5."] {
+        assert!(
+            Config::from_toml(&format!("quorum = {text}")).is_err(),
+            "{text}"
+        );
+    }
+    let depots = "depots = [ # where they charge\n [1, 2],\n [3, 4], # the last\n]\r\nquorum = 2";
+    assert_eq!(Config::from_toml(depots).unwrap().depots.len(), 2);
+}
+
+#[test]
+fn typed_values_need_no_quotes() {
+    let config = Config::default();
+    let hidden = config.assigned("target_visibility", "hidden").unwrap();
+    assert_eq!(
+        hidden,
+        config.assigned("target_visibility", "'hidden'").unwrap()
+    );
+    let message = |field: &str, text: &str| config.assigned(field, text).unwrap_err().to_string();
+    assert_eq!(
+        message("target_visibility", "seen"),
+        "target_visibility = \"seen\": must be one of known, hidden"
+    );
+    assert_eq!(
+        message("quorum", "many"),
+        "quorum = \"many\": must be a whole number from 1 to 4096"
+    );
+    assert_eq!(
+        config.assigned("depots", "[[1, 2]]").unwrap().depots.len(),
+        1
+    );
+}

@@ -1,0 +1,230 @@
+//! One step of a batch in shares that any number of threads may take up.
+
+use std::ffi::c_void;
+use std::marker::PhantomData;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::slice;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use jcas_core::batch::BatchOut;
+use jcas_core::header::Phase;
+use jcas_core::{Error, Model, Scratch, reward};
+
+use crate::batch::jcas_task;
+use crate::status::{Fault, JCAS_ERROR_INTERNAL};
+use crate::team::Job;
+
+/// The caller's way to run tasks.
+#[derive(Clone, Copy)]
+pub(crate) struct Runner {
+    pub(crate) run: unsafe extern "C" fn(jcas_task, *mut c_void, u32, *mut c_void),
+    pub(crate) context: *mut c_void,
+}
+
+impl Runner {
+    pub(crate) fn run(&self, job: Job) {
+        // SAFETY: the caller promised a function that runs tasks and returns when they are done.
+        unsafe { (self.run)(Some(job.task), job.context, job.count, self.context) };
+    }
+}
+
+/// The start of a buffer, or none.
+struct Begin<T>(Option<*mut T>);
+
+impl<T> Begin<T> {
+    fn of(buffer: &mut [T]) -> Self {
+        Self((!buffer.is_empty()).then_some(buffer.as_mut_ptr()))
+    }
+
+    /// Elements `range` · `each` of the buffer; empty where there is none.
+    ///
+    /// # Safety
+    /// The buffer is as long as the batch needs, and no two shares ask for the same range.
+    unsafe fn part<'a>(&self, range: &Range, each: usize) -> &'a mut [T] {
+        match self.0 {
+            None => &mut [],
+            // SAFETY: within the buffer by the caller's promise.
+            Some(at) => unsafe {
+                slice::from_raw_parts_mut(at.add(range.begin * each), range.len() * each)
+            },
+        }
+    }
+}
+
+/// Environments of a share.
+struct Range {
+    begin: usize,
+    end: usize,
+}
+
+impl Range {
+    const fn len(&self) -> usize {
+        self.end - self.begin
+    }
+}
+
+/// One step, with all that it reads and writes. Each share is taken at most once.
+pub(crate) struct Round<'a> {
+    model: &'a Model<'a>,
+    count: usize,
+    auto_reset: bool,
+    states: Begin<u64>,
+    scratch: Begin<u64>,
+    actions: &'a [f32],
+    observations: Begin<f32>,
+    global: Begin<f32>,
+    rewards: Begin<f32>,
+    components: Begin<f64>,
+    terminated: Begin<u8>,
+    truncated: Begin<u8>,
+    final_observations: Begin<f32>,
+    final_global: Begin<f32>,
+    final_metrics: Begin<jcas_core::Metrics>,
+    uav_rewards: Begin<f32>,
+    claims: &'a [AtomicBool],
+    finished: AtomicUsize,
+    failed: AtomicBool,
+    buffers: PhantomData<&'a mut [u64]>,
+}
+
+impl<'a> Round<'a> {
+    pub(crate) fn new(
+        model: &'a Model<'a>,
+        states: &'a mut [u64],
+        scratch: &'a mut [u64],
+        actions: &'a [f32],
+        auto_reset: bool,
+        out: BatchOut<'a>,
+        claims: &'a [AtomicBool],
+    ) -> Self {
+        Self {
+            model,
+            count: states.len() / model.state_words(),
+            auto_reset,
+            states: Begin::of(states),
+            scratch: Begin::of(scratch),
+            actions,
+            observations: Begin::of(out.observations),
+            global: Begin::of(out.global),
+            rewards: Begin::of(out.rewards),
+            components: Begin::of(out.components),
+            terminated: Begin::of(out.terminated),
+            truncated: Begin::of(out.truncated),
+            final_observations: Begin::of(out.final_observations),
+            final_global: Begin::of(out.final_global),
+            final_metrics: Begin::of(out.final_metrics),
+            uav_rewards: Begin::of(out.uav_rewards),
+            claims,
+            finished: AtomicUsize::new(0),
+            failed: AtomicBool::new(false),
+            buffers: PhantomData,
+        }
+    }
+
+    /// The shares as tasks.
+    pub(crate) fn job(&self) -> Job {
+        Job {
+            task: take_share,
+            context: (&raw const *self).cast_mut().cast(),
+            count: self.claims.len() as u32,
+        }
+    }
+
+    /// Steps the shares that nobody has taken, and waits for the others.
+    pub(crate) fn finish(&self) -> Result<(), Fault> {
+        for index in 0..self.claims.len() {
+            self.take(index);
+        }
+        while self.finished.load(Ordering::Acquire) < self.claims.len() {
+            std::thread::yield_now();
+        }
+        if self.failed.load(Ordering::Relaxed) {
+            return Err(Fault::Status(JCAS_ERROR_INTERNAL));
+        }
+        Ok(())
+    }
+
+    fn take(&self, index: usize) {
+        let Some(claim) = self.claims.get(index) else {
+            return;
+        };
+        if claim.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        let stepped = catch_unwind(AssertUnwindSafe(|| self.step(index)));
+        if !matches!(stepped, Ok(Ok(()))) {
+            self.failed.store(true, Ordering::Relaxed);
+        }
+        self.finished.fetch_add(1, Ordering::Release);
+    }
+
+    fn step(&self, index: usize) -> Result<(), Error> {
+        let model = self.model;
+        let shares = self.claims.len();
+        let range = Range {
+            begin: self.count * index / shares,
+            end: self.count * (index + 1) / shares,
+        };
+        let own = Range {
+            begin: index,
+            end: index + 1,
+        };
+        let observed = model.uav_count() * model.observation_len();
+        let action_len = model.action_len();
+        let actions = &self.actions[range.begin * action_len..range.end * action_len];
+        // SAFETY: lengths were checked against the model, and the claim makes this the only taker.
+        let (states, scratch, mut out) = unsafe {
+            (
+                self.states.part(&range, model.state_words()),
+                self.scratch.part(&own, Scratch::words_for(model)),
+                BatchOut {
+                    observations: self.observations.part(&range, observed),
+                    global: self.global.part(&range, model.global_len()),
+                    rewards: self.rewards.part(&range, 1),
+                    components: self.components.part(&range, reward::COMPONENTS),
+                    terminated: self.terminated.part(&range, 1),
+                    truncated: self.truncated.part(&range, 1),
+                    final_observations: self.final_observations.part(&range, observed),
+                    final_global: self.final_global.part(&range, model.global_len()),
+                    final_metrics: self.final_metrics.part(&range, 1),
+                    uav_rewards: self.uav_rewards.part(&range, model.uav_count()),
+                    uav_components: &mut [],
+                },
+            )
+        };
+        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        model.batch_step(states, &mut scratch, actions, self.auto_reset, &mut out)
+    }
+}
+
+/// A share as a task.
+///
+/// # Safety
+/// `round` is a [`Round`] that lives until the task ends.
+unsafe extern "C" fn take_share(round: *mut c_void, index: u32) {
+    // SAFETY: the caller's promise; a round is shared, its parts are claimed.
+    unsafe { &*round.cast::<Round<'_>>() }.take(index as usize);
+}
+
+/// What could make any environment refuse a step.
+pub(crate) fn check_all(model: &Model<'_>, states: &[u64], actions: &[f32]) -> Result<(), Error> {
+    if let Some(index) = actions.iter().position(|value| value.is_nan()) {
+        return Err(Error::ActionNan {
+            uav: index / 2,
+            component: index % 2,
+        });
+    }
+    for words in states.chunks_exact(model.state_words()) {
+        match model.state(words)?.header.phase() {
+            Some(Phase::Ready) => {}
+            Some(phase) if phase.is_over() => return Err(Error::EpisodeOver),
+            _ => {
+                return Err(Error::OutOfOrder {
+                    called: "batch_step",
+                    after: "step_end",
+                });
+            }
+        }
+    }
+    Ok(())
+}

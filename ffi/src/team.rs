@@ -1,0 +1,209 @@
+//! Threads of a batch: started when it is built, joined when it ends. Handing out work allocates nothing.
+
+use std::ffi::c_void;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Tasks with the numbers 0 to `count` - 1. Any order will do, also at once, also twice.
+#[derive(Clone, Copy)]
+pub(crate) struct Job {
+    pub(crate) task: unsafe extern "C" fn(*mut c_void, u32),
+    pub(crate) context: *mut c_void,
+    pub(crate) count: u32,
+}
+
+// SAFETY: whoever makes a job lets any thread run its tasks.
+unsafe impl Send for Job {}
+
+/// What the threads are to do.
+struct Orders {
+    /// Rises by one with each job.
+    round: u64,
+    job: Option<Job>,
+    /// Threads that have not finished the present job.
+    working: usize,
+    quit: bool,
+}
+
+pub(crate) struct Team {
+    orders: Mutex<Orders>,
+    /// The next task of the present job.
+    next: AtomicU32,
+    begin: Condvar,
+    end: Condvar,
+}
+
+impl Team {
+    pub(crate) const fn new() -> Self {
+        Self {
+            orders: Mutex::new(Orders {
+                round: 0,
+                job: None,
+                working: 0,
+                quit: false,
+            }),
+            next: AtomicU32::new(0),
+            begin: Condvar::new(),
+            end: Condvar::new(),
+        }
+    }
+
+    fn orders(&self) -> MutexGuard<'_, Orders> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Runs a job on `threads` threads and this one, and returns when it is done.
+    pub(crate) fn run(&self, threads: usize, job: Job) {
+        self.next.store(0, Ordering::Relaxed);
+        let mut orders = self.orders();
+        orders.round += 1;
+        orders.job = Some(job);
+        orders.working = threads;
+        drop(orders);
+        self.begin.notify_all();
+        self.take_tasks(job);
+        let mut orders = self.orders();
+        while orders.working > 0 {
+            orders = self
+                .end
+                .wait(orders)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+        orders.job = None;
+    }
+
+    fn take_tasks(&self, job: Job) {
+        loop {
+            let index = self.next.fetch_add(1, Ordering::Relaxed);
+            if index >= job.count {
+                return;
+            }
+            // SAFETY: the job lives until `run` returns, which waits for every thread.
+            unsafe { (job.task)(job.context, index) };
+        }
+    }
+
+    /// Tells the threads to end.
+    pub(crate) fn quit(&self) {
+        self.orders().quit = true;
+        self.begin.notify_all();
+    }
+
+    /// What each thread does: job after job, until it is told to quit.
+    fn serve(&self) {
+        let mut done = 0;
+        loop {
+            let mut orders = self.orders();
+            while orders.round == done && !orders.quit {
+                orders = self
+                    .begin
+                    .wait(orders)
+                    .unwrap_or_else(PoisonError::into_inner);
+            }
+            if orders.quit {
+                return;
+            }
+            done = orders.round;
+            let job = orders.job;
+            drop(orders);
+            if let Some(job) = job {
+                self.take_tasks(job);
+            }
+            let mut orders = self.orders();
+            orders.working -= 1;
+            let last = orders.working == 0;
+            drop(orders);
+            if last {
+                self.end.notify_one();
+            }
+        }
+    }
+}
+
+extern "C" fn serve(team: *mut c_void) -> *mut c_void {
+    // SAFETY: a team outlives its threads: its owner joins them first.
+    unsafe { &*team.cast::<Team>() }.serve();
+    std::ptr::null_mut()
+}
+
+pub(crate) use system::{Thread, join, processors, start};
+
+/// POSIX threads themselves: the standard library's allocate on the way, and abort where they cannot.
+#[cfg(unix)]
+mod system {
+    use std::mem::MaybeUninit;
+    use std::ptr;
+
+    use super::Team;
+
+    pub(crate) type Thread = libc::pthread_t;
+
+    /// Starts a thread of a team; `None` if the system has none.
+    ///
+    /// # Safety
+    /// The team stays where it is until the thread has been joined.
+    pub(crate) unsafe fn start(team: *const Team) -> Option<Thread> {
+        let mut thread = MaybeUninit::uninit();
+        // SAFETY: `thread` is a place for a thread; the team lives by the caller's promise.
+        let failed = unsafe {
+            libc::pthread_create(
+                thread.as_mut_ptr(),
+                ptr::null(),
+                super::serve,
+                team.cast_mut().cast(),
+            )
+        };
+        // SAFETY: written where the thread was created.
+        (failed == 0).then(|| unsafe { thread.assume_init() })
+    }
+
+    /// Waits for a thread to end.
+    ///
+    /// # Safety
+    /// The thread came from [`start`] in this process and was not joined before.
+    pub(crate) unsafe fn join(thread: Thread) {
+        // SAFETY: a thread that can be joined, by the caller's promise.
+        unsafe { libc::pthread_join(thread, ptr::null_mut()) };
+    }
+
+    /// Processors of the machine, at least 1.
+    pub(crate) fn processors() -> usize {
+        // SAFETY: a question without side effects.
+        let count = unsafe { libc::sysconf(libc::_SC_NPROCESSORS_ONLN) };
+        usize::try_from(count).unwrap_or(1).max(1)
+    }
+}
+
+#[cfg(not(unix))]
+mod system {
+    use std::thread::{Builder, JoinHandle, available_parallelism};
+
+    use super::Team;
+
+    pub(crate) type Thread = JoinHandle<()>;
+
+    /// Starts a thread of a team; `None` if the system has none.
+    ///
+    /// # Safety
+    /// The team stays where it is until the thread has been joined.
+    pub(crate) unsafe fn start(team: *const Team) -> Option<Thread> {
+        let address = team.expose_provenance();
+        let serve = move || {
+            super::serve(std::ptr::with_exposed_provenance_mut(address));
+        };
+        Builder::new().spawn(serve).ok()
+    }
+
+    /// Waits for a thread to end.
+    ///
+    /// # Safety
+    /// None: the handle says it all.
+    pub(crate) unsafe fn join(thread: Thread) {
+        let _ended = thread.join();
+    }
+
+    /// Processors of the machine, at least 1.
+    pub(crate) fn processors() -> usize {
+        available_parallelism().map_or(1, usize::from)
+    }
+}

@@ -1,0 +1,274 @@
+"""Rebuilds recorded episodes from docs/model.md alone: from a trace's configuration, seed and actions.
+
+    python3 tests/rebuild/rebuild.py TRACE...
+
+Every whole number, set and cell has to be the trace's; reals may differ by rounding (1e-9). Nothing here is
+taken from the kernel: each function is a sentence of the page.
+"""
+
+import json
+import math
+import sys
+
+MASK = 0xFFFFFFFF
+DETECT, CARBON, SOC, HOTSPOT, SHUFFLE = 1, 2, 3, 4, 5
+
+
+def philox(counter, key):
+    """Philox4x32-10 (Salmon et al., SC 2011)."""
+    c, k = list(counter), list(key)
+    for _ in range(10):
+        low, high = c[0] * 0xD2511F53, c[2] * 0xCD9E8D57
+        c = [high >> 32 ^ c[1] ^ k[0], high & MASK, low >> 32 ^ c[3] ^ k[1], low & MASK]
+        k = [k[0] + 0x9E3779B9 & MASK, k[1] + 0xBB67AE85 & MASK]
+    return c
+
+
+def half_up(x):
+    return math.floor(x + 0.5)
+
+
+class Mission:
+    def __init__(self, header):
+        self.c = c = header["config"]
+        self.seed = int(header["seed"], 16)
+        self.n, self.m = c["uav_count"], c["hotspot_count"]
+        self.w, self.h = c["grid_width"], c["grid_height"]
+        self.depots = [tuple(cell) for cell in c.get("depots", [])] or [(self.w // 2, self.h // 2)]
+        kwh = lambda x: half_up(x * 3.6e12)
+        self.capacity = kwh(c["battery_capacity_kwh"])
+        self.rtb = kwh(c["rtb_threshold_kwh"])
+        self.charge = half_up(c["charge_power_kw"] * 1e9 * c["step_duration_s"])
+        self.move, self.hover = kwh(c["move_energy_kwh"]), kwh(c["hover_energy_kwh"])
+        self.sense, self.comm = kwh(c["sense_energy_kwh"]), kwh(c["comm_energy_kwh"])
+        self.grid_share_ppb = half_up((1 - c["renewable_share"]) * 1e9)
+        self.reset()
+
+    # Draws.
+
+    def block(self, step, uav, index, purpose):
+        return philox((step, uav, index, purpose), (self.seed & MASK, self.seed >> 32))
+
+    def bits64(self, step, uav, index, purpose):
+        words = self.block(step, uav, index, purpose)
+        return words[0] | words[1] << 32
+
+    def below(self, bits, count):
+        return bits * count >> 64
+
+    def intensity(self, t):
+        low = half_up(self.c["carbon_intensity_min_kg_per_kwh"] * 1e6)
+        high = half_up(self.c["carbon_intensity_max_kg_per_kwh"] * 1e6)
+        return low + self.below(self.bits64(t, 0, 0, CARBON), high - low + 1)
+
+    def place_hotspots(self):
+        free = [(x, y) for y in range(self.h) for x in range(self.w) if (x, y) not in self.depots]
+        chosen = []
+        for k in range(self.m):
+            top = len(free) - self.m + k
+            rank = self.below(self.bits64(0, 0, k, HOTSPOT), top + 1)
+            chosen.append(top if rank in chosen else rank)
+        for k in range(self.m - 1, 0, -1):
+            other = self.below(self.bits64(0, 0, k, SHUFFLE), k + 1)
+            chosen[k], chosen[other] = chosen[other], chosen[k]
+        return [free[rank] for rank in chosen]
+
+    def initial_charge(self, i):
+        unit = (self.bits64(0, i, 0, SOC) >> 11) * 2.0**-53
+        low, high = self.c["initial_soc_min"], self.c["initial_soc_max"]
+        return min(half_up((low + (high - low) * unit) * self.capacity), self.capacity)
+
+    def reset(self):
+        self.t = 0
+        self.hotspots = self.place_hotspots()
+        self.cells = [self.depots[0]] * self.n
+        self.battery = [self.initial_charge(i) for i in range(self.n)]
+        self.density = [self.c["pilot_density_min"]] * self.n
+        self.grounded = [charge == 0 for charge in self.battery]
+        self.returning = [False] * self.n
+        self.knows = [set() for _ in range(self.n)]
+        self.confirmed, self.informed = set(), set()
+        self.co2 = 0
+        self.coming = self.intensity(0)
+        self.link_up()
+
+    # Radio.
+
+    def range_m(self, a, b):
+        least = self.c.get("range_min_m", self.c["cell_size_m"] / 2)
+        return max(least, self.c["cell_size_m"] * math.hypot(a[0] - b[0], a[1] - b[1]))
+
+    def threshold_db(self):
+        c = self.c
+        if "detection_threshold_db" in c:
+            return c["detection_threshold_db"]
+        if "sensing_range_m" in c:
+            return self.sensing_snr_db(max(c["sensing_range_m"], c.get("range_min_m", c["cell_size_m"] / 2)))
+        p = c["detection_probability"]
+        a = math.log(0.62 / c["false_alarm_probability"])
+        b = math.log(p / (1 - p))
+        return (6.2 + 4.54 / math.sqrt(1.44)) * math.log10(a + 0.12 * a * b + 1.7 * b)
+
+    def sensing_snr_db(self, r):
+        c = self.c
+        wavelength = 299_792_458 / c["carrier_frequency_hz"]
+        resolution = c.get("range_resolution_m", 299_792_458 / (2 * c["bandwidth_hz"]))
+        return (
+            c["transmit_power_dbm"] + c["transmit_gain_dbi"] + c["receive_gain_dbi"]
+            + 20 * math.log10(wavelength) + c["radar_cross_section_dbsm"] - 30 * math.log10(4 * math.pi)
+            - 40 * math.log10(r) - c["sensing_noise_dbm"] + c["processing_gain_db"]
+            - 10 * math.log10(1 + resolution / r)
+        )
+
+    def detects(self, i, j):
+        c = self.c
+        snr = self.sensing_snr_db(self.range_m(self.cells[i], self.hotspots[j]))
+        margin = snr - c["comm_load_penalty_db"] * (1 - self.density[i]) - self.threshold_db()
+        exponent = -c["logistic_slope_per_db"] * margin
+        below = math.floor(2**32 / (1 + math.exp(exponent))) if exponent < 300 else 0
+        return self.block(self.t, i, j // 4, DETECT)[j % 4] < below
+
+    def throughput(self, i, k):
+        c = self.c
+        loss = 20 * math.log10(4 * math.pi * c["carrier_frequency_hz"] / 299_792_458)
+        loss += 10 * c["path_loss_exponent"] * math.log10(self.range_m(self.cells[i], self.cells[k]))
+        snr = c["transmit_power_dbm"] + c["transmit_gain_dbi"] + c["receive_gain_dbi"] - loss - c["comm_noise_dbm"]
+        full = math.log2(1 + 10 ** (snr / 10)) / c["reference_spectral_efficiency"]
+        return (1 - self.density[i]) * full
+
+    def link_up(self):
+        least = self.c["link_throughput_min"] - 1e-12
+        fly = [i for i in range(self.n) if not self.grounded[i]]
+        self.links = [set() for _ in range(self.n)]
+        for i in fly:
+            for k in fly:
+                if i != k and min(self.throughput(i, k), self.throughput(k, i)) >= least:
+                    self.links[i].add(k)
+        means = [
+            sum(self.throughput(i, k) for k in links) / len(links) if links else 0.0
+            for i, links in enumerate(self.links)
+        ]
+        self.mean_throughput = sum(means) / self.n
+
+    # The step.
+
+    def distance(self, a, b):
+        return abs(a[0] - b[0]) + abs(a[1] - b[1])
+
+    def destination(self, i, u_dir):
+        x, y = self.cells[i]
+        if self.grounded[i]:
+            return x, y
+        if self.returning[i]:
+            home = min(self.depots, key=lambda depot: self.distance((x, y), depot))
+            if x != home[0]:
+                return x + (1 if home[0] > x else -1), y
+            return x, y + (home[1] > y) - (home[1] < y)
+        u = max(-1.0, min(1.0, u_dir))
+        dx, dy = ((0, 1), (0, -1), (-1, 0), (1, 0), (0, 0))[min(4, math.floor((u + 1) / 2 * 5))]
+        x2, y2 = x + dx, y + dy
+        return (x2, y2) if 0 <= x2 < self.w and 0 <= y2 < self.h else (x, y)
+
+    def step(self, actions):
+        c = self.c
+        self.t += 1
+        low, high = c["pilot_density_min"], c["pilot_density_max"]
+        before = list(self.cells)
+        for i, (u_dir, u_pilot) in enumerate(actions):
+            u = max(-1.0, min(1.0, u_pilot))
+            self.density[i] = max(low, min(high, low + (u + 1) / 2 * (high - low)))
+            self.grounded[i] = self.battery[i] == 0
+            self.returning[i] = 0 < self.battery[i] < self.rtb
+            self.cells[i] = self.destination(i, u_dir)
+        senses = [not self.grounded[i] and len(self.knows[i]) < self.m for i in range(self.n)]
+        hits = [
+            {j for j in range(self.m) if senses[i] and j not in self.knows[i] and self.detects(i, j)}
+            for i in range(self.n)
+        ]
+        for j in range(self.m):
+            if sum(j in found for found in hits) >= c["quorum"]:
+                self.confirmed.add(j)
+        for i in range(self.n):
+            self.knows[i] |= hits[i] & self.confirmed
+        self.link_up()
+        self.spread()
+        self.spend(before, senses)
+        self.informed = set.intersection(*self.knows)
+
+    def spread(self):
+        for _ in range(self.n):
+            old = [set(known) for known in self.knows]
+            for i in range(self.n):
+                for k in self.links[i]:
+                    self.knows[i] |= old[k]
+            if old == self.knows:
+                return
+
+    def spend(self, before, senses):
+        c, billed = self.c, 0
+        for i in range(self.n):
+            asked = 0
+            if not self.grounded[i]:
+                asked = self.move if self.cells[i] != before[i] else self.hover
+                if senses[i]:
+                    asked += half_up(self.sense / c["pilot_density_max"] * self.density[i])
+                if self.links[i]:
+                    asked += half_up(self.comm * (1 - self.density[i]))
+            self.battery[i] -= min(asked, self.battery[i])
+            if self.cells[i] in self.depots:
+                accepted = min(self.charge, self.capacity - self.battery[i])
+                self.battery[i] += accepted
+                billed += accepted if c["charge_billing"] == "accepted" else self.charge
+        grid = (2 * billed * self.grid_share_ppb + 10**9) // (2 * 10**9)
+        self.co2 += (2 * grid * self.coming + 3_600_000) // (2 * 3_600_000)
+        self.billed, self.coming = self.coming, self.intensity(self.t)
+
+
+def same(what, ours, theirs):
+    if ours != theirs:
+        raise SystemExit(f"{what}: rebuilt {ours}, recorded {theirs}")
+
+
+def near(what, ours, theirs):
+    if abs(ours - theirs) > 1e-9 * max(1.0, abs(theirs)):
+        raise SystemExit(f"{what}: rebuilt {ours}, recorded {theirs}")
+
+
+def rebuild(path):
+    """Fly one trace again and compare every line."""
+    with open(path, encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    header, steps = lines[0], lines[1:-1]
+    mission = Mission(header)
+    cells = lambda values: [list(cell) for cell in values]
+    flags = lambda values: [i for i, value in enumerate(values) if value]
+    same(f"{path} hotspots", cells(mission.hotspots), header["hotspots"])
+    same(f"{path} depots", cells(mission.depots), header["depots"])
+    same(f"{path} starts", cells(mission.cells), header["initial"]["positions"])
+    same(f"{path} charges", mission.battery, header["initial"]["battery_uj"])
+    same(f"{path} intensity", mission.coming, header["initial"]["carbon_intensity_mg_per_kwh"])
+    for step in steps:
+        mission.step(step["actions"])
+        at = f"{path} t = {mission.t}:"
+        links = [[i, k] for i in range(mission.n) for k in sorted(mission.links[i]) if i < k]
+        same(f"{at} t", mission.t, step["t"])
+        same(f"{at} positions", cells(mission.cells), step["positions"])
+        same(f"{at} battery_uj", mission.battery, step["battery_uj"])
+        same(f"{at} grounded", flags(mission.grounded), step["grounded"])
+        same(f"{at} returning", flags(mission.returning), step["returning"])
+        same(f"{at} links", links, step["links"])
+        same(f"{at} knowledge", [sorted(known) for known in mission.knows], step["knowledge"])
+        same(f"{at} confirmed", sorted(mission.confirmed), step["confirmed"])
+        same(f"{at} informed", sorted(mission.informed), step["informed"])
+        same(f"{at} intensity", mission.billed, step["carbon_intensity_mg_per_kwh"])
+        same(f"{at} co2_ng", mission.co2, step["co2_ng"])
+        near(f"{at} throughput", mission.mean_throughput, step["throughput"])
+        for i, density in enumerate(step["pilot_density"]):
+            near(f"{at} pilot density", mission.density[i], density)
+    same(f"{path} steps", mission.t, lines[-1]["steps"])
+
+
+if __name__ == "__main__":
+    for trace in sys.argv[1:]:
+        rebuild(trace)
+        print(f"{trace}: rebuilt")
