@@ -292,12 +292,11 @@ impl Settings {
         if let Some(Curriculum {
             batches, stages, ..
         }) = self.curriculum
+            && !(1..=batches).contains(&stages)
         {
-            if !(1..=batches).contains(&stages) {
-                return Err(format!(
-                    "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches ({batches})"
-                ));
-            }
+            return Err(format!(
+                "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches ({batches})"
+            ));
         }
         for (field, value) in [
             ("learning_rate", self.learning_rate),
