@@ -346,3 +346,59 @@ def test_an_agent_specific_critic_tells_uavs_apart():
     assert np.ptp(values["state"]) == 0 < np.ptp(values["agent"])
     with pytest.raises(jcas.ArgumentError, match="critic"):
         ppo_config(jcas.Config(FIELDS), Hyperparameters(critic="own"))
+
+
+def test_credit_gives_each_uav_its_own_reward():
+    sim = jcas.Sim(jcas.Model(**FIELDS), 5)
+    own, team = (jcas.parallel_env(credit=credit, **FIELDS) for credit in ("uav", "team"))
+    turns, fleet = jcas.env(credit="uav", **FIELDS), jcas.FleetEnv(credit="uav", **FIELDS)
+    envs = jcas.make_vec(num_envs=2, credit="uav", **FIELDS)
+    for env in (own, team, turns, fleet, envs):
+        env.reset(seed=5)
+    different = False
+    for step in range(12):
+        outcome = sim.step(actions(step))
+        rewards, components = sim.uav_rewards(), sim.uav_reward_components()
+        assert rewards.mean() == pytest.approx(outcome.reward, abs=1e-12)
+        np.testing.assert_allclose(components.sum(axis=1), rewards, atol=1e-12)
+        each = dict(zip(own.possible_agents, actions(step), strict=True))
+        assert list(own.step(each)[1].values()) == rewards.tolist()
+        assert set(team.step(each)[1].values()) == {outcome.reward}
+        Turns.step(turns, actions(step))
+        assert [turns.rewards[agent] for agent in turns.possible_agents] == rewards.tolist()
+        assert fleet.step(actions(step))[4]["uav_rewards"].tolist() == rewards.tolist()
+        infos = envs.step(np.stack([actions(step)] * 2))[4]
+        np.testing.assert_allclose(infos["uav_rewards"][0], rewards, rtol=1e-6)
+        different |= np.ptp(rewards) > 1e-6
+    assert different
+    assert (envs.step(np.zeros((2, 3, 2)))[4]["uav_rewards"] == 0).all()
+    for make in (jcas.parallel_env, jcas.env, jcas.FleetEnv, jcas.make_vec):
+        with pytest.raises(jcas.ConfigError, match="credit"):
+            make(credit="mine")
+
+
+def test_credit_in_stable_baselines():
+    pytest.importorskip("stable_baselines3")
+    from jcas.sb3 import FleetVecEnv
+
+    envs, sims = (
+        FleetVecEnv(missions=2, credit="uav", **FIELDS),
+        [jcas.Sim(jcas.Model(**FIELDS), seed) for seed in (7, 8)],
+    )
+    envs.seed(7)
+    envs.reset()
+    rewards = envs.step(np.concatenate([actions(1), actions(2)]))[1]
+    for member, sim in enumerate(sims):
+        sim.step(actions(1 + member))
+        np.testing.assert_allclose(rewards[3 * member : 3 * member + 3], sim.uav_rewards(), rtol=1e-6)
+
+
+def test_credit_in_rllib():
+    pytest.importorskip("ray.rllib")
+    from jcas.rllib import JcasMultiAgentEnv
+
+    env, other = JcasMultiAgentEnv({**FIELDS, "credit": "uav"}), jcas.parallel_env(credit="uav", **FIELDS)
+    env.reset(seed=5)
+    other.reset(seed=5)
+    each = dict(zip(other.possible_agents, actions(1), strict=True))
+    assert env.step(each)[1] == other.step(each)[1]

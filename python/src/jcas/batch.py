@@ -29,6 +29,7 @@ class BatchBuffers:
     Attributes:
         observations: [M, N, observation length].
         rewards: the team's, [M].
+        uav_rewards: each UAV's own, [M, N], or None.
         terminated: where the step ended the episode with success, [M].
         truncated: where the horizon ended it, [M].
         reward_components: [M, 12], in the order of `REWARD_NAMES`.
@@ -39,7 +40,7 @@ class BatchBuffers:
 
     """
 
-    def __init__(self, model: Model, num_envs: int, global_state: bool = False) -> None:
+    def __init__(self, model: Model, num_envs: int, global_state: bool = False, uav_rewards: bool = False) -> None:
         check_model(model)
         missions = whole("num_envs", num_envs, 1, ENVS_MAX)
         rows = (missions, model.uav_count, model.observation_len)
@@ -53,6 +54,8 @@ class BatchBuffers:
             "final_observations": np.zeros(rows, np.float32),
             "final_metrics": np.zeros(missions, METRICS),
         }
+        if uav_rewards:
+            self._arrays["uav_rewards"] = np.zeros(rows[:2], np.float32)
         if global_state:
             for name in ("global_state", "final_global_state"):
                 self._arrays[name] = np.zeros((missions, model.global_len), np.float32)
@@ -60,6 +63,7 @@ class BatchBuffers:
 
     observations = property(lambda self: self._arrays["observations"])
     rewards = property(lambda self: self._arrays["rewards"])
+    uav_rewards = property(lambda self: self._arrays.get("uav_rewards"))
     terminated = property(lambda self: self._arrays["terminated"])
     truncated = property(lambda self: self._arrays["truncated"])
     reward_components = property(lambda self: self._arrays["reward_components"])
@@ -109,6 +113,7 @@ class BatchBuffers:
 _FIELDS = {
     "observations": ("observations", "observation_count"),
     "rewards": ("rewards", "reward_count"),
+    "uav_rewards": ("uav_rewards", "uav_reward_count"),
     "terminated": ("terminated", "terminated_count"),
     "truncated": ("truncated", "truncated_count"),
     "reward_components": ("components", "component_count"),
@@ -119,7 +124,7 @@ _FIELDS = {
 }
 """Arrays, and where their address and length stand in the record."""
 
-_RENEWED = ("observations", "rewards", "terminated", "truncated", "reward_components", "global_state")
+_RENEWED = ("observations", "rewards", "uav_rewards", "terminated", "truncated", "reward_components", "global_state")
 
 
 class Batch:

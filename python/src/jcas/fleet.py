@@ -17,7 +17,7 @@ from .mission import RENDER_FPS, RENDER_MODES, Mission
 from .model import Model
 from .signature import shows_fields
 from .sim import Sim
-from .spaces import ActionSpaceKind, check_kind, encode_fleet_action, fleet_action_space
+from .spaces import ActionSpaceKind, Credit, check_credit, check_kind, encode_fleet_action, fleet_action_space
 
 Observation = npt.NDArray[np.float32]
 
@@ -28,6 +28,7 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
+        credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward, whose mean is the team's.
         render_mode: `rgb_array`, `human`, or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
 
@@ -41,11 +42,13 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
         config: ConfigLike = None,
         *,
         action_space: ActionSpaceKind = "box",
+        credit: Credit = "team",
         render_mode: str | None = None,
         **fields: Unpack[Fields],
     ) -> None:
         self._mission = Mission(config, dict(fields), render_mode)
         self._kind = check_kind(action_space)
+        self._credit = check_credit(credit)
         self.render_mode = render_mode
         uavs = self.model.uav_count
         self._shape = (uavs, 2)
@@ -80,6 +83,8 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
         """Step the fleet. `info` holds the reward's components and, at the end, the episode's metrics."""
         outcome = self._mission.step(encode_fleet_action(self._kind, action, self._shape))
         info = self._mission.step_info(outcome)
+        if self._credit == "uav":
+            info["uav_rewards"] = self._mission.sim.uav_rewards()
         return self._mission.sim.observe(), outcome.reward, outcome.terminated, outcome.truncated, info
 
     def state(self) -> Observation:

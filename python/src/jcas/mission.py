@@ -16,6 +16,7 @@ from .model import Model
 from .render import draw
 from .scene import Scene
 from .sim import Sim, StepOutcome
+from .spaces import Credit
 from .viewer import Viewer
 
 RENDER_MODES = ("rgb_array", "human")
@@ -62,6 +63,12 @@ class Mission:
         outcome = self.sim.step(actions)
         self._show()
         return outcome
+
+    def rewards(self, credit: Credit, outcome: StepOutcome, agents: list[str]) -> dict[str, float]:
+        """Give each agent the team's reward, or its own."""
+        if credit == "team":
+            return dict.fromkeys(agents, outcome.reward)
+        return dict(zip(agents, self.sim.uav_rewards().tolist(), strict=True))
 
     def step_info(self, outcome: StepOutcome) -> dict[str, Any]:
         """Reward components of the step, and the episode's metrics at its end."""

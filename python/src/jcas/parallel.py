@@ -21,7 +21,7 @@ from .mission import RENDER_FPS, RENDER_MODES, Mission
 from .model import Model
 from .signature import shows_fields
 from .sim import Sim
-from .spaces import ActionSpaceKind, check_kind, encode_uav_actions, uav_action_space
+from .spaces import ActionSpaceKind, Credit, check_credit, check_kind, encode_uav_actions, uav_action_space
 
 Observation = npt.NDArray[np.float32]
 
@@ -42,6 +42,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         config: ConfigLike = None,
         *,
         action_space: ActionSpaceKind = "box",
+        credit: Credit = "team",
         render_mode: str | None = None,
         max_cycles: int | None = None,
         **fields: Unpack[Fields],
@@ -52,6 +53,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
             fields["horizon_steps"] = max_cycles
         self._mission = Mission(config, dict(fields), render_mode)
         self._kind = check_kind(action_space)
+        self._credit = check_credit(credit)
         self.render_mode = render_mode
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents: list[str] = []
@@ -101,8 +103,9 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """Step every UAV at once.
 
-        The reward is the team's, the same for each agent. `infos` hold its components and, at the end of
-        the episode, its metrics. After the end, a step without actions changes nothing and returns nothing.
+        The reward is the team's, the same for each agent, or with `credit="uav"` the agent's own. `infos` hold the
+        components of the team's and, at the end of the episode, its metrics. After the end, a step without actions
+        changes nothing and returns nothing.
         """
         self._mission.need_reset("step")
         if not actions and not self.agents:
@@ -116,7 +119,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
             self.agents = []
         return (
             observations,
-            dict.fromkeys(agents, outcome.reward),
+            self._mission.rewards(self._credit, outcome, agents),
             dict.fromkeys(agents, outcome.terminated),
             dict.fromkeys(agents, outcome.truncated),
             infos,
@@ -216,6 +219,7 @@ def parallel_env(
     config: ConfigLike = None,
     *,
     action_space: ActionSpaceKind = "box",
+    credit: Credit = "team",
     render_mode: str | None = None,
     max_cycles: int | None = None,
     **fields: Unpack[Fields],
@@ -225,12 +229,16 @@ def parallel_env(
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
+        credit: whose reward an agent receives: the `team`'s, as in the paper, or with `uav` its own, whose mean over
+            the fleet is the team's.
         render_mode: `rgb_array`, `human`, or None.
         max_cycles: another name of `horizon_steps`, PettingZoo's own.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
 
     """
-    return JcasParallelEnv(config, action_space=action_space, render_mode=render_mode, max_cycles=max_cycles, **fields)
+    return JcasParallelEnv(
+        config, action_space=action_space, credit=credit, render_mode=render_mode, max_cycles=max_cycles, **fields
+    )
 
 
 @shows_fields
@@ -238,11 +246,14 @@ def env(
     config: ConfigLike = None,
     *,
     action_space: ActionSpaceKind = "box",
+    credit: Credit = "team",
     render_mode: str | None = None,
     max_cycles: int | None = None,
     **fields: Unpack[Fields],
 ) -> JcasEnv:
     """Make the same environment in PettingZoo's turn-based form; options as :func:`parallel_env`."""
     return JcasEnv(
-        parallel_env(config, action_space=action_space, render_mode=render_mode, max_cycles=max_cycles, **fields)
+        parallel_env(
+            config, action_space=action_space, credit=credit, render_mode=render_mode, max_cycles=max_cycles, **fields
+        )
     )

@@ -20,7 +20,7 @@ from .arguments import floats
 from .config import ConfigLike
 from .errors import ArgumentError, MissingDependencyError
 from .signature import shows_fields
-from .spaces import uav_action_space
+from .spaces import Credit, uav_action_space
 from .vector import make_vec
 
 try:
@@ -35,6 +35,7 @@ class FleetVecEnv(VecEnv):
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         missions: M.
+        credit: whose reward a member receives: its `team`'s, or with `uav` its own.
         threads: how many missions step at once, 1 to 256; None for every core.
         render_mode: `rgb_array` or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
@@ -47,6 +48,7 @@ class FleetVecEnv(VecEnv):
         config: ConfigLike = None,
         missions: int = 16,
         *,
+        credit: Credit = "team",
         threads: int | None = 1,
         render_mode: str | None = None,
         **fields: Unpack[Fields],
@@ -56,7 +58,9 @@ class FleetVecEnv(VecEnv):
             name = sorted(refused)[0]
             raise ArgumentError(f"{name}: not to be chosen, because Stable-Baselines3 takes one way only")
         mode = AutoresetMode.SAME_STEP
-        self.envs = make_vec(config, missions, threads=threads, render_mode=render_mode, autoreset_mode=mode, **fields)
+        self.envs = make_vec(
+            config, missions, credit=credit, threads=threads, render_mode=render_mode, autoreset_mode=mode, **fields
+        )
         self.uavs = self.envs.model.uav_count
         self.render_mode = render_mode
         self._actions: npt.NDArray[np.float32] | None = None
@@ -89,7 +93,8 @@ class FleetVecEnv(VecEnv):
                     "episode": dict(episode),
                     "is_success": bool(terminated[mission]),
                 }
-        return self._rows(observations), np.repeat(rewards, self.uavs), np.repeat(ended, self.uavs), members
+        paid = infos["uav_rewards"].reshape(-1) if "uav_rewards" in infos else np.repeat(rewards, self.uavs)
+        return self._rows(observations), paid, np.repeat(ended, self.uavs), members
 
     def close(self) -> None:
         """Release the missions."""

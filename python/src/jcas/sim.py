@@ -206,6 +206,18 @@ class Sim:
         self._check(lib.jcas_sim_get_rewards(self.handle, values.ctypes.data, values.size))
         return dict(zip(REWARD_NAMES, values.tolist(), strict=True))
 
+    def uav_rewards(self) -> npt.NDArray[np.float64]:
+        """Give the reward of each UAV in the last step, [N]; their mean is the team's."""
+        rewards = np.empty(self.model.uav_count)
+        self._check(lib.jcas_sim_uav_rewards(self.handle, rewards.ctypes.data, rewards.size))
+        return rewards
+
+    def uav_reward_components(self) -> npt.NDArray[np.float64]:
+        """Give the components of each UAV's reward, [N, 12], in the order of `REWARD_NAMES`; rows sum to rewards."""
+        components = np.empty((self.model.uav_count, len(REWARD_NAMES)))
+        self._check(lib.jcas_sim_uav_reward_components(self.handle, components.ctypes.data, components.size))
+        return components
+
     def metrics(self) -> dict[str, Any]:
         """What the episode came to, so far."""
         metrics = _abi.jcas_metrics(struct_size=ctypes.sizeof(_abi.jcas_metrics))

@@ -18,6 +18,9 @@ from .errors import ActionError, ConfigError
 
 ActionSpaceKind = Literal["box", "dict", "tuple"]
 
+Credit = Literal["team", "uav"]
+"""Whose reward an agent receives: the team's, as in the paper, or its own, whose mean over the fleet is the team's."""
+
 MOTIONS = ("up", "down", "left", "right", "stay")
 """Motions by index: +y, -y, -x, +x, none."""
 
@@ -34,6 +37,13 @@ def check_kind(kind: str) -> ActionSpaceKind:
     if kind not in get_args(ActionSpaceKind):
         raise ConfigError(f"action_space = {shown(kind)}: must be one of {', '.join(get_args(ActionSpaceKind))}")
     return kind  # type: ignore[return-value]
+
+
+def check_credit(credit: str) -> Credit:
+    """Refuse a credit that does not exist."""
+    if credit not in get_args(Credit):
+        raise ConfigError(f"credit = {shown(credit)}: must be one of {', '.join(get_args(Credit))}")
+    return credit  # type: ignore[return-value]
 
 
 def uav_action_space(kind: ActionSpaceKind) -> spaces.Space[Any]:

@@ -21,7 +21,7 @@ from .errors import ActionError, ArgumentError, ConfigError, ResetNeededError
 from .model import Model, derive_seed
 from .signature import shows_fields
 from .sim import Sim
-from .spaces import ActionSpaceKind, check_kind, encode_fleet_action, fleet_action_space
+from .spaces import ActionSpaceKind, Credit, check_credit, check_kind, encode_fleet_action, fleet_action_space
 
 Array = npt.NDArray[Any]
 
@@ -44,6 +44,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         num_envs: int = 1,
         *,
         action_space: ActionSpaceKind = "box",
+        credit: Credit = "team",
         threads: int | None = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         global_state: bool = False,
@@ -69,7 +70,8 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._action_shape = (self.num_envs, uavs, 2)
         self._copy = copy
-        self._buffers = [BatchBuffers(self.model, self.num_envs, global_state) for _ in range(1 if copy else 2)]
+        own = check_credit(credit) == "uav"
+        self._buffers = [BatchBuffers(self.model, self.num_envs, global_state, own) for _ in range(1 if copy else 2)]
         self._turn = 0
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._begun: list[Sim] = []
@@ -172,14 +174,19 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
             sim.observe(buffers.observations[member])
             if buffers.global_state is not None:
                 sim.observe_global(buffers.global_state[member])
-        for array in (buffers.rewards, buffers.terminated, buffers.truncated, buffers.reward_components):
-            array[waiting] = 0
+        paid = (buffers.rewards, buffers.uav_rewards, buffers.reward_components)
+        for array in (*paid, buffers.terminated, buffers.truncated):
+            if array is not None:
+                array[waiting] = 0
 
     def _infos(self, buffers: BatchBuffers) -> dict[str, Any]:
         infos: dict[str, Any] = {
             "reward_components": buffers.reward_components,
             "_reward_components": self._everywhere(),
         }
+        if buffers.uav_rewards is not None:
+            infos["uav_rewards"] = buffers.uav_rewards
+            infos["_uav_rewards"] = self._everywhere()
         if buffers.global_state is not None:
             infos["global_state"] = buffers.global_state
             infos["_global_state"] = self._everywhere()
@@ -248,6 +255,7 @@ def make_vec(
     num_envs: int = 1,
     *,
     action_space: ActionSpaceKind = "box",
+    credit: Credit = "team",
     threads: int | None = 1,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     global_state: bool = False,
@@ -261,6 +269,7 @@ def make_vec(
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         num_envs: how many missions fly side by side.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
+        credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N], whose mean is the team's.
         threads: how many step at once, 1 to 256; None for every core. Results do not depend on it.
         autoreset_mode: `NextStep` (Gymnasium's default), `SameStep` (the fastest where episodes are short) or
             `Disabled`.
@@ -274,6 +283,7 @@ def make_vec(
         config,
         num_envs,
         action_space=action_space,
+        credit=credit,
         threads=threads,
         autoreset_mode=autoreset_mode,
         global_state=global_state,

@@ -54,6 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     train.add_argument("--learning-rate", type=float, default=PAPER.learning_rate, help="(%(default)s)")
     train.add_argument("--hidden", default="512,256,128", help="widths of the hidden layers (%(default)s)")
     train.add_argument(
+        "--credit", choices=("team", "uav"), default="team", help="whose reward a UAV learns from (%(default)s)"
+    )
+    train.add_argument(
         "--critic",
         choices=("state", "agent"),
         default="state",
@@ -115,6 +118,7 @@ def _train(options: argparse.Namespace) -> int:
         minibatch_samples=min(options.minibatch or options.batch, options.batch),
         epochs=options.epochs,
         learning_rate=options.learning_rate,
+        credit=options.credit,
         critic=options.critic,
         hidden=tuple(int(width) for width in options.hidden.split(",")),
     )

@@ -11,6 +11,7 @@ from ray.rllib.core.rl_module.multi_rl_module import MultiRLModuleSpec
 from ray.rllib.core.rl_module.rl_module import RLModuleSpec
 
 from ..config import Config
+from ..spaces import check_credit
 from .env import SHARED_POLICY, JcasMultiAgentEnv
 from .module import PAPER_HIDDEN, CentralCriticModule, check_critic
 
@@ -31,6 +32,8 @@ class Hyperparameters:
     value_weight: float = 0.5
     gradient_norm_max: float = 0.5
     hidden: tuple[int, ...] = PAPER_HIDDEN
+    credit: str = "team"
+    """Whose reward a UAV learns from: the `team`'s, or with `uav` its own."""
     critic: str = "state"
     """What the critic sees: the global `state`, or as well what the `agent` observes."""
 
@@ -55,7 +58,7 @@ def ppo_config(
     """
     settings = {"hidden": list(hyperparameters.hidden), "critic": check_critic(hyperparameters.critic)}
     module = RLModuleSpec(module_class=CentralCriticModule, model_config=settings)
-    fields: dict[str, Any] = dict(config)
+    fields: dict[str, Any] = {**config, "credit": check_credit(hyperparameters.credit)}
     return (
         PPOConfig()
         .environment(JcasMultiAgentEnv, env_config=fields)

@@ -12,7 +12,7 @@ from ray.rllib.env.multi_agent_env import MultiAgentEnv
 from ..mission import Mission
 from ..model import Model
 from ..sim import Sim
-from ..spaces import encode_uav_actions, uav_action_space
+from ..spaces import check_credit, encode_uav_actions, uav_action_space
 
 SHARED_POLICY = "shared"
 
@@ -21,13 +21,16 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
-        config: RLlib's environment configuration; its fields are those of :class:`jcas.Config`.
+        config: RLlib's environment configuration; its fields are those of :class:`jcas.Config`, and `credit`: `team`
+            (the default) or `uav`, as in :func:`jcas.parallel_env`.
 
     """
 
     def __init__(self, config: dict[str, Any] | None = None) -> None:
         super().__init__()
-        self._mission = Mission(dict(config or {}), {}, None)
+        fields = dict(config or {})
+        self._credit = check_credit(fields.pop("credit", "team"))
+        self._mission = Mission(fields, {}, None)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
         observation = spaces.Dict({"observation": self.model.observation_space(), "state": self.model.global_space()})
@@ -59,7 +62,7 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     def step(
         self, action_dict: dict[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
-        """Step every UAV; each receives the team's reward. At the end its metrics stand in every info."""
+        """Step every UAV; each receives the team's reward, or its own. At the end its metrics stand in every info."""
         self._mission.need_reset("step")
         encode_uav_actions("box", self.possible_agents, action_dict, self._actions)
         outcome = self._mission.step(self._actions)
@@ -67,7 +70,7 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         truncated = dict.fromkeys(self.possible_agents, outcome.truncated)
         terminated["__all__"] = outcome.terminated
         truncated["__all__"] = outcome.truncated
-        rewards = dict.fromkeys(self.possible_agents, outcome.reward)
+        rewards = self._mission.rewards(self._credit, outcome, self.possible_agents)
         infos: dict[str, Any] = {}
         if outcome.terminated or outcome.truncated:
             metrics = self.sim.metrics()

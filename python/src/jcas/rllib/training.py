@@ -83,7 +83,7 @@ class Run:
         began, before = time.monotonic(), float(self.last["seconds"])
         if self._resumes:
             found = self._found()
-            algorithm.restore_from_path(str((found or self.folder) / "state"))
+            algorithm.restore_from_path(str(((found or self.folder) / "state").resolve()))
         with self._progress() as write, _interruptions() as interrupted:
             while self.last["env_steps"] < steps and not interrupted():
                 self.last = iteration_row(algorithm.train(), before + time.monotonic() - began)
