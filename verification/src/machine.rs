@@ -20,8 +20,8 @@ const CALLS: [Call; 24] = [
     Call::Step,
     Call::Step,
     Call::Step,
-    Call::Step,
-    Call::Step,
+    Call::Fly,
+    Call::Fly,
     Call::NextPart,
     Call::NextPart,
     Call::NextPart,
@@ -59,6 +59,8 @@ enum Call {
     SetPositions,
     SetHotspots,
     SetBatteries,
+    /// Whole steps, and a reset where an episode is over.
+    Fly,
     CommunicateOver,
 }
 
@@ -100,18 +102,23 @@ struct Machine<'m> {
     spec: Specification,
     words: Vec<u64>,
     scratch: Vec<u64>,
+    /// Whether the specification flies along.
+    compares: bool,
+    /// A world to choose actions in where the specification does not know the present one.
+    start: World,
     shadow: Shadow,
     saved: Option<(Vec<u8>, Shadow)>,
     tally: Tally,
 }
 
-/// Plays the calls that `calls` stand for on the model that `seed` stands for.
+/// Plays the calls that `calls` stand for on the model that `seed` stands for; with `compares`, every whole
+/// step against the specification, which takes many times as long.
 ///
 /// # Errors
 /// The first call that did not do what it must.
-pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
+pub fn play(seed: u64, calls: &[u64], compares: bool) -> Result<Tally, String> {
     let mut dice = Dice::new(seed);
-    let config = if dice.one_in(50) {
+    let config = if dice.one_in(500) {
         sampling::large_configuration(&mut dice)
     } else {
         sampling::configuration(&mut dice)
@@ -128,10 +135,12 @@ pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
         saved: None,
         tally: Tally::default(),
         model: &model,
+        compares,
+        start: spec.reset(0),
         spec,
     };
     machine.reset(dice.bits());
-    machine.compare()?;
+    machine.check()?;
     for (index, &word) in calls.iter().enumerate() {
         let call = CALLS[(word % CALLS.len() as u64) as usize];
         machine
@@ -178,6 +187,7 @@ impl Machine<'_> {
             Call::SetHotspots => self.set_hotspots(dice),
             Call::SetBatteries => self.set_batteries(dice),
             Call::CommunicateOver => self.communicate_over(dice),
+            Call::Fly => self.fly(dice),
         };
         match done {
             Ok(()) => self.tally.accepted[call as usize] += 1,
@@ -189,20 +199,16 @@ impl Machine<'_> {
             }
             Err(Refusal::Wrong(why)) => return Err(why),
         }
+        self.check()
+    }
+
+    /// The state is valid, and the specification's where that has come as far.
+    fn check(&self) -> Result<(), String> {
         let state = self
             .model
             .state(&self.words)
             .map_err(|error| error.to_string())?;
         comparison::equal("is_valid", true, state.is_valid(self.model))?;
-        self.compare()
-    }
-
-    /// Compares with the specification, where it has come as far.
-    fn compare(&self) -> Result<(), String> {
-        let state = self
-            .model
-            .state(&self.words)
-            .map_err(|error| error.to_string())?;
         match (&self.shadow.world, self.phase()) {
             (None, _) | (_, Phase::Moved | Phase::Sensed | Phase::Communicated) => Ok(()),
             (Some(world), _) => comparison::states(&self.spec, world, &state),
@@ -228,20 +234,29 @@ impl Machine<'_> {
         self.model
             .reset(&mut self.words, &mut scratch, seed)
             .expect("memory of the right size");
-        self.shadow.world = Some(self.spec.reset(seed));
+        self.shadow.world = self.compares.then(|| self.spec.reset(seed));
+    }
+
+    /// Flies on, whatever the phase.
+    fn fly(&mut self, dice: &mut Dice) -> Done {
+        for _ in 0..dice.integer(1, 60) {
+            if self.phase().is_over() {
+                self.reset(dice.bits());
+            }
+            if self.phase() == Phase::Ready {
+                self.step(dice)?;
+            } else {
+                self.part(self.phase(), dice)?;
+            }
+            self.check().map_err(Refusal::Wrong)?;
+        }
+        Ok(())
     }
 
     /// Actions for the coming step, and the same as the kernel takes them.
     fn choose(&mut self, dice: &mut Dice) -> Vec<f32> {
         let pilot = sampling::pilot(dice);
-        let fallback;
-        let world = match &self.shadow.world {
-            Some(world) => world,
-            None => {
-                fallback = self.spec.reset(0);
-                &fallback
-            }
-        };
+        let world = self.shadow.world.as_ref().unwrap_or(&self.start);
         self.shadow.actions = sampling::actions(dice, pilot, &self.spec, world);
         let pairs = self.shadow.actions.iter();
         pairs.flat_map(|&(dir, density)| [dir, density]).collect()

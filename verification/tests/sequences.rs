@@ -19,8 +19,8 @@ fn random_sequences_keep_every_promise() {
         failure_persistence: None,
         ..ProptestConfig::default()
     };
-    proptest!(config, |(seed: u64, calls in prop::collection::vec(any::<u64>(), 0..150))| {
-        match play(seed, &calls) {
+    proptest!(config, |(seed: u64, calls in prop::collection::vec(any::<u64>(), 0..100))| {
+        match play(seed, &calls, true) {
             Ok(one) => tally.borrow_mut().add(&one),
             Err(why) => prop_assert!(false, "{}", why),
         }

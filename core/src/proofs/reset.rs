@@ -12,7 +12,7 @@ use crate::state::StateMut;
 
 /// The base: whatever the memory held and whatever the seed.
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(82))]
+#[cfg_attr(kani, kani::unwind(100))]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 #[cfg_attr(
     kani,
