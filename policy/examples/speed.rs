@@ -1,4 +1,5 @@
-//! How long the shipped policy's network takes, N = 15 and n = 7, on one core.
+//! How long the shipped policy's network takes, on one core: N = 15 and n = 7, then N = 5 and n = 3, the sizes
+//! that its ONNX graph is written for.
 //!
 //!     cargo run --release -p jcas-policy --example speed
 //!
@@ -17,9 +18,15 @@ const REPEATS: usize = 20;
 const OBSERVATIONS: usize = 4_000;
 
 fn main() {
+    measure(15, 7);
+    measure(5, 3);
+}
+
+fn measure(uav_count: u32, hotspot_count: u32) {
+    println!("N = {uav_count}, n = {hotspot_count}");
     let model = Model::new(Config {
-        uav_count: 15,
-        hotspot_count: 7,
+        uav_count,
+        hotspot_count,
         ..Config::default()
     })
     .expect("legal sizes");
