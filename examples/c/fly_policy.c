@@ -2,8 +2,7 @@
  *
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) && ./a.out policies/fleet/policy.safetensors
  *
- * In place of a file, the name of a baseline: random, greedy, swarm, teams, sweep, line,
- * frontier or relay.
+ * In place of a file, the name of a baseline: random, greedy, swarm, teams, sweep, line, frontier or relay.
  */
 #include <jcas.h>
 #include <inttypes.h>
