@@ -350,7 +350,7 @@ public:
     std::vector<double> uav_rewards() const
     {
         std::vector<double> rewards(info_.uav_count);
-        jcas_sim_uav_rewards(get(), rewards.data(), rewards.size());
+        detail::certain(jcas_sim_uav_rewards(get(), rewards.data(), rewards.size()));
         return rewards;
     }
     /// Without an allocation, into the caller's buffer of uav_count elements.
