@@ -20,7 +20,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 // Index loops over constants are what bounded model checking handles best.
-#![allow(clippy::needless_range_loop)]
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 // Comparisons are spelled out, so that a reader sees what a NaN does and every platform does the same.
 #![allow(clippy::manual_clamp, clippy::manual_range_contains)]
 

@@ -12,6 +12,10 @@ pub mod baselines;
 pub use baselines::*;
 pub mod head;
 pub mod network;
+#[cfg(feature = "baselines")]
+mod trained;
+#[cfg(feature = "baselines")]
+pub use trained::Trained;
 #[cfg(any(kani, test))]
 mod proofs;
 

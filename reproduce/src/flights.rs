@@ -10,8 +10,8 @@ use jcas_evaluate::mission::{Campaign, fly};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_evaluate::statistics::Summary;
 use jcas_train::error::TrainError;
+use jcas_train::policy::Actor;
 use jcas_train::policy::files::{CARD, Card, Precision, Stored, load};
-use jcas_train::policy::{Actor, LearnedPolicy};
 use jcas_train::run::{EVALUATION_SEED, Ending, Plan};
 use jcas_train::settings::Settings;
 use jcas_train::store::write_whole;
@@ -302,9 +302,7 @@ impl Flights<'_> {
             };
             let key = key_of("learned", seed);
             let mode = policy.card.mode;
-            self.campaign(&key, config, &|| {
-                Box::new(LearnedPolicy::new("held", &actor, mode))
-            })?;
+            self.campaign(&key, config, &|| Box::new(actor.fly("held", mode)))?;
             let key = key_of("teams", 0);
             let pilot = PilotMode::Held(density);
             self.campaign(&key, config, &|| {

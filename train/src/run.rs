@@ -8,7 +8,7 @@ use crate::error::TrainError;
 use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
 use crate::policy::files::{Card, Evaluation, Precision, save};
-use crate::policy::{Actor, LearnedPolicy, Mode, shape_of};
+use crate::policy::{Actor, Mode, shape_of};
 use crate::settings::Settings;
 use crate::speed::{self, Speed};
 use crate::store::write_whole;
@@ -275,7 +275,7 @@ pub fn evaluate(
     let missions = mission::fly(
         model,
         Campaign { episodes, seed },
-        &|| Box::new(LearnedPolicy::new("policy", actor, mode)),
+        &|| Box::new(actor.fly("policy", mode)),
         &|| ControlFlow::Continue(()),
     )
     .map_err(|error| TrainError::Setting(error.to_string()))?;

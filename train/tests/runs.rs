@@ -7,7 +7,7 @@ use jcas_train::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::network::values;
 use jcas_train::policy::files::{self, Precision};
-use jcas_train::policy::{Actor, LearnedPolicy, Mode, shape_of};
+use jcas_train::policy::{Actor, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
 use jcas_train::settings::{Curriculum, NetworkKind, Preset, Settings};
 use std::path::Path;
@@ -169,7 +169,10 @@ fn policies_read_back_as_written() {
     files::save(&plan.out, &trained, &stored.card, &shape, Precision::Half).unwrap();
     let half = files::load(&plan.out).unwrap();
     let outputs = |actor: Arc<Actor>| {
-        LearnedPolicy::new("p", &actor, Mode::Deterministic).outputs(&model, &observations(&model))
+        actor
+            .fly("p", Mode::Deterministic)
+            .outputs(&model, &observations(&model))
+            .unwrap()
     };
     for (a, b) in outputs(trained).iter().zip(outputs(half.actor)) {
         assert!((a - b).abs() < 0.02, "{a} {b}");
@@ -188,7 +191,10 @@ fn what_flies_is_what_was_trained() {
         let actor = files::load(&plan.out).unwrap().actor;
         let weights = actor.network.tensors(&actor.parameters, &Device::flex());
         let mut inputs = observations(&model);
-        let flown = LearnedPolicy::new("p", &actor, Mode::Deterministic).outputs(&model, &inputs);
+        let flown = actor
+            .fly("p", Mode::Deterministic)
+            .outputs(&model, &inputs)
+            .unwrap();
         actor.inputs.apply(&mut inputs);
         let learnt = values(actor.network.forward(&weights, inputs, &shape));
         assert_eq!(flown.len(), learnt.len());
@@ -292,8 +298,8 @@ fn onnxruntime_gives_the_same_actions() {
         let model = Model::new(config()).unwrap();
         let stored = files::load(&plan.out).unwrap();
         let observations = observations(&model);
-        let mut policy = LearnedPolicy::new("p", &stored.actor, Mode::Deterministic);
-        let outputs = policy.outputs(&model, &observations);
+        let mut policy = stored.actor.fly("p", Mode::Deterministic);
+        let outputs = policy.outputs(&model, &observations).unwrap();
         let actions: Vec<f32> = outputs
             .chunks_exact(head.output_len())
             .flat_map(|row| head.action(head.deterministic(row)))

@@ -1,7 +1,7 @@
 //! Policies on disk: a folder with weights (safetensors), a card (JSON) and the ONNX graph.
 
 use super::onnx;
-use super::{Actor, LearnedPolicy, Mode, shape_of};
+use super::{Actor, Mode, shape_of};
 use crate::environment::Shape;
 use crate::error::TrainError;
 use crate::head::Head;
@@ -10,6 +10,7 @@ use crate::ppo::normalise::Affine;
 use crate::settings::Settings;
 use crate::store::{Array, Arrays, encode, write_whole};
 use jcas_core::{Config, Model, TargetVisibility};
+use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::action_of;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -250,8 +251,9 @@ impl Stored {
     }
 
     /// Ready to fly; `mode` absent: as the card says.
-    pub fn policy(&self, mode: Option<Mode>) -> LearnedPolicy {
-        LearnedPolicy::new(&self.card.name, &self.actor, mode.unwrap_or(self.card.mode))
+    pub fn policy(&self, mode: Option<Mode>) -> Trained {
+        self.actor
+            .fly(&self.card.name, mode.unwrap_or(self.card.mode))
     }
 }
 

@@ -1,0 +1,112 @@
+//! A trained network as a policy: its weights and its working memory beside it.
+
+use std::sync::Arc;
+
+use jcas_core::{Model, StateRef};
+
+use crate::Policy;
+use crate::network::{Flight, FlyError, LoadError, Network};
+
+/// A trained fleet, flying one mission at a time, every UAV from its own observation. A clone shares the weights.
+#[derive(Clone)]
+pub struct Trained {
+    name: String,
+    network: Network,
+    weights: Arc<[f32]>,
+    flight: Option<Flight>,
+    observations: Vec<f32>,
+    scratch: Vec<f32>,
+}
+
+impl Trained {
+    /// Reads the bytes of a `policy.safetensors`; reports call it `name`.
+    ///
+    /// # Errors
+    /// [`LoadError`] where they are no policy.
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, LoadError> {
+        let mut weights = vec![0.0; Network::read(bytes)?.weights_len()];
+        let network = Network::load(bytes, &mut weights)?;
+        Ok(Self {
+            name: name.to_owned(),
+            network,
+            weights: weights.into(),
+            flight: None,
+            observations: Vec::new(),
+            scratch: Vec::new(),
+        })
+    }
+
+    /// Flown otherwise than its file says.
+    #[must_use]
+    pub fn with_flight(self, flight: Flight) -> Self {
+        Self {
+            flight: Some(flight),
+            ..self
+        }
+    }
+
+    /// Whether it reads what the UAVs of this model observe.
+    ///
+    /// # Errors
+    /// [`FlyError`] says what does not fit.
+    pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
+        self.network.check(model)
+    }
+
+    /// The network's outputs, one row for each observation of missions of this model.
+    ///
+    /// # Errors
+    /// [`FlyError`] where the mission does not fit.
+    pub fn outputs(
+        &mut self,
+        model: &Model<'_>,
+        observations: &[f32],
+    ) -> Result<Vec<f32>, FlyError> {
+        let rows = observations.len() / model.observation_len();
+        let mut outputs = vec![0.0; rows * self.network.head().outputs()];
+        self.scratch.resize(self.network.scratch_len(model), 0.0);
+        self.network.outputs(
+            &self.weights,
+            model,
+            observations,
+            &mut self.scratch,
+            &mut outputs,
+        )?;
+        Ok(outputs)
+    }
+}
+
+impl Policy for Trained {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn reads_observations(&self) -> bool {
+        true
+    }
+
+    fn see(&mut self, observations: &[f32]) {
+        self.observations.clear();
+        self.observations.extend_from_slice(observations);
+    }
+
+    /// # Panics
+    /// In a mission that [`Trained::check`] refuses.
+    fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        let flight = self
+            .flight
+            .unwrap_or_else(|| self.network.flight(model.config()));
+        self.scratch.resize(self.network.scratch_len(model), 0.0);
+        self.network
+            .act(
+                &self.weights,
+                flight,
+                model,
+                state,
+                &self.observations,
+                &mut self.scratch,
+                actions,
+            )
+            .expect("a mission that the network fits");
+    }
+}
