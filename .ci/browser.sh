@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A replay page, played by keys in headless Chromium and compared with its trace.
+# Replay pages and the playground in headless Chromium: what they show is what the kernel computes.
 set -euo pipefail
 
 out=$(mktemp -d)
@@ -9,3 +9,8 @@ for trace in tests/golden/*.jsonl; do
     cargo run --locked --quiet --release --package jcas -- replay "$trace" -o "$page"
     node tests/browser/replay.mjs "$trace" "$page"
 done
+
+kernel=$CARGO_TARGET_DIR/wasm32-unknown-unknown/release/jcas_web.wasm
+[[ -f $kernel ]] || .ci/wasm.sh
+cargo xtask web --wasm "$kernel" --out "$out/index.html"
+node tests/browser/playground.mjs "$out/index.html" "$CARGO_TARGET_DIR/release/jcas"

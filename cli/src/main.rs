@@ -8,6 +8,7 @@ mod interrupt;
 mod learned;
 mod options;
 mod progress;
+mod serve;
 mod sweep;
 
 use std::process::ExitCode;
@@ -31,6 +32,7 @@ Exit codes:
 Examples:
   jcas sweep                             fly the paper's grid; table, figures and replay in out/
   jcas simulate --uavs 15 --hotspots 7   one cell of it
+  jcas play                              fly missions in a browser and change them as they fly
   jcas replay -o page.html               watch an episode in a browser
   jcas config show                       every field with its unit and legal range";
 

@@ -1,11 +1,13 @@
 //! Development tasks of jcas: `cargo xtask <task>`.
 
+mod fmu;
 mod kani_output;
 mod ledger;
 mod mutants;
 mod process;
 mod prove;
 mod report;
+mod web;
 
 use std::process::ExitCode;
 
@@ -16,6 +18,9 @@ tasks:
   prove     run the Kani harnesses of verification/proofs.toml and write a table
   mutants   show that the test twin of each proof catches its deliberate fault
             (with --kani also that Kani does)
+  fmu       pack the kernel as a Functional Mock-up Unit, FMI 3.0 (--out FILE)
+  web       write the playground as one page, with the kernel inside
+            (--out FILE; --wasm FILE for a kernel that is built already)
 
 Names narrow a task to the proofs with those ids or harness names.";
 
@@ -24,6 +29,8 @@ fn main() -> ExitCode {
     let outcome = match arguments.split_first() {
         Some((task, names)) if task == "prove" => prove::run(names),
         Some((task, names)) if task == "mutants" => mutants::run(names),
+        Some((task, options)) if task == "fmu" => fmu::run(options),
+        Some((task, options)) if task == "web" => web::run(options),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

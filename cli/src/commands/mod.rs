@@ -3,6 +3,7 @@
 mod bench;
 mod config;
 mod evaluate;
+mod play;
 mod replay;
 mod reproduce;
 mod simulate;
@@ -25,6 +26,7 @@ pub enum Command {
     #[command(subcommand)]
     Trace(trace::Trace),
     Replay(replay::Replay),
+    Play(play::Play),
     #[command(subcommand)]
     Config(config::ConfigCommand),
     Bench(bench::Bench),
@@ -41,6 +43,7 @@ impl Command {
             Self::Reproduce(command) => command.run(),
             Self::Trace(command) => command.run(),
             Self::Replay(command) => command.run(),
+            Self::Play(command) => command.run(),
             Self::Config(command) => command.run(),
             Self::Bench(command) => command.run(),
         }

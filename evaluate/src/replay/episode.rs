@@ -3,7 +3,7 @@
 use jcas_core::Cell;
 use serde::Serialize;
 
-use crate::trace::{End, Header, Rewards, Step, Trace, TraceError};
+use crate::trace::{End, Header, Hex, Rewards, Step, Trace, TraceError};
 
 /// The episode as the page reads it.
 #[derive(Serialize)]
@@ -30,6 +30,7 @@ struct Frame<'a> {
     co2_ng: u64,
     throughput: f64,
     reward: &'a Rewards,
+    state_hash: Hex,
 }
 
 impl<'a> Episode<'a> {
@@ -89,6 +90,7 @@ impl<'a> Frame<'a> {
             co2_ng: step.co2_ng,
             throughput: step.throughput,
             reward: &step.reward,
+            state_hash: step.state_hash,
         }
     }
 }

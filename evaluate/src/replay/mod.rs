@@ -34,15 +34,67 @@ pub fn page(trace_text: &str) -> Result<String, TraceError> {
 /// When a list of the trace has the wrong length, or holds a cell or an index that does not exist.
 pub fn page_of(trace: &Trace) -> Result<String, TraceError> {
     let episode = Episode::of(trace)?;
-    Ok(fill(
+    Ok(assemble(&Parts {
+        title: &episode.title(),
+        data: &episode.to_json(),
+        ..Parts::default()
+    }))
+}
+
+/// What one page has and another has not.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    /// What the browser's tab shows.
+    pub title: &'a str,
+    /// Sources that the page may use beside its own style and pictures, as a Content-Security-Policy.
+    pub sources: &'a str,
+    /// Rules added to the style sheet.
+    pub style: &'a str,
+    /// Markup between the masthead and the map.
+    pub controls: &'a str,
+    /// The episode to show first, as [`data_of`] gives it, or `null`.
+    pub data: &'a str,
+    /// Code after the player's own.
+    pub script: &'a str,
+}
+
+impl Default for Parts<'_> {
+    fn default() -> Self {
+        Self {
+            title: "",
+            sources: "script-src 'unsafe-inline'",
+            style: "",
+            controls: "",
+            data: "null",
+            script: "",
+        }
+    }
+}
+
+/// The page of a player, with what is given.
+#[must_use]
+pub fn assemble(parts: &Parts<'_>) -> String {
+    let style = [STYLE.trim_end(), parts.style].join("\n");
+    let script = [SCRIPTS.join("\n").trim_end(), parts.script].join("\n");
+    fill(
         TEMPLATE,
         &[
-            ("{{title}}", &escape_html(&episode.title())),
-            ("{{style}}", STYLE.trim_end()),
-            ("{{data}}", &escape_script_data(&episode.to_json())),
-            ("{{script}}", SCRIPTS.join("\n").trim_end()),
+            ("{{sources}}", parts.sources),
+            ("{{title}}", &escape_html(parts.title)),
+            ("{{style}}", style.trim_end()),
+            ("{{controls}}", parts.controls),
+            ("{{data}}", &escape_script_data(parts.data)),
+            ("{{script}}", script.trim_end()),
         ],
-    ))
+    )
+}
+
+/// The page's own JSON of an episode.
+///
+/// # Errors
+/// As [`page_of`].
+pub fn data_of(trace: &Trace) -> Result<String, TraceError> {
+    Ok(Episode::of(trace)?.to_json())
 }
 
 /// Puts each value at its mark. The marks stand in this order in the template, and one pass over it

@@ -3,21 +3,13 @@
 const STEPS_PER_SECOND = 2.5;
 const $ = (id) => document.getElementById(id);
 
-const episode = readEpisode(JSON.parse($('episode').textContent));
+let episode = null;
+let parts = {};
 const player = { time: 0, playing: false, selection: {}, drawnStep: -1, drawnSelection: null, clock: 0 };
 const stillness = matchMedia('(prefers-reduced-motion: reduce)');
+/** What a page around the player adds: keys of its own, words in the address, something to do after each drawing. */
+const around = { onKey: () => false, address: () => '', drawn: () => {} };
 
-const stage = createStage($('stage'), episode, toggle);
-const updateTiles = createTiles($('tiles'), episode);
-const updateFleet = createFleetTable($('fleet'), episode, toggle);
-const updateInspector = createInspector($('inspector'), episode, seek);
-const updateEvents = createEventList($('events'), episode, goToEvent);
-const updateRewards = createRewards($('rewards'), episode);
-const charts = createCharts($('charts'), episode, seek);
-
-writeHeader();
-drawEventLane();
-$('scrub').max = episode.lastStep;
 $('scrub').addEventListener('input', () => seek(Number($('scrub').value)));
 $('first').onclick = () => seek(0);
 $('back').onclick = () => stepBy(-1);
@@ -28,8 +20,30 @@ $('help-open').onclick = () => $('help').showModal();
 // Else the closed dialog's button may keep the focus and swallow the space key.
 $('help').addEventListener('close', () => document.activeElement?.blur());
 addEventListener('keydown', onKey);
-addEventListener('hashchange', readAddress);
-readAddress();
+if (JSON.parse($('episode').textContent)) {
+  open(JSON.parse($('episode').textContent));
+  addEventListener('hashchange', readAddress);
+  readAddress();
+}
+
+/** Shows an episode in place of the one before. */
+function open(data) {
+  episode = readEpisode(data);
+  for (const id of ['stage', 'event-lane', 'tiles', 'charts', 'fleet', 'inspector', 'events', 'rewards']) $(id).replaceChildren();
+  parts = {
+    stage: createStage($('stage'), episode, toggle),
+    tiles: createTiles($('tiles'), episode),
+    fleet: createFleetTable($('fleet'), episode, toggle),
+    inspector: createInspector($('inspector'), episode, seek),
+    events: createEventList($('events'), episode, goToEvent),
+    rewards: createRewards($('rewards'), episode),
+    charts: createCharts($('charts'), episode, seek),
+  };
+  writeHeader();
+  drawEventLane();
+  $('scrub').max = episode.lastStep;
+  [player.drawnStep, player.drawnSelection] = [-1, null];
+}
 
 function writeHeader() {
   const { header, end, uavCount, hotspotCount, lastStep, frames, config } = episode;
@@ -37,7 +51,7 @@ function writeHeader() {
   $('headline').textContent = `${plural(uavCount, 'UAV')} search for ${plural(hotspotCount, 'hotspot')}`;
   $('byline').textContent = `policy ${header.policy}, pilot density ${header.pilot}, seed ${shortSeed(header.seed)}, quorum ${config.quorum}, ${config.grid_width} × ${config.grid_height} cells of ${config.cell_size_m} m`;
   $('result').textContent = end.terminated ? `Complete in ${plural(lastStep, 'step')}` : `${frames[lastStep].informed.size} of ${hotspotCount} informed after ${plural(lastStep, 'step')}`;
-  $('result').classList.add(end.terminated ? 'success' : 'failure');
+  $('result').className = `badge ${end.terminated ? 'success' : 'failure'}`;
   $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
   $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
   $('footer').textContent = `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. The page is one file and loads nothing. Press ? for the keys.`;
@@ -139,20 +153,21 @@ function draw() {
   const { selection } = player;
   const selectionKey = JSON.stringify(selection);
   const changed = t !== player.drawnStep || selectionKey !== player.drawnSelection;
-  stage.draw(stillness.matches ? t : player.time, selection, changed);
-  for (const chart of charts) chart.update(player.time, t, changed, selection.uav);
-  updateInspector(player.time, t, selection, changed);
+  parts.stage.draw(stillness.matches ? t : player.time, selection, changed);
+  for (const chart of parts.charts) chart.update(player.time, t, changed, selection.uav);
+  parts.inspector(player.time, t, selection, changed);
   if (!changed) return;
-  updateTiles(t);
-  updateFleet(t, selection);
-  updateEvents(t);
-  updateRewards(t);
+  parts.tiles(t);
+  parts.fleet(t, selection);
+  parts.events(t);
+  parts.rewards(t);
   $('scrub').value = t;
   $('scrub').setAttribute('aria-valuetext', `step ${t} of ${episode.lastStep}`);
   $('step-label').innerHTML = `Step ${t} <small>of ${episode.lastStep}, ${clockTime(t * episode.config.step_duration_s)}</small>`;
   $('caption').textContent = caption(t);
   [player.drawnStep, player.drawnSelection] = [t, selectionKey];
   if (!player.playing) writeAddress();
+  around.drawn(t);
 }
 
 function clockTime(seconds) {
@@ -184,7 +199,7 @@ function readAddress() {
 function writeAddress() {
   const picked = Object.entries(player.selection).map(([name, id]) => `&${name}=${id}`).join('');
   try {
-    history.replaceState(null, '', `#t=${Math.floor(player.time)}${picked}`);
+    history.replaceState(null, '', `#${around.address()}t=${Math.floor(player.time)}${picked}`);
   } catch {
     // Some viewers forbid changing the address; the page works without it.
   }
@@ -194,6 +209,7 @@ function onKey(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || $('help').open) return;
   const tag = event.target.tagName;
   if (tag === 'SELECT' || (event.key === ' ' && (tag === 'BUTTON' || tag === 'INPUT'))) return;
+  if (!episode || around.onKey(event)) return;
   const stride = event.shiftKey ? 10 : 1;
   const back = event.shiftKey ? -1 : 1;
   const actions = {

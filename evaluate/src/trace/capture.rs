@@ -21,16 +21,13 @@ pub fn record(
     seed: u64,
     out: impl Write,
 ) -> Result<End, TraceError> {
-    let mut episode = Episode::begin(model, seed)?;
+    let mut episode = Flight::begin(model, seed)?;
     policy.reset(model, seed);
     let header = episode.header(policy.name(), policy.pilot());
     let mut writer = Writer::new(out, &header)?;
     let mut actions = vec![0.0; 2 * model.uav_count()];
     while !episode.over() {
-        if policy.reads_observations() {
-            policy.see(&episode.observations);
-        }
-        policy.act(model, &episode.sim.state(), &mut actions);
+        episode.ask(policy, &mut actions);
         writer.step(&episode.step(&actions)?)?;
     }
     let mut end = episode.end();
@@ -45,7 +42,7 @@ pub fn record(
 /// Where the kernel refuses the configuration or an action.
 pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
     let model = Model::new(trace.header.config)?;
-    let mut episode = Episode::begin(&model, trace.header.seed.0)?;
+    let mut episode = Flight::begin(&model, trace.header.seed.0)?;
     let header = episode.header(&trace.header.policy, &trace.header.pilot);
     let mut steps = Vec::with_capacity(trace.steps.len());
     for recorded in &trace.steps {
@@ -63,7 +60,7 @@ pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
 }
 
 /// An episode in flight, seen as lines of a trace.
-struct Episode<'m> {
+pub struct Flight<'m> {
     model: &'m Model<'m>,
     config: Config,
     sim: Sim<'m>,
@@ -71,8 +68,12 @@ struct Episode<'m> {
     seed: u64,
 }
 
-impl<'m> Episode<'m> {
-    fn begin(model: &'m Model<'m>, seed: u64) -> Result<Self, Error> {
+impl<'m> Flight<'m> {
+    /// Stands at the start of the episode of `seed`.
+    ///
+    /// # Errors
+    /// Where the observations do not fit, which they do.
+    pub fn begin(model: &'m Model<'m>, seed: u64) -> Result<Self, Error> {
         let mut sim = Sim::new(model);
         sim.reset(seed);
         let mut episode = Self {
@@ -86,12 +87,30 @@ impl<'m> Episode<'m> {
         Ok(episode)
     }
 
-    fn over(&self) -> bool {
+    /// The simulation, for a host that owns some of it: changes made here are part of the flight and of its
+    /// lines, but no trace holds them, so that [`verify`] would call them a difference.
+    pub fn sim_mut(&mut self) -> &mut Sim<'m> {
+        &mut self.sim
+    }
+
+    /// Lets a policy choose the next actions.
+    pub fn ask(&mut self, policy: &mut dyn Policy, actions: &mut [f32]) {
+        if policy.reads_observations() {
+            policy.see(&self.observations);
+        }
+        policy.act(self.model, &self.sim.state(), actions);
+    }
+
+    /// Whether the episode has ended.
+    #[must_use]
+    pub fn over(&self) -> bool {
         let state = self.sim.state();
         state.terminated() || state.truncated()
     }
 
-    fn header(&self, policy: &str, pilot: &str) -> Header {
+    /// The first line, before the first step.
+    #[must_use]
+    pub fn header(&self, policy: &str, pilot: &str) -> Header {
         let state = self.sim.state();
         let (uavs, hotspots) = (self.model.uav_count(), self.model.hotspot_count());
         Header {
@@ -116,7 +135,11 @@ impl<'m> Episode<'m> {
         }
     }
 
-    fn step(&mut self, actions: &[f32]) -> Result<Step, Error> {
+    /// Flies a step and gives its line.
+    ///
+    /// # Errors
+    /// Where the kernel refuses the actions.
+    pub fn step(&mut self, actions: &[f32]) -> Result<Step, Error> {
         self.sim.step(actions)?;
         self.sim.observe(&mut self.observations)?;
         let state = self.sim.state();
@@ -154,7 +177,9 @@ impl<'m> Episode<'m> {
         })
     }
 
-    fn end(&self) -> End {
+    /// The last line, but for its checksum.
+    #[must_use]
+    pub fn end(&self) -> End {
         let metrics = self.sim.state().metrics();
         End {
             kind: "end".to_owned(),

@@ -18,7 +18,7 @@ mod format;
 mod read;
 mod write;
 
-pub use capture::{record, verify};
+pub use capture::{Flight, record, verify};
 pub use compare::{Difference, diff};
 pub use error::TraceError;
 pub use format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace};

@@ -1,0 +1,46 @@
+//! `jcas play`: the playground in a browser.
+
+use std::net::{Ipv4Addr, TcpListener};
+
+use clap::Args;
+
+use crate::error::{CliError, Outcome};
+use crate::{files, interrupt, serve};
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas play                        opens the playground in the browser
+  jcas play --port 8080 --no-open  says where it is, and waits";
+
+/// Fly missions in the browser and change them while they fly
+///
+/// Serves one page on the loopback interface, where only programs of this machine reach it, until Ctrl-C.
+/// The address of the page holds the whole mission: who opens it sees the same one, bit for bit.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Play {
+    /// Port to serve on; 0 for any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    port: u16,
+    /// Open no browser
+    #[arg(long)]
+    no_open: bool,
+}
+
+impl Play {
+    /// Serves until Ctrl-C.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        let failed =
+            |error: std::io::Error| CliError::input(format!("port = {}: {error}", self.port));
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, self.port)).map_err(failed)?;
+        let address = format!("http://{}/", listener.local_addr().map_err(failed)?);
+        files::print(&format!("{address}\n"))?;
+        if !self.no_open
+            && let Err(error) = open::that_detached(&address)
+        {
+            eprintln!("no browser opens ({error}): open {address} yourself");
+        }
+        serve::until(&listener, interrupt::requested).map_err(failed)?;
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,437 @@
+//! The life of an instance: parameters, initialization, steps, and the values of all variables at each moment.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::mission::{Inputs, Mission};
+use crate::setup::Setup;
+use crate::variables::{Causality, Extent, Kind, Variable, all, reference};
+
+/// Where in the state machine of the standard an instance is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// After instantiation.
+    Instantiated,
+    /// Sizes may be set.
+    Configuration,
+    /// Parameters may be set.
+    Initialization,
+    /// Steps may be done.
+    Step,
+    /// Values may be read.
+    Terminated,
+}
+
+/// The values of one variable, or of several of a type, in a row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// 32-bit floats.
+    Float32(Vec<f32>),
+    /// 64-bit floats.
+    Float64(Vec<f64>),
+    /// 32-bit unsigned integers.
+    UInt32(Vec<u32>),
+    /// 64-bit unsigned integers.
+    UInt64(Vec<u64>),
+    /// Truth values.
+    Boolean(Vec<bool>),
+    /// Texts.
+    String(Vec<String>),
+}
+
+impl Values {
+    /// Their type.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        match self {
+            Self::Float32(_) => Kind::Float32,
+            Self::Float64(_) => Kind::Float64,
+            Self::UInt32(_) => Kind::UInt32,
+            Self::UInt64(_) => Kind::UInt64,
+            Self::Boolean(_) => Kind::Boolean,
+            Self::String(_) => Kind::String,
+        }
+    }
+}
+
+/// How much of a step size may be left over by rounding of an importer's clock.
+const STEP_TOLERANCE: f64 = 1e-6;
+
+/// What can be saved of an instance.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Saved {
+    mode: Mode,
+    setup: Setup,
+    time_s: f64,
+    reward: f64,
+    actions: Vec<f32>,
+    positions: Vec<u32>,
+    links: Vec<bool>,
+    /// The kernel's snapshot; none before the mission begins.
+    snapshot: Option<Vec<u8>>,
+}
+
+/// An instance.
+pub struct Instance {
+    variables: Vec<Variable>,
+    mode: Mode,
+    setup: Setup,
+    inputs: Inputs,
+    mission: Option<Mission>,
+    time_s: f64,
+}
+
+impl Instance {
+    /// Just instantiated, with the default parameters.
+    ///
+    /// # Errors
+    /// Never: the default configuration is legal.
+    pub fn new(resources: Option<PathBuf>) -> Result<Self, String> {
+        let setup = Setup {
+            resources,
+            ..Setup::default()
+        };
+        let inputs = Inputs::of(setup.size("uav_count")? as usize);
+        Ok(Self {
+            variables: all(),
+            mode: Mode::Instantiated,
+            setup,
+            inputs,
+            mission: None,
+            time_s: 0.0,
+        })
+    }
+
+    /// Where in its life it is.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Goes from one mode to another.
+    ///
+    /// # Errors
+    /// Where the standard does not allow it from here.
+    pub fn go(&mut self, allowed: &[Mode], to: Mode, called: &str) -> Result<(), String> {
+        if !allowed.contains(&self.mode) {
+            return Err(format!(
+                "{called} is not allowed in the mode {:?}",
+                self.mode
+            ));
+        }
+        self.mode = to;
+        Ok(())
+    }
+
+    /// Sets the time at which the mission begins.
+    pub const fn start_at(&mut self, time_s: f64) {
+        self.time_s = time_s;
+    }
+
+    /// Makes the mission of the parameters, if it is not there yet.
+    ///
+    /// # Errors
+    /// A sentence that names the parameter, the value and what is allowed.
+    pub fn prepare(&mut self) -> Result<&Mission, String> {
+        if self.mission.is_none() {
+            self.mission = Some(Mission::new(&self.setup)?);
+        }
+        self.mission.as_ref().ok_or_else(|| "no mission".to_owned())
+    }
+
+    /// Back to the moment after instantiation.
+    ///
+    /// # Errors
+    /// As [`Instance::new`].
+    pub fn reset(&mut self) -> Result<(), String> {
+        *self = Self::new(self.setup.resources.take())?;
+        Ok(())
+    }
+
+    /// Flies from `from_s` for `length_s`, which must be whole steps of Δt. Once the mission is over it stays as
+    /// it ended.
+    ///
+    /// # Errors
+    /// Where the times do not fit, or the kernel refuses an input. The time then says how far it came.
+    pub fn do_step(&mut self, from_s: f64, length_s: f64) -> Result<f64, String> {
+        if self.mode != Mode::Step {
+            return Err(format!(
+                "fmi3DoStep is not allowed in the mode {:?}",
+                self.mode
+            ));
+        }
+        let mission = self.mission.as_mut().ok_or("no mission")?;
+        let step_s = mission.model().config().step_duration_s;
+        let steps = (length_s / step_s).round();
+        if !(steps >= 1.0 && (steps * step_s - length_s).abs() <= STEP_TOLERANCE * step_s) {
+            return Err(format!(
+                "communicationStepSize = {length_s}: must be a multiple of step_duration_s = {step_s}"
+            ));
+        }
+        if (from_s - self.time_s).abs() > STEP_TOLERANCE * step_s {
+            return Err(format!(
+                "currentCommunicationPoint = {from_s}: the instance is at {}",
+                self.time_s
+            ));
+        }
+        mission.reward = 0.0;
+        for _ in 0..steps as u64 {
+            if !mission.over()? {
+                mission.step(&self.inputs)?;
+            }
+            self.time_s += step_s;
+        }
+        Ok(self.time_s)
+    }
+
+    fn variable(&self, vr: u32) -> Result<&Variable, String> {
+        self.variables
+            .iter()
+            .find(|variable| variable.reference == vr)
+            .ok_or_else(|| format!("value reference {vr}: there is no such variable"))
+    }
+
+    /// The type of a variable and how many elements it has.
+    ///
+    /// # Errors
+    /// Where there is no such variable.
+    pub fn shape(&self, vr: u32) -> Result<(Kind, usize), String> {
+        let variable = self.variable(vr)?;
+        let mut count = 1;
+        for extent in variable.extents {
+            count *= match extent {
+                Extent::Uavs => self.setup.size("uav_count")? as usize,
+                Extent::Hotspots => self.setup.size("hotspot_count")? as usize,
+                Extent::Two => 2,
+            };
+        }
+        Ok((variable.kind, count))
+    }
+
+    /// The value of a variable.
+    ///
+    /// # Errors
+    /// Where there is no such variable, or the parameters make no mission.
+    pub fn get(&mut self, vr: u32) -> Result<Values, String> {
+        use reference::*;
+        if let Some(name) = field_name(vr) {
+            return field_values(self.shape(vr)?.0, &self.setup.field(name)?);
+        }
+        Ok(match vr {
+            TIME => Values::Float64(vec![self.time_s]),
+            UAV_COUNT => Values::UInt64(vec![self.setup.size("uav_count")?]),
+            HOTSPOT_COUNT => Values::UInt64(vec![self.setup.size("hotspot_count")?]),
+            PRESET => Values::String(vec![self.setup.preset.clone()]),
+            SEED => Values::UInt64(vec![self.setup.seed]),
+            POLICY => Values::String(vec![self.setup.policy.clone()]),
+            PILOT => Values::String(vec![self.setup.pilot.clone()]),
+            OWN_POSITIONS => Values::Boolean(vec![self.setup.own_positions]),
+            OWN_LINKS => Values::Boolean(vec![self.setup.own_links]),
+            ACTIONS => Values::Float32(self.inputs.actions.clone()),
+            POSITIONS => Values::UInt32(self.inputs.positions.clone()),
+            LINKS => Values::Boolean(self.inputs.links.clone()),
+            _ => {
+                let name = self.variable(vr)?.name;
+                output(name, self.prepare()?)?
+            }
+        })
+    }
+
+    /// Sets a variable; `values` has its type and as many elements as [`Instance::shape`] says.
+    ///
+    /// # Errors
+    /// Where the variable may not be set, or not now, or not to this.
+    pub fn set(&mut self, vr: u32, values: Values) -> Result<(), String> {
+        use reference::*;
+        let (name, causality) = {
+            let variable = self.variable(vr)?;
+            (variable.name, variable.causality)
+        };
+        let modes: &[Mode] = match causality {
+            Causality::Structural => &[Mode::Instantiated, Mode::Configuration],
+            Causality::Parameter => &[Mode::Instantiated, Mode::Initialization],
+            Causality::Input => &[Mode::Instantiated, Mode::Initialization, Mode::Step],
+            Causality::Independent | Causality::Output => {
+                return Err(format!("{name} cannot be set"));
+            }
+        };
+        if !modes.contains(&self.mode) {
+            return Err(format!("{name} cannot be set in the mode {:?}", self.mode));
+        }
+        if causality != Causality::Input {
+            self.mission = None;
+        }
+        match (vr, values) {
+            (UAV_COUNT | HOTSPOT_COUNT, Values::UInt64(values)) => self.resize(name, values[0])?,
+            (PRESET, Values::String(mut values)) => self.setup.preset = values.remove(0),
+            (SEED, Values::UInt64(values)) => self.setup.seed = values[0],
+            (POLICY, Values::String(mut values)) => self.setup.policy = values.remove(0),
+            (PILOT, Values::String(mut values)) => self.setup.pilot = values.remove(0),
+            (OWN_POSITIONS, Values::Boolean(values)) => self.setup.own_positions = values[0],
+            (OWN_LINKS, Values::Boolean(values)) => self.setup.own_links = values[0],
+            (ACTIONS, Values::Float32(values)) => self.inputs.actions = values,
+            (POSITIONS, Values::UInt32(values)) => self.inputs.positions = values,
+            (LINKS, Values::Boolean(values)) => self.inputs.links = values,
+            (_, values) => self.set_field(name, values)?,
+        }
+        Ok(())
+    }
+
+    fn resize(&mut self, name: &str, count: u64) -> Result<(), String> {
+        if !(1..=4096).contains(&count) {
+            return Err(format!("{name} = {count}: must be from 1 to 4096"));
+        }
+        self.setup.fields.insert(name.to_owned(), count.into());
+        self.inputs = Inputs::of(self.setup.size("uav_count")? as usize);
+        Ok(())
+    }
+
+    fn set_field(&mut self, name: &str, values: Values) -> Result<(), String> {
+        let value = match values {
+            Values::Float64(values) if values[0].is_nan() => Value::Null,
+            Values::Float64(values) => values[0].into(),
+            Values::UInt32(values) => values[0].into(),
+            Values::String(mut values) if name == "depots" => {
+                serde_json::from_str(&values.remove(0))
+                    .map_err(|error| format!("depots: {error}"))?
+            }
+            Values::String(mut values) => values.remove(0).into(),
+            _ => return Err(format!("{name} is not of this type")),
+        };
+        // Absent means derived, in every text of a configuration.
+        if value.is_null() {
+            self.setup.fields.remove(name);
+        } else {
+            self.setup.fields.insert(name.to_owned(), value);
+        }
+        Ok(())
+    }
+
+    /// Everything, as bytes.
+    ///
+    /// # Errors
+    /// As [`Mission::save`].
+    pub fn save(&self) -> Result<Vec<u8>, String> {
+        let saved = Saved {
+            mode: self.mode,
+            setup: self.setup.clone(),
+            time_s: self.time_s,
+            reward: self.mission.as_ref().map_or(0.0, |mission| mission.reward),
+            actions: self.inputs.actions.clone(),
+            positions: self.inputs.positions.clone(),
+            links: self.inputs.links.clone(),
+            snapshot: self.mission.as_ref().map(Mission::save).transpose()?,
+        };
+        serde_json::to_vec(&saved).map_err(|error| error.to_string())
+    }
+
+    /// An instance as it was saved.
+    ///
+    /// # Errors
+    /// Where the bytes are not what [`Instance::save`] wrote.
+    pub fn load(&self, bytes: &[u8]) -> Result<Self, String> {
+        let mut saved: Saved =
+            serde_json::from_slice(bytes).map_err(|error| format!("saved state: {error}"))?;
+        saved.setup.resources.clone_from(&self.setup.resources);
+        let mut mission = saved
+            .snapshot
+            .map(|snapshot| Mission::restore(&saved.setup, &snapshot))
+            .transpose()?;
+        if let Some(mission) = &mut mission {
+            mission.reward = saved.reward;
+        }
+        let uavs = saved.setup.size("uav_count")? as usize;
+        if saved.actions.len() != 2 * uavs
+            || saved.positions.len() != 2 * uavs
+            || saved.links.len() != uavs * uavs
+        {
+            return Err("saved state: its inputs are not of its fleet".to_owned());
+        }
+        Ok(Self {
+            variables: all(),
+            mode: saved.mode,
+            setup: saved.setup,
+            inputs: Inputs {
+                actions: saved.actions,
+                positions: saved.positions,
+                links: saved.links,
+            },
+            mission,
+            time_s: saved.time_s,
+        })
+    }
+}
+
+fn field_name(vr: u32) -> Option<&'static str> {
+    let index = vr.checked_sub(reference::FIELDS)? as usize;
+    jcas_core::Config::FIELDS.get(index).map(|info| info.name)
+}
+
+fn field_values(kind: Kind, value: &Value) -> Result<Values, String> {
+    Ok(match kind {
+        Kind::Float64 => Values::Float64(vec![value.as_f64().unwrap_or(f64::NAN)]),
+        Kind::UInt32 => Values::UInt32(vec![
+            u32::try_from(value.as_u64().unwrap_or(0))
+                .map_err(|_| format!("{value} does not fit"))?,
+        ]),
+        _ => Values::String(vec![
+            value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned),
+        ]),
+    })
+}
+
+/// The value of an output.
+fn output(name: &str, mission: &Mission) -> Result<Values, String> {
+    let state = mission.state()?;
+    let (uavs, hotspots) = (0..state.uav_count(), 0..state.hotspot_count());
+    let real = |value: f64| Values::Float64(vec![value]);
+    let truth = |value: bool| Values::Boolean(vec![value]);
+    let metrics = state.metrics();
+    Ok(match name {
+        "cell" => Values::UInt32(
+            uavs.flat_map(|i| [state.cell(i).x, state.cell(i).y])
+                .collect(),
+        ),
+        "battery_kwh" => Values::Float64(
+            uavs.map(|i| state.battery_uj(i) as f64 / jcas_core::energy::MICROJOULES_PER_KWH)
+                .collect(),
+        ),
+        "pilot_density" => Values::Float64(uavs.map(|i| state.pilot_density(i)).collect()),
+        "throughput" => Values::Float64(uavs.map(|i| state.throughput(i)).collect()),
+        "grounded" => Values::Boolean(uavs.map(|i| state.grounded(i)).collect()),
+        "knowledge" => Values::Boolean(
+            uavs.flat_map(|i| hotspots.clone().map(move |j| (i, j)))
+                .map(|(i, j)| state.knows(i, j))
+                .collect(),
+        ),
+        "link" => Values::Boolean(
+            uavs.clone()
+                .flat_map(|i| uavs.clone().map(move |k| (i, k)))
+                .map(|(i, k)| state.linked(i, k))
+                .collect(),
+        ),
+        "hotspot_cell" => Values::UInt32(
+            hotspots
+                .flat_map(|j| [state.hotspot_cell(j).x, state.hotspot_cell(j).y])
+                .collect(),
+        ),
+        "confirmed" => Values::Boolean(hotspots.map(|j| state.confirmed(j)).collect()),
+        "informed" => Values::Boolean(hotspots.map(|j| state.informed(j)).collect()),
+        "confirmed_count" => Values::UInt32(vec![metrics.confirmed]),
+        "informed_count" => Values::UInt32(vec![metrics.informed]),
+        "mean_throughput" => real(state.mean_throughput()),
+        "energy_kwh" => real(metrics.energy_kwh),
+        "co2_kg" => real(metrics.co2_kg),
+        "carbon_intensity" => real(state.carbon_intensity_mg_per_kwh() as f64 / 1e6),
+        "reward" => real(mission.reward),
+        "return_sum" => real(metrics.return_sum),
+        "terminated" => truth(metrics.terminated),
+        "truncated" => truth(metrics.truncated),
+        "state_hash" => Values::UInt64(vec![mission.hash()]),
+        other => return Err(format!("{other} has no value")),
+    })
+}

@@ -1,0 +1,251 @@
+//! A mission in flight: the kernel, and whoever chooses its actions.
+
+use jcas_core::{Cell, Error, Model, Scratch, StateRef, hash, observation};
+use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
+
+use crate::setup::Setup;
+
+/// What the importer gives before a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Inputs {
+    /// (u_dir, u_pilot) of each UAV.
+    pub actions: Vec<f32>,
+    /// (x, y) of each UAV.
+    pub positions: Vec<u32>,
+    /// N × N, row by row.
+    pub links: Vec<bool>,
+}
+
+impl Inputs {
+    /// Everybody stays, at the lowest pilot density, at cell (0, 0), without a link.
+    #[must_use]
+    pub fn of(uavs: usize) -> Self {
+        Self {
+            actions: [jcas_core::Motion::Stay.to_action(), -1.0].repeat(uavs),
+            positions: vec![0; 2 * uavs],
+            links: vec![false; uavs * uavs],
+        }
+    }
+}
+
+/// A mission of a setup.
+pub struct Mission {
+    setup: Setup,
+    model: Model<'static>,
+    words: Vec<u64>,
+    scratch: Vec<u64>,
+    pilot: Option<Box<dyn Policy>>,
+    observations: Vec<f32>,
+    actions: Vec<f32>,
+    /// Rewards since the last communication point.
+    pub reward: f64,
+}
+
+impl Mission {
+    /// Stands at t = 0.
+    ///
+    /// # Errors
+    /// A sentence that names the parameter, the value and what is allowed.
+    pub fn new(setup: &Setup) -> Result<Self, String> {
+        let model = Model::new(setup.config()?).map_err(said)?;
+        let pilot = pilot(setup, &model)?;
+        let mut mission = Self {
+            setup: setup.clone(),
+            words: vec![0; model.state_words()],
+            scratch: vec![0; Scratch::words_for(&model)],
+            actions: vec![0.0; model.action_len()],
+            observations: vec![0.0; model.uav_count() * model.observation_len()],
+            pilot,
+            model,
+            reward: 0.0,
+        };
+        mission.reset()?;
+        Ok(mission)
+    }
+
+    fn reset(&mut self) -> Result<(), String> {
+        let mut scratch = Scratch::new(&self.model, &mut self.scratch).ok_or("scratch memory")?;
+        self.model
+            .reset(&mut self.words, &mut scratch, self.setup.seed)
+            .map_err(said)?;
+        if let Some(pilot) = &mut self.pilot {
+            pilot.reset(&self.model, self.setup.seed);
+        }
+        self.reward = 0.0;
+        Ok(())
+    }
+
+    /// The model.
+    #[must_use]
+    pub const fn model(&self) -> &Model<'static> {
+        &self.model
+    }
+
+    /// The state to read.
+    ///
+    /// # Errors
+    /// Never, for words that the model itself wrote.
+    pub fn state(&self) -> Result<StateRef<'_>, String> {
+        self.model.state(&self.words).map_err(said)
+    }
+
+    /// Fingerprint of the state.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        hash::words(&self.words)
+    }
+
+    /// Whether the mission has ended.
+    ///
+    /// # Errors
+    /// As [`Mission::state`].
+    pub fn over(&self) -> Result<bool, String> {
+        let state = self.state()?;
+        Ok(state.terminated() || state.truncated())
+    }
+
+    /// One step of Δt.
+    ///
+    /// # Errors
+    /// Where the kernel refuses an input; the state is then as it was.
+    pub fn step(&mut self, inputs: &Inputs) -> Result<(), String> {
+        let Self {
+            model,
+            words,
+            scratch,
+            pilot,
+            observations,
+            actions,
+            ..
+        } = self;
+        match pilot {
+            Some(pilot) => {
+                let state = model.state(words).map_err(said)?;
+                if pilot.reads_observations() {
+                    let mut scratch = Scratch::new(model, scratch).ok_or("scratch memory")?;
+                    observation::observe(model, &state, &mut scratch, observations)
+                        .map_err(said)?;
+                    pilot.see(observations);
+                }
+                pilot.act(model, &state, actions);
+            }
+            None => actions.copy_from_slice(&inputs.actions),
+        }
+        let before = self.words.clone();
+        let stepped = self.step_by_parts(inputs);
+        if stepped.is_err() {
+            self.words = before;
+        }
+        stepped.map_err(said)
+    }
+
+    fn step_by_parts(&mut self, inputs: &Inputs) -> Result<(), Error> {
+        let Self {
+            setup,
+            model,
+            words,
+            scratch,
+            actions,
+            ..
+        } = self;
+        let mut state = model.state_mut(words)?;
+        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        model.step_begin(&mut state, actions)?;
+        if setup.own_positions {
+            let cells: Vec<Cell> = inputs
+                .positions
+                .chunks_exact(2)
+                .map(|pair| Cell {
+                    x: pair[0],
+                    y: pair[1],
+                })
+                .collect();
+            model.set_positions(&mut state, &cells)?;
+        }
+        model.step_sense(&mut state, &mut scratch)?;
+        if setup.own_links {
+            let links: Vec<u8> = inputs.links.iter().map(|&link| u8::from(link)).collect();
+            model.step_communicate_over(&mut state, &mut scratch, &links, None)?;
+        } else {
+            model.step_communicate(&mut state, &mut scratch)?;
+        }
+        self.reward += model.step_end(&mut state, &mut scratch)?.reward;
+        Ok(())
+    }
+
+    /// The kernel's snapshot of the state.
+    ///
+    /// # Errors
+    /// Where a baseline flies over positions or links of the importer: its plans depend on all of them.
+    pub fn save(&self) -> Result<Vec<u8>, String> {
+        if self.pilot.is_some() && (self.setup.own_positions || self.setup.own_links) {
+            return Err("the state of a baseline that flies over the importer's positions or links cannot be saved; fly by actions".to_owned());
+        }
+        let mut bytes = vec![0; self.model.save_len()];
+        self.model.save(&self.words, &mut bytes).map_err(said)?;
+        Ok(bytes)
+    }
+
+    /// The mission of a setup at a saved state. Where a baseline flies it is flown there again from its start, so that
+    /// the baseline's plans are what they were.
+    ///
+    /// # Errors
+    /// Where the snapshot is not of this setup.
+    pub fn restore(setup: &Setup, snapshot: &[u8]) -> Result<Self, String> {
+        let mut mission = Self::new(setup)?;
+        let mut spare = vec![0; mission.words.len()];
+        let mut saved = mission.words.clone();
+        mission
+            .model
+            .load(snapshot, &mut saved, &mut spare)
+            .map_err(said)?;
+        if mission.pilot.is_some() {
+            let steps = mission.model.state(&saved).map_err(said)?.t();
+            let inputs = Inputs::default();
+            for _ in 0..steps {
+                mission.step(&inputs)?;
+            }
+            mission.reward = 0.0;
+            if mission.words != saved {
+                return Err(
+                    "the saved state is not one that this baseline reaches from this seed"
+                        .to_owned(),
+                );
+            }
+        } else {
+            mission.words = saved;
+        }
+        Ok(mission)
+    }
+}
+
+/// Who flies: nobody, a trained policy among the unit's resources, or a baseline.
+fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, String> {
+    if setup.policy.is_empty() {
+        return Ok(None);
+    }
+    if let Some(path) = setup.trained() {
+        let said = |problem: String| format!("policy = {}: {problem}", setup.policy);
+        let bytes = std::fs::read(&path).map_err(|error| said(error.to_string()))?;
+        let trained =
+            Trained::read(&setup.policy, &bytes).map_err(|error| said(error.to_string()))?;
+        trained
+            .check(model)
+            .map_err(|error| said(error.to_string()))?;
+        return Ok(Some(Box::new(trained)));
+    }
+    let kind: BaselineKind = setup
+        .policy
+        .parse()
+        .map_err(|error| format!("policy: {error}"))?;
+    let mode: PilotMode = setup
+        .pilot
+        .parse()
+        .map_err(|error| format!("pilot: {error}"))?;
+    let baseline = kind.build(model, mode).map_err(|error| error.to_string())?;
+    Ok(Some(Box::new(baseline)))
+}
+
+fn said(error: Error) -> String {
+    error.to_string()
+}

@@ -1,0 +1,111 @@
+//! The parameters of an instance, and the configuration that they make.
+
+use std::path::PathBuf;
+
+use jcas_core::Config;
+use jcas_core::config::FieldValue;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+/// Everything that is fixed once the mission begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setup {
+    /// Name of the preset.
+    pub preset: String,
+    /// Fields that were set, by name.
+    pub fields: Map<String, Value>,
+    /// Seed of the episode.
+    pub seed: u64,
+    /// Name of a baseline or of a trained policy in the unit's resources; empty where the importer flies.
+    pub policy: String,
+    /// Its pilot mode.
+    pub pilot: String,
+    /// The importer moves the UAVs.
+    pub own_positions: bool,
+    /// The importer decides who hears whom.
+    pub own_links: bool,
+    /// Where the unit's resources are; no part of a saved state.
+    #[serde(skip)]
+    pub resources: Option<PathBuf>,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            preset: "mission".to_owned(),
+            fields: Map::new(),
+            seed: 0,
+            policy: String::new(),
+            pilot: "adaptive".to_owned(),
+            own_positions: false,
+            own_links: false,
+            resources: None,
+        }
+    }
+}
+
+impl Setup {
+    /// The configuration, validated.
+    ///
+    /// # Errors
+    /// A sentence that names the field, the value and what is allowed.
+    pub fn config(&self) -> Result<Config, String> {
+        let mut fields = self.fields.clone();
+        fields.insert("preset".to_owned(), self.preset.clone().into());
+        Config::from_json(&Value::from(fields).to_string()).map_err(|error| error.to_string())
+    }
+
+    /// The file of the trained policy, where the policy is one.
+    #[must_use]
+    pub fn trained(&self) -> Option<PathBuf> {
+        // A name, not a path: nothing outside the resources is read.
+        let plain = self
+            .policy
+            .chars()
+            .all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-');
+        let path = self
+            .resources
+            .as_ref()?
+            .join(format!("{}.safetensors", self.policy));
+        (plain && path.is_file()).then_some(path)
+    }
+
+    /// The value of a field: the one that was set, else the preset's.
+    ///
+    /// # Errors
+    /// Where the preset does not exist.
+    pub fn field(&self, name: &str) -> Result<Value, String> {
+        if let Some(value) = self.fields.get(name) {
+            return Ok(value.clone());
+        }
+        let preset = self
+            .preset
+            .parse()
+            .map_err(|error| format!("preset = {}: {error}", self.preset))?;
+        let values = Config::preset(preset).values();
+        let index = Config::FIELDS.iter().position(|info| info.name == name);
+        Ok(match index.map(|index| values[index]) {
+            Some(FieldValue::Integer(value)) => value.into(),
+            Some(FieldValue::Real(value) | FieldValue::Optional(Some(value))) => value.into(),
+            Some(FieldValue::Choice(value, _)) => value.into(),
+            Some(FieldValue::Cells(cells)) => cells
+                .as_slice()
+                .iter()
+                .map(|cell| vec![cell.x, cell.y])
+                .collect::<Vec<_>>()
+                .into(),
+            Some(FieldValue::Optional(None)) | None => Value::Null,
+        })
+    }
+
+    /// A size, set or the preset's.
+    ///
+    /// # Errors
+    /// As [`Setup::field`].
+    pub fn size(&self, name: &str) -> Result<u64, String> {
+        self.field(name)?
+            .as_u64()
+            .ok_or_else(|| format!("{name} is not a whole number"))
+    }
+}

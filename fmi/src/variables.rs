@@ -1,0 +1,435 @@
+//! Every variable of the unit: reference, name, type, causality, dimensions, unit.
+
+use jcas_core::Config;
+use jcas_core::config::FieldValue;
+
+/// The references of variables that are no field of the configuration.
+pub mod reference {
+    /// Simulated time.
+    pub const TIME: u32 = 0;
+    /// N.
+    pub const UAV_COUNT: u32 = 1;
+    /// n.
+    pub const HOTSPOT_COUNT: u32 = 2;
+    /// Which preset the other parameters change.
+    pub const PRESET: u32 = 3;
+    /// Seed of the episode.
+    pub const SEED: u32 = 4;
+    /// Who flies.
+    pub const POLICY: u32 = 5;
+    /// How a baseline chooses its pilot density.
+    pub const PILOT: u32 = 6;
+    /// Whether the importer moves the UAVs.
+    pub const OWN_POSITIONS: u32 = 7;
+    /// Whether the importer decides who hears whom.
+    pub const OWN_LINKS: u32 = 8;
+    /// The fields of the configuration, in their order.
+    pub const FIELDS: u32 = 1000;
+    /// Inputs.
+    pub const ACTIONS: u32 = 100;
+    /// Positions that the importer owns.
+    pub const POSITIONS: u32 = 101;
+    /// Links that the importer owns.
+    pub const LINKS: u32 = 102;
+    /// Outputs, in the order of [`super::OUTPUTS`].
+    pub const FIRST_OUTPUT: u32 = 200;
+}
+
+/// The types of FMI 3.0 that occur.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// 32-bit float.
+    Float32,
+    /// 64-bit float.
+    Float64,
+    /// 32-bit unsigned integer.
+    UInt32,
+    /// 64-bit unsigned integer.
+    UInt64,
+    /// `bool`.
+    Boolean,
+    /// Text.
+    String,
+}
+
+/// One extent of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// As many as there are UAVs.
+    Uavs,
+    /// As many as there are hotspots.
+    Hotspots,
+    /// x and y, or u_dir and u_pilot.
+    Two,
+}
+
+/// What an importer may do with a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Simulated time.
+    Independent,
+    /// Sizes: set in configuration mode or before.
+    Structural,
+    /// Set before the mission begins.
+    Parameter,
+    /// Set before each step.
+    Input,
+    /// Read after each step.
+    Output,
+}
+
+/// A variable.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// Its value reference.
+    pub reference: u32,
+    /// Its name.
+    pub name: &'static str,
+    /// Its type.
+    pub kind: Kind,
+    /// What may be done with it.
+    pub causality: Causality,
+    /// Its dimensions; none for a scalar.
+    pub extents: &'static [Extent],
+    /// Its unit, where it has one.
+    pub unit: Option<&'static str>,
+    /// Legal values, where they are numbers.
+    pub range: Option<(f64, f64)>,
+    /// What it means.
+    pub doc: String,
+}
+
+/// An output: name, type, dimensions, unit, meaning.
+type Output = (
+    &'static str,
+    Kind,
+    &'static [Extent],
+    Option<&'static str>,
+    &'static str,
+);
+
+/// The outputs.
+pub const OUTPUTS: [Output; 21] = [
+    (
+        "cell",
+        Kind::UInt32,
+        &[Extent::Uavs, Extent::Two],
+        None,
+        "Cell (x, y) of each UAV.",
+    ),
+    (
+        "battery_kwh",
+        Kind::Float64,
+        &[Extent::Uavs],
+        Some("kWh"),
+        "Charge of each UAV.",
+    ),
+    (
+        "pilot_density",
+        Kind::Float64,
+        &[Extent::Uavs],
+        None,
+        "Share of the waveform that each UAV gave to pilots.",
+    ),
+    (
+        "throughput",
+        Kind::Float64,
+        &[Extent::Uavs],
+        None,
+        "Mean normalised throughput of each UAV over its neighbours.",
+    ),
+    (
+        "grounded",
+        Kind::Boolean,
+        &[Extent::Uavs],
+        None,
+        "UAVs whose battery was empty at the start of the step.",
+    ),
+    (
+        "knowledge",
+        Kind::Boolean,
+        &[Extent::Uavs, Extent::Hotspots],
+        None,
+        "Which UAV knows which hotspot.",
+    ),
+    (
+        "link",
+        Kind::Boolean,
+        &[Extent::Uavs, Extent::Uavs],
+        None,
+        "Who hears whom.",
+    ),
+    (
+        "hotspot_cell",
+        Kind::UInt32,
+        &[Extent::Hotspots, Extent::Two],
+        None,
+        "Cell (x, y) of each hotspot.",
+    ),
+    (
+        "confirmed",
+        Kind::Boolean,
+        &[Extent::Hotspots],
+        None,
+        "Hotspots that a quorum has confirmed.",
+    ),
+    (
+        "informed",
+        Kind::Boolean,
+        &[Extent::Hotspots],
+        None,
+        "Hotspots that every UAV knows.",
+    ),
+    (
+        "confirmed_count",
+        Kind::UInt32,
+        &[],
+        None,
+        "How many hotspots are confirmed.",
+    ),
+    (
+        "informed_count",
+        Kind::UInt32,
+        &[],
+        None,
+        "How many hotspots every UAV knows.",
+    ),
+    (
+        "mean_throughput",
+        Kind::Float64,
+        &[],
+        None,
+        "Mean over the UAVs of their throughput in the last step.",
+    ),
+    (
+        "energy_kwh",
+        Kind::Float64,
+        &[],
+        Some("kWh"),
+        "Energy spent by the fleet so far.",
+    ),
+    (
+        "co2_kg",
+        Kind::Float64,
+        &[],
+        Some("kg"),
+        "Carbon emitted so far.",
+    ),
+    (
+        "carbon_intensity",
+        Kind::Float64,
+        &[],
+        Some("kg/kWh"),
+        "Carbon intensity that the coming step is billed with.",
+    ),
+    (
+        "reward",
+        Kind::Float64,
+        &[],
+        None,
+        "Team reward of the steps since the last communication point.",
+    ),
+    (
+        "return_sum",
+        Kind::Float64,
+        &[],
+        None,
+        "Sum of all rewards so far.",
+    ),
+    (
+        "terminated",
+        Kind::Boolean,
+        &[],
+        None,
+        "Every hotspot is informed; the state holds from here on.",
+    ),
+    (
+        "truncated",
+        Kind::Boolean,
+        &[],
+        None,
+        "The horizon ended the mission; the state holds from here on.",
+    ),
+    (
+        "state_hash",
+        Kind::UInt64,
+        &[],
+        None,
+        "Fingerprint of the kernel's state, the same as through every other interface.",
+    ),
+];
+
+/// Every variable, in the order of the description.
+#[must_use]
+pub fn all() -> Vec<Variable> {
+    use Causality::{Independent, Input, Parameter, Structural};
+    use Extent::{Two, Uavs};
+    use reference::*;
+    let plain = |reference, name, kind, causality, doc: &str| Variable {
+        reference,
+        name,
+        kind,
+        causality,
+        extents: &[],
+        unit: None,
+        range: None,
+        doc: doc.to_owned(),
+    };
+    let mut variables = vec![
+        Variable {
+            unit: Some("s"),
+            ..plain(TIME, "time", Kind::Float64, Independent, "Simulated time.")
+        },
+        Variable {
+            range: Some((1.0, 4096.0)),
+            ..plain(
+                UAV_COUNT,
+                "uav_count",
+                Kind::UInt64,
+                Structural,
+                "UAVs in the fleet (N).",
+            )
+        },
+        Variable {
+            range: Some((1.0, 4096.0)),
+            ..plain(
+                HOTSPOT_COUNT,
+                "hotspot_count",
+                Kind::UInt64,
+                Structural,
+                "Waste hotspots to find (n).",
+            )
+        },
+        plain(
+            PRESET,
+            "preset",
+            Kind::String,
+            Parameter,
+            "Preset that fields which are not set are taken from.",
+        ),
+        plain(
+            SEED,
+            "seed",
+            Kind::UInt64,
+            Parameter,
+            "Seed of the episode: the same seed is the same mission, bit for bit.",
+        ),
+        plain(
+            POLICY,
+            "policy",
+            Kind::String,
+            Parameter,
+            "Baseline, or trained policy among the resources, that flies the fleet; empty: the input actions do.",
+        ),
+        plain(
+            PILOT,
+            "pilot",
+            Kind::String,
+            Parameter,
+            "Pilot density of a baseline: a number, min, mid, max or adaptive.",
+        ),
+        plain(
+            OWN_POSITIONS,
+            "own_positions",
+            Kind::Boolean,
+            Parameter,
+            "Whether the input positions replaces the kernel's motion.",
+        ),
+        plain(
+            OWN_LINKS,
+            "own_links",
+            Kind::Boolean,
+            Parameter,
+            "Whether the input links replaces the kernel's radio graph.",
+        ),
+        Variable {
+            extents: &[Uavs, Two],
+            range: Some((-1.0, 1.0)),
+            ..plain(
+                ACTIONS,
+                "actions",
+                Kind::Float32,
+                Input,
+                "(u_dir, u_pilot) of each UAV, each clipped to [-1, 1].",
+            )
+        },
+        Variable {
+            extents: &[Uavs, Two],
+            ..plain(
+                POSITIONS,
+                "positions",
+                Kind::UInt32,
+                Input,
+                "Cell (x, y) of each UAV, read while own_positions is true.",
+            )
+        },
+        Variable {
+            extents: &[Uavs, Uavs],
+            ..plain(
+                LINKS,
+                "links",
+                Kind::Boolean,
+                Input,
+                "Who hears whom, symmetric, read while own_links is true.",
+            )
+        },
+    ];
+    for (index, (name, kind, extents, unit, doc)) in (FIRST_OUTPUT..).zip(OUTPUTS) {
+        let output = plain(index, name, kind, Causality::Output, doc);
+        variables.push(Variable {
+            extents,
+            unit,
+            ..output
+        });
+    }
+    variables.extend(fields());
+    variables
+}
+
+/// The fields of the configuration but the two sizes, which are structural.
+fn fields() -> impl Iterator<Item = Variable> {
+    let values = Config::default().values();
+    let numbered = (reference::FIELDS..).zip(Config::FIELDS.iter().zip(values));
+    numbered
+        .filter(|(_, (info, _))| !is_size(info.name))
+        .map(|(reference, (info, value))| {
+            let number = Some((info.low, info.high));
+            let (kind, unit, range, how) = match value {
+                FieldValue::Integer(_) => (Kind::UInt32, None, number, String::new()),
+                FieldValue::Real(_) => (Kind::Float64, Some(info.unit), number, String::new()),
+                FieldValue::Optional(_) => (
+                    Kind::Float64,
+                    Some(info.unit),
+                    None,
+                    " NaN: derived.".to_owned(),
+                ),
+                FieldValue::Choice(..) => {
+                    (Kind::String, None, None, format!(" One of {}.", info.unit))
+                }
+                FieldValue::Cells(_) => (
+                    Kind::String,
+                    None,
+                    None,
+                    " A list of [x, y] in JSON.".to_owned(),
+                ),
+            };
+            Variable {
+                reference,
+                name: info.name,
+                kind,
+                causality: Causality::Parameter,
+                extents: &[],
+                unit: unit.filter(|unit| {
+                    !["fraction", "dimensionless", "reward", "probability"].contains(unit)
+                }),
+                range,
+                doc: format!("{}{how}", info.doc.trim()),
+            }
+        })
+}
+
+/// Whether a field is one of the two sizes of arrays.
+#[must_use]
+pub fn is_size(field: &str) -> bool {
+    matches!(field, "uav_count" | "hotspot_count")
+}

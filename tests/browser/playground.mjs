@@ -1,0 +1,173 @@
+// Drives the playground in headless Chromium, once with the kernel inside the page and once with `jcas play` behind it.
+// It catches a mission that is not the same bits in both, a control that does nothing, and a page that logs an error
+// or does not fit a phone.
+//
+//   node tests/browser/playground.mjs PAGE JCAS [FOLDER-FOR-SCREENSHOTS]
+
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { openBrowser } from './devtools.mjs';
+
+const [pagePath, command, pictures] = process.argv.slice(2);
+if (!pagePath || !command) {
+  console.error('usage: node tests/browser/playground.mjs PAGE JCAS [FOLDER-FOR-SCREENSHOTS]');
+  process.exit(2);
+}
+const file = pathToFileURL(resolve(pagePath)).href;
+
+const MISSIONS = [
+  {},
+  { set: { uav_count: 15, hotspot_count: 7 }, seed: 4 },
+  { preset: 'paper', policy: 'random', pilot: 'mid', set: { uav_count: 100, hotspot_count: 11 } },
+  { policy: 'swarm', pilot: '0.15', set: { sensing_range_m: 150, quorum: 2 }, moved: [[0, [0, 0]]] },
+  { policy: 'sweep', set: { target_visibility: 'hidden', uav_count: 5 }, deeds: [{ do: 'steer', t: 2, uav: 1, motion: 0 }, { do: 'ground', t: 5, uav: 3 }] },
+];
+
+/** Starts `jcas play` and waits for the address that it prints. */
+function serve() {
+  const child = spawn(command, ['play', '--no-open'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const address = new Promise((done, fail) => {
+    child.stdout.setEncoding('utf8').once('data', (text) => done(text.trim()));
+    child.once('exit', (code) => fail(new Error(`${command} play ended with ${code}`)));
+  });
+  return { child, address };
+}
+
+const addressOf = (base, mission, t = 0) => `${base}#m=${encodeURIComponent(JSON.stringify(mission))}&t=${t}`;
+const until = (page, condition) => page.evaluate(`new Promise((done, fail) => {
+  const limit = performance.now() + 15000;
+  const look = () => { if (${condition}) done(true); else if (performance.now() > limit) fail(new Error('not within 15 s: ' + ${JSON.stringify(condition)})); else setTimeout(look, 20); };
+  look();
+})`);
+const READY = 'document.querySelector("#hash")?.textContent.startsWith("0x")';
+const text = (page, selector) => page.evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
+const click = (page, selector) => page.evaluate(`document.querySelector(${JSON.stringify(selector)}).dispatchEvent(new MouseEvent('click', { bubbles: true }))`);
+
+async function open(browser, address) {
+  const page = await browser.openPage(address);
+  await until(page, READY);
+  return page;
+}
+
+/** The hash of the last state, as the page shows it at the end of the mission. */
+async function lastHash(page) {
+  await page.press('End');
+  return text(page, '#hash');
+}
+
+/** What the program answers to the very question that the page asks. */
+async function nativeHash(base, { preset = 'mission', set = {}, policy = 'teams', pilot = 'adaptive', seed = 1, moved = [], deeds = [] }) {
+  const question = { ask: 'fly', config: { preset, ...set }, policy, pilot, seed, moved, deeds };
+  const reply = await fetch(`${base}answer`, { method: 'POST', body: JSON.stringify(question) });
+  const answer = await reply.json();
+  assert.equal(answer.error, undefined);
+  return answer.state_hash;
+}
+
+async function sameBits(browser, served) {
+  for (const mission of MISSIONS) {
+    const native = await nativeHash(served, mission);
+    for (const base of [file, served]) {
+      const page = await open(browser, addressOf(base, mission));
+      assert.equal(await lastHash(page), native, `${JSON.stringify(mission)} at ${base}`);
+      assert.deepEqual(page.complaints, []);
+    }
+  }
+}
+
+async function controlsWork(page) {
+  const change = (id, value) => page.evaluate(`(() => { const input = document.querySelector('#${id}'); input.value = ${JSON.stringify(value)}; input.dispatchEvent(new Event('change')); })()`);
+  const before = await lastHash(page);
+  await change('uavs', '12');
+  await until(page, 'document.querySelectorAll(".uav").length === 12');
+  await change('seed', '9');
+  await until(page, 'location.hash.includes("seed")');
+  assert.notEqual(await lastHash(page), before);
+
+  // A value that the kernel refuses is named, and the mission stays on the screen.
+  await change('pilot', '7');
+  await until(page, '!document.querySelector("#problem").hidden');
+  assert.match(await text(page, '#problem'), /7/);
+  await change('pilot', 'max');
+  await until(page, 'document.querySelector("#problem").hidden');
+
+  // The controls of UAV 0: it flies where the arrow keys send it.
+  await page.press('Home');
+  await page.press('u', 'u');
+  await click(page, '#steer');
+  const place = () => page.evaluate('document.querySelector(".uav[data-uav=\\"0\\"]").getAttribute("transform").match(/translate\\(([-\\d.]+) ([-\\d.]+)/).slice(1).map(Number)');
+  for (const [t, key] of ['ArrowLeft', 'ArrowLeft', 'ArrowUp'].entries()) {
+    await page.press(key);
+    await until(page, `document.querySelector('#step-label').textContent.startsWith('Step ${t + 1} ')`);
+  }
+  const [x, y] = await place();
+  assert.deepEqual([Math.floor(x / 40), 11 - Math.floor(y / 40)], [4, 7], 'two cells left of the depot at (6, 6), one up');
+  await click(page, '#steer');
+
+  // Grounded from the next step on.
+  await click(page, '#ground');
+  await until(page, 'location.hash.includes("ground")');
+  await page.press('ArrowRight');
+  assert.equal(await page.evaluate('document.querySelector(".uav[data-uav=\\"0\\"]").classList.contains("grounded")'), true);
+  await click(page, '#undo');
+  await until(page, '!location.hash.includes("ground")');
+}
+
+async function hotspotsCanBeDragged(page) {
+  const box = await page.evaluate('(() => { const { x, y, width, height } = document.querySelector(".field").getBoundingClientRect(); return { x, y, width, height }; })()');
+  const centre = await page.evaluate('(() => { const { x, y, width, height } = document.querySelector(".hotspot .box").getBoundingClientRect(); return [x + width / 2, y + height / 2]; })()');
+  const corner = [box.x + box.width / 24, box.y + box.height * 23 / 24];
+  const mouse = (type, [x, y]) => page.call('Input.dispatchMouseEvent', { type, x, y, button: 'left', buttons: 1, clickCount: 1 });
+  await mouse('mousePressed', centre);
+  await mouse('mouseMoved', corner);
+  await mouse('mouseReleased', corner);
+  await until(page, 'decodeURIComponent(location.hash).includes(\'"moved":[[0,[0,0]]]\')');
+}
+
+async function fitsAPhone(page) {
+  await page.call('Emulation.setDeviceMetricsOverride', { width: 360, height: 740, deviceScaleFactor: 1, mobile: true });
+  const overflow = await page.evaluate('document.documentElement.scrollWidth - document.documentElement.clientWidth');
+  const nameless = await page.evaluate('[...document.querySelectorAll("#controls input, #controls select")].filter((node) => !node.labels.length).map((node) => node.id)');
+  await page.call('Emulation.clearDeviceMetricsOverride');
+  assert.ok(overflow <= 0, `the page is ${overflow} px wider than a phone`);
+  assert.deepEqual(nameless, [], 'inputs without a label');
+}
+
+/** Frames drawn while a mission of a hundred UAVs plays: a figure to read, no bound to meet. */
+async function frameRate(browser) {
+  const page = await open(browser, addressOf(file, MISSIONS[2]));
+  await page.press(' ', ' ');
+  return page.evaluate(`new Promise((done) => {
+    let frames = 0;
+    const begin = performance.now();
+    const count = (now) => { frames += 1; if (now - begin < 2000) requestAnimationFrame(count); else done(Math.round((1000 * frames) / (now - begin))); };
+    requestAnimationFrame(count);
+  })`);
+}
+
+const server = serve();
+const browser = await openBrowser();
+try {
+  const served = await server.address;
+  await sameBits(browser, served);
+  for (const base of [file, served]) {
+    const page = await open(browser, base);
+    await controlsWork(page);
+    await hotspotsCanBeDragged(page);
+    await fitsAPhone(page);
+    assert.deepEqual(page.complaints, [], 'console errors');
+    assert.deepEqual(page.requests.filter((address) => !address.startsWith(base) && !address.startsWith('data:')), [], 'the page loads something');
+  }
+  if (pictures) {
+    mkdirSync(pictures, { recursive: true });
+    const page = await open(browser, addressOf(file, { preset: 'paper', set: { uav_count: 15, hotspot_count: 7 } }, 8));
+    writeFileSync(join(pictures, 'playground.png'), await page.screenshot());
+  }
+  console.log(`playground: ${MISSIONS.length} missions are the same bits in WebAssembly and natively; ${await frameRate(browser)} frames a second at N = 100`);
+} finally {
+  await browser.close();
+  server.child.kill();
+}

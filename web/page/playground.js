@@ -1,0 +1,249 @@
+// What is flown, and what the person does to it. A mission is a pure function of `mission`; every change flies it anew.
+
+const ask = await openKernel();
+const about = await ask({ ask: 'about' });
+const MOTIONS = { ArrowUp: 0, ArrowDown: 1, ArrowLeft: 2, ArrowRight: 3, '.': 4 };
+/** Inputs that stand for a field of the configuration. */
+const INPUTS = { uavs: 'uav_count', hotspots: 'hotspot_count', range: 'sensing_range_m', quorum: 'quorum', link: 'link_throughput_min' };
+const START = { preset: 'mission', set: {}, policy: 'teams', pilot: 'adaptive', seed: 1, moved: [], deeds: [] };
+
+let mission = readMission() ?? structuredClone(START);
+let steering = false;
+let flying = null;
+
+fillChoices();
+listen();
+around.address = () => `m=${encodeURIComponent(JSON.stringify(difference()))}&`;
+around.onKey = onMissionKey;
+around.drawn = describeSelection;
+addEventListener('hashchange', () => {
+  const asked = readMission();
+  if (asked && JSON.stringify(asked) !== JSON.stringify(mission)) { mission = asked; fly(); } else readAddress();
+});
+const opening = location.hash;
+await fly(0);
+// Showing the mission wrote the address anew; the step and the selection that were asked for are in the old one.
+history.replaceState(null, '', opening || location.pathname);
+readAddress();
+
+/** The mission in the address, over the one a visitor starts with; undefined where there is none. */
+function readMission() {
+  const text = new URLSearchParams(location.hash.slice(1)).get('m');
+  if (!text) return undefined;
+  try {
+    return { ...structuredClone(START), ...JSON.parse(text) };
+  } catch {
+    return undefined;
+  }
+}
+
+function difference() {
+  return Object.fromEntries(Object.entries(mission).filter(([key, value]) => JSON.stringify(value) !== JSON.stringify(START[key])));
+}
+
+function valueOf(field) {
+  return mission.set[field] ?? about.presets[mission.preset][field] ?? null;
+}
+
+function fillChoices() {
+  const options = (names) => names.map((name) => new Option(name, name));
+  $('preset').replaceChildren(...options(Object.keys(about.presets)));
+  $('policy').replaceChildren(...options(about.policies));
+  $('field').replaceChildren(...options(about.fields.map(({ name }) => name)));
+  describeField();
+}
+
+function listen() {
+  $('controls').addEventListener('submit', (event) => event.preventDefault());
+  for (const [id, field] of Object.entries(INPUTS)) {
+    $(id).addEventListener('change', () => {
+      if ($(id).checkValidity()) set(field, $(id).value === '' ? undefined : Number($(id).value));
+    });
+  }
+  $('preset').addEventListener('change', () => change({ preset: $('preset').value }));
+  $('policy').addEventListener('change', () => change({ policy: $('policy').value }));
+  $('pilot').addEventListener('change', () => change({ pilot: $('pilot').value.trim() }));
+  $('seed').addEventListener('change', () => { if ($('seed').checkValidity()) newSeed(Number($('seed').value)); });
+  $('dice').addEventListener('click', () => newSeed(mission.seed + 1));
+  $('field').addEventListener('change', describeField);
+  $('apply').addEventListener('click', () => set($('field').value, read($('value').value)));
+  $('steer').addEventListener('click', () => takeControls(!steering));
+  $('ground').addEventListener('click', ground);
+  $('undo').addEventListener('click', undo);
+  $('copy').addEventListener('click', () => navigator.clipboard?.writeText(location.href));
+  $('stage').addEventListener('pointerdown', beginDrag);
+}
+
+/** A value as a person types it: a number, null, or a word. */
+function read(text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return text.trim();
+  }
+}
+
+function set(field, value) {
+  const fields = { ...mission.set };
+  if (value === undefined) delete fields[field];
+  else fields[field] = value;
+  change({ set: fields });
+}
+
+/** Another seed is another mission: what was done to the last one means nothing there. */
+function newSeed(seed) {
+  change({ seed: seed % 2 ** 32, moved: [], deeds: [] }, 0);
+}
+
+async function change(part, time = player.time) {
+  mission = { ...mission, ...part };
+  await fly(time);
+}
+
+/** Flies the mission and shows it at `time`. A change made while one is under way is flown after it. */
+async function fly(time = player.time) {
+  if (flying) { flying.again = time; return; }
+  flying = {};
+  const { preset, set: fields, ...rest } = mission;
+  let answer;
+  try {
+    answer = await ask({ ask: 'fly', config: { preset, ...fields }, ...rest });
+  } catch (error) {
+    answer = { error: error.message };
+  }
+  const { again } = flying;
+  flying = null;
+  showControls();
+  $('problem').hidden = !answer.error;
+  $('problem').textContent = answer.error ?? '';
+  if (!answer.error) show(answer, time);
+  if (again !== undefined) await fly(again);
+}
+
+function show({ episode: data, radar }, time) {
+  const { uav, hotspot } = player.selection;
+  if (uav >= data.header.config.uav_count || hotspot >= data.header.config.hotspot_count) player.selection = {};
+  open(data);
+  $('footer').textContent = `jcas ${data.header.core_version}; configuration ${data.header.config_hash}. The address holds the whole mission. Press ? for the keys.`;
+  document.title = `${data.header.policy}, N = ${data.header.config.uav_count}, n = ${data.header.config.hotspot_count}: jcas playground`;
+  drawRadar(radar, data.header.config);
+  seek(Math.min(time, episode.lastStep));
+}
+
+function showControls() {
+  for (const [id, field] of Object.entries(INPUTS)) $(id).value = valueOf(field) ?? '';
+  for (const id of ['preset', 'policy', 'pilot', 'seed']) $(id).value = mission[id];
+  $('overrides').replaceChildren(...Object.entries(mission.set).map(([field, value]) => {
+    const item = document.createElement('li');
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.textContent = `${field} = ${JSON.stringify(value)} ×`;
+    button.setAttribute('aria-label', `Set ${field} back`);
+    button.addEventListener('click', () => set(field, undefined));
+    item.append(button);
+    return item;
+  }));
+  $('undo').disabled = !mission.deeds.length && !mission.moved.length;
+}
+
+function describeField() {
+  const field = about.fields.find(({ name }) => name === $('field').value);
+  $('value').value = JSON.stringify(valueOf(field.name)) ?? '';
+  $('field-doc').textContent = `${field.doc} Unit: ${field.unit}; from ${field.low} to ${field.high}.`;
+}
+
+/** How far one UAV sees, and why a quorum has to be near. */
+function drawRadar(radar, config) {
+  const bar = (share) => `<b style="height:${(76 * share).toFixed(1)}%"></b>`;
+  $('radar').innerHTML = radar.map(({ cells, high, quorum }) => `<i>${bar(high)}${bar(quorum)}<span>${cells}</span></i>`).join('');
+  const percent = (share) => `${share >= 0.095 || share === 0 ? Math.round(100 * share) : (100 * share).toPrecision(1)} %`;
+  const [here, next] = radar;
+  const all = config.quorum === 1 ? 'one alone confirms' : `that ${config.quorum} there all do, ${percent(here.quorum)}`;
+  const reach = (key) => radar.filter((row) => row[key]).length - 1;
+  const text = `Over a hotspot a UAV detects it with ${percent(here.high)} in a step; ${all}.`
+    + (next ? ` One cell away it is ${percent(next.high)} and ${percent(next.quorum)}.` : '')
+    + ` Links reach ${reach('link_high')} cells at the greatest pilot density and ${reach('link_low')} at the least.`;
+  $('radar-note').textContent = text;
+  $('radar').setAttribute('aria-label', text);
+}
+
+function describeSelection(t) {
+  const { uav } = player.selection;
+  if (steering && uav === undefined) takeControls(false);
+  $('hash').textContent = t > 0 ? episode.frames[t].state_hash : episode.header.initial.state_hash;
+  $('steer').disabled = uav === undefined;
+  $('ground').disabled = uav === undefined || t >= episode.lastStep;
+  $('deed-note').textContent = steering
+    ? `UAV ${uav} is yours: the arrow keys fly it a cell, "." lets it stay.`
+    : uav !== undefined ? `UAV ${uav} is selected.` : 'Select a UAV to steer or ground it; drag a hotspot to move it.';
+}
+
+function takeControls(on) {
+  steering = on;
+  $('steer').setAttribute('aria-pressed', on);
+  if (on) document.activeElement?.blur();
+  setPlaying(false);
+  describeSelection(Math.floor(player.time));
+}
+
+/** Steers step t of a UAV, in place of what was decided for it before, and shows that step. */
+function steer(motion) {
+  const t = Math.floor(player.time) + 1;
+  const { uav } = player.selection;
+  if (uav === undefined || t > episode.config.horizon_steps) return;
+  setPlaying(false);
+  const others = mission.deeds.filter((deed) => deed.do !== 'steer' || deed.uav !== uav || deed.t !== t);
+  change({ deeds: [...others, { do: 'steer', t, uav, motion }] }, t);
+}
+
+function ground() {
+  const { uav } = player.selection;
+  const t = Math.floor(player.time) + 1;
+  if (uav !== undefined) change({ deeds: [...mission.deeds, { do: 'ground', t, uav }] });
+}
+
+function undo() {
+  if (mission.deeds.length) change({ deeds: mission.deeds.slice(0, -1) });
+  else change({ moved: mission.moved.slice(0, -1) });
+}
+
+function onMissionKey(event) {
+  if (/^(INPUT|SELECT|TEXTAREA|SUMMARY)$/.test(event.target.tagName) && event.target.id !== 'scrub') return true;
+  if (event.key === 'n') { newSeed(mission.seed + 1); return true; }
+  if (!steering || !(event.key in MOTIONS)) return false;
+  event.preventDefault();
+  steer(MOTIONS[event.key]);
+  return true;
+}
+
+/** A hotspot follows the pointer; where it is dropped, the mission is flown with it. */
+function beginDrag(event) {
+  const group = event.target.closest('.hotspot');
+  if (!group) return;
+  const stage = $('stage');
+  const hotspot = Number(group.dataset.hotspot);
+  const { grid_width: width, grid_height: height } = episode.config;
+  const from = `${episode.header.hotspots[hotspot]}`;
+  let cell = null;
+
+  const cellAt = (pointer) => {
+    const { x, y } = new DOMPoint(pointer.clientX, pointer.clientY).matrixTransform(stage.getScreenCTM().inverse());
+    const within = (value, count) => Math.min(count - 1, Math.max(0, Math.floor(value / CELL)));
+    return [within(x, width), height - 1 - within(y, height)];
+  };
+  const move = (pointer) => {
+    cell = cellAt(pointer);
+    group.classList.add('dragged');
+    group.setAttribute('transform', `translate(${(cell[0] + 0.5) * CELL} ${(height - cell[1] - 0.5) * CELL})`);
+  };
+  const drop = () => {
+    stage.removeEventListener('pointermove', move);
+    if (!cell || `${cell}` === from) { group.classList.remove('dragged'); return; }
+    change({ moved: [...mission.moved.filter(([id]) => id !== hotspot), [hotspot, cell]] }).then(() => {
+      // A cell that is taken is refused: the mission stays as it was.
+      if (!$('problem').hidden) mission = { ...mission, moved: mission.moved.filter(([id]) => id !== hotspot) };
+    });
+  };
+  stage.addEventListener('pointermove', move);
+  addEventListener('pointerup', drop, { once: true });
+}

@@ -1,0 +1,323 @@
+//! A mission and the deeds of the person who watches it.
+
+use jcas_core::rng::derive_seed;
+use jcas_core::{Cell, Config, Model, Motion};
+use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, Trained};
+use jcas_evaluate::replay;
+use jcas_evaluate::trace::{Flight, Trace};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+/// The largest fleet, and the most hotspots, that the page flies.
+pub const MOST_UAVS: u32 = 400;
+/// The largest grid that it draws.
+pub const MOST_CELLS: u64 = 64 * 64;
+/// The longest mission, in steps of single UAVs.
+const MOST_AGENT_STEPS: u64 = 200_000;
+
+/// The trained policies that the page brings along.
+pub const SHIPPED: [(&str, &[u8]); 1] = [(
+    "fleet",
+    include_bytes!("../../policies/fleet/policy.safetensors"),
+)];
+
+/// What to fly.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mission {
+    /// A configuration as `jcas` reads it: fields over a preset.
+    #[serde(default)]
+    config: Map<String, Value>,
+    /// Name of a baseline or of a shipped policy.
+    policy: String,
+    /// Pilot mode: a number, `min`, `mid`, `max` or `adaptive`.
+    pilot: String,
+    /// Seed of the episode.
+    seed: u32,
+    /// Where hotspots lie that the person has moved, in place of the drawn cells.
+    #[serde(default)]
+    moved: Vec<(usize, Cell)>,
+    /// What the person does during the mission, in any order.
+    #[serde(default)]
+    deeds: Vec<Deed>,
+}
+
+/// One interference; `t` is the step that it changes, from 1.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+enum Deed {
+    /// The UAV makes this motion, whatever its policy says.
+    Steer { t: u32, uav: usize, motion: usize },
+    /// The UAV's battery is emptied before the step.
+    Ground { t: u32, uav: usize },
+}
+
+impl Mission {
+    /// Flies it: the episode as the replay page reads it, the chances of detection over distance, and the
+    /// hash of the last state.
+    ///
+    /// # Errors
+    /// A sentence that names the field, the value and what is allowed.
+    pub(crate) fn fly(&self) -> Result<String, String> {
+        let config = Config::from_json(&Value::from(self.config.clone()).to_string())
+            .map_err(|error| error.to_string())?;
+        check_size(&config)?;
+        let model = Model::new(config).map_err(|error| error.to_string())?;
+        let mut policy = self.policy(&model)?;
+        let trace = self.trace(&model, policy.as_mut())?;
+        let last = trace.steps.last().map(|step| step.state_hash);
+        let data = replay::data_of(&trace).map_err(|error| error.to_string())?;
+        let hash = last.unwrap_or(trace.header.initial.state_hash);
+        // The episode is JSON already, and long: it is not parsed to be written again.
+        Ok(format!(
+            r#"{{"state_hash":"{hash}","radar":{},"episode":{data}}}"#,
+            radar(&model)
+        ))
+    }
+
+    fn policy(&self, model: &Model<'_>) -> Result<Box<dyn Policy>, String> {
+        if let Some((name, bytes)) = SHIPPED.iter().find(|(name, _)| *name == self.policy) {
+            let trained = Trained::read(name, bytes).map_err(|error| error.to_string())?;
+            trained.check(model).map_err(|error| error.to_string())?;
+            return Ok(Box::new(trained));
+        }
+        let kind: BaselineKind = self.policy.parse().map_err(|error| format!("{error}"))?;
+        let pilot: PilotMode = self.pilot.parse().map_err(|error| format!("{error}"))?;
+        let baseline = kind
+            .build(model, pilot)
+            .map_err(|error| error.to_string())?;
+        Ok(Box::new(baseline))
+    }
+
+    fn trace(&self, model: &Model<'_>, policy: &mut dyn Policy) -> Result<Trace, String> {
+        self.check_deeds(model)?;
+        let seed = derive_seed(u64::from(self.seed), 0);
+        let text = |error: jcas_core::Error| error.to_string();
+        let mut flight = Flight::begin(model, seed).map_err(text)?;
+        self.place(&mut flight).map_err(text)?;
+        policy.reset(model, seed);
+        let header = flight.header(policy.name(), policy.pilot());
+        let mut actions = vec![0.0; model.action_len()];
+        let mut steps = Vec::new();
+        while !flight.over() {
+            let t = steps.len() as u32 + 1;
+            let deeds = || self.deeds.iter().filter(|deed| deed.step() == t);
+            for deed in deeds() {
+                deed.change(&mut flight).map_err(text)?;
+            }
+            flight.ask(policy, &mut actions);
+            for deed in deeds() {
+                deed.steer(&mut actions);
+            }
+            steps.push(flight.step(&actions).map_err(text)?);
+        }
+        Ok(Trace {
+            header,
+            steps,
+            end: flight.end(),
+        })
+    }
+
+    fn place(&self, flight: &mut Flight<'_>) -> Result<(), jcas_core::Error> {
+        if self.moved.is_empty() {
+            return Ok(());
+        }
+        let state = flight.sim_mut().state();
+        let mut cells: Vec<Cell> = (0..state.hotspot_count())
+            .map(|hotspot| state.hotspot_cell(hotspot))
+            .collect();
+        for &(hotspot, cell) in &self.moved {
+            cells[hotspot] = cell;
+        }
+        flight.sim_mut().set_hotspots(&cells)
+    }
+
+    fn check_deeds(&self, model: &Model<'_>) -> Result<(), String> {
+        let below = |what: &str, index: usize, count: usize| {
+            if index < count {
+                Ok(())
+            } else {
+                Err(format!("deeds: {what} = {index}: must be below {count}"))
+            }
+        };
+        for (hotspot, _) in &self.moved {
+            below("hotspot", *hotspot, model.hotspot_count())?;
+        }
+        for deed in &self.deeds {
+            if deed.step() == 0 {
+                return Err("deeds: t = 0: the first step is 1".to_owned());
+            }
+            match *deed {
+                Deed::Steer { uav, motion, .. } => {
+                    below("uav", uav, model.uav_count())?;
+                    below("motion", motion, Motion::ALL.len())?;
+                }
+                Deed::Ground { uav, .. } => below("uav", uav, model.uav_count())?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Deed {
+    fn step(self) -> u32 {
+        match self {
+            Self::Steer { t, .. } | Self::Ground { t, .. } => t,
+        }
+    }
+
+    /// What changes the state before a step.
+    fn change(self, flight: &mut Flight<'_>) -> Result<(), jcas_core::Error> {
+        match self {
+            Self::Steer { .. } => Ok(()),
+            Self::Ground { uav, .. } => flight.sim_mut().set_battery(uav, 0),
+        }
+    }
+
+    /// What changes the actions of a step.
+    fn steer(self, actions: &mut [f32]) {
+        if let Self::Steer { uav, motion, .. } = self {
+            actions[2 * uav] = Motion::ALL[motion].to_action();
+        }
+    }
+}
+
+/// A page that a person waits for flies no mission of minutes.
+fn check_size(config: &Config) -> Result<(), String> {
+    let agent_steps = u64::from(config.uav_count) * u64::from(config.horizon_steps);
+    for (field, value, most) in [
+        (
+            "uav_count",
+            u64::from(config.uav_count),
+            u64::from(MOST_UAVS),
+        ),
+        (
+            "hotspot_count",
+            u64::from(config.hotspot_count),
+            u64::from(MOST_UAVS),
+        ),
+        (
+            "grid_width x grid_height",
+            config.cell_count() as u64,
+            MOST_CELLS,
+        ),
+        ("uav_count x horizon_steps", agent_steps, MOST_AGENT_STEPS),
+    ] {
+        if value > most {
+            return Err(format!("{field} = {value}: the page flies at most {most}"));
+        }
+    }
+    Ok(())
+}
+
+/// For each distance in cells along a row: the chance that one UAV detects, at the least and at the greatest
+/// pilot density, and that as many as the quorum do in the same step, all of them there.
+fn radar(model: &Model<'_>) -> Value {
+    let config = model.config();
+    let quorum = f64::from(config.quorum);
+    let farthest = config.grid_width.min(9);
+    let rows = (0..farthest).map(|cells| {
+        let at = |density| model.detection_probability(cells, 0, density);
+        let (low, high) = (at(config.pilot_density_min), at(config.pilot_density_max));
+        json!({
+            "cells": cells,
+            "low": low,
+            "high": high,
+            "quorum": high.powf(quorum),
+            "link_low": model.link_throughput(cells, 0, config.pilot_density_min) >= config.link_throughput_min,
+            "link_high": model.link_throughput(cells, 0, config.pilot_density_max) >= config.link_throughput_min,
+        })
+    });
+    Value::Array(rows.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jcas_evaluate::trace::Hex;
+
+    fn fly(question: &Value) -> Value {
+        serde_json::from_str(&crate::answer(&question.to_string())).unwrap()
+    }
+
+    fn mission(deeds: Value) -> Value {
+        json!({
+            "ask": "fly", "policy": "swarm", "pilot": "max", "seed": 7, "deeds": deeds,
+            "config": { "uav_count": 6, "hotspot_count": 2, "detection_threshold_db": -23.75 },
+        })
+    }
+
+    fn last_hash(answer: &Value) -> &str {
+        answer["state_hash"]
+            .as_str()
+            .unwrap_or_else(|| panic!("{answer}"))
+    }
+
+    #[test]
+    fn without_deeds_it_is_the_mission_that_the_kernel_flies() {
+        let config = Config::from_json(
+            r#"{"uav_count": 6, "hotspot_count": 2, "detection_threshold_db": -23.75}"#,
+        )
+        .unwrap();
+        let model = Model::new(config).unwrap();
+        let mut policy = BaselineKind::Swarm.build(&model, PilotMode::Max).unwrap();
+        let mut sim = jcas_core::Sim::new(&model);
+        let seed = derive_seed(7, 0);
+        sim.reset(seed);
+        policy.reset(&model, seed);
+        let mut actions = vec![0.0; model.action_len()];
+        while !(sim.state().terminated() || sim.state().truncated()) {
+            policy.act(&model, &sim.state(), &mut actions);
+            sim.step(&actions).unwrap();
+        }
+        let flown = fly(&mission(json!([])));
+        assert_eq!(last_hash(&flown), Hex(sim.state_hash()).to_string());
+    }
+
+    #[test]
+    fn a_steered_uav_goes_where_it_is_sent_and_the_rest_of_the_mission_differs() {
+        let steered = fly(&mission(
+            json!([{ "do": "steer", "t": 1, "uav": 3, "motion": 0 }]),
+        ));
+        let start = &steered["episode"]["header"]["initial"]["positions"][3];
+        let after = &steered["episode"]["steps"][0]["positions"][3];
+        assert_eq!(after[0], start[0]);
+        assert_eq!(after[1].as_u64(), start[1].as_u64().map(|y| y + 1));
+        assert_ne!(last_hash(&steered), last_hash(&fly(&mission(json!([])))));
+    }
+
+    #[test]
+    fn a_grounded_uav_stays_and_a_moved_hotspot_lies_elsewhere() {
+        let mut question = mission(json!([{ "do": "ground", "t": 2, "uav": 0 }]));
+        question["moved"] = json!([[1, [0, 0]]]);
+        let flown = fly(&question);
+        assert_eq!(flown["episode"]["header"]["hotspots"][1], json!([0, 0]));
+        let step = |t: usize| &flown["episode"]["steps"][t - 1];
+        assert_eq!(step(2)["grounded"], json!([0]));
+        assert_eq!(step(2)["positions"][0], step(1)["positions"][0]);
+    }
+
+    #[test]
+    fn what_cannot_be_flown_is_said() {
+        let refused = |question: Value| fly(&question)["error"].as_str().unwrap().to_owned();
+        let with = |key: &str, value: Value| {
+            let mut question = mission(json!([]));
+            question[key] = value;
+            refused(question)
+        };
+        assert!(with("policy", json!("fly")).contains("fly"));
+        assert!(with("config", json!({ "uav_count": 401 })).contains("uav_count = 401"));
+        assert!(with("config", json!({ "quorum": -1 })).contains("quorum"));
+        assert!(with("config", json!({ "target_visibility": "hidden" })).contains("swarm"));
+        let deed = |deed: Value| refused(mission(json!([deed])));
+        assert!(deed(json!({ "do": "steer", "t": 1, "uav": 6, "motion": 0 })).contains("uav = 6"));
+        assert!(
+            deed(json!({ "do": "steer", "t": 1, "uav": 0, "motion": 5 })).contains("motion = 5")
+        );
+        assert!(deed(json!({ "do": "ground", "t": 0, "uav": 0 })).contains("t = 0"));
+        assert!(with("moved", json!([[2, [0, 0]]])).contains("hotspot = 2"));
+        assert!(with("moved", json!([[0, [12, 0]]])).contains("12"));
+        assert!(refused(json!({ "ask": "sing" })).contains("sing"));
+        assert!(crate::answer("{").contains("error"));
+    }
+}

@@ -1,0 +1,92 @@
+//! `cargo xtask fmu`: the kernel as a Functional Mock-up Unit.
+
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+const PAGE: &str = include_str!("../../fmi/documentation/index.html");
+const LICENSES: [(&str, &str); 2] = [
+    ("LICENSE-APACHE.txt", include_str!("../../LICENSE-APACHE")),
+    ("LICENSE-MIT.txt", include_str!("../../LICENSE-MIT")),
+];
+
+/// Builds the unit for this machine and writes `target/fmu/jcas.fmu`, or the file after `--out`.
+pub fn run(arguments: &[String]) -> Result<bool, String> {
+    let out = match arguments {
+        [] => PathBuf::from("target/fmu/jcas.fmu"),
+        [option, file] if option == "--out" => PathBuf::from(file),
+        _ => return Err("fmu takes --out FILE".to_owned()),
+    };
+    let library = build()?;
+    let archive = pack(&library).map_err(|error| format!("{}: {error}", out.display()))?;
+    let said = |error: std::io::Error| format!("{}: {error}", out.display());
+    if let Some(folder) = out.parent() {
+        std::fs::create_dir_all(folder).map_err(said)?;
+    }
+    let unfinished = out.with_extension("part");
+    std::fs::write(&unfinished, &archive).map_err(said)?;
+    std::fs::rename(&unfinished, &out).map_err(said)?;
+    println!("{} ({} kB)", out.display(), archive.len() / 1000);
+    Ok(true)
+}
+
+fn pack(library: &[u8]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().unix_permissions(0o644);
+    let mut add = |name: &str, bytes: &[u8]| -> Result<(), Box<dyn std::error::Error>> {
+        zip.start_file(name, options)?;
+        Ok(zip.write_all(bytes)?)
+    };
+    add(
+        "modelDescription.xml",
+        jcas_fmi::description::xml()?.as_bytes(),
+    )?;
+    add(
+        &format!("binaries/{}/jcas.{}", platform(), extension()),
+        library,
+    )?;
+    add("documentation/index.html", PAGE.as_bytes())?;
+    for (name, bytes) in jcas_web::mission::SHIPPED {
+        add(&format!("resources/{name}.safetensors"), bytes)?;
+    }
+    for (name, text) in LICENSES {
+        add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
+    }
+    Ok(zip.finish()?.into_inner())
+}
+
+/// The standard's name of this machine.
+fn platform() -> String {
+    let system = match std::env::consts::OS {
+        "macos" => "darwin",
+        other => other,
+    };
+    format!("{}-{system}", std::env::consts::ARCH)
+}
+
+/// Of a library, as the standard has it.
+fn extension() -> &'static str {
+    match std::env::consts::OS {
+        "macos" => "dylib",
+        "windows" => "dll",
+        _ => "so",
+    }
+}
+
+/// The bytes of the unit's library.
+fn build() -> Result<Vec<u8>, String> {
+    let built = Command::new("cargo")
+        .args(["build", "--release", "--lib", "--package", "jcas-fmi"])
+        .status()
+        .map_err(|error| format!("cargo does not start: {error}"))?;
+    if !built.success() {
+        return Err("the unit does not build".to_owned());
+    }
+    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    let file = format!("{}jcas_fmi.{}", std::env::consts::DLL_PREFIX, extension());
+    let library = Path::new(&target).join("release").join(file);
+    std::fs::read(&library).map_err(|error| format!("{}: {error}", library.display()))
+}

@@ -1,0 +1,71 @@
+//! `cargo xtask web`: the playground as one file, for any web host or none.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Builds the kernel for the browser, unless it is given with `--wasm FILE`, and writes
+/// `target/web/index.html`, or the file after `--out`.
+pub fn run(arguments: &[String]) -> Result<bool, String> {
+    let (mut wasm, mut out) = (None, PathBuf::from("target/web/index.html"));
+    let mut rest = arguments.iter();
+    while let Some(argument) = rest.next() {
+        let mut value = || {
+            rest.next()
+                .ok_or(format!("{argument} needs a file after it"))
+        };
+        match argument.as_str() {
+            "--wasm" => wasm = Some(PathBuf::from(value()?)),
+            "--out" => out = PathBuf::from(value()?),
+            other => return Err(format!("{other}: there are --wasm FILE and --out FILE")),
+        }
+    }
+    let wasm = wasm.map_or_else(build, Ok)?;
+    let bytes = std::fs::read(&wasm).map_err(said(&wasm))?;
+    let page = jcas_web::page::whole(&STANDARD.encode(bytes));
+    if let Some(folder) = out.parent() {
+        std::fs::create_dir_all(folder).map_err(said(folder))?;
+    }
+    let unfinished = out.with_extension("part");
+    std::fs::write(&unfinished, &page).map_err(said(&unfinished))?;
+    std::fs::rename(&unfinished, &out).map_err(said(&out))?;
+    println!("{} ({} kB)", out.display(), page.len() / 1000);
+    Ok(true)
+}
+
+fn build() -> Result<PathBuf, String> {
+    // Size counts here, and the page flies a hundred UAVs well within a frame.
+    let built = Command::new("cargo")
+        .args([
+            "build",
+            "--release",
+            "--lib",
+            "--package",
+            "jcas-web",
+            "--target",
+            TARGET,
+        ])
+        .args(["--target-dir", "target/web"])
+        .args(["--config", "profile.release.lto=\"fat\""])
+        .args(["--config", "profile.release.codegen-units=1"])
+        .status()
+        .map_err(|error| format!("cargo does not start: {error}"))?;
+    if built.success() {
+        Ok(Path::new("target/web")
+            .join(TARGET)
+            .join("release/jcas_web.wasm"))
+    } else {
+        Err(format!(
+            "the kernel does not build for {TARGET}; `rustup target add {TARGET}` installs its library"
+        ))
+    }
+}
+
+fn said(path: &Path) -> impl FnOnce(std::io::Error) -> String {
+    let path = path.display().to_string();
+    move |error| format!("{path}: {error}")
+}
