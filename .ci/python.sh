@@ -43,3 +43,9 @@ sed -n '/^```python$/,/^```$/p' python/README.md | sed '/^```/d' >"$work/readme.
 "$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
 "$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 --episodes 5
 "$python" python/run_notebook.py examples/tour.ipynb
+
+# The FMU, in an importer that is not ours.
+cargo xtask fmu --out "$work/jcas.fmu"
+uv pip install --quiet --python "$python" 'fmpy>=0.3.32'
+JCAS_FMU=$work/jcas.fmu "$python" -m pytest -q fmi/tests
+"$python" examples/fmi/one_fleet_two_radars.py "$work/jcas.fmu" "$work/radars.png"

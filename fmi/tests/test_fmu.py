@@ -1,6 +1,6 @@
 """The unit in FMPy: valid, the same bits as through Python, several in one process, saved states, refusals.
 
-    JCAS_FMU=target/fmu/jcas.fmu pytest fmi/tests
+JCAS_FMU=target/fmu/jcas.fmu pytest fmi/tests
 """
 
 import os
@@ -77,7 +77,7 @@ def test_it_simulates_with_nothing_said():
 
 def test_every_field_of_the_configuration_is_a_parameter(unpacked):
     unit = Unit(unpacked)
-    for name in jcas.Config().to_dict():
+    for name in jcas.Config():
         assert name in unit.variables, name
 
 

@@ -117,6 +117,9 @@ async function controlsWork(page) {
 }
 
 async function hotspotsCanBeDragged(page) {
+  // At the start no UAV stands over a hotspot.
+  await page.press('Home');
+  await page.evaluate('document.querySelector("#stage").scrollIntoView({ block: "center" })');
   const box = await page.evaluate('(() => { const { x, y, width, height } = document.querySelector(".field").getBoundingClientRect(); return { x, y, width, height }; })()');
   const centre = await page.evaluate('(() => { const { x, y, width, height } = document.querySelector(".hotspot .box").getBoundingClientRect(); return [x + width / 2, y + height / 2]; })()');
   const corner = [box.x + box.width / 24, box.y + box.height * 23 / 24];
