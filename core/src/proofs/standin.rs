@@ -154,12 +154,12 @@ const ROUNDS: usize = 50;
 
 /// Runs a harness on many tapes; all its covers, `covers` in number, must be reached.
 pub fn check(harness: fn(), cases: u32, covers: usize) {
-    let mut runner = TestRunner::new(Config {
+    let config = Config {
         cases,
         max_global_rejects: 1 << 20,
         failure_persistence: None,
         ..Config::default()
-    });
+    };
     let word = prop_oneof![
         4 => proptest::num::u64::ANY,
         1 => 0..20u64,
@@ -169,7 +169,8 @@ pub fn check(harness: fn(), cases: u32, covers: usize) {
     let tapes = (vec(word, TAPE_WORDS), proptest::num::u64::ANY);
     COVERS.take();
     for _ in 0..ROUNDS {
-        let outcome = runner.run(&tapes, |(words, stream)| {
+        // A runner counts its cases over all of its runs.
+        let outcome = TestRunner::new(config.clone()).run(&tapes, |(words, stream)| {
             let tape = Tape {
                 words,
                 next: 0,
