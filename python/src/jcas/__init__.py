@@ -4,6 +4,7 @@
 - :class:`FleetEnv` (`gymnasium.make("jcas/Fleet-v0")`): one joint action for the fleet;
 - :func:`make_vec`: many fleets stepped by one call;
 - :class:`Sim`: the simulation itself, with every quantity, snapshots and forks;
+- :class:`Policy`: trained fleets and baselines that fly it;
 - :mod:`jcas.rllib`: the paper's training pipeline on Ray.
 """
 
@@ -25,6 +26,7 @@ from .errors import (
     TraceError,
 )
 from .fleet import FleetEnv
+from .flown import Policy
 from .model import Model
 from .parallel import JcasEnv, JcasParallelEnv, env, parallel_env
 from .policy import MlpPolicy, OnnxPolicy, load_policy
@@ -54,6 +56,7 @@ __all__ = [
     "MlpPolicy",
     "Model",
     "OnnxPolicy",
+    "Policy",
     "PolicyError",
     "ResetNeededError",
     "SetPolicy",

@@ -1,0 +1,80 @@
+"""Policies flown by the library: every baseline and the shipped network, over any fleet, with equal bits."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jcas
+
+FLEET = Path(__file__).parents[2] / "policies" / "fleet"
+
+
+def fly(policy: jcas.Policy, model: jcas.Model, seed: int) -> int:
+    sim = jcas.Sim(model, seed)
+    while not (sim.terminated or sim.truncated):
+        sim.step(policy.act(sim))
+    return sim.state_hash()
+
+
+@pytest.mark.parametrize(("uavs", "hotspots"), [(5, 3), (15, 7)])
+def test_the_shipped_policy_flies_any_fleet_and_repeats(uavs: int, hotspots: int) -> None:
+    model = jcas.Model(uav_count=uavs, hotspot_count=hotspots)
+    first, second = (jcas.Policy.load(path, model) for path in (FLEET, FLEET / "policy.safetensors"))
+    assert first.name == second.name == "fleet"
+    assert fly(first, model, 3) == fly(second, model, 3)
+
+
+def test_it_acts_as_the_same_network_on_numpy() -> None:
+    model = jcas.Model(uav_count=7, hotspot_count=4)
+    policy = jcas.Policy.load(FLEET, model, mode="deterministic")
+    numpy_policy = jcas.load_policy(FLEET).for_model(model)
+    sim = jcas.Sim(model, 5)
+    for _ in range(10):
+        actions = policy.act(sim)
+        np.testing.assert_allclose(actions, numpy_policy.act(sim.observe()).reshape(7, 2), atol=1e-4)
+        sim.step(actions)
+
+
+def test_draws_follow_from_the_seed() -> None:
+    model = jcas.Model(uav_count=5, hotspot_count=3)
+    policy = jcas.Policy.load(FLEET, model, mode="sampled")
+    assert fly(policy, model, 8) == fly(policy, model, 8) != fly(policy, model, 9)
+
+
+@pytest.mark.parametrize("name", ["random", "greedy", "swarm", "teams", "sweep", "line", "frontier", "relay"])
+def test_every_baseline_flies(name: str) -> None:
+    model = jcas.Model(uav_count=6, hotspot_count=2, sensing_range_m=150.0)
+    policy = jcas.Policy.baseline(name, model, pilot=0.2)
+    assert fly(policy, model, 1) == fly(jcas.Policy.baseline(name, model, pilot=0.2), model, 1)
+    assert name in repr(policy)
+
+
+def test_a_batch_is_acted_for_as_its_members() -> None:
+    model = jcas.Model(uav_count=5, hotspot_count=3)
+    policy = jcas.Policy.load(FLEET, model)
+    batch = jcas.Batch(model, 3)
+    buffers = jcas.BatchBuffers(model, 3)
+    batch.reset([4, 5, 6], buffers)
+    rows = policy.act_batch(batch)
+    for row, seed in zip(rows, (4, 5, 6), strict=True):
+        np.testing.assert_array_equal(row, policy.act(jcas.Sim(model, seed)))
+
+
+def test_what_does_not_fit_is_refused_by_name(tmp_path: Path) -> None:
+    model = jcas.Model(uav_count=5, hotspot_count=3)
+    with pytest.raises(jcas.JcasError, match="fly"):
+        jcas.Policy.baseline("fly", model)
+    with pytest.raises(jcas.PolicyError, match="absent"):
+        jcas.Policy.load(tmp_path / "absent", model)
+    broken = tmp_path / "policy.safetensors"
+    broken.write_bytes(b"no weights")
+    with pytest.raises(jcas.JcasError):
+        jcas.Policy.load(broken, model)
+    with pytest.raises(jcas.ArgumentError, match="mode"):
+        jcas.Policy.load(FLEET, model, mode="boldly")  # type: ignore[arg-type]
+    policy = jcas.Policy.load(FLEET, model)
+    with pytest.raises(jcas.ArgumentError, match="sim"):
+        policy.act(None)  # type: ignore[arg-type]
+    with pytest.raises(jcas.JcasError):
+        policy.act(jcas.Sim(jcas.Model(uav_count=6, hotspot_count=3)))
