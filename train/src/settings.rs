@@ -236,15 +236,19 @@ impl Settings {
             discount: 0.97,
             normalise_values: true,
             credit: Credit::Uav,
-            mission: BTreeMap::from([("inform_payment".to_owned(), "once".into())]),
+            mission: BTreeMap::from([
+                ("inform_payment".to_owned(), "once".into()),
+                // Three for each cell nearer on the paper's grid.
+                ("shaping_goal_weight".to_owned(), 66.0.into()),
+                ("shaping_unconfirmed_weight".to_owned(), 0.25.into()),
+                ("shaping_discount".to_owned(), 1.0.into()),
+            ]),
             reward_factors: BTreeMap::from([
                 ("energy".to_owned(), 100.0),
                 ("throughput".to_owned(), 0.2),
                 ("shaping_charge".to_owned(), 0.0),
-                ("shaping_goal".to_owned(), 0.0),
             ]),
             step_cost: 0.3,
-            progress_reward: 3.0,
             ..Settings::paper()
         }
     }

@@ -97,9 +97,9 @@ fn credit_for_each_uav_learns_faster_than_the_team_s() {
     assert!(uav > team + 1.5, "{uav} {team}");
 }
 
-/// Missions of the kernel, with the networks that the presets use: from random weights, under the rewards of
-/// `tuned`, fleets come to succeed where a random walk mostly fails. The fully connected network has to learn
-/// for each hotspot and neighbour anew what the other learns once.
+/// Missions of the kernel, with the networks that the presets use: from random weights fleets come to succeed
+/// where a random walk mostly fails. One learns from the potential of `tuned`; the other, which has to learn for
+/// each hotspot and neighbour anew what the first learns once, from a reward for each UAV's own progress.
 #[cfg(not(debug_assertions))]
 #[test]
 fn fleets_learn_missions_from_nothing() {
@@ -108,13 +108,21 @@ fn fleets_learn_missions_from_nothing() {
     use jcas_train::run::Plan;
     use jcas_train::settings::NetworkKind;
 
-    for (network, batches) in [(NetworkKind::Set, 20), (NetworkKind::Mlp, 70)] {
+    let tuned = Settings::preset(Preset::Tuned);
+    let of_progress = Settings {
+        network: NetworkKind::Mlp,
+        mission: [("inform_payment".to_owned(), "once".into())].into(),
+        reward_factors: [("shaping_goal".to_owned(), 0.0)].into(),
+        progress_reward: 3.0,
+        ..tuned.clone()
+    };
+    for (settings, batches) in [(tuned, 20), (of_progress, 70)] {
+        let network = settings.network;
         let plan = Plan {
             settings: Settings {
-                network,
                 environments: 40,
                 batch_steps: 1280,
-                ..Settings::preset(Preset::Tuned)
+                ..settings
             },
             configs: vec![Config {
                 uav_count: 6,
