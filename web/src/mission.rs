@@ -16,10 +16,16 @@ pub const MOST_CELLS: u64 = 64 * 64;
 const MOST_AGENT_STEPS: u64 = 200_000;
 
 /// The trained policies that the page brings along.
-pub const SHIPPED: [(&str, &[u8]); 1] = [(
-    "fleet",
-    include_bytes!("../../policies/fleet/policy.safetensors"),
-)];
+pub const SHIPPED: [(&str, &[u8]); 2] = [
+    (
+        "fleet",
+        include_bytes!("../../policies/fleet/policy.safetensors"),
+    ),
+    (
+        "paper",
+        include_bytes!("../../policies/paper/policy.safetensors"),
+    ),
+];
 
 /// What to fly.
 #[derive(Deserialize)]
