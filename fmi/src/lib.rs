@@ -4,7 +4,7 @@
 //! - [`description`]: that table as `modelDescription.xml`;
 //! - [`setup`]: the parameters; [`mission`]: the flight that they make;
 //! - [`instance`]: the life of an instance, from instantiation to termination;
-//! - [`interface`]: the functions of the standard, the only `unsafe`.
+//! - [`interface`]: the functions of the standard, the only `unsafe`; [`refused`]: those that are not offered.
 //!
 //! `cargo xtask fmu` packs it all into `jcas.fmu`.
 
@@ -15,5 +15,7 @@ pub mod instance;
 #[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
 pub mod interface;
 pub mod mission;
+#[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
+pub mod refused;
 pub mod setup;
 pub mod variables;
