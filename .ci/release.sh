@@ -4,5 +4,6 @@
 set -euo pipefail
 
 cargo test --locked --release --package jcas-tests --test golden
-cargo test --locked --release --package jcas-train --package jcas-reproduce
-cargo test --locked --release --package jcas --test training
+# In one command, so that the tensor library is built once, for one set of features.
+cargo test --locked --release --package jcas-train --package jcas-reproduce --package jcas \
+    --lib --test learning --test runs --test reproduction --test training
