@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -19,11 +20,9 @@ def test_the_declarations_are_fresh():
 
 def test_the_generator_sees_every_function_of_the_header():
     header = (PYTHON.parent / "include" / "jcas.h").read_text()
-    declared = [
-        line
-        for line in header.splitlines()
-        if "(" in line and line.startswith(("int32_t jcas", "uint", "const char *jcas"))
-    ]
+    declared = re.findall(
+        r"^(?:JCAS_API |JCAS_NODISCARD )*(?:jcas_status |const char \*|uint\d+_t )(jcas_\w+)\(", header, re.MULTILINE
+    )
     written = (PYTHON / "src" / "jcas" / "_abi.py").read_text().count(".argtypes")
     assert written == len(declared) > 50
 
