@@ -31,7 +31,9 @@ export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
 "$python" -m pytest -q python/tests --run-heavy
 
 # Exported networks give the same actions in onnxruntime.
-JCAS_ONNX_PYTHON=$python cargo test --locked --release --package jcas-train --test runs onnxruntime
+# The packages of the release section, so that nothing is built again.
+JCAS_ONNX_PYTHON=$python cargo test --locked --release --package jcas-train --package jcas-reproduce --package jcas \
+    --test runs onnxruntime
 
 # The README's lines, as they stand.
 work=$(mktemp -d)
