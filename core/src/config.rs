@@ -233,8 +233,7 @@ impl Config {
             },
             Preset::Search => Self {
                 target_visibility: TargetVisibility::Hidden,
-                // The SNR at three cells of 50 m.
-                detection_threshold_db: Some(-23.75),
+                sensing_range_m: Some(150.0),
                 reward_coverage: 36.0,
                 reward_complete: 50.0,
                 reward_throughput: 0.0,

@@ -106,6 +106,7 @@ pub fn detection_threshold(odds_against: f64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Preset;
 
     fn near(a: f64, b: f64, tolerance: f64) {
         assert!((a - b).abs() < tolerance, "{a} is not {b}");
@@ -166,11 +167,12 @@ mod tests {
             ..ranged
         };
         assert_eq!(detection_threshold_db(&given), -3.5);
-        let paper = Config::preset(crate::config::Preset::Paper);
-        assert_eq!(
-            detection_threshold_db(&paper),
-            detection_threshold_db(&ranged)
-        );
+        for preset in [Preset::Paper, Preset::Search] {
+            assert_eq!(
+                detection_threshold_db(&Config::preset(preset)),
+                detection_threshold_db(&ranged)
+            );
+        }
     }
 
     #[test]
