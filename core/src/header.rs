@@ -1,6 +1,6 @@
 //! The scalars of a state, one word each.
 
-use crate::reward::{COMPONENTS, Rewards};
+use crate::reward::{COMPONENTS, KEPT, Rewards};
 
 /// How far the present step has come; what may be called next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ const RETURN: usize = 14;
 const REWARDS: usize = 15;
 
 /// Words of the header.
-pub const WORDS: usize = REWARDS + COMPONENTS;
+pub const WORDS: usize = REWARDS + KEPT;
 
 /// Scalars to read.
 #[derive(Clone, Copy, Debug)]
@@ -146,8 +146,8 @@ impl HeaderRef<'_> {
     #[must_use]
     pub fn rewards(&self) -> Rewards {
         let mut rewards = [0.0; COMPONENTS];
-        for (index, reward) in rewards.iter_mut().enumerate() {
-            *reward = f64::from_bits(self.0[REWARDS + index]);
+        for index in 0..KEPT {
+            rewards[index] = f64::from_bits(self.0[REWARDS + index]);
         }
         rewards
     }
@@ -171,8 +171,8 @@ impl HeaderMut<'_> {
     }
 
     pub(crate) fn set_rewards(&mut self, rewards: &Rewards) {
-        for (index, &reward) in rewards.iter().enumerate() {
-            self.0[REWARDS + index] = stored(reward);
+        for index in 0..KEPT {
+            self.0[REWARDS + index] = stored(rewards[index]);
         }
     }
 }

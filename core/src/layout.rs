@@ -3,7 +3,7 @@
 use crate::bits::words_for;
 use crate::config::{Config, SearchMaps};
 use crate::header;
-use crate::reward::OWN_COMPONENTS;
+use crate::reward::OWN_KEPT;
 
 /// Begin of each quantity, in words from the start of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl Layout {
             SearchMaps::Off => 0,
             SearchMaps::Shared => words_for(cells),
         };
-        let per_uav = (12 + OWN_COMPONENTS) * uavs + 3 * words_for(uavs);
+        let per_uav = (12 + OWN_KEPT) * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
         let pairs = 2 * uavs * words_for(hotspots) + uavs * words_for(uavs);
         Self {

@@ -31,6 +31,13 @@ pub const OWN_COMPONENTS: usize = 7;
 /// The components that are a UAV's own: coverage, energy, carbon, revisit, throughput and both shaping terms.
 pub const OWN: [usize; OWN_COMPONENTS] = [3, 4, 5, 6, 8, 10, 11];
 
+/// How many components of the team's last reward a state keeps. A proof's state keeps the first: no call
+/// reads any of them, and one line writes, another judges each.
+pub(crate) const KEPT: usize = if cfg!(kani) { 1 } else { COMPONENTS };
+
+/// How many of its own components a state keeps for each UAV; as [`KEPT`].
+pub(crate) const OWN_KEPT: usize = if cfg!(kani) { 1 } else { OWN_COMPONENTS };
+
 /// The weights of a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RewardPlan {

@@ -9,7 +9,7 @@ use crate::header::{self, HeaderMut, HeaderRef, Phase};
 use crate::layout::Layout;
 use crate::metrics::Metrics;
 use crate::model::Model;
-use crate::reward::{self, OWN_COMPONENTS, Rewards};
+use crate::reward::{self, OWN, OWN_KEPT, Rewards};
 
 /// Declares both views of a state from one list, so that they cannot disagree on the layout.
 macro_rules! state {
@@ -73,7 +73,7 @@ const fn length(layout: &Layout, length: Length) -> usize {
     let (uavs, hotspots) = (layout.uavs, layout.hotspots);
     match length {
         Length::PerUav => uavs,
-        Length::OwnRewards => OWN_COMPONENTS * uavs,
+        Length::OwnRewards => OWN_KEPT * uavs,
         Length::PerHotspot => hotspots,
         Length::UavSet => bits::words_for(uavs),
         Length::HotspotSet => bits::words_for(hotspots),
@@ -223,8 +223,8 @@ impl StateMut<'_> {
     /// Keeps those components of a UAV's reward that are its own.
     #[inline]
     pub(crate) fn set_own_rewards(&mut self, i: usize, rewards: &Rewards) {
-        for (slot, &index) in reward::OWN.iter().enumerate() {
-            self.own_rewards[i * OWN_COMPONENTS + slot] = header::stored(rewards[index]);
+        for slot in 0..OWN_KEPT {
+            self.own_rewards[i * OWN_KEPT + slot] = header::stored(rewards[OWN[slot]]);
         }
     }
 }
@@ -493,8 +493,8 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn uav_rewards(&self, i: usize) -> Rewards {
         let mut rewards = self.rewards();
-        for (slot, &index) in reward::OWN.iter().enumerate() {
-            rewards[index] = f64::from_bits(self.own_rewards[i * OWN_COMPONENTS + slot]);
+        for slot in 0..OWN_KEPT {
+            rewards[OWN[slot]] = f64::from_bits(self.own_rewards[i * OWN_KEPT + slot]);
         }
         rewards
     }

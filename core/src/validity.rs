@@ -6,7 +6,7 @@ use crate::config::Cell;
 use crate::header::Phase;
 use crate::model::Model;
 use crate::potential;
-use crate::reward::OWN_COMPONENTS;
+use crate::reward::OWN_KEPT;
 use crate::state::StateRef;
 
 impl StateRef<'_> {
@@ -234,8 +234,8 @@ impl StateRef<'_> {
             let (goal, charge) = (self.goal_potential(i), self.charge_potential(i));
             numbers &= !is_negative_zero(goal) && !is_negative_zero(charge);
             numbers &= potential::is_in_range(model, goal, charge);
-            for slot in 0..OWN_COMPONENTS {
-                let own = f64::from_bits(self.own_rewards[i * OWN_COMPONENTS + slot]);
+            for slot in 0..OWN_KEPT {
+                let own = f64::from_bits(self.own_rewards[i * OWN_KEPT + slot]);
                 numbers &= own.is_finite() && !is_negative_zero(own);
             }
         }

@@ -12,7 +12,7 @@ use crate::state::StateMut;
 
 /// The base: whatever the memory held and whatever the seed.
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(100))]
+#[cfg_attr(kani, kani::unwind(64))]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 #[cfg_attr(
     kani,
@@ -46,7 +46,11 @@ pub fn reset_makes_a_valid_state() {
 }
 
 /// Words of a state with two hotspots; of any state that the stand-in makes.
-const SPREAD_WORDS: usize = if cfg!(kani) { 79 } else { STATE_WORDS };
+#[cfg(kani)]
+const SPREAD_WORDS: usize = super::state::SMALLEST_SPREAD_WORDS;
+/// Words of a state with two hotspots; of any state that the stand-in makes.
+#[cfg(not(kani))]
+const SPREAD_WORDS: usize = STATE_WORDS;
 
 /// Whatever the draws: hotspots lie on cells of the grid, on no depot, no two on one cell.
 #[cfg_attr(kani, kani::proof)]

@@ -99,7 +99,7 @@ pub fn both_writers_of_the_checksum_agree() {
 }
 
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(100))]
+#[cfg_attr(kani, kani::unwind(64))]
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,
@@ -130,7 +130,7 @@ pub fn loading_accepts_only_snapshots_of_valid_states() {
 }
 
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(100))]
+#[cfg_attr(kani, kani::unwind(64))]
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,

@@ -2,31 +2,41 @@
 //!
 //! A state is valid (`StateRef::is_valid`) if it belongs to the model, its fleet is valid
 //! (`fleet_is_valid`) and its scalars are (`scalars_are_valid`). The parts of a step before its end leave
-//! the scalars, and the rewards and potentials of UAVs that are judged with them, alone: their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` what
-//! follows from it.
+//! the scalars, and the rewards and potentials of UAVs that are judged with them, alone: their proofs show
+//! [`carries_scalars`], and `step::carried_scalars_stay_valid` what follows from it.
 
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::header::{self, Phase};
 use crate::model::Model;
-use crate::reward::OWN_COMPONENTS;
+use crate::reward::OWN_KEPT;
 #[cfg(not(kani))]
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::validity::THROUGHPUT_MAX;
 
-/// Words of a state of the smallest model.
+/// Words of a state of the smallest model as Kani sees it, with one component of each reward.
 #[cfg(any(kani, test))]
-pub(super) const SMALLEST_STATE_WORDS: usize = 80;
+pub(super) const SMALLEST_STATE_WORDS: usize = 57;
+/// The same with two hotspots: for the second a cell, a time of confirmation and one at which all know it.
+#[cfg(any(kani, test))]
+pub(super) const SMALLEST_SPREAD_WORDS: usize = SMALLEST_STATE_WORDS + 3;
 /// Words of a state of any model that Kani sees.
 #[cfg(kani)]
 pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
 /// Words of a state of any model that the stand-in makes.
 #[cfg(not(kani))]
 pub(super) const STATE_WORDS: usize = 160;
-/// Words of working memory of the smallest model, and of any that the stand-in makes.
-pub(super) const SCRATCH_WORDS: usize = if cfg!(kani) { 13 } else { 40 };
+/// Words of working memory of the smallest model.
+#[cfg(any(kani, test))]
+pub(super) const SMALLEST_SCRATCH_WORDS: usize = 13;
+/// Words of working memory of any model that Kani sees.
+#[cfg(kani)]
+pub(super) const SCRATCH_WORDS: usize = SMALLEST_SCRATCH_WORDS;
+/// Words of working memory of any model that the stand-in makes.
+#[cfg(not(kani))]
+pub(super) const SCRATCH_WORDS: usize = 40;
 /// Two components for each UAV of the smallest model, and for each of at most five.
 pub(super) const ACTIONS: usize = if cfg!(kani) { 4 } else { 10 };
 
@@ -152,14 +162,13 @@ pub(super) fn carries_scalars(before: &StateRef<'_>, after: &StateRef<'_>) {
 }
 
 /// What a part before the end of a step does to rewards and potentials of UAVs: nothing. Kani looks at any
-/// one word of them, the stand-in at all.
+/// one UAV and the reward's one component, the stand-in at all.
 fn carries_uav_rewards(before: &StateRef<'_>, after: &StateRef<'_>) {
     if cfg!(kani) {
         let i = between(0, before.uav_count() as u64 - 1) as usize;
-        let own = i * OWN_COMPONENTS + between(0, OWN_COMPONENTS as u64 - 1) as usize;
         assert!(before.goal_potential[i] == after.goal_potential[i]);
         assert!(before.charge_potential[i] == after.charge_potential[i]);
-        assert!(before.own_rewards[own] == after.own_rewards[own]);
+        assert!(before.own_rewards[i * OWN_KEPT] == after.own_rewards[i * OWN_KEPT]);
     } else {
         assert!(before.goal_potential == after.goal_potential);
         assert!(before.charge_potential == after.charge_potential);

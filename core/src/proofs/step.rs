@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::header::{self, Phase};
 use crate::model::Model;
 use crate::model::any_model::{TABLE_WORDS, any_model};
-use crate::reward::OWN_COMPONENTS;
+use crate::reward::OWN_KEPT;
 use crate::scratch::Scratch;
 use crate::state::StateRef;
 use crate::validity::THROUGHPUT_MAX;
@@ -123,7 +123,7 @@ pub fn carried_scalars_stay_valid() {
     }
     // Rewards and potentials of UAVs follow the nine quantities that each has.
     let begin = header::WORDS + 9 * model.uav_count();
-    for index in begin..begin + (2 + OWN_COMPONENTS) * model.uav_count() {
+    for index in begin..begin + (2 + OWN_KEPT) * model.uav_count() {
         after[index] = before[index];
     }
     let phase = any_phase();
@@ -245,15 +245,34 @@ super::standin::twins! {
 
 #[cfg(test)]
 mod sizes {
-    use super::super::state::SMALLEST_STATE_WORDS;
+    use super::super::state::{
+        SMALLEST_SCRATCH_WORDS, SMALLEST_SPREAD_WORDS, SMALLEST_STATE_WORDS,
+    };
+    use crate::config::Config;
     use crate::layout::Layout;
     use crate::model::Model;
     use crate::model::any_model::{SMALLEST_TABLE_WORDS, smallest};
+    use crate::reward::{COMPONENTS, OWN_COMPONENTS};
+    use crate::scratch::Scratch;
+
+    /// Words of a state in which each reward has one component.
+    fn words_seen_by_kani(config: &Config) -> usize {
+        let own = config.uav_count as usize * (OWN_COMPONENTS - 1);
+        Layout::of(config).end - (COMPONENTS - 1) - own
+    }
 
     /// Catches a change of the layout that Kani's fixed sizes do not follow.
     #[test]
     fn the_smallest_model_has_the_sizes_that_kani_is_given() {
-        assert_eq!(Layout::of(&smallest()).end, SMALLEST_STATE_WORDS);
+        let spread = Config {
+            hotspot_count: 2,
+            ..smallest()
+        };
+        assert_eq!(words_seen_by_kani(&smallest()), SMALLEST_STATE_WORDS);
+        assert_eq!(words_seen_by_kani(&spread), SMALLEST_SPREAD_WORDS);
         assert_eq!(Model::table_words(&smallest()), Ok(SMALLEST_TABLE_WORDS));
+        let mut tables = [0; SMALLEST_TABLE_WORDS];
+        let model = Model::new_in(smallest(), &mut tables).unwrap();
+        assert_eq!(Scratch::words_for(&model), SMALLEST_SCRATCH_WORDS);
     }
 }
