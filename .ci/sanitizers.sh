@@ -26,9 +26,11 @@ check="clang $FLAGS -fsanitize=address,undefined -fno-sanitize-recover=all"
 $check tests/c/abuse*.c "$library" $SYSTEM -o "$out/abuse"
 $check tests/c/replay.c "$library" $SYSTEM -o "$out/replay"
 $check tests/c/policies.c "$library" $SYSTEM -o "$out/policies"
+$check tests/c/traces.c "$library" $SYSTEM -o "$out/traces"
 "$out/abuse"
 "$out/replay" tests/golden/*.jsonl
 "$out/policies" policies/fleet/policy.safetensors >"$out/policies.txt"
+"$out/traces" "$out" tests/golden/*.jsonl
 
 echo "ThreadSanitizer"
 library=$(instrumented thread)

@@ -12,7 +12,8 @@
  *   fit. `Statuses:` at a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be.
  * Memory. ..._new takes memory from the system; ..._init builds in memory of the caller, sized by
  *   ..._layout. Both end with ..._free; every simulation and batch before its model. Pointers that are
- *   passed in are not kept, but for the memory of ..._init and the model of a simulation or batch.
+ *   passed in are not kept, but for the memory of ..._init, the model of a simulation or batch, and what a
+ *   jcas_recorder points to.
  *   Only ..._new and jcas_policy_load allocate, in one piece for each object, so that a program with an
  *   allocator of its own gives it to everything by ..._layout and ..._init. Threads of a batch have stacks
  *   from the system.
@@ -37,6 +38,7 @@
  * A step by parts: step_begin -> [set_positions, ground, confirm_hotspot] -> step_sense[_over]
  *                  -> step_communicate[_over] -> step_end
  * Between steps: set_battery, move_hotspot; at t = 0 also set_starts, set_hotspots, set_batteries.
+ * A trace: record in place of reset, ..., record_end.
  */
 
 #ifndef JCAS_H
@@ -118,7 +120,7 @@
 // The episode has ended: reset before the next step.
 #define JCAS_ERROR_EPISODE_OVER (-11)
 
-// The bytes are not a snapshot of this model, or not a policy.
+// The bytes are not a snapshot of this model, not a policy, or not a trace.
 #define JCAS_ERROR_CORRUPT (-12)
 
 // The model still has simulations or batches, or memory given to ..._init holds a living handle.
@@ -135,6 +137,12 @@
 
 // The batch has threads, which a forked process does not have: build another one there.
 #define JCAS_ERROR_FORKED (-17)
+
+// The caller's sink has not taken all of a trace.
+#define JCAS_ERROR_SINK (-18)
+
+// A trace, flown again, is not what its file says.
+#define JCAS_ERROR_DIFFERENT (-19)
 
 // Most depots of a configuration.
 #define JCAS_MAX_DEPOTS 16
@@ -599,6 +607,31 @@ typedef struct jcas_hotspot {
     // Step at which all UAVs know it; 0 before.
     uint32_t informed_at;
 } jcas_hotspot;
+
+// Takes `count` bytes of a trace, in their order; `context` is the caller's own. Returns 0; anything else
+// says that they could not be taken, and no more are offered.
+typedef int32_t (*jcas_write)(const char *bytes, size_t count, void *context);
+
+// Where a recording goes, and what it works in. Everything that is pointed to, but for the names, stays
+// the caller's and must live until the recording ends.
+typedef struct jcas_recorder {
+    // sizeof(jcas_recorder).
+    uint32_t struct_size;
+    // Set it to 0.
+    uint32_t reserved;
+    // Takes the trace; not NULL.
+    jcas_write write;
+    // Passed to `write`.
+    void *write_context;
+    // Who flies, UTF-8, for the reader; NULL means "host".
+    const char *policy;
+    // How the pilot density is chosen, for the reader; NULL means "host".
+    const char *pilot;
+    // At least the size and alignment of jcas_trace_layout; not NULL.
+    void *memory;
+    // Its size in bytes.
+    size_t memory_size;
+} jcas_recorder;
 
 // One task of a batch step. Run it with the context that came with it and a number below `count`.
 typedef void (*jcas_task)(void *task_context, uint32_t index);
@@ -1304,6 +1337,78 @@ JCAS_API JCAS_NODISCARD jcas_status jcas_sim_fork(const struct jcas_sim *from, s
 // `sim`, `state_hash`: not NULL. Threads: none changes `sim`.
 // Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API jcas_status jcas_sim_hash(const struct jcas_sim *sim, uint64_t *state_hash);
+
+// How much memory recording and verifying take.
+//
+// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_trace_layout(const struct jcas_model *model,
+                              size_t *size,
+                              size_t *alignment);
+
+// Begins the episode of a seed, as jcas_sim_reset does, and records it: from here on every step, and
+// every call by which the host owns something, goes to the recorder as a line of the trace. `jcas trace
+// verify` flies such a file again bit for bit, `jcas replay` shows it.
+//
+// Whatever puts another state into the simulation (jcas_sim_reset, _load, _free, a fork into it,
+// jcas_batch_get, jcas_trace_verify) leaves the recording as it is, without its end, which readers say.
+// If the sink refuses the first line, nothing has changed: JCAS_ERROR_SINK. If it refuses a later one,
+// the simulation goes on, and jcas_sim_record_end says so.
+//
+// `sim`, `recorder`: not NULL; recorder->struct_size set; not needed after the call, but for what it
+// points to. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, SINK.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_record(struct jcas_sim *sim,
+                            uint64_t seed,
+                            const struct jcas_recorder *recorder);
+
+// Ends a recording, between steps: the last line goes to the recorder. JCAS_ERROR_OUT_OF_ORDER in the
+// middle of a step, or where nothing is recorded. JCAS_ERROR_SINK if the sink has not taken all of the
+// trace; the recording has ended then too.
+//
+// `sim`: not NULL. Threads: only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, SINK.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_sim_record_end(struct jcas_sim *sim);
+
+// Fills `config` with the configuration that a trace was flown with.
+//
+// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL. `config`: not
+// NULL. `struct_size`: sizeof(jcas_config). `message`: see the introduction. Threads: any.
+// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CORRUPT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_trace_config(const char *trace,
+                              size_t length,
+                              struct jcas_config *config,
+                              size_t struct_size,
+                              char *message,
+                              size_t message_capacity);
+
+// Flies a trace again and compares every line, byte by byte. JCAS_OK: this library does what the file
+// says. JCAS_ERROR_DIFFERENT: it does not; the message names the line and the field. JCAS_ERROR_CORRUPT:
+// the file was cut, changed, or is none. The simulation is left where the trace ends, or where it
+// differs.
+//
+// `sim`: not NULL; of the trace's configuration (jcas_trace_config), or JCAS_ERROR_MODEL_MISMATCH.
+// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again after the
+// call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the introduction. Threads:
+// only this one uses `sim`.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_trace_verify(struct jcas_sim *sim,
+                              void *memory,
+                              size_t size,
+                              const char *trace,
+                              size_t length,
+                              char *message,
+                              size_t message_capacity);
 
 // Builds M environments in memory of their own, each at t = 0 of seed 0.
 //

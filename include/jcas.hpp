@@ -20,6 +20,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -106,6 +107,16 @@ Record sized()
     record.struct_size = sizeof record;
     return record;
 }
+
+/// Where a trace goes, and what recording it works in.
+struct trace_sink {
+    std::function<bool(std::string_view)> write;
+    std::vector<std::uint64_t> memory;
+    static std::int32_t take(const char *bytes, std::size_t count, void *context)
+    {
+        return static_cast<trace_sink *>(context)->write({bytes, count}) ? 0 : 1;
+    }
+};
 } // namespace detail
 
 /// What a call came to.
@@ -406,6 +417,39 @@ public:
         detail::certain(jcas_sim_hash(get(), &hash));
         return hash;
     }
+    /// Begins the episode of a seed, as reset does, and records it: `write` takes each piece of the trace and
+    /// returns whether it could. It must not throw.
+    status record(std::uint64_t seed, std::function<bool(std::string_view)> write,
+                  const std::string &policy = "host", const std::string &pilot = "host")
+    {
+        std::size_t size = 0, alignment = 0;
+        detail::certain(jcas_trace_layout(model_, &size, &alignment));
+        auto sink = std::make_unique<detail::trace_sink>();
+        sink->write = std::move(write);
+        sink->memory.resize(size / sizeof(std::uint64_t));
+        auto recorder = detail::sized<jcas_recorder>();
+        recorder.write = detail::trace_sink::take, recorder.write_context = sink.get();
+        recorder.policy = policy.c_str(), recorder.pilot = pilot.c_str();
+        recorder.memory = sink->memory.data(), recorder.memory_size = size;
+        const std::int32_t code = jcas_sim_record(get(), seed, &recorder);
+        if (code == JCAS_OK)
+            trace_sink_ = std::move(sink);
+        return code;
+    }
+    status record_end() { return jcas_sim_record_end(get()); }
+    /// Whether this library flies a trace as its file says; see jcas_trace_verify.
+    result<std::uint64_t> verify(std::string_view trace)
+    {
+        std::size_t size = 0, alignment = 0;
+        detail::certain(jcas_trace_layout(model_, &size, &alignment));
+        std::vector<std::uint64_t> memory(size / sizeof(std::uint64_t));
+        char message[512] = "";
+        const std::int32_t code = jcas_trace_verify(get(), memory.data(), size, trace.data(), trace.size(),
+                                                    message, sizeof message);
+        if (code != JCAS_OK)
+            return {code, message};
+        return hash();
+    }
     /// Why the last refused call was refused.
     std::string message() const
     {
@@ -419,8 +463,10 @@ private:
     struct end {
         void operator()(jcas_sim *handle) const noexcept { jcas_sim_free(handle); }
     };
-    sim(jcas_sim *handle, const model &model) : handle_(handle), info_(model.info()) {}
+    sim(jcas_sim *handle, const model &model) : handle_(handle), model_(model.get()), info_(model.info()) {}
+    std::unique_ptr<detail::trace_sink> trace_sink_; // outlives the handle that writes to it
     std::unique_ptr<jcas_sim, end> handle_;
+    const jcas_model *model_;
     jcas_model_info info_;
 };
 

@@ -73,6 +73,11 @@ typedef jcas_status jcas_sim_save_fn(const struct jcas_sim *sim, void *snapshot,
 typedef jcas_status jcas_sim_load_fn(struct jcas_sim *sim, const void *snapshot, size_t size);
 typedef jcas_status jcas_sim_fork_fn(const struct jcas_sim *from, struct jcas_sim *to);
 typedef jcas_status jcas_sim_hash_fn(const struct jcas_sim *sim, uint64_t *state_hash);
+typedef jcas_status jcas_trace_layout_fn(const struct jcas_model *model, size_t *size, size_t *alignment);
+typedef jcas_status jcas_sim_record_fn(struct jcas_sim *sim, uint64_t seed, const struct jcas_recorder *recorder);
+typedef jcas_status jcas_sim_record_end_fn(struct jcas_sim *sim);
+typedef jcas_status jcas_trace_config_fn(const char *trace, size_t length, struct jcas_config *config, size_t struct_size, char *message, size_t message_capacity);
+typedef jcas_status jcas_trace_verify_fn(struct jcas_sim *sim, void *memory, size_t size, const char *trace, size_t length, char *message, size_t message_capacity);
 typedef jcas_status jcas_batch_new_fn(const struct jcas_model *model, uint32_t environments, uint32_t threads, struct jcas_batch **batch);
 typedef jcas_status jcas_batch_layout_fn(const struct jcas_model *model, const struct jcas_batch_options *options, size_t *size, size_t *alignment);
 typedef jcas_status jcas_batch_init_fn(void *memory, size_t size, const struct jcas_model *model, const struct jcas_batch_options *options, struct jcas_batch **batch);

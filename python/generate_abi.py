@@ -21,6 +21,7 @@ SCALARS = {
     "int64_t": "c_int64",
     "jcas_status": "c_int32",
     "jcas_run_tasks": "c_void_p",
+    "jcas_write": "c_void_p",
     "uint8_t": "c_uint8",
     "uint32_t": "c_uint32",
     "uint64_t": "c_uint64",

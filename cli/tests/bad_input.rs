@@ -189,7 +189,7 @@ fn traces() {
 
     let cut_lines = lines[..lines.len() - 1].join("\n") + "\n";
     let cut_middle = &good[..good.len() / 2];
-    let other_version = good.replacen("\"format_version\":1", "\"format_version\":2", 1);
+    let other_version = good.replacen("\"format_version\":2", "\"format_version\":3", 1);
     let changed = good.replacen("\"co2_ng\":0", "\"co2_ng\":1", 1);
     let no_number = good.replacen("\"t\":2,", "\"t\":\"two\",", 1);
     let skipped = good.replacen("\"t\":2,", "\"t\":3,", 1);
@@ -205,7 +205,7 @@ fn traces() {
         (
             "version.jsonl",
             &other_version,
-            "format_version = 2: this build reads version 1",
+            "format_version = 3: this build reads versions 1 to 2",
         ),
         ("changed.jsonl", &changed, "was changed after recording"),
         (

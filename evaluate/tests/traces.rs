@@ -1,9 +1,9 @@
 //! Traces under attack: whatever happens to a file, reading it ends in a trace or a typed error.
 
 use jcas_core::rng::{self, Purpose};
-use jcas_core::{Config, Model};
+use jcas_core::{Cell, Config, Model};
 use jcas_evaluate::policy::{BaselineKind, PilotMode};
-use jcas_evaluate::trace::{self, Trace, TraceError};
+use jcas_evaluate::trace::{self, Flight, Host, Trace, TraceError, Writer};
 
 fn recorded(seed: u64) -> Vec<u8> {
     let model = Model::new(Config {
@@ -109,4 +109,146 @@ fn a_trace_of_an_impossible_configuration_is_refused_by_field() {
     trace.header.config.quorum = 0;
     let told = trace::verify(&trace).unwrap_err().to_string();
     assert!(told.starts_with("quorum = 0: must be "), "{told}");
+}
+
+/// An episode in which a host owns something of everything, as text.
+fn hosted() -> Vec<u8> {
+    let config = Config {
+        uav_count: 4,
+        hotspot_count: 2,
+        quorum: 2,
+        horizon_steps: 30,
+        ..Config::default()
+    };
+    let model = Model::new(config).unwrap();
+    let mut flight = Flight::begin(&model, 9).unwrap();
+    let cell = |x, y| Cell { x, y };
+    let mut text = Vec::new();
+    let mut writer = Writer::new(&mut text, &flight.header("host", "mid")).unwrap();
+    let starts = vec![cell(0, 0), cell(1, 0), cell(2, 0), cell(3, 0)];
+    let before = [
+        vec![
+            Host::SetStarts {
+                cells: starts.clone(),
+            },
+            Host::SetHotspots {
+                cells: vec![cell(1, 1), cell(9, 9)],
+            },
+            Host::SetBatteries {
+                charges_uj: vec![500_000_000_000, 1, 600_000_000_000, 7],
+            },
+        ],
+        vec![Host::SetPositions { cells: starts }],
+        vec![
+            Host::SetBattery {
+                uav: 1,
+                charge_uj: 300_000_000_000,
+            },
+            Host::MoveHotspot {
+                hotspot: 1,
+                cell: cell(4, 4),
+            },
+            Host::SetPositions {
+                cells: vec![cell(5, 5); 4],
+            },
+            Host::Ground { uav: 2 },
+            Host::ConfirmHotspot { hotspot: 0 },
+            Host::StepSenseOver {
+                detections: vec![[0, 0], [3, 1]],
+            },
+            Host::StepCommunicateOver {
+                links: vec![[0, 1], [1, 3]],
+                throughput: None,
+            },
+        ],
+        vec![],
+        vec![Host::StepCommunicateOver {
+            links: vec![[0, 1]],
+            throughput: Some(vec![0.1, 2.5, 0.0, 1e-7]),
+        }],
+    ];
+    for calls in before {
+        for call in calls {
+            flight.own(call).unwrap();
+        }
+        writer.step(&flight.step(&[0.8; 8]).unwrap()).unwrap();
+    }
+    flight
+        .own(Host::SetBattery {
+            uav: 0,
+            charge_uj: 5,
+        })
+        .unwrap();
+    writer.end(flight.end()).unwrap();
+    text
+}
+
+#[test]
+fn what_a_host_owned_is_flown_again_with_the_same_bits() {
+    let text = hosted();
+    let read = read(&text).unwrap();
+    assert_eq!(trace::verify(&read).unwrap(), None);
+    assert_eq!(read.steps[2].host.len(), 7);
+    // Written again it is the same file.
+    let mut again = Vec::new();
+    let mut writer = Writer::new(&mut again, &read.header).unwrap();
+    for step in &read.steps {
+        writer.step(step).unwrap();
+    }
+    writer.end(read.end).unwrap();
+    assert_eq!(again, text);
+}
+
+#[test]
+fn another_host_is_a_difference_and_an_impossible_one_is_refused() {
+    let honest = read(&hosted()).unwrap();
+    let mut other = honest.clone();
+    other.steps[2].host[3] = Host::Ground { uav: 0 };
+    assert_eq!(trace::diff(&honest, &other).unwrap().field, "host[3].uav");
+    let found = trace::verify(&other).unwrap().unwrap();
+    assert_eq!((found.step, found.field.as_str()), (3, "positions[0][0]"));
+    other.steps[2].host[3] = Host::Ground { uav: 4 };
+    let told = trace::verify(&other).unwrap_err().to_string();
+    assert!(told.starts_with("uav = 4"), "{told}");
+    other.steps[2].host.swap(0, 6);
+    assert!(
+        trace::verify(&other)
+            .unwrap_err()
+            .to_string()
+            .contains("out of")
+    );
+}
+
+#[test]
+fn lines_of_a_host_are_read_strictly() {
+    let refused = |from: &str, to: &str| {
+        let text = String::from_utf8(hosted()).unwrap().replacen(from, to, 1);
+        read(text.as_bytes()).unwrap_err().to_string()
+    };
+    let told = refused("[3,1]]}", "[3,2]]}");
+    assert!(told.contains("[3, 2]: there is no such pair"), "{told}");
+    let told = refused("\"kind\":\"ground\"", "\"kind\":\"land\"");
+    assert!(told.contains("must be step, end or a call"), "{told}");
+    let told = refused("\"uav\":2}", "\"uav\":2,\"why\":1}");
+    assert!(told.contains("unknown field"), "{told}");
+    let told = refused("\"format_version\":2", "\"format_version\":1");
+    assert!(told.contains("kind = \"set_starts\""), "{told}");
+    let told = refused("\"format_version\":2", "\"format_version\":3");
+    assert!(told.contains("reads versions 1 to 2"), "{told}");
+    let told = refused(
+        "{\"kind\":\"end\"",
+        "{\"kind\":\"ground\",\"uav\":1}\n{\"kind\":\"end\"",
+    );
+    assert!(told.contains("is missing"), "{told}");
+}
+
+#[test]
+fn a_page_starts_where_the_host_starts_and_moves_hotspots() {
+    let trace = read(&hosted()).unwrap();
+    let data = jcas_evaluate::replay::data_of(&trace).unwrap();
+    assert!(data.contains(r#""hotspots":[[1,1],[9,9]]"#));
+    assert!(data.contains(
+        r#""initial":{"positions":[[0,0],[1,0],[2,0],[3,0]],"battery_uj":[500000000000,1,"#
+    ));
+    assert!(data.contains(r#""moved_hotspots":[[1,[4,4]]]"#));
 }

@@ -1,8 +1,12 @@
 /* A host that owns motion and radio: it moves the UAVs on its own continuous map and decides who hears
- * whom; the kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated: model and
- * simulation live in two static arenas.
+ * whom; the kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated: model,
+ * simulation and recording live in static arenas.
  *
  *   cc external_mobility.c $(pkg-config --cflags --libs jcas) -lm && ./a.out
+ *
+ * With the name of a file the mission is recorded there, with what the host supplied:
+ *
+ *   ./a.out flight.jsonl && jcas trace verify flight.jsonl && jcas replay flight.jsonl -o flight.html
  */
 #include <jcas.h>
 #include <math.h>
@@ -12,7 +16,7 @@
 enum { N = 8, HOTSPOTS = 3 };
 static const double CELL_M = 50, SPEED_M_PER_STEP = 45, RADIO_RANGE_M = 130;
 
-static _Alignas(16) unsigned char model_arena[64 * 1024], sim_arena[64 * 1024];
+static _Alignas(16) unsigned char model_arena[64 * 1024], sim_arena[64 * 1024], trace_arena[64 * 1024];
 
 struct aircraft {
     double x_m, y_m;
@@ -47,8 +51,18 @@ static void link_up(const struct aircraft *fleet, uint8_t *links)
         }
 }
 
-int main(void)
+static int32_t write_trace(const char *bytes, size_t count, void *file)
 {
+    return fwrite(bytes, 1, count, file) == count ? 0 : 1;
+}
+
+int main(int argc, char **argv)
+{
+    FILE *file = argc > 1 ? fopen(argv[1], "wb") : NULL;
+    if (argc > 1 && file == NULL) {
+        perror(argv[1]);
+        return 1;
+    }
     jcas_config config;
     jcas_model *model;
     jcas_sim *sim;
@@ -58,7 +72,13 @@ int main(void)
     config.cell_size_m = CELL_M;
     stop_on(jcas_model_init(model_arena, sizeof model_arena, &config, &model, NULL, 0), "model");
     stop_on(jcas_sim_init(sim_arena, sizeof sim_arena, model, &sim), "simulation");
-    stop_on(jcas_sim_reset(sim, 7), "reset");
+    jcas_recorder recorder = {.struct_size = sizeof recorder,
+                              .write = write_trace,
+                              .write_context = file,
+                              .policy = "external mobility",
+                              .memory = trace_arena,
+                              .memory_size = sizeof trace_arena};
+    stop_on(file ? jcas_sim_record(sim, 7, &recorder) : jcas_sim_reset(sim, 7), "reset");
 
     jcas_uav uavs[N];
     struct aircraft fleet[N];
@@ -91,6 +111,14 @@ int main(void)
         stop_on(jcas_sim_step_sense(sim), "sensing");
         stop_on(jcas_sim_step_communicate_over(sim, links, N * N, NULL, 0), "communication");
         stop_on(jcas_sim_step_end(sim, &outcome), "end of step");
+    }
+
+    if (file) {
+        stop_on(jcas_sim_record_end(sim), "end of recording");
+        if (fclose(file) != 0) {
+            perror(argv[1]);
+            return 1;
+        }
     }
 
     jcas_metrics metrics = {.struct_size = sizeof metrics};

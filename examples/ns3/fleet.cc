@@ -9,7 +9,10 @@
 // of jcas's own link budget.
 //
 //     ./fleet [--policy=swarm] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
-//     ./fleet --policy=../../policies/fleet/policy.safetensors
+//     ./fleet --policy=../../policies/fleet/policy.safetensors --trace=flight.jsonl
+//
+// With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied:
+// `jcas trace verify flight.jsonl` flies it again without ns-3, `jcas replay flight.jsonl` shows it.
 #include <jcas.hpp>
 
 #include "ns3/constant-velocity-mobility-model.h"
@@ -41,6 +44,7 @@ struct Options {
     std::uint32_t hotspots = 4;
     std::uint32_t seed = 3;
     double exponent = 3;
+    std::string trace;
 };
 
 // One mission: the host's side of it.
@@ -74,6 +78,7 @@ private:
     ns3::NetDeviceContainer m_devices;
     std::vector<ns3::Address> m_addresses;
     std::vector<std::uint8_t> m_heard; // [receiver][sender], in this step
+    std::ofstream m_trace;
     std::uint64_t m_beacons = 0, m_received = 0, m_links = 0, m_steps = 0;
 };
 
@@ -102,7 +107,13 @@ Mission::Mission(const Options &options, bool wifi_links)
       m_policy(Load(m_model, options.policy)), m_actions(2 * options.uavs),
       m_heard(options.uavs * options.uavs)
 {
-    m_sim.reset(options.seed).check();
+    if (m_wifi_links && !options.trace.empty()) {
+        m_trace.open(options.trace, std::ios::binary);
+        auto write = [this](std::string_view bytes) { return !!m_trace.write(bytes.data(), bytes.size()); };
+        m_sim.record(options.seed, write, options.policy, "ns-3").check();
+    } else {
+        m_sim.reset(options.seed).check();
+    }
     BuildNetwork(options.exponent);
 }
 
@@ -145,6 +156,8 @@ jcas_metrics Mission::Fly()
     ns3::Simulator::Schedule(ns3::Seconds(0), &Mission::BeginStep, this);
     ns3::Simulator::Run();
     ns3::Simulator::Destroy();
+    if (m_trace.is_open())
+        m_sim.record_end().check();
     return m_sim.metrics();
 }
 
@@ -266,6 +279,7 @@ int main(int argc, char **argv)
     command_line.AddValue("hotspots", "hotspots to find", options.hotspots);
     command_line.AddValue("seed", "seed of the mission", options.seed);
     command_line.AddValue("exponent", "path loss exponent of the Wi-Fi channel", options.exponent);
+    command_line.AddValue("trace", "file to record the mission over Wi-Fi in", options.trace);
     command_line.Parse(argc, argv);
     jcas::check_abi().check();
 

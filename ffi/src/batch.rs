@@ -599,7 +599,7 @@ pub unsafe extern "C" fn jcas_batch_get(
             if batch.model().config_hash() != sim.model.config_hash() {
                 return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
             }
-            sim.words.copy_from_slice(batch.state(index as usize)?);
+            sim.replace(batch.state(index as usize)?);
             Ok(())
         };
         // SAFETY: the caller's promise for `sim`.

@@ -16,10 +16,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use jcas_core::{Config, Error, Model, Scratch, StateMut};
 
 use crate::batch_block::BatchBlock;
+use crate::policy_block::PolicyBlock;
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_IN_USE, JCAS_ERROR_LENGTH,
     JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES, guard,
 };
+use crate::trace::{Host, Recording, Sink, Workspace};
 
 /// A kind of block.
 ///
@@ -53,6 +55,7 @@ pub(crate) struct SimBlock {
     scratch_words: usize,
     /// Why the last call that could change it was refused.
     pub(crate) refusal: Option<Fault>,
+    recording: Option<Recording>,
 }
 
 // SAFETY: `repr(C)`, the seal comes first.
@@ -91,24 +94,10 @@ impl Memory {
         size: usize,
         layout: Layout,
     ) -> Result<(*mut u8, Self), Fault> {
-        if at.is_null() {
-            Err(Fault::Status(JCAS_ERROR_NULL))
-        } else if at.addr() % layout.align() != 0 {
-            Err(Fault::Status(JCAS_ERROR_ALIGNMENT))
-        } else if size < layout.size() {
-            Err(Fault::Status(JCAS_ERROR_LENGTH))
-        // SAFETY: large enough and aligned, as was just checked.
-        } else if unsafe { holds_a_handle(at) } {
-            Err(Fault::Status(JCAS_ERROR_IN_USE))
-        } else {
-            Ok((
-                at,
-                Self {
-                    layout,
-                    ours: false,
-                },
-            ))
-        }
+        // SAFETY: passed on.
+        unsafe { check_lent(at, size, layout) }?;
+        let ours = false;
+        Ok((at, Self { layout, ours }))
     }
 
     /// Bytes of the block.
@@ -128,6 +117,25 @@ impl Memory {
     }
 }
 
+/// Whether the caller's memory is as a layout asks, and free.
+///
+/// # Safety
+/// If `at` is neither null nor misaligned, `size` bytes can be read there.
+pub(crate) unsafe fn check_lent(at: *mut u8, size: usize, layout: Layout) -> Result<(), Fault> {
+    if at.is_null() {
+        Err(Fault::Status(JCAS_ERROR_NULL))
+    } else if at.addr() % layout.align() != 0 {
+        Err(Fault::Status(JCAS_ERROR_ALIGNMENT))
+    } else if size < layout.size() {
+        Err(Fault::Status(JCAS_ERROR_LENGTH))
+    // SAFETY: large enough and aligned, as was just checked.
+    } else if unsafe { holds_a_handle(at) } {
+        Err(Fault::Status(JCAS_ERROR_IN_USE))
+    } else {
+        Ok(())
+    }
+}
+
 /// Whether memory holds a living handle, which building another over it would lose.
 ///
 /// # Safety
@@ -139,6 +147,7 @@ unsafe fn holds_a_handle(at: *mut u8) -> bool {
         ModelBlock::seal(at.cast()),
         SimBlock::seal(at.cast()),
         BatchBlock::seal(at.cast()),
+        PolicyBlock::seal(at.cast()),
     ]
     .contains(&seal)
 }
@@ -264,6 +273,7 @@ pub(crate) struct Open<'a> {
     pub(crate) scratch: &'a mut [u64],
     pub(crate) spare: &'a mut [u64],
     pub(crate) refusal: &'a mut Option<Fault>,
+    pub(crate) recording: &'a mut Option<Recording>,
 }
 
 /// A simulation opened to read.
@@ -289,13 +299,13 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
     let words = unsafe { words_after(at, 2 * state + scratch) };
     let (words, rest) = words.split_at_mut(state);
     let (spare, scratch) = rest.split_at_mut(state);
-    let refusal = &mut block.refusal;
     Ok(Open {
         model,
         words,
         scratch,
         spare,
-        refusal,
+        refusal: &mut block.refusal,
+        recording: &mut block.recording,
     })
 }
 
@@ -361,6 +371,7 @@ impl SimBlock {
             state_words: model.get().state_words(),
             scratch_words: Scratch::words_for(model.get()),
             refusal: None,
+            recording: None,
         };
         // SAFETY: in front of the words, aligned by the layout.
         unsafe { block.write(value) };
@@ -392,7 +403,67 @@ impl SimBlock {
 impl Open<'_> {
     pub(crate) fn reset(&mut self, seed: u64) -> Result<(), Fault> {
         let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Error::ModelMismatch)?;
-        Ok(self.model.reset(self.words, &mut scratch, seed)?)
+        self.model.reset(self.words, &mut scratch, seed)?;
+        *self.recording = None;
+        Ok(())
+    }
+
+    /// Takes up a state that is no consequence of the one before, which no recording can tell.
+    pub(crate) fn replace(&mut self, words: &[u64]) {
+        self.words.copy_from_slice(words);
+        *self.recording = None;
+    }
+
+    /// Begins the episode of a seed and its recording; nothing has changed where the sink refuses.
+    pub(crate) fn record(
+        &mut self,
+        seed: u64,
+        sink: Sink,
+        workspace: Workspace,
+        names: (&str, &str),
+    ) -> Result<(), Fault> {
+        let Self {
+            model,
+            scratch,
+            spare,
+            ..
+        } = self;
+        let mut working = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        model.reset(spare, &mut working, seed)?;
+        let recording = Recording::begin(sink, workspace, names, model, spare, scratch)?;
+        self.words.copy_from_slice(self.spare);
+        *self.recording = Some(recording);
+        Ok(())
+    }
+
+    /// Lets the kernel take what a host owns, and tells the recording.
+    pub(crate) fn own(
+        &mut self,
+        call: &Host<'_>,
+        act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<(), Error>,
+    ) -> Result<(), Fault> {
+        self.act(act)?;
+        if let Some(recording) = self.recording {
+            recording.host(call, self.model.uav_count());
+        }
+        Ok(())
+    }
+
+    /// Tells the recording what the fleet does in this step.
+    #[inline]
+    pub(crate) fn tell_actions(&mut self, actions: &[f32]) {
+        if let Some(recording) = self.recording {
+            recording.acts(actions);
+        }
+    }
+
+    /// Tells the recording that a step has ended.
+    #[inline]
+    pub(crate) fn tell_step(&mut self) -> Result<(), Fault> {
+        match self.recording {
+            Some(recording) => recording.step(self.model, self.words, self.scratch),
+            None => Ok(()),
+        }
     }
 
     /// Lets the kernel act on the state, and keeps its refusal.

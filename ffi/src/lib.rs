@@ -30,6 +30,8 @@ mod read;
 
 mod snapshot;
 
+mod record;
+
 mod batch;
 
 mod policy;
@@ -42,6 +44,7 @@ mod policy_block;
 mod proofs;
 mod shares;
 mod team;
+mod trace;
 
 pub use batch::*;
 pub use config::*;
@@ -50,6 +53,7 @@ pub use model::*;
 pub use parts::*;
 pub use policy::*;
 pub use read::*;
+pub use record::*;
 pub use records::*;
 pub use sim::*;
 pub use snapshot::*;

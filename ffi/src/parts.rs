@@ -11,6 +11,7 @@ use crate::memory::{input, record};
 use crate::records::jcas_outcome;
 use crate::sim::jcas_sim;
 use crate::status::jcas_status;
+use crate::trace::Host;
 
 /// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
 /// jcas_sim_step_sense.
@@ -27,7 +28,9 @@ pub unsafe extern "C" fn jcas_sim_step_begin(
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { input(actions, action_count, sim.model.action_len()) }?;
-        sim.act(|model, state, _| model.step_begin(state, actions))
+        sim.act(|model, state, _| model.step_begin(state, actions))?;
+        sim.tell_actions(actions);
+        Ok(())
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -48,7 +51,10 @@ pub unsafe extern "C" fn jcas_sim_set_positions(
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
-        sim.act(|model, state, _| model.set_positions(state, kernel_cells(cells)))
+        let cells = kernel_cells(cells);
+        sim.own(&Host::Positions(cells), |model, state, _| {
+            model.set_positions(state, cells)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -76,7 +82,12 @@ pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> jcas_status 
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_status {
-    let act = |sim: &mut Open<'_>| sim.act(|model, state, _| model.ground(state, uav as usize));
+    let uav = uav as usize;
+    let act = |sim: &mut Open<'_>| {
+        sim.own(&Host::Ground(uav), |model, state, _| {
+            model.ground(state, uav)
+        })
+    };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -90,8 +101,11 @@ pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_s
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u32) -> jcas_status {
+    let hotspot = hotspot as usize;
     let act = |sim: &mut Open<'_>| {
-        sim.act(|model, state, _| model.confirm_hotspot(state, hotspot as usize))
+        sim.own(&Host::Confirm(hotspot), |model, state, _| {
+            model.confirm_hotspot(state, hotspot)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -114,7 +128,9 @@ pub unsafe extern "C" fn jcas_sim_step_sense_over(
         let expected = sim.model.uav_count() * sim.model.hotspot_count();
         // SAFETY: the caller's promise for `detections`.
         let detections = unsafe { input(detections, count, expected) }?;
-        sim.act(|model, state, scratch| model.step_sense_over(state, scratch, detections))
+        sim.own(&Host::Detections(detections), |model, state, scratch| {
+            model.step_sense_over(state, scratch, detections)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -162,7 +178,7 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_over(
             // SAFETY: the caller's promise for `throughput`.
             Some(unsafe { input(throughput, throughput_count, uavs) }?)
         };
-        sim.act(|model, state, scratch| {
+        sim.own(&Host::Links(links, throughput), |model, state, scratch| {
             model.step_communicate_over(state, scratch, links, throughput)
         })
     };
@@ -186,7 +202,7 @@ pub unsafe extern "C" fn jcas_sim_step_end(
         out.put(jcas_outcome::of(
             sim.act(|model, state, scratch| model.step_end(state, scratch))?,
         ));
-        Ok(())
+        sim.tell_step()
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -206,7 +222,10 @@ pub unsafe extern "C" fn jcas_sim_set_hotspots(
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.hotspot_count()) }?;
-        sim.act(|model, state, scratch| model.set_hotspots(state, scratch, kernel_cells(cells)))
+        let cells = kernel_cells(cells);
+        sim.own(&Host::Hotspots(cells), |model, state, scratch| {
+            model.set_hotspots(state, scratch, cells)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -225,9 +244,10 @@ pub unsafe extern "C" fn jcas_sim_move_hotspot(
     x: u32,
     y: u32,
 ) -> jcas_status {
+    let (hotspot, cell) = (hotspot as usize, Cell { x, y });
     let act = |sim: &mut Open<'_>| {
-        sim.act(|model, state, scratch| {
-            model.move_hotspot(state, scratch, hotspot as usize, Cell { x, y })
+        sim.own(&Host::Hotspot(hotspot, cell), |model, state, scratch| {
+            model.move_hotspot(state, scratch, hotspot, cell)
         })
     };
     // SAFETY: the caller's promise for `sim`.
@@ -248,7 +268,10 @@ pub unsafe extern "C" fn jcas_sim_set_starts(
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
-        sim.act(|model, state, scratch| model.set_starts(state, scratch, kernel_cells(cells)))
+        let cells = kernel_cells(cells);
+        sim.own(&Host::Starts(cells), |model, state, scratch| {
+            model.set_starts(state, scratch, cells)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -267,8 +290,11 @@ pub unsafe extern "C" fn jcas_sim_set_battery(
     uav: u32,
     charge_uj: u64,
 ) -> jcas_status {
+    let uav = uav as usize;
     let act = |sim: &mut Open<'_>| {
-        sim.act(|model, state, scratch| model.set_battery(state, scratch, uav as usize, charge_uj))
+        sim.own(&Host::Battery(uav, charge_uj), |model, state, scratch| {
+            model.set_battery(state, scratch, uav, charge_uj)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -288,7 +314,9 @@ pub unsafe extern "C" fn jcas_sim_set_batteries(
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `charges_uj`.
         let charges = unsafe { input(charges_uj, count, sim.model.uav_count()) }?;
-        sim.act(|model, state, scratch| model.set_batteries(state, scratch, charges))
+        sim.own(&Host::Batteries(charges), |model, state, scratch| {
+            model.set_batteries(state, scratch, charges)
+        })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }

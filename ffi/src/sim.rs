@@ -160,7 +160,8 @@ pub unsafe extern "C" fn jcas_sim_step(
         out.put(jcas_outcome::of(sim.act(|model, state, scratch| {
             model.step(state, scratch, actions)
         })?));
-        Ok(())
+        sim.tell_actions(actions);
+        sim.tell_step()
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }

@@ -45,7 +45,9 @@ pub unsafe extern "C" fn jcas_sim_load(
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `snapshot`.
         let saved = unsafe { bytes(snapshot.cast(), size) }?;
-        Ok(sim.model.load(saved, sim.words, sim.spare)?)
+        sim.model.load(saved, sim.words, sim.spare)?;
+        *sim.recording = None;
+        Ok(())
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -68,7 +70,7 @@ pub unsafe extern "C" fn jcas_sim_fork(from: *const jcas_sim, to: *mut jcas_sim)
             if source.model.config_hash() != target.model.config_hash() {
                 return Err(Error::ModelMismatch.into());
             }
-            target.words.copy_from_slice(source.words);
+            target.replace(source.words);
             Ok(())
         };
         // SAFETY: the caller's promise for `to`, which is another simulation.

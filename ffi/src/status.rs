@@ -33,7 +33,7 @@ pub const JCAS_ERROR_MODEL_MISMATCH: i32 = -9;
 pub const JCAS_ERROR_OUT_OF_ORDER: i32 = -10;
 /// The episode has ended: reset before the next step.
 pub const JCAS_ERROR_EPISODE_OVER: i32 = -11;
-/// The bytes are not a snapshot of this model, or not a policy.
+/// The bytes are not a snapshot of this model, not a policy, or not a trace.
 pub const JCAS_ERROR_CORRUPT: i32 = -12;
 /// The model still has simulations or batches, or memory given to ..._init holds a living handle.
 pub const JCAS_ERROR_IN_USE: i32 = -13;
@@ -46,6 +46,10 @@ pub const JCAS_ERROR_INTERNAL: i32 = -16;
 
 /// The batch has threads, which a forked process does not have: build another one there.
 pub const JCAS_ERROR_FORKED: i32 = -17;
+/// The caller's sink has not taken all of a trace.
+pub const JCAS_ERROR_SINK: i32 = -18;
+/// A trace, flown again, is not what its file says.
+pub const JCAS_ERROR_DIFFERENT: i32 = -19;
 
 /// What a status means, in English.
 ///
@@ -67,12 +71,14 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
         JCAS_ERROR_MODEL_MISMATCH => "the configurations differ\0",
         JCAS_ERROR_OUT_OF_ORDER => "a part of a step was called out of its order\0",
         JCAS_ERROR_EPISODE_OVER => "the episode has ended: reset before the next step\0",
-        JCAS_ERROR_CORRUPT => "the bytes are not a snapshot of this model\0",
+        JCAS_ERROR_CORRUPT => "the bytes are not what they should be, or were changed\0",
         JCAS_ERROR_IN_USE => "still in use: free what is alive first\0",
         JCAS_ERROR_RESOURCES => "memory or threads could not be had\0",
         JCAS_ERROR_ABI => "compiled for an incompatible version of the library\0",
         JCAS_ERROR_INTERNAL => "a fault of the library itself\0",
         JCAS_ERROR_FORKED => "the threads of the batch are in the parent process\0",
+        JCAS_ERROR_SINK => "the sink has not taken all of the trace\0",
+        JCAS_ERROR_DIFFERENT => "flown again, the trace is not what its file says\0",
         _ => "not a status of jcas\0",
     };
     text.as_ptr().cast()

@@ -1,11 +1,15 @@
 """Golden traces, recorded by the command line, fly the same through Python to the last bit."""
 
+import ctypes
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import jcas
+from jcas import _abi
+from jcas._library import check, lib
 
 GOLDEN = Path(__file__).parents[2] / "tests" / "golden"
 FILES = sorted(GOLDEN.glob("*.jsonl"))
@@ -50,4 +54,66 @@ def test_a_trace_that_does_not_come_out_says_where():
     trace = jcas.Trace.load(FILES[0])
     trace.header["initial"]["battery_uj"][0] -= 1
     with pytest.raises(jcas.TraceError, match="reset: battery_uj"):
+        jcas.replay_trace(trace)
+
+
+def record_hosted() -> bytes:
+    """Record, through the C interface, an episode in which the host owns something of everything."""
+    model = jcas.Model(jcas.Config(uav_count=3, hotspot_count=2, horizon_steps=20))
+    sim = jcas.Sim(model)
+    pieces: list[bytes] = []
+    size, alignment = ctypes.c_size_t(), ctypes.c_size_t()
+    check(lib.jcas_trace_layout(model.handle, ctypes.byref(size), ctypes.byref(alignment)))
+    memory = np.zeros(size.value // 8, np.uint64)
+    take = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)(
+        lambda data, count, _: pieces.append(ctypes.string_at(data, count)) or 0
+    )
+    recorder = _abi.jcas_recorder(
+        struct_size=ctypes.sizeof(_abi.jcas_recorder),
+        write=ctypes.cast(take, ctypes.c_void_p),
+        memory=memory.ctypes.data,
+        memory_size=size.value,
+    )
+    check(lib.jcas_sim_record(sim.handle, 5, ctypes.byref(recorder)))
+    cell = ctypes.POINTER(_abi.jcas_cell)
+    cells = np.array([[1, 1], [2, 2], [3, 3]], np.uint32)
+    charges = np.array([5 * 10**11, 10**11, 1], np.uint64)
+    actions = np.zeros((3, 2), np.float32)
+    links = np.array([[0, 1, 0], [1, 0, 0], [0, 0, 0]], np.uint8)
+    seen = np.ones((3, 2), np.uint8)
+    throughput = np.array([0.5, 0.25, 0.0])
+    outcome = ctypes.byref(sim._outcome)
+    check(lib.jcas_sim_set_starts(sim.handle, cells.ctypes.data_as(cell), 3))
+    check(lib.jcas_sim_set_hotspots(sim.handle, cells.ctypes.data_as(cell), 2))
+    check(lib.jcas_sim_set_batteries(sim.handle, charges.ctypes.data, 3))
+    check(lib.jcas_sim_step(sim.handle, actions.ctypes.data, 6, outcome))
+    for step in range(4):
+        check(lib.jcas_sim_set_battery(sim.handle, 2, 10**11 + step))
+        check(lib.jcas_sim_move_hotspot(sim.handle, 0, 7, step))
+        check(lib.jcas_sim_step_begin(sim.handle, actions.ctypes.data, 6))
+        check(lib.jcas_sim_set_positions(sim.handle, cells.ctypes.data_as(cell), 3))
+        check(lib.jcas_sim_ground(sim.handle, 0))
+        check(lib.jcas_sim_confirm_hotspot(sim.handle, 1))
+        if step % 2:
+            check(lib.jcas_sim_step_sense_over(sim.handle, seen.ctypes.data, 6))
+            check(lib.jcas_sim_step_communicate(sim.handle))
+        else:
+            check(lib.jcas_sim_step_sense(sim.handle))
+            measured = (throughput.ctypes.data, 3) if step else (None, 0)
+            check(lib.jcas_sim_step_communicate_over(sim.handle, links.ctypes.data, 9, *measured))
+        check(lib.jcas_sim_step_end(sim.handle, outcome))
+    check(lib.jcas_sim_set_battery(sim.handle, 0, 9))
+    check(lib.jcas_sim_record_end(sim.handle))
+    return b"".join(pieces)
+
+
+def test_what_a_host_supplied_flies_the_same_again(tmp_path):
+    file = tmp_path / "hosted.jsonl"
+    file.write_bytes(record_hosted())
+    trace = jcas.Trace.load(file)
+    assert [len(calls) for calls in trace.host] == [3, 6, 6, 6, 6, 1]
+    sim = jcas.replay_trace(trace)
+    assert f"0x{sim.state_hash():016x}" != trace.steps[-1]["state_hash"]  # the last call changed a battery
+    trace.host[2][2]["cells"][0] = [9, 9]
+    with pytest.raises(jcas.TraceError, match="step 3: "):
         jcas.replay_trace(trace)

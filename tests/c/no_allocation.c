@@ -46,6 +46,44 @@ static _Alignas(16) unsigned char model_memory[1 << 16], sim_memory[1 << 16], tw
 static unsigned char snapshot[1 << 14];
 static float observations[OBSERVED], global[6 * N + 4 * HOTSPOTS + 4], actions[2 * N];
 static uint8_t links[N * N];
+static uint64_t workspace[1 << 12];
+static char trace[1 << 17];
+static size_t trace_length;
+
+static int32_t take(const char *bytes, size_t count, void *context)
+{
+    (void)context;
+    if (count > sizeof trace - trace_length)
+        return 1;
+    memcpy(trace + trace_length, bytes, count);
+    trace_length += count;
+    return 0;
+}
+
+/* Recorded, and flown again from the trace. */
+static void record(const jcas_model *model, jcas_sim *sim)
+{
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    jcas_recorder recorder = {.struct_size = sizeof recorder,
+                              .write = take,
+                              .memory = workspace,
+                              .memory_size = sizeof workspace};
+    jcas_config config;
+    size_t size, alignment;
+    OK(jcas_trace_layout(model, &size, &alignment));
+    CHECK(size <= sizeof workspace);
+    OK(jcas_sim_record(sim, 4, &recorder));
+    for (int step = 0; step < 40; step++) {
+        OK(jcas_sim_step_begin(sim, actions, 2 * N));
+        OK(jcas_sim_ground(sim, 1));
+        OK(jcas_sim_step_sense(sim));
+        OK(jcas_sim_step_communicate(sim));
+        OK(jcas_sim_step_end(sim, &outcome));
+    }
+    OK(jcas_sim_record_end(sim));
+    OK(jcas_trace_config(trace, trace_length, &config, sizeof config, NULL, 0));
+    OK(jcas_trace_verify(sim, workspace, sizeof workspace, trace, trace_length, NULL, 0));
+}
 
 static void fly(jcas_sim *sim, jcas_sim *twin, size_t snapshot_size)
 {
@@ -100,6 +138,7 @@ int main(void)
     OK(jcas_sim_init(sim_memory, sizeof sim_memory, model, &sim));
     OK(jcas_sim_init(twin_memory, sizeof twin_memory, model, &twin));
     fly(sim, twin, info.snapshot_size);
+    record(model, sim);
     OK(jcas_sim_free(twin));
     OK(jcas_sim_free(sim));
     OK(jcas_model_free(model));

@@ -65,6 +65,31 @@ static void fly(const jcas::model &model)
     CHECK(moved.hotspots(hotspots) && hotspots[0].x == moved.hotspots()[0].x);
 }
 
+static void record(const jcas::model &model)
+{
+    jcas::sim sim = jcas::sim::create(model).take();
+    std::string trace;
+    const auto append = [&trace](std::string_view bytes) {
+        trace += bytes;
+        return true;
+    };
+    const std::vector<float> actions(model.info().action_len, 0.0f);
+    CHECK(sim.record_end().code() == JCAS_ERROR_OUT_OF_ORDER);
+    CHECK(sim.record(7, [](std::string_view) { return false; }).code() == JCAS_ERROR_SINK);
+    CHECK(sim.record(7, append, "nobody"));
+    jcas::sim moved = std::move(sim);
+    for (int step = 0; step < 20; step++) {
+        CHECK(moved.set_battery(1, 500000000000u + static_cast<unsigned>(step)));
+        CHECK(moved.step(actions));
+    }
+    CHECK(moved.record_end() && trace.find("\"policy\":\"nobody\"") != std::string::npos);
+    const std::uint64_t hash = moved.hash();
+    jcas::sim again = jcas::sim::create(model).take();
+    CHECK(*again.verify(trace) == hash);
+    auto cut = again.verify(trace.substr(0, 2000));
+    CHECK(cut.code() == JCAS_ERROR_CORRUPT && cut.message().find("not a whole trace") == 0);
+}
+
 static void fly_batch(const jcas::model &model)
 {
     jcas::batch batch = jcas::batch::create(model, 3, 2).take();
@@ -108,6 +133,7 @@ int main()
         CHECK(model.config().uav_count == 10 && model.radio(0, 0, 0.3)->link_throughput > 1);
         CHECK(!model.radio(99, 0, 0.3));
         fly(model);
+        record(model);
         fly_batch(model);
         fly_policies(model);
         // Nothing is left that uses the model.

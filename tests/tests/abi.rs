@@ -147,6 +147,7 @@ fn abuse_leaves_no_function_out() {
         "abuse_read.c",
         "abuse_batch.c",
         "policies.c",
+        "traces.c",
     ]) {
         abuse += &fs::read_to_string(file).expect("the tests are there");
     }

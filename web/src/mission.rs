@@ -4,7 +4,7 @@ use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Config, Model, Motion};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, Trained};
 use jcas_evaluate::replay;
-use jcas_evaluate::trace::{Flight, Trace};
+use jcas_evaluate::trace::{Flight, Host, Trace};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -100,9 +100,9 @@ impl Mission {
         let seed = derive_seed(u64::from(self.seed), 0);
         let text = |error: jcas_core::Error| error.to_string();
         let mut flight = Flight::begin(model, seed).map_err(text)?;
-        self.place(&mut flight).map_err(text)?;
         policy.reset(model, seed);
         let header = flight.header(policy.name(), policy.pilot());
+        self.place(&mut flight).map_err(text)?;
         let mut actions = vec![0.0; model.action_len()];
         let mut steps = Vec::new();
         while !flight.over() {
@@ -128,14 +128,14 @@ impl Mission {
         if self.moved.is_empty() {
             return Ok(());
         }
-        let state = flight.sim_mut().state();
+        let state = flight.state();
         let mut cells: Vec<Cell> = (0..state.hotspot_count())
             .map(|hotspot| state.hotspot_cell(hotspot))
             .collect();
         for &(hotspot, cell) in &self.moved {
             cells[hotspot] = cell;
         }
-        flight.sim_mut().set_hotspots(&cells)
+        flight.own(Host::SetHotspots { cells })
     }
 
     fn check_deeds(&self, model: &Model<'_>) -> Result<(), String> {
@@ -176,7 +176,7 @@ impl Deed {
     fn change(self, flight: &mut Flight<'_>) -> Result<(), jcas_core::Error> {
         match self {
             Self::Steer { .. } => Ok(()),
-            Self::Ground { uav, .. } => flight.sim_mut().set_battery(uav, 0),
+            Self::Ground { uav, .. } => flight.own(Host::SetBattery { uav, charge_uj: 0 }),
         }
     }
 

@@ -11,8 +11,10 @@ function readEpisode({ header, steps, end }) {
     t: 0, positions: initial.positions, pilot_density: null, battery_uj: initial.battery_uj, grounded: [], returning: [],
     links: [], knowledge: nobody, confirmed: [], informed: [], carbon_intensity_mg_per_kwh: null, co2_ng: 0, throughput: 0, reward: {},
   };
+  let hotspots = header.hotspots;
   const frames = [start, ...steps].map((step) => ({
     ...step,
+    hotspots: (hotspots = moved(hotspots, step.moved_hotspots)),
     soc: step.battery_uj.map((uj) => uj / capacity_uj),
     grounded: new Set(step.grounded),
     returning: new Set(step.returning),
@@ -39,6 +41,12 @@ function readEpisode({ header, steps, end }) {
   episode.series = readSeries(episode);
   episode.events = readEvents(episode);
   return episode;
+}
+
+/** Where the hotspots lie once a host has moved some of them; the same array where it has moved none. */
+function moved(hotspots, moves = []) {
+  const now = new Map(moves);
+  return now.size ? hotspots.map((cell, id) => now.get(id) ?? cell) : hotspots;
 }
 
 /** How many UAVs know each hotspot. */

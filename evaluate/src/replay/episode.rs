@@ -1,14 +1,17 @@
 //! What the page gets of a trace. Every index is checked here, so that the page's code can trust it.
 
+use std::borrow::Cow;
+
 use jcas_core::Cell;
 use serde::Serialize;
 
-use crate::trace::{End, Header, Hex, Rewards, Step, Trace, TraceError};
+use crate::trace::{End, Header, Hex, Host, Rewards, Step, Trace, TraceError};
 
 /// The episode as the page reads it.
 #[derive(Serialize)]
 pub(super) struct Episode<'a> {
-    header: &'a Header,
+    /// As the first step found it: a host's own start in place of the drawn one.
+    header: Cow<'a, Header>,
     steps: Vec<Frame<'a>>,
     end: &'a End,
 }
@@ -31,18 +34,29 @@ struct Frame<'a> {
     throughput: f64,
     reward: &'a Rewards,
     state_hash: Hex,
+    /// Hotspots that the host moved before this step, with their new cells.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    moved_hotspots: Vec<(usize, Cell)>,
 }
 
 impl<'a> Episode<'a> {
     pub(super) fn of(trace: &'a Trace) -> Result<Self, TraceError> {
         let Trace { header, steps, end } = trace;
-        check_header(header)?;
-        for (line, step) in (2..).zip(steps) {
+        let mut line = 2;
+        for step in steps {
+            line += step.host.len();
             check_step(line, step, header)?;
+            line += 1;
+        }
+        let started = started(header, steps.first())?;
+        check_header(&started)?;
+        let mut steps: Vec<Frame<'_>> = steps.iter().map(Frame::of).collect();
+        if let Some(first) = steps.first_mut() {
+            first.moved_hotspots.clear();
         }
         Ok(Self {
-            header,
-            steps: steps.iter().map(Frame::of).collect(),
+            header: started,
+            steps,
             end,
         })
     }
@@ -59,7 +73,7 @@ impl<'a> Episode<'a> {
             seed,
             config,
             ..
-        } = self.header;
+        } = self.header.as_ref();
         let steps = self.end.steps;
         let result = if self.end.terminated {
             format!("complete in {steps} steps")
@@ -91,8 +105,41 @@ impl<'a> Frame<'a> {
             throughput: step.throughput,
             reward: &step.reward,
             state_hash: step.state_hash,
+            moved_hotspots: step.host.iter().filter_map(moved_hotspot).collect(),
         }
     }
+}
+
+fn moved_hotspot(call: &Host) -> Option<(usize, Cell)> {
+    match *call {
+        Host::MoveHotspot { hotspot, cell } => Some((hotspot, cell)),
+        _ => None,
+    }
+}
+
+/// The header with what the host changed before the first step.
+fn started<'a>(header: &'a Header, first: Option<&Step>) -> Result<Cow<'a, Header>, TraceError> {
+    let mut header = Cow::Borrowed(header);
+    let calls = first.map_or(&[][..], |step| &step.host);
+    for (line, call) in (2..).zip(calls) {
+        match call {
+            Host::SetStarts { cells } => header.to_mut().initial.positions.clone_from(cells),
+            Host::SetHotspots { cells } => header.to_mut().hotspots.clone_from(cells),
+            Host::SetBatteries { charges_uj } => {
+                header.to_mut().initial.battery_uj.clone_from(charges_uj);
+            }
+            Host::SetBattery { uav, charge_uj } => {
+                check_ids(line, "uav", &[*uav], header.initial.battery_uj.len())?;
+                header.to_mut().initial.battery_uj[*uav] = *charge_uj;
+            }
+            Host::MoveHotspot { hotspot, cell } => {
+                check_ids(line, "hotspot", &[*hotspot], header.hotspots.len())?;
+                header.to_mut().hotspots[*hotspot] = *cell;
+            }
+            _ => {}
+        }
+    }
+    Ok(header)
 }
 
 fn check_header(header: &Header) -> Result<(), TraceError> {
@@ -110,6 +157,10 @@ fn check_step(line: usize, step: &Step, header: &Header) -> Result<(), TraceErro
     let uavs = header.config.uav_count as usize;
     let hotspots = header.config.hotspot_count as usize;
     check_cells(line, "positions", &step.positions, header)?;
+    for (hotspot, cell) in step.host.iter().filter_map(moved_hotspot) {
+        check_ids(line, "hotspot", &[hotspot], hotspots)?;
+        check_cells(line, "cell", &[cell], header)?;
+    }
     for (field, ids, count) in [
         ("grounded", step.grounded.as_slice(), uavs),
         ("returning", &step.returning, uavs),

@@ -73,7 +73,7 @@ function createFleetTable(table, episode, onSelect) {
 }
 
 function createInspector(card, episode, onSeek) {
-  const { frames, header, uavCount, hotspotCount, lastStep, config } = episode;
+  const { frames, uavCount, hotspotCount, lastStep, config } = episode;
   let shown = null;
   let charts = [];
   const facts = (pairs) => pairs.map(([name, text]) => `<dt>${name}</dt><dd>${text}</dd>`).join('');
@@ -116,7 +116,7 @@ function createInspector(card, episode, onSeek) {
       const knowers = frame.knowledge.flatMap((known, id) => (known.has(hotspot) ? [id] : []));
       const at = (step) => (step !== undefined && step <= t ? `step ${step}` : 'not yet');
       node.innerHTML = facts([
-        ['Cell', `(${header.hotspots[hotspot].join(', ')})`],
+        ['Cell', `(${frame.hotspots[hotspot].join(', ')})`],
         ['Confirmed', at(episode.confirmedAt[hotspot])],
         ['Informed', at(episode.informedAt[hotspot])],
         ['Known to', knowers.length === uavCount ? `all ${uavCount} UAVs` : list(knowers, 'nobody')],

@@ -36,6 +36,7 @@ function createStage(svg, episode, onSelect) {
   const tags = header.hotspots.map(drawTag);
   const counts = element(svg, 'g', { class: 'counts' });
   const layouts = episode.frames.map(() => null);
+  let placedHotspots = header.hotspots;
 
   return { draw };
 
@@ -70,9 +71,26 @@ function createStage(svg, episode, onSelect) {
     element(group, 'path', { d: 'M2 -13L-8 2H-1L-3 13L8 -3H1Z' });
   }
 
-  function drawHotspot(cell, id) {
+  function hotspotPlace(cell) {
     const [x, y] = centre(cell);
-    const group = element(svg, 'g', { class: 'hotspot', 'data-hotspot': id, transform: `translate(${x} ${y})` });
+    return `translate(${x} ${y})`;
+  }
+
+  function tagPlace(cell) {
+    const [x, y] = centre(cell);
+    return `translate(${x - CELL / 2 + 3} ${y - CELL / 2 + 2})`;
+  }
+
+  function placeHotspots(cells) {
+    placedHotspots = cells;
+    cells.forEach((cell, id) => {
+      hotspots[id].group.setAttribute('transform', hotspotPlace(cell));
+      tags[id].setAttribute('transform', tagPlace(cell));
+    });
+  }
+
+  function drawHotspot(cell, id) {
+    const group = element(svg, 'g', { class: 'hotspot', 'data-hotspot': id, transform: hotspotPlace(cell) });
     group.addEventListener('click', () => onSelect({ hotspot: id }));
     const title = element(group, 'title');
     const half = CELL / 2 - 2;
@@ -87,8 +105,7 @@ function createStage(svg, episode, onSelect) {
 
   /** The number stands above the UAVs, so that it can be read while they gather on the hotspot. */
   function drawTag(cell, id) {
-    const [x, y] = centre(cell);
-    const group = element(svg, 'g', { class: 'hotspot-tag', transform: `translate(${x - CELL / 2 + 3} ${y - CELL / 2 + 2})` });
+    const group = element(svg, 'g', { class: 'hotspot-tag', transform: tagPlace(cell) });
     element(group, 'circle', { r: glyph * 0.2 });
     element(group, 'text', { 'font-size': glyph * 0.24 }).textContent = id;
     return group;
@@ -202,6 +219,7 @@ function createStage(svg, episode, onSelect) {
     const maps = selection.uav === undefined ? episode.searchedAt : [episode.searchedAt?.[selection.uav]];
     searched.forEach((node, cell) => { node.style.visibility = maps.some((map) => map[cell] <= t) ? 'visible' : 'hidden'; });
     for (const { node, t: since } of visited) node.style.visibility = since <= t ? 'visible' : 'hidden';
+    if (frame.hotspots !== placedHotspots) placeHotspots(frame.hotspots);
     hotspots.forEach(({ group, title, known }, id) => {
       for (const node of [group, tags[id]]) {
         node.classList.toggle('confirmed', frame.confirmed.has(id));

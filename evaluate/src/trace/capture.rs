@@ -3,11 +3,12 @@
 
 use std::io::Write;
 
-use jcas_core::{Config, Error, Model, Sim, action, hash};
+use jcas_core::{Config, Error, Model, Sim, StateRef, action, hash};
 
 use super::compare::{Difference, diff};
 use super::error::TraceError;
 use super::format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace};
+use super::host::Host;
 use super::write::Writer;
 use crate::policy::Policy;
 
@@ -49,7 +50,13 @@ pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
         if episode.over() {
             break;
         }
+        for call in &recorded.host {
+            episode.own(call.clone())?;
+        }
         steps.push(episode.step(recorded.actions.as_flattened())?);
+    }
+    for call in &trace.end.host {
+        episode.own(call.clone())?;
     }
     let flown = Trace {
         header,
@@ -66,6 +73,8 @@ pub struct Flight<'m> {
     sim: Sim<'m>,
     observations: Vec<f32>,
     seed: u64,
+    /// What the host has supplied since the last step.
+    host: Vec<Host>,
 }
 
 impl<'m> Flight<'m> {
@@ -82,15 +91,36 @@ impl<'m> Flight<'m> {
             sim,
             observations: vec![0.0; model.uav_count() * model.observation_len()],
             seed,
+            host: Vec::new(),
         };
         episode.sim.observe(&mut episode.observations)?;
         Ok(episode)
     }
 
-    /// The simulation, for a host that owns some of it: changes made here are part of the flight and of its
-    /// lines, but no trace holds them, so that [`verify`] would call them a difference.
-    pub fn sim_mut(&mut self) -> &mut Sim<'m> {
-        &mut self.sim
+    /// The state as it is now.
+    #[must_use]
+    pub fn state(&self) -> StateRef<'_> {
+        self.sim.state()
+    }
+
+    /// Takes what a host owns in place of the model. A call between steps is made at once, one within a step
+    /// when the next step comes to it.
+    ///
+    /// # Errors
+    /// What the kernel refuses.
+    pub fn own(&mut self, call: Host) -> Result<(), Error> {
+        if !call.within_a_step() {
+            if self.host.iter().any(Host::within_a_step) {
+                return Err(Error::OutOfOrder {
+                    called: "a call between steps",
+                    after: "reset or step_end",
+                });
+            }
+            call.make(&mut self.sim)?;
+            self.sim.observe(&mut self.observations)?;
+        }
+        self.host.push(call);
+        Ok(())
     }
 
     /// Lets a policy choose the next actions.
@@ -108,7 +138,7 @@ impl<'m> Flight<'m> {
         state.terminated() || state.truncated()
     }
 
-    /// The first line, before the first step.
+    /// The first line, before the first step and before the host owns anything.
     #[must_use]
     pub fn header(&self, policy: &str, pilot: &str) -> Header {
         let state = self.sim.state();
@@ -140,7 +170,7 @@ impl<'m> Flight<'m> {
     /// # Errors
     /// Where the kernel refuses the actions.
     pub fn step(&mut self, actions: &[f32]) -> Result<Step, Error> {
-        self.sim.step(actions)?;
+        self.advance(actions)?;
         self.sim.observe(&mut self.observations)?;
         let state = self.sim.state();
         let (uavs, hotspots) = (self.model.uav_count(), self.model.hotspot_count());
@@ -174,7 +204,34 @@ impl<'m> Flight<'m> {
             reward: Rewards(state.rewards()),
             observation_hash: Hex(hash::reals(&self.observations)),
             state_hash: Hex(self.sim.state_hash()),
+            host: std::mem::take(&mut self.host),
         })
+    }
+
+    /// A whole step; by parts where the host owns some of it.
+    fn advance(&mut self, actions: &[f32]) -> Result<(), Error> {
+        let Self { sim, host, .. } = self;
+        let mut within = host.iter().filter(|call| call.within_a_step()).peekable();
+        if within.peek().is_none() {
+            return sim.step(actions).map(|_| ());
+        }
+        sim.step_begin(actions)?;
+        let senses = |call: &&Host| matches!(call, Host::StepSenseOver { .. });
+        let communicates = |call: &&Host| matches!(call, Host::StepCommunicateOver { .. });
+        while let Some(call) = within.next_if(|call| !senses(call) && !communicates(call)) {
+            call.make(sim)?;
+        }
+        match within.next_if(senses) {
+            Some(call) => call.make(sim)?,
+            None => sim.step_sense()?,
+        }
+        match within.next_if(communicates) {
+            Some(call) => call.make(sim)?,
+            None => sim.step_communicate()?,
+        }
+        // Whatever is left comes too late, which the kernel says.
+        within.try_for_each(|call| call.make(sim))?;
+        sim.step_end().map(|_| ())
     }
 
     /// The last line, but for its checksum.
@@ -188,6 +245,7 @@ impl<'m> Flight<'m> {
             truncated: metrics.truncated,
             metrics,
             checksum: Hex(0),
+            host: self.host.clone(),
         }
     }
 }

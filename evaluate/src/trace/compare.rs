@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::format::Trace;
+use super::host::Host;
 
 /// Fields of a header in the order in which they are compared. `core_version` is not among them: that
 /// two versions agree is what a trace is for.
@@ -76,6 +77,9 @@ pub fn diff(left: &Trace, right: &Trace) -> Option<Difference> {
         return Some(difference);
     }
     for (a, b) in left.steps.iter().zip(&right.steps) {
+        if let Some(difference) = hosts(a.t, &a.host, &b.host) {
+            return Some(difference);
+        }
         if let Some(difference) = lines(a.t, a, b, &STEP_FIELDS) {
             return Some(difference);
         }
@@ -89,7 +93,19 @@ pub fn diff(left: &Trace, right: &Trace) -> Option<Difference> {
             right: presence(right.steps.len() as u32 > last),
         });
     }
-    lines(last, &left.end, &right.end, &END_FIELDS)
+    hosts(last, &left.end.host, &right.end.host)
+        .or_else(|| lines(last, &left.end, &right.end, &END_FIELDS))
+}
+
+/// The first difference in what two hosts supplied.
+fn hosts(step: u32, left: &[Host], right: &[Host]) -> Option<Difference> {
+    let (field, a, b) = first_difference("host", &value(&left), &value(&right))?;
+    Some(Difference {
+        step,
+        field,
+        left: a,
+        right: b,
+    })
 }
 
 fn presence(present: bool) -> String {

@@ -57,7 +57,7 @@ impl fmt::Display for TraceError {
             }
             Self::Version(found) => write!(
                 out,
-                "format_version = {found}: this build reads version {FORMAT_VERSION}"
+                "format_version = {found}: this build reads versions 1 to {FORMAT_VERSION}"
             ),
             Self::Malformed { line, problem } => write!(out, "line {line}: {problem}"),
             Self::Truncated { steps } => write!(

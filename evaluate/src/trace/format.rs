@@ -8,10 +8,12 @@ use serde::de::{Error as _, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::host::Host;
+
 /// The name of the format, in every header.
 pub const FORMAT: &str = "jcas-trace";
-/// The version of the format that this build reads and writes.
-pub const FORMAT_VERSION: u32 = 1;
+/// The version of the format that this build writes. It reads version 1 too, which has no calls of a host.
+pub const FORMAT_VERSION: u32 = 2;
 
 /// A whole trace.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,6 +112,9 @@ pub struct Step {
     pub observation_hash: Hex,
     /// Of the kernel's state after the step.
     pub state_hash: Hex,
+    /// What the host supplied since the step before; lines of their own.
+    #[serde(skip)]
+    pub host: Vec<Host>,
 }
 
 /// The last line. The checksum has to stay its last field.
@@ -128,6 +133,9 @@ pub struct End {
     pub metrics: Metrics,
     /// Over all bytes before it.
     pub checksum: Hex,
+    /// What the host supplied after the last step; lines of their own.
+    #[serde(skip)]
+    pub host: Vec<Host>,
 }
 
 /// 64 bits, written as `0x` and sixteen digits: JSON numbers are doubles to many readers.

@@ -5,6 +5,9 @@
 //! that flew it, and compares every field of every line; reals are compared as bits, since they are
 //! written with as many digits as it takes to read back the same number. [`diff`] compares two files.
 //!
+//! What a host simulator supplied is in lines of their own, before the step that it is part of, one for each call in
+//! its order; their `kind` is the call's name ([`Host`]).
+//!
 //! Sets are ascending lists of indices. `observation_hash` and `state_hash` are FNV-1a, 64 bits, over the
 //! little-endian bytes of all observations (f32) and of the kernel's state; `checksum` in the last line
 //! is the same hash over all bytes of the file that come before `,"checksum"`.
@@ -15,6 +18,7 @@ mod capture;
 mod compare;
 mod error;
 mod format;
+mod host;
 mod read;
 mod write;
 
@@ -22,5 +26,6 @@ pub use capture::{Flight, record, verify};
 pub use compare::{Difference, diff};
 pub use error::TraceError;
 pub use format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace};
+pub use host::Host;
 pub use read::read;
 pub use write::Writer;

@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::error::TraceError;
 use super::format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Step, Trace};
+use super::host::Host;
 use super::write::CHECKSUM_KEY;
 
 /// The part of a line that tells what to expect of the rest.
@@ -28,6 +29,7 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
     let mut header: Option<Header> = None;
     let mut steps = Vec::new();
     let mut end: Option<End> = None;
+    let mut host = Vec::new();
     let mut text = String::new();
     for line in 1.. {
         text.clear();
@@ -52,21 +54,33 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
         };
         match parse::<Probe>(&text, line)?.kind.as_str() {
             "step" => {
-                let step: Step = parse(&text, line)?;
+                let mut step: Step = parse(&text, line)?;
                 check_step(&step, header, steps.len() + 1, line)?;
+                step.host = std::mem::take(&mut host);
                 steps.push(step);
                 hash.write(text.as_bytes());
             }
             "end" => {
-                let parsed: End = parse(&text, line)?;
+                let mut parsed: End = parse(&text, line)?;
+                if host.iter().any(Host::within_a_step) {
+                    return Err(malformed(
+                        line,
+                        "the step that the host's calls are part of is missing",
+                    ));
+                }
+                parsed.host = std::mem::take(&mut host);
                 let covered = text.rfind(CHECKSUM_KEY).unwrap_or(text.len());
                 hash.write(&text.as_bytes()[..covered]);
                 end = Some(parsed);
             }
+            kind if header.format_version > 1 && Host::KINDS.contains(&kind) => {
+                host.push(read_host(&text, header, line)?);
+                hash.write(text.as_bytes());
+            }
             other => {
                 return Err(malformed(
                     line,
-                    &format!("kind = \"{other}\": must be step or end"),
+                    &format!("kind = \"{other}\": must be step, end or a call of the host"),
                 ));
             }
         }
@@ -93,7 +107,7 @@ fn read_header(text: &str) -> Result<Header, TraceError> {
             format: Some(format),
             format_version: Some(version),
         } if kind == "header" && format == FORMAT => {
-            if version != u64::from(FORMAT_VERSION) {
+            if !(1..=u64::from(FORMAT_VERSION)).contains(&version) {
                 return Err(TraceError::Version(version));
             }
             parse(text, 1)
@@ -102,6 +116,19 @@ fn read_header(text: &str) -> Result<Header, TraceError> {
             "kind = \"{kind}\", format = \"{}\"",
             format.unwrap_or_default()
         ))),
+    }
+}
+
+/// A call of the host, whose pairs exist; the kernel judges the rest of it.
+fn read_host(text: &str, header: &Header, line: usize) -> Result<Host, TraceError> {
+    let call: Host = parse(text, line)?;
+    let config = &header.config;
+    match call.stray_pair(config.uav_count as usize, config.hotspot_count as usize) {
+        None => Ok(call),
+        Some([i, k]) => Err(malformed(
+            line,
+            &format!("[{i}, {k}]: there is no such pair"),
+        )),
     }
 }
 

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::error::TraceError;
 use super::format::{End, Header, Hex, Step};
+use super::host::Host;
 
 /// What separates the bytes under the checksum from the checksum.
 pub(super) const CHECKSUM_KEY: &str = ",\"checksum\":";
@@ -31,11 +32,12 @@ impl<W: Write> Writer<W> {
         Ok(writer)
     }
 
-    /// Adds a step.
+    /// Adds a step, with what the host supplied to it.
     ///
     /// # Errors
     /// Where writing fails.
     pub fn step(&mut self, step: &Step) -> Result<(), TraceError> {
+        self.host(&step.host)?;
         self.line(step)
     }
 
@@ -44,6 +46,7 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// Where writing fails.
     pub fn end(mut self, mut end: End) -> Result<Hex, TraceError> {
+        self.host(&end.host)?;
         let text = json(&end);
         let covered = text.rfind(CHECKSUM_KEY).unwrap_or(text.len());
         self.hash.write(&text.as_bytes()[..covered]);
@@ -52,6 +55,10 @@ impl<W: Write> Writer<W> {
         self.out.write_all(b"\n")?;
         self.out.flush()?;
         Ok(end.checksum)
+    }
+
+    fn host(&mut self, calls: &[Host]) -> Result<(), TraceError> {
+        calls.iter().try_for_each(|call| self.line(call))
     }
 
     fn line(&mut self, value: &impl Serialize) -> Result<(), TraceError> {

@@ -38,6 +38,8 @@ JCAS_ERROR_RESOURCES = -14
 JCAS_ERROR_ABI = -15
 JCAS_ERROR_INTERNAL = -16
 JCAS_ERROR_FORKED = -17
+JCAS_ERROR_SINK = -18
+JCAS_ERROR_DIFFERENT = -19
 JCAS_MAX_DEPOTS = 16
 JCAS_VISIBILITY_KNOWN = 0
 JCAS_VISIBILITY_HIDDEN = 1
@@ -262,6 +264,19 @@ class jcas_hotspot(Structure):
     )
 
 
+class jcas_recorder(Structure):
+    _fields_ = (
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("write", c_void_p),
+        ("write_context", c_void_p),
+        ("policy", c_void_p),
+        ("pilot", c_void_p),
+        ("memory", c_void_p),
+        ("memory_size", c_size_t),
+    )
+
+
 class jcas_batch_options(Structure):
     _fields_ = (
         ("struct_size", c_uint32),
@@ -431,6 +446,16 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_fork.restype = c_int32
     library.jcas_sim_hash.argtypes = (c_void_p, c_void_p)
     library.jcas_sim_hash.restype = c_int32
+    library.jcas_trace_layout.argtypes = (c_void_p, c_void_p, c_void_p)
+    library.jcas_trace_layout.restype = c_int32
+    library.jcas_sim_record.argtypes = (c_void_p, c_uint64, POINTER(jcas_recorder))
+    library.jcas_sim_record.restype = c_int32
+    library.jcas_sim_record_end.argtypes = (c_void_p,)
+    library.jcas_sim_record_end.restype = c_int32
+    library.jcas_trace_config.argtypes = (c_char_p, c_size_t, POINTER(jcas_config), c_size_t, c_char_p, c_size_t)
+    library.jcas_trace_config.restype = c_int32
+    library.jcas_trace_verify.argtypes = (c_void_p, c_void_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)
+    library.jcas_trace_verify.restype = c_int32
     library.jcas_batch_new.argtypes = (c_void_p, c_uint32, c_uint32, POINTER(c_void_p))
     library.jcas_batch_new.restype = c_int32
     library.jcas_batch_layout.argtypes = (c_void_p, POINTER(jcas_batch_options), c_void_p, c_void_p)

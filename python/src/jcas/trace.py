@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Union
 
@@ -14,11 +14,12 @@ import numpy.typing as npt
 
 from .config import Config
 from .errors import TraceError
+from .hosted import KINDS, own_between_steps, step_with_host
 from .model import Model
 from .sim import Sim
 
 FORMAT = "jcas-trace"
-FORMAT_VERSION = 1
+FORMAT_VERSIONS = (1, 2)
 
 _FNV_BASIS = 0xCBF29CE484222325
 _FNV_PRIME = 0x100000001B3
@@ -34,6 +35,8 @@ class Trace:
     header: dict[str, Any]
     steps: list[dict[str, Any]]
     end: dict[str, Any]
+    host: list[list[dict[str, Any]]] = field(default_factory=list)
+    """What a host simulator supplied before each step, and after the last; empty where there was no host."""
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trace:
@@ -45,15 +48,16 @@ class Trace:
             raise TraceError(f"{path}: not JSON lines: {error}") from error
         if not lines or not all(isinstance(line, dict) for line in lines):
             raise TraceError(f"{path}: must be JSON objects, one on each line")
-        header, *steps, end = lines if len(lines) > 1 else (lines[0], {})
-        if header.get("format") != FORMAT or header.get("format_version") != FORMAT_VERSION:
-            raise TraceError(f"{path}: must be a {FORMAT} of version {FORMAT_VERSION}")
+        header, *between, end = lines if len(lines) > 1 else (lines[0], {})
+        if header.get("format") != FORMAT or header.get("format_version") not in FORMAT_VERSIONS:
+            raise TraceError(f"{path}: must be a {FORMAT} of version 1 or 2")
+        steps = [line for line in between if line.get("kind") not in KINDS]
         if end.get("kind") != "end" or any(step.get("kind") != "step" for step in steps):
             raise TraceError(f"{path}: cut short: it does not close with its end")
         body = content[: content.rindex(b',"checksum":')]
         if end["checksum"] != f"0x{_fnv1a(body):016x}":
             raise TraceError(f"{path}: the checksum does not match the content")
-        return cls(header, steps, end)
+        return cls(header, steps, end, _by_step(between))
 
     @property
     def config(self) -> Config:
@@ -89,7 +93,7 @@ def replay_trace(trace: TraceLike, watch: Callable[[Sim], None] | None = None) -
     if watch:
         watch(sim)
     for index, step in enumerate(recorded.steps):
-        sim.step(recorded.actions(index))
+        step_with_host(sim, recorded.actions(index), recorded.host[index] if recorded.host else [])
         moment = f"step {index + 1}"
         _compare_moment(moment, sim, step)
         _compare(moment, "reward", step, sim.reward_components())
@@ -97,10 +101,22 @@ def replay_trace(trace: TraceLike, watch: Callable[[Sim], None] | None = None) -
         _compare(moment, "throughput", step, sim.mean_throughput)
         if watch:
             watch(sim)
+    own_between_steps(sim, recorded.host[-1] if recorded.host else [])
     _compare("the end", "steps", recorded.end, sim.t)
     _compare("the end", "terminated", recorded.end, sim.terminated)
     _compare("the end", "truncated", recorded.end, sim.truncated)
     return sim
+
+
+def _by_step(lines: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
+    """Gather the calls of a host before each step, and after the last."""
+    host: list[list[dict[str, Any]]] = [[]]
+    for line in lines:
+        if line.get("kind") == "step":
+            host.append([])
+        else:
+            host[-1].append(line)
+    return host
 
 
 def _compare_moment(moment: str, sim: Sim, recorded: dict[str, Any]) -> None:

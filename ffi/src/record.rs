@@ -1,0 +1,245 @@
+//! Recording and verifying: the files of `jcas trace`.
+
+use std::ffi::{CStr, c_char, c_void};
+
+use jcas_core::header::Phase;
+
+use crate::config::jcas_config;
+use crate::handle::{Open, change, model, open};
+use crate::memory::{Plain, Record, Said, bytes, message, place, read_record, sized_record};
+use crate::model::jcas_model;
+use crate::sim::jcas_sim;
+use crate::status::{
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_ERROR_OUT_OF_ORDER,
+    guard, jcas_status,
+};
+use crate::trace::{Recording, Refusal, Sink, Workspace, configuration, verify};
+
+/// Takes `count` bytes of a trace, in their order; `context` is the caller's own. Returns 0; anything else
+/// says that they could not be taken, and no more are offered.
+pub type jcas_write =
+    Option<unsafe extern "C" fn(bytes: *const c_char, count: usize, context: *mut c_void) -> i32>;
+
+/// Where a recording goes, and what it works in. Everything that is pointed to, but for the names, stays
+/// the caller's and must live until the recording ends.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct jcas_recorder {
+    /// sizeof(jcas_recorder).
+    pub struct_size: u32,
+    /// Set it to 0.
+    pub reserved: u32,
+    /// Takes the trace; not NULL.
+    pub write: jcas_write,
+    /// Passed to `write`.
+    pub write_context: *mut c_void,
+    /// Who flies, UTF-8, for the reader; NULL means "host".
+    pub policy: *const c_char,
+    /// How the pilot density is chosen, for the reader; NULL means "host".
+    pub pilot: *const c_char,
+    /// At least the size and alignment of jcas_trace_layout; not NULL.
+    pub memory: *mut c_void,
+    /// Its size in bytes.
+    pub memory_size: usize,
+}
+
+// SAFETY: integers, raw pointers and a function pointer that may be null; what a caller puts there is the
+// caller's promise.
+unsafe impl Plain for jcas_recorder {}
+// SAFETY: `struct_size` comes first.
+unsafe impl Record for jcas_recorder {}
+
+/// How much memory recording and verifying take.
+///
+/// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+/// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_trace_layout(
+    model: *const jcas_model,
+    size: *mut usize,
+    alignment: *mut usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `model`.
+        let model = unsafe { self::model(model.cast()) }?;
+        // SAFETY: the caller's promise for `size`.
+        let size = unsafe { place(size) }?;
+        // SAFETY: the caller's promise for `alignment`.
+        let alignment = unsafe { place(alignment) }?;
+        let layout = Workspace::layout(model.get())?;
+        size.put(layout.size());
+        alignment.put(layout.align());
+        Ok(())
+    })
+}
+
+/// Begins the episode of a seed, as jcas_sim_reset does, and records it: from here on every step, and
+/// every call by which the host owns something, goes to the recorder as a line of the trace. `jcas trace
+/// verify` flies such a file again bit for bit, `jcas replay` shows it.
+///
+/// Whatever puts another state into the simulation (jcas_sim_reset, _load, _free, a fork into it,
+/// jcas_batch_get, jcas_trace_verify) leaves the recording as it is, without its end, which readers say.
+/// If the sink refuses the first line, nothing has changed: JCAS_ERROR_SINK. If it refuses a later one,
+/// the simulation goes on, and jcas_sim_record_end says so.
+///
+/// `sim`, `recorder`: not NULL; recorder->struct_size set; not needed after the call, but for what it
+/// points to. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, SINK.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_record(
+    sim: *mut jcas_sim,
+    seed: u64,
+    recorder: *const jcas_recorder,
+) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        // SAFETY: the caller's promise for `recorder`.
+        let recorder = unsafe { read_record(recorder) }?;
+        let write = recorder.write.ok_or(Fault::Status(JCAS_ERROR_NULL))?;
+        if recorder.reserved != 0 {
+            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
+        }
+        // SAFETY: the caller's promise for the names.
+        let policy = unsafe { name(recorder.policy) }?;
+        // SAFETY: as above.
+        let pilot = unsafe { name(recorder.pilot) }?;
+        // SAFETY: the caller's promise for `memory`.
+        let workspace =
+            unsafe { Workspace::lent(recorder.memory, recorder.memory_size, sim.model) }?;
+        let sink = Sink {
+            write,
+            context: recorder.write_context,
+        };
+        sim.record(seed, sink, workspace, (policy, pilot))
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Ends a recording, between steps: the last line goes to the recorder. JCAS_ERROR_OUT_OF_ORDER in the
+/// middle of a step, or where nothing is recorded. JCAS_ERROR_SINK if the sink has not taken all of the
+/// trace; the recording has ended then too.
+///
+/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, SINK.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_record_end(sim: *mut jcas_sim) -> jcas_status {
+    let act = |sim: &mut Open<'_>| {
+        let state = sim.model.state(sim.words)?;
+        let within = [Phase::Moved, Phase::Sensed, Phase::Communicated];
+        let parted = (state.header.phase()).is_some_and(|phase| within.contains(&phase));
+        match sim.recording.take_if(|_| !parted) {
+            Some(recording) => Recording::end(recording, &state),
+            None => Err(Fault::Status(JCAS_ERROR_OUT_OF_ORDER)),
+        }
+    };
+    // SAFETY: the caller's promise for `sim`.
+    unsafe { change(sim.cast(), act) }
+}
+
+/// Fills `config` with the configuration that a trace was flown with.
+///
+/// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL. `config`: not
+/// NULL. `struct_size`: sizeof(jcas_config). `message`: see the introduction. Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CORRUPT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_trace_config(
+    trace: *const c_char,
+    length: usize,
+    config: *mut jcas_config,
+    struct_size: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promises for `trace` and `message`.
+        let trace = unsafe { text(trace, length, message, message_capacity) }?;
+        // SAFETY: the caller's promise for `config`.
+        let out = unsafe { sized_record(config, struct_size) }?;
+        let config = configuration(trace)
+            // SAFETY: the caller's promise for `message`.
+            .map_err(|refusal| unsafe { say(&refusal, message, message_capacity) })?;
+        out.put(jcas_config::from_core(&config));
+        Ok(())
+    })
+}
+
+/// Flies a trace again and compares every line, byte by byte. JCAS_OK: this library does what the file
+/// says. JCAS_ERROR_DIFFERENT: it does not; the message names the line and the field. JCAS_ERROR_CORRUPT:
+/// the file was cut, changed, or is none. The simulation is left where the trace ends, or where it
+/// differs.
+///
+/// `sim`: not NULL; of the trace's configuration (jcas_trace_config), or JCAS_ERROR_MODEL_MISMATCH.
+/// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again after the
+/// call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the introduction. Threads:
+/// only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_trace_verify(
+    sim: *mut jcas_sim,
+    memory: *mut c_void,
+    size: usize,
+    trace: *const c_char,
+    length: usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let mut sim = unsafe { open(sim.cast()) }?;
+        // SAFETY: the caller's promise for `memory`.
+        let workspace = unsafe { Workspace::lent(memory, size, sim.model) }?;
+        // SAFETY: the caller's promises for `trace` and `message`.
+        let trace = unsafe { text(trace, length, message, message_capacity) }?;
+        *sim.recording = None;
+        // SAFETY: only this call uses the workspace.
+        let verified = verify(&mut sim, unsafe { workspace.parts() }, trace);
+        // SAFETY: the caller's promise for `message`.
+        verified.map_err(|refusal| unsafe { say(&refusal, message, message_capacity) })
+    })
+}
+
+/// A name for the reader of a trace.
+///
+/// # Safety
+/// A C string, or null; it does not change during the call.
+unsafe fn name<'a>(name: *const c_char) -> Result<&'a str, Fault> {
+    if name.is_null() {
+        return Ok("host");
+    }
+    // SAFETY: the caller's promise.
+    let name = unsafe { CStr::from_ptr(name) };
+    name.to_str()
+        .map_err(|_| Fault::Status(JCAS_ERROR_ARGUMENT))
+}
+
+/// The text of a trace.
+///
+/// # Safety
+/// As [`bytes`] and [`message`].
+unsafe fn text<'a>(
+    trace: *const c_char,
+    length: usize,
+    buffer: *mut c_char,
+    capacity: usize,
+) -> Result<&'a str, Fault> {
+    // SAFETY: passed on.
+    let bytes = unsafe { bytes(trace.cast(), length) }?;
+    std::str::from_utf8(bytes).map_err(|_| {
+        // SAFETY: passed on.
+        unsafe { message("the trace is not UTF-8", buffer, capacity) };
+        Fault::Status(JCAS_ERROR_CORRUPT)
+    })
+}
+
+/// # Safety
+/// As [`message`].
+unsafe fn say(refusal: &Refusal<'_>, buffer: *mut c_char, capacity: usize) -> Fault {
+    // SAFETY: passed on.
+    unsafe { message(&Said(refusal), buffer, capacity) };
+    refusal.status()
+}
