@@ -24,10 +24,17 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
     for (y, row) in world.visited.iter().enumerate() {
         for (x, &visited) in row.iter().enumerate() {
             let index = y * spec.config.grid_width as usize + x;
-            equal(&format!("visited({x}, {y})"), visited, state.visited(index))?;
+            equal(
+                format_args!("visited({x}, {y})"),
+                visited,
+                state.visited(index),
+            )?;
             for i in 0..world.position.len() {
-                let what = format!("searched({x}, {y}) of UAV {i}");
-                equal(&what, world.searched[i][y][x], state.searched(i, index))?;
+                equal(
+                    format_args!("searched({x}, {y}) of UAV {i}"),
+                    world.searched[i][y][x],
+                    state.searched(i, index),
+                )?;
             }
         }
     }
@@ -51,7 +58,7 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
     let names = jcas_core::reward::NAMES;
     let terms = world.rewards.terms();
     for (index, (&ours, theirs)) in terms.iter().zip(state.rewards()).enumerate() {
-        real(&format!("reward {}", names[index]), ours, theirs)?;
+        real(format_args!("reward {}", names[index]), ours, theirs)?;
     }
     for (i, own) in world.uav_rewards.iter().enumerate() {
         for (index, (ours, theirs)) in own
@@ -60,7 +67,11 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
             .zip(state.uav_rewards(i))
             .enumerate()
         {
-            real(&format!("reward {} of UAV {i}", names[index]), ours, theirs)?;
+            real(
+                format_args!("reward {} of UAV {i}", names[index]),
+                ours,
+                theirs,
+            )?;
         }
     }
     Ok(())
@@ -81,15 +92,19 @@ fn uav(world: &World, state: &StateRef<'_>, i: usize) -> Outcome {
     equal("moved", world.moved[i], state.moved(i))?;
     for k in 0..world.linked.len() {
         equal(
-            &format!("link to {k}"),
+            format_args!("link to {k}"),
             world.linked[i][k],
             state.linked(i, k),
         )?;
     }
     for j in 0..world.hotspot.len() {
-        equal(&format!("knows {j}"), world.knows[i][j], state.knows(i, j))?;
+        equal(
+            format_args!("knows {j}"),
+            world.knows[i][j],
+            state.knows(i, j),
+        )?;
         let (ours, theirs) = (world.detected[i][j], state.detected(i, j));
-        equal(&format!("detected {j}"), ours, theirs)?;
+        equal(format_args!("detected {j}"), ours, theirs)?;
     }
     Ok(())
 }
@@ -119,7 +134,7 @@ fn cell(position: crate::specification::Position) -> Cell {
 
 /// Compares what two observers see: equal to within one unit in the last place.
 pub fn observations(what: &str, ours: &[f32], theirs: &[f32]) -> Outcome {
-    equal(&format!("length of {what}"), ours.len(), theirs.len())?;
+    equal(format_args!("length of {what}"), ours.len(), theirs.len())?;
     for (index, (&a, &b)) in ours.iter().zip(theirs).enumerate() {
         if (ordinal(a) - ordinal(b)).abs() > 1 {
             return Err(format!(
@@ -141,7 +156,7 @@ fn ordinal(x: f32) -> i64 {
 }
 
 /// Compares two reals.
-pub fn real(what: &str, ours: f64, theirs: f64) -> Outcome {
+pub fn real(what: impl core::fmt::Display, ours: f64, theirs: f64) -> Outcome {
     let scale = ours.abs().max(theirs.abs()).max(1.0);
     if (ours - theirs).abs() <= 1e-12 * scale {
         Ok(())
@@ -151,7 +166,11 @@ pub fn real(what: &str, ours: f64, theirs: f64) -> Outcome {
 }
 
 /// Compares two values that must be the same.
-pub fn equal<T: PartialEq + core::fmt::Debug>(what: &str, ours: T, theirs: T) -> Outcome {
+pub fn equal<T: PartialEq + core::fmt::Debug>(
+    what: impl core::fmt::Display,
+    ours: T,
+    theirs: T,
+) -> Outcome {
     if ours == theirs {
         Ok(())
     } else {

@@ -10,12 +10,12 @@
 
 use crate::comparison;
 use crate::sampling::{self, Dice};
-use crate::specification::{Position, Specification, World};
+use crate::specification::{Host, Position, Specification, World};
 use jcas_core::header::Phase;
 use jcas_core::{Cell, Error, Model, Scratch, StateMut};
 
 /// What a sequence may do.
-const CALLS: [Call; 24] = [
+const CALLS: [Call; 32] = [
     Call::Step,
     Call::Step,
     Call::Step,
@@ -36,10 +36,18 @@ const CALLS: [Call; 24] = [
     Call::NotANumber,
     Call::WrongLength,
     Call::SetPositions,
+    Call::Ground,
+    Call::ConfirmHotspot,
+    Call::SenseOver,
+    Call::SenseOver,
+    Call::CommunicateOver,
+    Call::CommunicateOver,
+    Call::SetStarts,
     Call::SetHotspots,
     Call::SetBatteries,
-    Call::CommunicateOver,
-    Call::CommunicateOver,
+    Call::SetBattery,
+    Call::MoveHotspot,
+    Call::MoveHotspot,
 ];
 
 /// Kinds of calls.
@@ -57,8 +65,14 @@ enum Call {
     NotANumber,
     WrongLength,
     SetPositions,
+    Ground,
+    ConfirmHotspot,
+    SenseOver,
+    SetStarts,
     SetHotspots,
     SetBatteries,
+    SetBattery,
+    MoveHotspot,
     /// Whole steps, and a reset where an episode is over.
     Fly,
     CommunicateOver,
@@ -89,12 +103,16 @@ impl Tally {
     }
 }
 
-/// What the specification knows of a state: nothing more once a host has changed the middle of a step, until
-/// the next reset.
+/// What the specification knows of a state.
 #[derive(Clone)]
 struct Shadow {
+    /// The state before the step under way; none in a sequence that is not compared, and once a host has
+    /// moved UAVs after keeping some on the ground, until the next reset.
     world: Option<World>,
+    /// The actions of that step.
     actions: Vec<(f32, f32)>,
+    /// What the host owns of it so far.
+    host: Host,
 }
 
 struct Machine<'m> {
@@ -112,17 +130,20 @@ struct Machine<'m> {
 }
 
 /// Plays the calls that `calls` stand for on the model that `seed` stands for; with `compares`, every whole
-/// step against the specification, which takes many times as long.
+/// step against the specification, which takes many times as long. Without, half of the fleets are larger.
 ///
 /// # Errors
 /// The first call that did not do what it must.
 pub fn play(seed: u64, calls: &[u64], compares: bool) -> Result<Tally, String> {
     let mut dice = Dice::new(seed);
-    let config = if dice.one_in(500) {
+    let mut config = if dice.one_in(500) {
         sampling::large_configuration(&mut dice)
     } else {
         sampling::configuration(&mut dice)
     };
+    if !compares && config.uav_count > 6 {
+        config.uav_count = config.uav_count.max(dice.integer(7, 48));
+    }
     let model = Model::new(config).map_err(|error| error.to_string())?;
     let spec = Specification::new(&config);
     let mut machine = Machine {
@@ -131,6 +152,7 @@ pub fn play(seed: u64, calls: &[u64], compares: bool) -> Result<Tally, String> {
         shadow: Shadow {
             world: None,
             actions: Vec::new(),
+            host: Host::default(),
         },
         saved: None,
         tally: Tally::default(),
@@ -184,9 +206,15 @@ impl Machine<'_> {
             Call::NotANumber => self.begin_with_a_nan(dice),
             Call::WrongLength => self.begin_with_another_length(dice),
             Call::SetPositions => self.set_positions(dice),
+            Call::Ground => self.ground(dice),
+            Call::ConfirmHotspot => self.confirm_hotspot(dice),
+            Call::SenseOver => self.sense_over(dice),
+            Call::CommunicateOver => self.communicate_over(dice),
+            Call::SetStarts => self.set_starts(dice),
             Call::SetHotspots => self.set_hotspots(dice),
             Call::SetBatteries => self.set_batteries(dice),
-            Call::CommunicateOver => self.communicate_over(dice),
+            Call::SetBattery => self.set_battery(dice),
+            Call::MoveHotspot => self.move_hotspot(dice),
             Call::Fly => self.fly(dice),
         };
         match done {
@@ -221,8 +249,9 @@ impl Machine<'_> {
         dice: &mut Dice,
         call: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        for word in &mut self.scratch {
-            *word = dice.bits();
+        let rubbish = dice.bits();
+        for (index, word) in (1..).zip(&mut self.scratch) {
+            *word = rubbish.wrapping_mul(2 * index + 1);
         }
         let mut scratch = Scratch::new(self.model, &mut self.scratch).expect("enough memory");
         let mut state = self.model.state_mut(&mut self.words)?;
@@ -235,6 +264,7 @@ impl Machine<'_> {
             .reset(&mut self.words, &mut scratch, seed)
             .expect("memory of the right size");
         self.shadow.world = self.compares.then(|| self.spec.reset(seed));
+        self.shadow.host = Host::default();
     }
 
     /// Flies on, whatever the phase.
@@ -313,9 +343,10 @@ impl Machine<'_> {
     fn ended(&mut self, reward: f64) -> Done {
         let uavs = self.model.uav_count() as u64;
         self.tally.agent_steps += uavs;
+        let host = std::mem::take(&mut self.shadow.host);
         if let Some(world) = &mut self.shadow.world {
             self.tally.compared += uavs;
-            self.spec.step(world, &self.shadow.actions);
+            self.spec.step_with(world, &self.shadow.actions, &host);
             comparison::real("reward", world.rewards.sum(), reward).map_err(Refusal::Wrong)?;
         }
         Ok(())
@@ -402,9 +433,64 @@ impl Machine<'_> {
         let due = self.phase() == Phase::Moved;
         let done = self.open(dice, |model, state, _| model.set_positions(state, &cells));
         if done.is_ok() {
-            self.shadow.world = None;
+            self.shadow.host.positions = Some(cells.iter().copied().map(position).collect());
+            // The specification keeps UAVs on the ground last, as the calls' documentation says to do.
+            if !self.shadow.host.grounded.is_empty() {
+                self.shadow.world = None;
+            }
         }
         judge(&done, legal && due)
+    }
+
+    /// An index below `count`, one time in ten `count` itself.
+    fn any_index(dice: &mut Dice, count: usize) -> usize {
+        let beyond = u32::from(dice.one_in(10));
+        dice.integer(0, count as u32 - 1 + beyond) as usize
+    }
+
+    fn ground(&mut self, dice: &mut Dice) -> Done {
+        let uavs = self.model.uav_count();
+        let uav = Self::any_index(dice, uavs);
+        let due = self.phase() == Phase::Moved;
+        let done = self.open(dice, |model, state, _| model.ground(state, uav));
+        if done.is_ok() {
+            self.shadow.host.grounded.push(uav);
+        }
+        judge(&done, due && uav < uavs)
+    }
+
+    fn confirm_hotspot(&mut self, dice: &mut Dice) -> Done {
+        let hotspots = self.model.hotspot_count();
+        let hotspot = Self::any_index(dice, hotspots);
+        let due = self.phase() == Phase::Moved;
+        let done = self.open(dice, |model, state, _| {
+            model.confirm_hotspot(state, hotspot)
+        });
+        if done.is_ok() {
+            self.shadow.host.confirmed.push(hotspot);
+        }
+        judge(&done, due && hotspot < hotspots)
+    }
+
+    fn sense_over(&mut self, dice: &mut Dice) -> Done {
+        let (uavs, hotspots) = (self.model.uav_count(), self.model.hotspot_count());
+        let mut detections: Vec<u8> = (0..uavs * hotspots)
+            .map(|_| u8::from(dice.one_in(3)))
+            .collect();
+        let legal = !dice.one_in(10);
+        if !legal {
+            detections.push(1);
+        }
+        let due = self.phase() == Phase::Moved;
+        let done = self.open(dice, |model, state, scratch| {
+            model.step_sense_over(state, scratch, &detections)
+        });
+        if done.is_ok() {
+            let rows = detections.chunks(hotspots);
+            let rows = rows.map(|row| row.iter().map(|&byte| byte != 0).collect());
+            self.shadow.host.detections = Some(rows.collect());
+        }
+        judge(&done, due && legal)
     }
 
     fn communicate_over(&mut self, dice: &mut Dice) -> Done {
@@ -434,9 +520,27 @@ impl Machine<'_> {
             model.step_communicate_over(state, scratch, &links, measured.as_deref())
         });
         if done.is_ok() {
-            self.shadow.world = None;
+            let rows = links.chunks(uavs);
+            let rows = rows.map(|row| row.iter().map(|&byte| byte != 0).collect());
+            self.shadow.host.links = Some(rows.collect());
+            self.shadow.host.throughput = measured;
         }
         judge(&done, due && legal && !lopsided)
+    }
+
+    fn set_starts(&mut self, dice: &mut Dice) -> Done {
+        let uavs = self.model.uav_count();
+        let cells: Vec<Cell> = (0..uavs).map(|_| self.any_cell(dice)).collect();
+        let legal = cells.iter().all(|&cell| self.on_grid(cell));
+        let due = self.at_the_start();
+        let done = self.open(dice, |model, state, scratch| {
+            model.set_starts(state, scratch, &cells)
+        });
+        if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
+            let starts: Vec<Position> = cells.iter().copied().map(position).collect();
+            self.spec.set_starts(world, &starts);
+        }
+        judge(&done, due && legal)
     }
 
     fn set_hotspots(&mut self, dice: &mut Dice) -> Done {
@@ -469,14 +573,9 @@ impl Machine<'_> {
 
     fn set_batteries(&mut self, dice: &mut Dice) -> Done {
         let capacity = self.model.energy().capacity_uj;
-        let mut charges: Vec<u64> = Vec::new();
-        for _ in 0..self.model.uav_count() {
-            charges.push(match dice.integer(0, 9) {
-                0 => 0,
-                1 => capacity,
-                _ => dice.bits() % (capacity + 1),
-            });
-        }
+        let mut charges: Vec<u64> = (0..self.model.uav_count())
+            .map(|_| any_charge(dice, capacity))
+            .collect();
         let legal = !dice.one_in(5);
         if !legal {
             charges[0] = capacity + 1;
@@ -486,12 +585,45 @@ impl Machine<'_> {
             model.set_batteries(state, scratch, &charges)
         });
         if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
-            world.grounded = charges.iter().map(|&charge| charge == 0).collect();
-            world.initial_uj.clone_from(&charges);
-            world.battery_uj = charges;
-            self.spec.link_up(world);
+            self.spec.set_batteries(world, &charges);
         }
         judge(&done, due && legal)
+    }
+
+    fn set_battery(&mut self, dice: &mut Dice) -> Done {
+        let (uavs, capacity) = (self.model.uav_count(), self.model.energy().capacity_uj);
+        let uav = Self::any_index(dice, uavs);
+        let charge = if dice.one_in(10) {
+            capacity + 1
+        } else {
+            any_charge(dice, capacity)
+        };
+        let due = self.phase() == Phase::Ready;
+        let done = self.open(dice, |model, state, scratch| {
+            model.set_battery(state, scratch, uav, charge)
+        });
+        if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
+            self.spec.set_battery(world, uav, charge);
+        }
+        judge(&done, due && uav < uavs && charge <= capacity)
+    }
+
+    fn move_hotspot(&mut self, dice: &mut Dice) -> Done {
+        let hotspots = self.model.hotspot_count();
+        let hotspot = Self::any_index(dice, hotspots);
+        let cell = self.any_cell(dice);
+        let state = self.model.state(&self.words).expect("a state of the model");
+        let taken =
+            (0..hotspots).any(|other| other != hotspot && state.hotspot_cell(other) == cell);
+        let free = self.on_grid(cell) && !taken && !self.model.depots().contains(&cell);
+        let due = self.phase() == Phase::Ready;
+        let done = self.open(dice, |model, state, scratch| {
+            model.move_hotspot(state, scratch, hotspot, cell)
+        });
+        if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
+            world.hotspot[hotspot] = position(cell);
+        }
+        judge(&done, due && hotspot < hotspots && free)
     }
 
     fn at_the_start(&self) -> bool {
@@ -530,6 +662,15 @@ fn judge(done: &Result<(), Error>, legal: bool) -> Done {
     match done {
         Ok(()) => accepted_if(legal),
         Err(_) => refused_if(!legal),
+    }
+}
+
+/// A charge of a battery, often none or all of it.
+fn any_charge(dice: &mut Dice, capacity: u64) -> u64 {
+    match dice.integer(0, 9) {
+        0 => 0,
+        1 => capacity,
+        _ => dice.bits() % (capacity + 1),
     }
 }
 

@@ -28,8 +28,12 @@ pub struct Proof {
     pub assumptions: Vec<String>,
     /// How many cover properties it has; all must be satisfied.
     pub covers: u32,
-    /// Time after which the harness counts as failed.
-    pub time_limit_s: u64,
+    /// What it, or the one it was split from, took Kani on two busy cores.
+    #[serde(default)]
+    measured_s: u64,
+    /// What it may take, where nobody has measured it.
+    #[serde(default)]
+    estimated_s: u64,
     /// What Kani is told beside what it is told of every harness; `--cbmc-args` and what follows it last.
     #[serde(default)]
     pub flags: Vec<String>,
@@ -53,6 +57,12 @@ impl Proof {
     /// The harness's own name, without its modules.
     pub fn name(&self) -> &str {
         self.harness.rsplit("::").next().unwrap_or(&self.harness)
+    }
+
+    /// Time after which it counts as failed: five times what it takes, as a machine may be half as fast and
+    /// busy, and at least a minute.
+    pub fn time_limit_s(&self) -> u64 {
+        (5 * (self.measured_s + self.estimated_s)).max(60)
     }
 
     /// The test that runs the harness body without Kani.

@@ -34,10 +34,15 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
             .map(str::to_owned)
             .to_vec(),
     ];
-    let mut all_caught = true;
+    // All twins without a mutant first: one build serves them all.
+    let mut before = Vec::new();
     for proof in &proofs {
+        before.push(copy.run_twin(proof)?);
+    }
+    let mut all_caught = true;
+    for (proof, before) in proofs.iter().zip(before) {
         eprint!("{} {} ... ", proof.id, proof.name());
-        let (twin, kani) = copy.verdicts(proof, with_kani)?;
+        let (twin, kani) = copy.verdicts(proof, before, with_kani)?;
         eprintln!("{twin}");
         all_caught &= twin == "caught" && (!with_kani || kani == "caught");
         rows.push(vec![
@@ -81,9 +86,13 @@ impl Copy {
         Ok(Copy { root })
     }
 
-    /// What the twin, and if asked Kani, say to the mutant.
-    fn verdicts(&self, proof: &Proof, with_kani: bool) -> Result<(String, String), String> {
-        let before = self.run_twin(proof)?;
+    /// What the twin, and if asked Kani, say to the mutant; `before` is what the twin says without it.
+    fn verdicts(
+        &self,
+        proof: &Proof,
+        before: Twin,
+        with_kani: bool,
+    ) -> Result<(String, String), String> {
         let proven = if with_kani {
             Some(prove::prove(proof, &self.root)?)
         } else {

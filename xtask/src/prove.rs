@@ -72,10 +72,10 @@ pub fn prove(proof: &Proof, root: &Path) -> Result<Result<Proven, String>, Strin
             "-Z",
             "unstable-options",
         ])
-        .args(["--harness-timeout", &format!("{}s", proof.time_limit_s)])
+        .args(["--harness-timeout", &format!("{}s", proof.time_limit_s())])
         .args(["--output-format", "regular"])
         .args(&proof.flags);
-    let limit = Duration::from_secs(proof.time_limit_s + BUILD_S);
+    let limit = Duration::from_secs(proof.time_limit_s() + BUILD_S);
     let finished = process::run(&mut command, limit)?;
     if finished.timed_out {
         return Ok(Err(format!(

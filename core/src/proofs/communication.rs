@@ -28,6 +28,16 @@ pub(super) fn radios_are_valid(model: &Model<'_>, state: &StateRef<'_>) -> bool 
     bits::fits(state.grounded, model.uav_count())
 }
 
+/// Links are of the fleet, and nobody's to itself.
+pub(super) fn links_join_two(model: &Model<'_>, state: &StateRef<'_>) -> bool {
+    for i in 0..model.uav_count() {
+        if !bits::fits(state.links_of(i), model.uav_count()) || state.linked(i, i) {
+            return false;
+        }
+    }
+    true
+}
+
 /// Any words whose radios are valid.
 #[cfg(kani)]
 fn any_radios(model: &Model<'_>) -> [u64; STATE_WORDS] {
@@ -58,8 +68,8 @@ pub fn a_mean_throughput_is_bounded() {
 
 /// Links join two UAVs of which none is grounded, both ways, and throughputs are in their range.
 fn is_a_graph(model: &Model<'_>, state: &StateRef<'_>) {
+    assert!(links_join_two(model, state));
     for i in 0..model.uav_count() {
-        assert!(bits::fits(state.links_of(i), model.uav_count()) && !state.linked(i, i));
         assert!(is_a_throughput(state.throughput(i)));
         assert!(!state.grounded(i) || bits::is_empty(state.links_of(i)));
         for k in 0..i {
@@ -103,6 +113,37 @@ pub fn building_the_graph_keeps_its_contract() {
     for i in 0..model.uav_count() {
         only_the_graph.links[i] = new.links[i];
         only_the_graph.throughput[i] = new.throughput[i];
+    }
+    assert!(!differ(&expected, &after));
+}
+
+/// Over any links: throughputs are in their range, and nothing but them is written.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(3))]
+#[cfg_attr(kani, kani::solver(cadical))]
+#[cfg_attr(
+    kani,
+    kani::stub(
+        crate::link::mean_throughput,
+        crate::proofs::stubs::any_mean_throughput
+    )
+)]
+pub fn measuring_the_throughput_keeps_its_contract() {
+    let mut tables = [0; TABLE_WORDS];
+    let model = any_model(&mut tables);
+    let before = any_radios(&model);
+    kani::assume(links_join_two(&model, &view(&model, &before)));
+    let mut after = before;
+    crate::link::measure_throughput(&model, &mut open(&model, &mut after));
+    let new = view(&model, &after);
+    kani::cover!(new.throughput(0) > 0.0, "a throughput");
+    kani::cover!(new.mean_throughput() == 0.0, "none");
+    assert!(is_a_throughput(new.mean_throughput()));
+    let mut expected = before;
+    expected[header::MEAN_THROUGHPUT] = after[header::MEAN_THROUGHPUT];
+    for i in 0..model.uav_count() {
+        assert!(is_a_throughput(new.throughput(i)));
+        open(&model, &mut expected).throughput[i] = new.throughput[i];
     }
     assert!(!differ(&expected, &after));
 }
@@ -160,6 +201,7 @@ pub fn working_memory_does_not_matter_to_consensus() {
 super::standin::twins! {
     a_mean_throughput_is_bounded: 1000 cases, 2 covers;
     building_the_graph_keeps_its_contract: 2000 cases, 2 covers;
+    measuring_the_throughput_keeps_its_contract: 2000 cases, 2 covers;
     spreading_keeps_the_state_valid: 2000 cases, 3 covers;
     working_memory_does_not_matter_to_consensus: 500 cases, 1 covers;
 }

@@ -7,7 +7,7 @@ use crate::config::Config;
 use crate::energy::{Activity, EnergyPlan, settle};
 
 /// A legal configuration's ledgers stay below this (`Config::validate`).
-const ROOM_UJ: u64 = 1 << 62;
+pub(super) const ROOM_UJ: u64 = 1 << 62;
 
 /// What was there and what came in is what is there and what went out, and the battery is in its bounds.
 fn balances(battery: u64, asked: u64, offered: u64, capacity: u64) {

@@ -16,6 +16,7 @@ mod energy;
 mod host;
 mod knowledge;
 mod motion;
+mod refusal;
 mod reset;
 mod reward;
 mod rng;

@@ -71,7 +71,16 @@ pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
         .unwrap();
     let mut state = open(model, &mut words);
     for _ in 0..steps {
-        if state.header.phase() != Some(Phase::Ready) || phase == Phase::Ready && kani::any() {
+        if state.header.phase() != Some(Phase::Ready) {
+            break;
+        }
+        if between(0, 7) == 0 {
+            let charge_uj = between(0, model.energy().capacity_uj);
+            model
+                .set_battery(&mut state, &mut scratch, 0, charge_uj)
+                .unwrap();
+        }
+        if phase == Phase::Ready && kani::any() {
             break;
         }
         let actions = any_actions();
@@ -196,5 +205,17 @@ pub(super) fn nothing_is_forgotten(model: &Model<'_>, before: &StateRef<'_>, aft
         for i in 0..model.uav_count() {
             assert!(!before.knows(i, j) || after.knows(i, j));
         }
+    }
+}
+
+/// A hotspot becomes confirmed exactly if the UAVs whose detection of it is on record reach the quorum.
+pub(super) fn confirms_by_quorum(model: &Model<'_>, old: &StateRef<'_>, new: &StateRef<'_>) {
+    for j in 0..model.hotspot_count() {
+        let mut count = 0;
+        for i in 0..model.uav_count() {
+            count += u32::from(new.detected(i, j));
+        }
+        let reached = count >= model.config().quorum;
+        assert!(new.confirmed(j) == (old.confirmed(j) || reached));
     }
 }

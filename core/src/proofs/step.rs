@@ -6,16 +6,14 @@ use super::inputs::{between, real_between};
 use super::standin as kani;
 use super::state::{
     SCRATCH_WORDS, STATE_WORDS, any_actions, any_fleet, any_phase, any_state,
-    carries_mean_throughput, carries_scalars, changes_before_the_end, differ, nothing_is_forgotten,
-    open, view,
+    carries_mean_throughput, carries_scalars, changes_before_the_end, confirms_by_quorum,
+    nothing_is_forgotten, open, view,
 };
-use crate::error::Error;
 use crate::header::{self, Phase};
 use crate::model::Model;
 use crate::model::any_model::{TABLE_WORDS, any_model};
 use crate::reward::OWN_KEPT;
 use crate::scratch::Scratch;
-use crate::state::StateRef;
 use crate::validity::THROUGHPUT_MAX;
 
 /// Actions, return to base, move; time goes on by one and never past the horizon.
@@ -41,25 +39,6 @@ pub fn beginning_a_step_keeps_the_state_valid() {
     carries_scalars(&old, &new);
     assert!(new.header.phase() == Some(Phase::Moved));
     assert!(new.fleet_is_valid(&model, Phase::Moved));
-}
-
-/// A hotspot becomes confirmed exactly if the UAVs whose detection of it is on record reach the quorum.
-fn confirms_by_quorum(
-    model: &Model<'_>,
-    old: &StateRef<'_>,
-    new: &StateRef<'_>,
-    scratch: &mut Scratch<'_>,
-) {
-    let row = model.hotspot_words();
-    let (detected, _) = scratch.detections(model);
-    for j in 0..model.hotspot_count() {
-        let mut count = 0;
-        for i in 0..model.uav_count() {
-            count += detected[i * row + j / 64] >> (j % 64) & 1;
-        }
-        let reached = count >= u64::from(model.config().quorum);
-        assert!(new.confirmed(j) == (old.confirmed(j) || reached));
-    }
 }
 
 /// Sense and learn.
@@ -88,7 +67,7 @@ pub fn sensing_keeps_the_state_valid() {
     kani::cover!(!old.knows(0, 0) && new.knows(0, 0), "a UAV learns");
     kani::cover!(!new.confirmed(0), "no confirmation");
     nothing_is_forgotten(&model, &old, &new);
-    confirms_by_quorum(&model, &old, &new, &mut scratch);
+    confirms_by_quorum(&model, &old, &new);
     carries_scalars(&old, &new);
     assert!(new.header.phase() == Some(Phase::Sensed));
     assert!(new.fleet_is_valid(&model, Phase::Sensed));
@@ -194,53 +173,12 @@ pub fn ending_a_step_keeps_the_state_valid() {
     assert!(new.is_valid(&model));
 }
 
-/// A step that may not begin, or whose actions are too few or not numbers, leaves every word as it was.
-#[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(5))]
-pub fn a_refused_step_changes_nothing() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
-    let phase = match between(0, 3) {
-        0 => Phase::Terminated,
-        1 => Phase::Truncated,
-        2 => Phase::Moved,
-        _ => Phase::Ready,
-    };
-    let before = any_fleet(&model, phase);
-    let mut after = before;
-    let mut actions = any_actions();
-    let mut len = model.action_len();
-    if phase == Phase::Ready {
-        let place = between(0, len as u64 - 1) as usize;
-        if kani::any() {
-            actions[place] = f32::NAN;
-        } else {
-            len = place;
-        }
-    }
-    let refusal = model.step_begin(&mut open(&model, &mut after), &actions[..len]);
-    kani::cover!(
-        matches!(refusal, Err(Error::ActionNan { .. })),
-        "not a number"
-    );
-    kani::cover!(matches!(refusal, Err(Error::Length { .. })), "too short");
-    kani::cover!(
-        matches!(refusal, Err(Error::OutOfOrder { .. })),
-        "out of order"
-    );
-    kani::cover!(matches!(refusal, Err(Error::EpisodeOver)), "after the end");
-    assert!(refusal.is_err());
-    assert!(!phase.is_over() || refusal == Err(Error::EpisodeOver));
-    assert!(!differ(&before, &after));
-}
-
 #[cfg(not(kani))]
 super::standin::twins! {
     beginning_a_step_keeps_the_state_valid: 2000 cases, 3 covers;
     sensing_keeps_the_state_valid: 2000 cases, 3 covers;
     carried_scalars_stay_valid: 2000 cases, 1 covers;
     ending_a_step_keeps_the_state_valid: 2000 cases, 3 covers;
-    a_refused_step_changes_nothing: 2000 cases, 4 covers;
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 #![allow(dead_code)]
 
 use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
-use super::communication::radios_are_valid;
+use super::communication::{links_join_two, radios_are_valid};
 use super::inputs::{between, real_between};
 use super::reward::REWARD_MAX;
 use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
@@ -72,6 +72,15 @@ pub(super) fn any_graph(model: &Model<'_>, state: &mut StateMut<'_>, _: &mut Scr
     let both_fly = state.grounded[0] == 0;
     state.links[0] = if linked && both_fly { 2 } else { 0 };
     state.links[1] = if linked && both_fly { 1 } else { 0 };
+    state.set_throughput(0, real_between(0.0, 1e6));
+    state.set_throughput(1, real_between(0.0, 1e6));
+    state.header.set_mean_throughput(real_between(0.0, 1e6));
+}
+
+/// What `communication::measuring_the_throughput_keeps_its_contract` allows.
+pub(super) fn any_measured_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
+    assert!(radios_are_valid(model, &state.as_ref()));
+    assert!(links_join_two(model, &state.as_ref()));
     state.set_throughput(0, real_between(0.0, 1e6));
     state.set_throughput(1, real_between(0.0, 1e6));
     state.header.set_mean_throughput(real_between(0.0, 1e6));

@@ -42,6 +42,15 @@ impl Specification {
         }
     }
 
+    /// Sets what each battery holds at the start, in place of the drawn charge.
+    pub fn set_batteries(&self, world: &mut World, charges_uj: &[u64]) {
+        world.battery_uj = charges_uj.to_vec();
+        world.initial_uj = charges_uj.to_vec();
+        world.given_uj.fill(0);
+        world.grounded = charges_uj.iter().map(|&charge| charge == 0).collect();
+        self.link_up(world);
+    }
+
     /// The host's graph among the UAVs that fly, and what it measured over it.
     pub(super) fn link_over(&self, world: &mut World, links: &[Vec<bool>], host: &Host) {
         let n = self.uavs();
