@@ -23,7 +23,9 @@
  *   wrong kind, closed or copied elsewhere, and a wrong number of elements each give a status; beyond
  *   that the caller promises that the memory is there, and that outputs overlap nothing.
  * Structs that may grow begin with struct_size. Set it to the sizeof of the struct before the call,
- *   unless the function takes it as an argument.
+ *   unless the function takes it as an argument. A struct grows at its end and with the minor version of
+ *   the interface; a library takes every size that the struct has had since the major version began, and
+ *   no other. So far each has had one: any other size is STRUCT_SIZE.
  * Messages. `message`, where a function has one, receives why a configuration was refused, as a C string
  *   cut to message_capacity bytes; untouched otherwise. It may be NULL.
  *   A configuration that is legal may still be hopeless: with a quorum above N nothing is ever confirmed.
@@ -81,7 +83,7 @@
 
 // Version of the interface that this header declares: 65536 * major + minor, counted apart from the
 // library's, as most releases do not change it. 1.0 is the interface of library 0.1.0 as first released,
-// 1.1 what has been added since. Structs grow at their end, and struct_size tells which one a caller has.
+// 1.1 what has been added since. No struct of 1.0 has grown since.
 #define JCAS_ABI_VERSION 65537
 
 // The call did what it says.

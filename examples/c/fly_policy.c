@@ -3,6 +3,8 @@
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) && ./a.out policies/fleet/policy.safetensors
  *
  * In place of a file, the name of a baseline: random, greedy, swarm, teams, sweep, line, frontier or relay.
+ *
+ * The mission is the first that `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy ...` flies, to the last bit.
  */
 #include <jcas.h>
 #include <inttypes.h>
@@ -42,7 +44,7 @@ int main(int argc, char **argv)
 
     float actions[2 * N];
     jcas_outcome outcome = {.struct_size = sizeof outcome};
-    if (jcas_sim_reset(sim, 1) != JCAS_OK)
+    if (jcas_sim_reset(sim, jcas_derive_seed(1, 0)) != JCAS_OK)
         return 1;
     while (!outcome.terminated && !outcome.truncated)
         if (jcas_policy_act(policy, sim, actions, 2 * N) || jcas_sim_step(sim, actions, 2 * N, &outcome))

@@ -13,7 +13,7 @@ pub const JCAS_VERSION_PATCH: u32 = 0;
 
 /// Version of the interface that this header declares: 65536 * major + minor, counted apart from the
 /// library's, as most releases do not change it. 1.0 is the interface of library 0.1.0 as first released,
-/// 1.1 what has been added since. Structs grow at their end, and struct_size tells which one a caller has.
+/// 1.1 what has been added since. No struct of 1.0 has grown since.
 pub const JCAS_ABI_VERSION: u32 = 0x0001_0001;
 
 /// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.

@@ -215,6 +215,19 @@ def test_the_shipped_policy_flies_any_fleet(uavs, hotspots):
     assert report["success_rate"].value > 0.5
 
 
+@pytest.mark.parametrize(("width", "height"), [(1, 9), (9, 1)])
+def test_a_grid_of_one_column_gives_the_numbers_that_the_library_gives(width, height):
+    pytest.importorskip("safetensors")
+    model = jcas.Model(uav_count=4, hotspot_count=2, grid_width=width, grid_height=height)
+    policy = jcas.load_policy(SHIPPED).for_model(model)
+    library = jcas.Policy.load(SHIPPED, model, mode="deterministic")
+    sim = jcas.Sim(model, 2)
+    for _ in range(5):
+        actions = library.act(sim)
+        np.testing.assert_allclose(policy.act(sim.observe()), actions, atol=1e-4)
+        sim.step(actions)
+
+
 def test_the_example_flies_the_shipped_policy(tmp_path):
     pytest.importorskip("safetensors")
     pytest.importorskip("PIL")

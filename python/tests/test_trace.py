@@ -114,6 +114,6 @@ def test_what_a_host_supplied_flies_the_same_again(tmp_path):
     assert [len(calls) for calls in trace.host] == [3, 6, 6, 6, 6, 1]
     sim = jcas.replay_trace(trace)
     assert f"0x{sim.state_hash():016x}" != trace.steps[-1]["state_hash"]  # the last call changed a battery
-    trace.host[2][2]["cells"][0] = [9, 9]
+    trace.host[2][2]["cells"][1] = [9, 9]  # the first is grounded, and stays
     with pytest.raises(jcas.TraceError, match="step 3: "):
         jcas.replay_trace(trace)

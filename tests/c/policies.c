@@ -178,6 +178,12 @@ int main(int argc, char **argv)
     EXPECT(JCAS_ERROR_LENGTH, jcas_policy_init(memory, size - 1, model, file, length, &lent, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_init(NULL, size, model, file, length, &lent, NULL, 0));
     OK(jcas_policy_init(memory, size, model, file, length, &lent, NULL, 0));
+    /* A living policy is not built over. */
+    jcas_policy *over = FOREIGN(jcas_policy);
+    jcas_sim *sim_over = FOREIGN(jcas_sim);
+    EXPECT(JCAS_ERROR_IN_USE, jcas_policy_init(memory, size, model, file, length, &over, NULL, 0));
+    EXPECT(JCAS_ERROR_IN_USE, jcas_sim_init(memory, size, model, &sim_over));
+    CHECK(over == FOREIGN(jcas_policy) && sim_over == FOREIGN(jcas_sim));
     OK(jcas_policy_load(model, file, length, &policy, NULL, 0));
     same_everywhere(sim, batch, policy, lent);
     OK(jcas_policy_free(lent));

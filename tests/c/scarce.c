@@ -56,9 +56,22 @@ void *aligned_alloc(size_t alignment, size_t size)
 enum { N = 4, HOTSPOTS = 3, M = 8 };
 
 static jcas_config config;
+static unsigned char policy_file[1 << 20], snapshot[1 << 16];
+static _Alignas(16) unsigned char arena[1 << 20], batch_arena[1 << 18], model_arena[1 << 17], sim_arena[1 << 15];
+static size_t policy_length;
+static uint64_t workspace[1 << 12];
+static char trace[1 << 18];
+static size_t trace_length;
 static float actions[M * 2 * N], *observations, rewards[M];
 static uint8_t flags[2][M];
 static size_t observed;
+
+/* Whether the status says that memory ended; any other must be success. */
+static int refused(int32_t status)
+{
+    CHECK(status == JCAS_OK || status == JCAS_ERROR_RESOURCES);
+    return status != JCAS_OK;
+}
 
 /* The call succeeds and asks for nothing. */
 #define FREE_OF_MEMORY(status, call)                                                                   \
@@ -120,6 +133,117 @@ static void fly(jcas_sim *sim)
     FREE_OF_MEMORY(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_end(sim, &outcome));
 }
 
+/* Everything that only reads, copies, saves or loads. */
+static void read(const jcas_model *model, jcas_sim *sim)
+{
+    jcas_model_info info = {.struct_size = sizeof info};
+    jcas_episode episode = {.struct_size = sizeof episode};
+    jcas_metrics metrics = {.struct_size = sizeof metrics};
+    jcas_radio radio = {.struct_size = sizeof radio};
+    jcas_observation_field fields[JCAS_OBSERVATION_FIELDS];
+    jcas_config other;
+    jcas_uav uavs[N];
+    jcas_hotspot hotspots[HOTSPOTS];
+    uint8_t small[12 * 12];
+    double reals[12 * N];
+    float seen[N * 64];
+    uint64_t hash;
+    size_t size, alignment;
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_get_info(model, &info));
+    CHECK(info.snapshot_size <= sizeof snapshot && info.observation_len <= 64 && info.global_len <= N * 64);
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_get_config(model, &other, sizeof other));
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_get_radio(model, 1, 2, 0.1, &radio));
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_observation_fields(model, fields, JCAS_OBSERVATION_FIELDS, sizeof *fields));
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_layout(&config, &size, &alignment, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_layout(model, &size, &alignment));
+    FREE_OF_MEMORY(JCAS_OK, jcas_trace_layout(model, &size, &alignment));
+    CHECK(size <= sizeof workspace);
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_episode(sim, &episode));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_metrics(sim, &metrics));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_uavs(sim, uavs, N, sizeof *uavs));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_hotspots(sim, hotspots, HOTSPOTS, sizeof *hotspots));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_links(sim, small, N * N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_knowledge(sim, small, N * HOTSPOTS));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_visited(sim, small, sizeof small));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_rewards(sim, reals, 12));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_uav_rewards(sim, reals, N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_uav_reward_components(sim, reals, 12 * N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_observe(sim, seen, (size_t)N * info.observation_len));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_observe_global(sim, seen, info.global_len));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_hash(sim, &hash));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_save(sim, snapshot, info.snapshot_size));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_load(sim, snapshot, info.snapshot_size));
+    snapshot[info.snapshot_size / 2] ^= 1;
+    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT, jcas_sim_load(sim, snapshot, info.snapshot_size));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_fork(sim, sim));
+}
+
+static int32_t take(const char *bytes, size_t count, void *context)
+{
+    (void)context;
+    if (count > sizeof trace - trace_length)
+        return 1;
+    memcpy(trace + trace_length, bytes, count);
+    trace_length += count;
+    return 0;
+}
+
+/* Recording, its end, and verifying. */
+static void record(jcas_sim *sim)
+{
+    jcas_recorder recorder = {.struct_size = sizeof recorder,
+                              .write = take,
+                              .memory = workspace,
+                              .memory_size = sizeof workspace};
+    jcas_cell starts[N] = {{1, 1}, {2, 2}, {3, 3}, {4, 4}}, hotspots[HOTSPOTS] = {{0, 1}, {0, 2}, {0, 3}};
+    uint64_t charges[N] = {1, 2, 3, 4};
+    char message[200];
+    jcas_config other;
+    trace_length = 0;
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_record(sim, 3, &recorder));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_set_starts(sim, starts, N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_set_hotspots(sim, hotspots, HOTSPOTS));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_set_batteries(sim, charges, N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_set_battery(sim, 0, 9));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_move_hotspot(sim, 0, 5, 5));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_begin(sim, actions, 2 * N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_set_positions(sim, starts, N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_sense(sim));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_communicate(sim));
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_end(sim, &outcome));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_record_end(sim));
+    FREE_OF_MEMORY(JCAS_OK, jcas_trace_config(trace, trace_length, &other, sizeof other, message, sizeof message));
+    FREE_OF_MEMORY(JCAS_OK, jcas_trace_verify(sim, workspace, sizeof workspace, trace, trace_length, message,
+                                              sizeof message));
+    trace[trace_length / 2] ^= 1;
+    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT, jcas_trace_verify(sim, workspace, sizeof workspace, trace, trace_length,
+                                                         message, sizeof message));
+}
+
+/* A trained policy asks for memory when it is loaded, and never again. */
+static int fly_policy(const jcas_model *model, jcas_sim *sim)
+{
+    jcas_policy *policy;
+    char message[200];
+    size_t size, alignment;
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_layout(model, policy_file, policy_length, &size, &alignment, NULL, 0));
+    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT, jcas_policy_layout(model, policy_file, policy_length - 1, &size, &alignment,
+                                                          message, sizeof message));
+    CHECK(size <= sizeof arena);
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_init(arena, sizeof arena, model, policy_file, policy_length, &policy, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, actions, 2 * N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_set_mode(policy, JCAS_POLICY_SAMPLED));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, actions, 2 * N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_free(policy));
+    if (refused(jcas_policy_load(model, policy_file, policy_length, &policy, message, sizeof message)))
+        return 1;
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, actions, 2 * N));
+    OK(jcas_policy_free(policy));
+    memset(actions, 0, sizeof actions);
+    return 0;
+}
+
 static void step(jcas_batch *batch)
 {
     jcas_batch_out out = {.struct_size = sizeof out,
@@ -129,13 +253,46 @@ static void step(jcas_batch *batch)
                           .truncated = flags[1], .truncated_count = M};
     for (int i = 0; i < 20; i++)
         FREE_OF_MEMORY(JCAS_OK, jcas_batch_step(batch, actions, M * 2 * N, 1, &out));
+    uint64_t seeds[M] = {0}, hash;
+    uint8_t mask[M] = {1};
+    char message[200];
+    size_t length;
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_reset(batch, seeds, M, observations, observed, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_reset_some(batch, mask, M, seeds, M, observations, observed, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_observe(batch, observations, observed, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_hash(batch, &hash));
+    FREE_OF_MEMORY(JCAS_ERROR_LENGTH, jcas_batch_save(batch, snapshot, 1));
+    FREE_OF_MEMORY(JCAS_ERROR_LENGTH, jcas_batch_load(batch, snapshot, 1));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_message(batch, message, sizeof message, &length));
 }
 
-/* Whether the status says that memory ended; any other must be success. */
-static int refused(int32_t status)
+/* In the caller's memory nothing is asked for. */
+static void build_in_place(void)
 {
-    CHECK(status == JCAS_OK || status == JCAS_ERROR_RESOURCES);
-    return status != JCAS_OK;
+    jcas_model *model;
+    jcas_sim *sim;
+    jcas_batch *batch;
+    jcas_policy *policy;
+    jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = 1};
+    size_t size, alignment;
+    uint8_t maps[1];
+    left = 0;
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_init(model_arena, sizeof model_arena, &config, &model, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_init(sim_arena, sizeof sim_arena, model, &sim));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_layout(model, &options, &size, &alignment));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_init(batch_arena, sizeof batch_arena, model, &options, &batch));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_init(arena, sizeof arena, model, policy_file, policy_length, &policy, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_act_batch(policy, batch, actions, M * 2 * N));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_get(batch, 1, sim));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_set(batch, 2, sim));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_search_maps(sim, maps, 0));
+    memset(actions, 0, sizeof actions);
+    step(batch);
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_free(policy));
+    FREE_OF_MEMORY(JCAS_OK, jcas_batch_free(batch));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_free(sim));
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_free(model));
+    left = -1;
 }
 
 static int build(long k)
@@ -152,6 +309,10 @@ static int build(long k)
         refusals++;
     else {
         fly(sim);
+        read(model, sim);
+        record(sim);
+        left = k;
+        refusals += fly_policy(model, sim);
         OK(jcas_sim_free(sim));
     }
     for (uint32_t threads = 0; threads <= 4; threads++) {
@@ -169,14 +330,20 @@ static int build(long k)
     return refusals;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    CHECK(argc == 2);
+    FILE *file = fopen(argv[1], "rb");
+    CHECK(file != NULL);
+    policy_length = fread(policy_file, 1, sizeof policy_file, file);
+    fclose(file);
     OK(jcas_config_default(&config, sizeof config));
     config.uav_count = N;
     config.hotspot_count = HOTSPOTS;
     observed = (size_t)M * N * (11 + 4 * HOTSPOTS + 3 * (N - 1));
     observations = ARRAY(float, observed);
     int refusals = 0;
+    build_in_place();
     for (long k = 0; k <= 100; k++) {
         left = k;
         texts();

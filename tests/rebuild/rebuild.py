@@ -2,8 +2,12 @@
 
     python3 tests/rebuild/rebuild.py TRACE...
 
-Every whole number, set and cell has to be the trace's; reals may differ by rounding (1e-9). Nothing here is
-taken from the kernel: each function is a sentence of the page.
+Every whole number, set and cell has to be the trace's; reals, the twelve components of the reward among them, may
+differ by rounding (1e-9). Nothing here is taken from the kernel: each function is a sentence of the page.
+
+Two fields of a trace are not rebuilt. `observation_hash` and `state_hash` are hashes of bits: the first needs the
+kernel's own order of roundings, the second the layout of its memory, and the page promises neither.
+`jcas trace verify` and `jcas_trace_verify` hold a build to both.
 """
 
 import json
@@ -90,7 +94,9 @@ class Mission:
         self.confirmed, self.informed = set(), set()
         self.co2 = 0
         self.coming = self.intensity(0)
+        self.visited = set(self.cells)
         self.link_up()
+        self.goal, self.charging = self.potentials()
 
     # Radio.
 
@@ -150,6 +156,58 @@ class Mission:
         ]
         self.mean_throughput = sum(means) / self.n
 
+    # The reward.
+
+    def potentials(self):
+        """Both potentials of a state that is not terminal."""
+        c, span = self.c, self.w + self.h - 2
+        left = [self.hotspots[j] for j in range(self.m) if j not in self.confirmed]
+        near = lambda cell, targets: min(self.distance(cell, target) for target in targets)
+        goal = 0.0
+        if left:
+            mean = sum(near(cell, left) for cell in self.cells) / self.n
+            goal = -c["shaping_goal_weight"] * (
+                (mean / span if span else 0.0) + c["shaping_unconfirmed_weight"] * len(left)
+            )
+        least = half_up(c["carbon_intensity_min_kg_per_kwh"] * 1e6)
+        most = half_up(c["carbon_intensity_max_kg_per_kwh"] * 1e6)
+        share = 1 - self.grid_share_ppb / 1e9
+        clean = share + (1 - share) * (most - self.coming) / (most - least) if most > least else 1.0
+        charging = sum(
+            (1 - self.battery[i] / self.capacity)
+            * (1 - (near(cell, self.depots) / span if span else 0.0))
+            for i, cell in enumerate(self.cells)
+        )
+        return goal, c["shaping_charge_weight"] * charging / self.n * clean
+
+    def rewarded(self, before, informed, confirmed, spent, emitted):
+        """The components of this step's reward; the arguments are those of the state before, and this step's."""
+        c = self.c
+        found, told = len(self.confirmed) - len(confirmed), len(self.informed) - len(informed)
+        complete, over = len(self.informed) == self.m, self.t == c["horizon_steps"]
+        new = set(self.cells) - self.visited
+        moved = [cell for cell, old in zip(self.cells, before) if cell != old]
+        again = sum(cell in self.visited for cell in moved)
+        self.visited |= new
+        goal, charging = (0.0, 0.0) if complete else self.potentials()
+        shaping = c["shaping_discount"] * goal - self.goal, c["shaping_discount"] * charging - self.charging
+        self.goal, self.charging = goal, charging
+        spread = sum(sum(j in known for known in self.knows) / self.n for j in self.confirmed)
+        return {
+            "detect": c["reward_detect"] * found,
+            "inform": c["reward_inform"] * (told if c["inform_payment"] == "once" else len(self.informed)),
+            "complete": c["reward_complete"] * complete,
+            "coverage": c["reward_coverage"] * len(new) / (self.w * self.h),
+            "energy": -c["penalty_energy_per_kwh"] * spent / 3.6e12,
+            "carbon": -c["penalty_carbon_per_kg"] * emitted / 1e12,
+            "revisit": -c["penalty_revisit"] * again,
+            "truncation": -c["penalty_truncation"] * over,
+            "throughput": c["reward_throughput"] * self.mean_throughput,
+            "spread": c["reward_spread"] * (spread / len(self.confirmed) if self.confirmed else 0.0),
+            "shaping_goal": shaping[0],
+            "shaping_charge": shaping[1],
+        }
+
     # The step.
 
     def distance(self, a, b):
@@ -173,7 +231,7 @@ class Mission:
         c = self.c
         self.t += 1
         low, high = c["pilot_density_min"], c["pilot_density_max"]
-        before = list(self.cells)
+        before, confirmed, informed, co2 = list(self.cells), set(self.confirmed), self.informed, self.co2
         for i, (u_dir, u_pilot) in enumerate(actions):
             u = max(-1.0, min(1.0, u_pilot))
             self.density[i] = max(low, min(high, low + (u + 1) / 2 * (high - low)))
@@ -192,8 +250,9 @@ class Mission:
             self.knows[i] |= hits[i] & self.confirmed
         self.link_up()
         self.spread()
-        self.spend(before, senses)
+        spent = self.spend(before, senses)
         self.informed = set.intersection(*self.knows)
+        self.reward = self.rewarded(before, informed, confirmed, spent, self.co2 - co2)
 
     def spread(self):
         for _ in range(self.n):
@@ -205,7 +264,7 @@ class Mission:
                 return
 
     def spend(self, before, senses):
-        c, billed = self.c, 0
+        c, billed, spent = self.c, 0, 0
         for i in range(self.n):
             asked = 0
             if not self.grounded[i]:
@@ -214,7 +273,9 @@ class Mission:
                     asked += half_up(self.sense / c["pilot_density_max"] * self.density[i])
                 if self.links[i]:
                     asked += half_up(self.comm * (1 - self.density[i]))
-            self.battery[i] -= min(asked, self.battery[i])
+            used = min(asked, self.battery[i])
+            self.battery[i] -= used
+            spent += used
             if self.cells[i] in self.depots:
                 accepted = min(self.charge, self.capacity - self.battery[i])
                 self.battery[i] += accepted
@@ -222,6 +283,7 @@ class Mission:
         grid = (2 * billed * self.grid_share_ppb + 10**9) // (2 * 10**9)
         self.co2 += (2 * grid * self.coming + 3_600_000) // (2 * 3_600_000)
         self.billed, self.coming = self.coming, self.intensity(self.t)
+        return spent
 
 
 def same(what, ours, theirs):
@@ -263,6 +325,8 @@ def rebuild(path):
         same(f"{at} intensity", mission.billed, step["carbon_intensity_mg_per_kwh"])
         same(f"{at} co2_ng", mission.co2, step["co2_ng"])
         near(f"{at} throughput", mission.mean_throughput, step["throughput"])
+        for name, value in step["reward"].items():
+            near(f"{at} reward.{name}", mission.reward[name], value)
         for i, density in enumerate(step["pilot_density"]):
             near(f"{at} pilot density", mission.density[i], density)
     same(f"{path} steps", mission.t, lines[-1]["steps"])

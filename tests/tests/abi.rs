@@ -85,10 +85,9 @@ fn threads_compute_what_one_computes() {
 #[test]
 fn the_end_of_memory_is_a_status() {
     let compiler = compilers(C)[0];
-    let source = c_tests(&["scarce.c"]);
-    run(&mut Command::new(compile(
-        compiler, "gnu11", "scarce", &source,
-    )));
+    let program = compile(compiler, "gnu11", "scarce", &c_tests(&["scarce.c"]));
+    let policy = root().join("policies/fleet/policy.safetensors");
+    run(Command::new(program).arg(policy));
 }
 
 #[test]

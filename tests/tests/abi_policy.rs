@@ -8,6 +8,7 @@ mod abi_support;
 use std::process::Command;
 
 use abi_support::{compile, compilers, root, run};
+use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
 use jcas_evaluate::mission::fly_episode;
 use jcas_evaluate::policy::head::Mode;
@@ -93,7 +94,7 @@ fn policies_in_c_fly_what_they_fly_in_rust() {
 
 #[test]
 fn the_example_flies_the_shipped_policy() {
-    let hash = fly_network(&model(15, 7), 1, Mode::Deterministic);
+    let hash = fly_network(&model(15, 7), derive_seed(1, 0), Mode::Deterministic);
     for compiler in compilers(&["gcc", "clang"]) {
         let source = root().join("examples/c/fly_policy.c");
         let program = compile(compiler, "c11", "fly_policy", &[source]);

@@ -139,7 +139,7 @@ class SetPolicy:
         apart += np.abs(y[:, :, None] - slots[:, None, :, 2]) * np.float32(along)
         present = slots[:, None, :, 0]
         worked_out = [
-            far / np.float32(2 * across),
+            far / np.float32(2 * across or 1),
             _nearness(far, 1),
             _nearness(far, 4),
             (present * _nearness(apart, 1)).sum(axis=2) / CROWD,
