@@ -27,6 +27,9 @@ pub enum Architecture {
         hidden: Vec<usize>,
         /// Outputs of the head.
         outputs: usize,
+        /// Fields that search maps and tags add to what a UAV knows of itself.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        added: usize,
     },
     /// The same over UAVs and hotspots of the global state; one output, the value.
     SetCritic {
@@ -34,7 +37,19 @@ pub enum Architecture {
         of_uav: bool,
         /// Widths of the hidden layers after pooling.
         hidden: Vec<usize>,
+        /// As the actor's, of the observation.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        added: usize,
     },
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde asks for a reference
+fn is_zero(number: &usize) -> bool {
+    *number == 0
+}
+
+fn critic(of_uav: bool, added: usize) -> set::Critic {
+    set::Critic { of_uav, added }
 }
 
 /// One weight matrix or bias row inside the flat parameter vector.
@@ -76,10 +91,16 @@ impl Network {
     pub fn new(architecture: Architecture) -> Network {
         let shapes = match &architecture {
             Architecture::Mlp { sizes } => mlp::blocks(sizes),
-            Architecture::SetActor { hidden, outputs } => set::actor_blocks(hidden, *outputs),
-            Architecture::SetCritic { hidden, of_uav } => {
-                set::critic_blocks(hidden, set::Critic { of_uav: *of_uav })
-            }
+            Architecture::SetActor {
+                hidden,
+                outputs,
+                added,
+            } => set::actor_blocks(hidden, *outputs, *added),
+            Architecture::SetCritic {
+                hidden,
+                of_uav,
+                added,
+            } => set::critic_blocks(hidden, critic(*of_uav, *added)),
         };
         let mut offset = 0;
         let blocks = shapes
@@ -137,8 +158,8 @@ impl Network {
                 mlp::forward(weights, inputs)
             }
             Architecture::SetActor { .. } => set::actor(weights, &inputs, shape),
-            Architecture::SetCritic { of_uav, .. } => {
-                set::critic(weights, &inputs, set::Critic { of_uav: *of_uav }, shape)
+            Architecture::SetCritic { of_uav, added, .. } => {
+                set::critic(weights, &inputs, critic(*of_uav, *added), shape)
             }
         }
     }
@@ -150,12 +171,14 @@ impl Network {
                 .windows(2)
                 .map(|pair| (pair[0] * pair[1]) as u64)
                 .sum(),
-            Architecture::SetActor { hidden, outputs } => {
-                set::actor_products(hidden, *outputs, shape)
-            }
-            Architecture::SetCritic { hidden, of_uav } => {
-                set::critic_products(hidden, set::Critic { of_uav: *of_uav }, shape)
-            }
+            Architecture::SetActor {
+                hidden, outputs, ..
+            } => set::actor_products(hidden, *outputs, shape),
+            Architecture::SetCritic {
+                hidden,
+                of_uav,
+                added,
+            } => set::critic_products(hidden, critic(*of_uav, *added), shape),
         }
     }
 
@@ -164,8 +187,8 @@ impl Network {
         match &self.architecture {
             Architecture::Mlp { sizes } => (sizes[0] * sizes[1]) as u64,
             Architecture::SetActor { .. } => set::actor_input_products(shape),
-            Architecture::SetCritic { of_uav, .. } => {
-                set::critic_input_products(set::Critic { of_uav: *of_uav }, shape)
+            Architecture::SetCritic { of_uav, added, .. } => {
+                set::critic_input_products(critic(*of_uav, *added), shape)
             }
         }
     }

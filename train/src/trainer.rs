@@ -102,10 +102,12 @@ fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
             Network::new(Architecture::SetActor {
                 hidden: settings.actor_hidden.clone(),
                 outputs,
+                added: set::added(shape),
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),
                 of_uav: settings.critic_input == CriticInput::StateAndUav,
+                added: set::added(shape),
             }),
         ),
     }
@@ -131,10 +133,14 @@ impl Trainer {
             // Missions of one worker take seeds in a row, so workers are set far apart.
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
-        let beyond = |shape: &Shape| shape.observation_len > set::observation_len(shape);
-        if settings.network == NetworkKind::Set && workers.iter().any(|w| beyond(&w.shape())) {
+        let added = |worker: &Box<dyn VectorEnvironment>| set::added(&worker.shape());
+        if settings.network == NetworkKind::Set
+            && workers
+                .iter()
+                .any(|worker| added(worker) != set::added(&shape))
+        {
             return Err(
-                "network: set reads no search maps and no tags, so missions that show any need mlp"
+                "network: set reads maps and tags of one size, so all missions must show the same"
                     .into(),
             );
         }

@@ -42,12 +42,14 @@ const OWN_TARGET_FEATURES: usize = 5;
 pub(super) struct Critic {
     /// One UAV's, whose observation it sees beside the global state; else the team's.
     pub of_uav: bool,
+    /// Fields that maps and tags add to that observation.
+    pub added: usize,
 }
 
 impl Critic {
     /// Fields that are of no hotspot and of no other UAV.
     fn common(self) -> usize {
-        COMMON + if self.of_uav { OWN } else { 0 }
+        COMMON + if self.of_uav { OWN + self.added } else { 0 }
     }
 
     /// Fields of each hotspot.
@@ -56,9 +58,11 @@ impl Critic {
     }
 }
 
-/// Fields of an observation that the set networks read: what no configuration leaves out.
-pub fn observation_len(shape: &Shape) -> usize {
-    OWN + HOTSPOT_FIELDS * shape.hotspots + SLOT_FIELDS * shape.neighbour_slots
+/// Fields of an observation that the configuration adds: search map, directions, tag. They are the UAV's
+/// own and come last.
+pub fn added(shape: &Shape) -> usize {
+    let always = OWN + HOTSPOT_FIELDS * shape.hotspots + SLOT_FIELDS * shape.neighbour_slots;
+    shape.observation_len - always
 }
 
 type Shapes = Vec<(String, usize, usize)>;
@@ -76,19 +80,20 @@ fn trunk(shapes: &mut Shapes, inputs: usize, hidden: &[usize], outputs: usize) {
     }
 }
 
-pub(super) fn actor_blocks(hidden: &[usize], outputs: usize) -> Shapes {
+pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, added: usize) -> Shapes {
+    let own = OWN + added;
     let mut shapes = Vec::new();
     layer(&mut shapes, "neighbour.0", SLOT_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "neighbour.1", UAV_WIDTH, UAV_WIDTH);
     layer(&mut shapes, "hotspot.0", HOTSPOT_FEATURES, HOTSPOT_WIDTH);
-    shapes.push(("hotspot.own".into(), OWN + UAV_WIDTH, HOTSPOT_WIDTH));
+    shapes.push(("hotspot.own".into(), own + UAV_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "hotspot.1", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
     layer(&mut shapes, "hotspot.2", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
     shapes.push(("hotspot.others".into(), HOTSPOT_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "score", HOTSPOT_WIDTH, HEADS);
     trunk(
         &mut shapes,
-        HEADS * HOTSPOT_WIDTH + UAV_WIDTH + OWN,
+        HEADS * HOTSPOT_WIDTH + UAV_WIDTH + own,
         hidden,
         outputs,
     );
@@ -112,8 +117,9 @@ pub(super) fn actor_products(hidden: &[usize], outputs: usize, shape: &Shape) ->
     let neighbour = SLOT_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
     // Attention is two products with every hotspot: its scores, and the sum that they weigh.
     let hotspot = HOTSPOT_WIDTH * (HOTSPOT_FEATURES + 2 * HOTSPOT_WIDTH + 2 * HEADS);
-    let once = HOTSPOT_WIDTH * (OWN + UAV_WIDTH + HOTSPOT_WIDTH);
-    let mut sizes = vec![HEADS * HOTSPOT_WIDTH + UAV_WIDTH + OWN];
+    let own = OWN + added(shape);
+    let once = HOTSPOT_WIDTH * (own + UAV_WIDTH + HOTSPOT_WIDTH);
+    let mut sizes = vec![HEADS * HOTSPOT_WIDTH + UAV_WIDTH + own];
     sizes.extend_from_slice(hidden);
     sizes.push(outputs);
     let trunk: usize = sizes.windows(2).map(|pair| pair[0] * pair[1]).sum();
@@ -190,13 +196,13 @@ fn sum(set: Tensor<2>, rows: usize) -> Tensor<2> {
         .reshape([rows, width])
 }
 
-/// Actor outputs for observations (rows × 11 + 4n + 3k).
+/// Actor outputs for observations (rows × 11 + 4n + 3k + added).
 pub(super) fn actor(weights: &[Tensor<2>], observations: &[f32], shape: &Shape) -> Tensor<2> {
     let device = weights[0].device();
     let mut weights = Weights(weights.iter());
     let observed = features::observed(observations, shape);
     let rows = observed.empty.len();
-    let own = matrix(observed.own, OWN, &device);
+    let own = matrix(observed.own, OWN + added(shape), &device);
 
     let neighbours = if shape.neighbour_slots == 0 {
         weights.0.by_ref().take(4).for_each(drop);
@@ -261,12 +267,16 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     fn shape(agents: usize, hotspots: usize) -> Shape {
+        with_maps(agents, hotspots, 0)
+    }
+
+    fn with_maps(agents: usize, hotspots: usize, added: usize) -> Shape {
         Shape {
             environments: 1,
             agents,
             hotspots,
             neighbour_slots: agents - 1,
-            observation_len: 11 + 4 * hotspots + 3 * (agents - 1),
+            observation_len: 11 + 4 * hotspots + 3 * (agents - 1) + added,
             global_len: 6 * agents + 4 * hotspots + 4,
             grid: [12, 12],
         }
@@ -331,15 +341,20 @@ mod tests {
     #[test]
     fn both_networks_are_what_they_are_row_by_row() {
         let mut random = crate::random::stream(4, 0);
-        for (agents, hotspots) in [(1, 1), (2, 5), (10, 7), (20, 11)] {
-            let shape = shape(agents, hotspots);
+        for (agents, hotspots, added) in [(1, 1, 0), (2, 5, 9), (10, 7, 0), (20, 11, 34)] {
+            let shape = with_maps(agents, hotspots, added);
             let actor = Network::new(Architecture::SetActor {
                 hidden: vec![24, 16],
                 outputs: 7,
+                added,
             });
             let critic = |of_uav| {
                 let hidden = vec![16];
-                Network::new(Architecture::SetCritic { hidden, of_uav })
+                Network::new(Architecture::SetCritic {
+                    hidden,
+                    of_uav,
+                    added,
+                })
             };
             let critics = [critic(false), critic(true)];
             let [of_team, of_uav] = [shape.global_len, shape.global_len + shape.observation_len];
@@ -378,6 +393,7 @@ mod tests {
         let architecture = Architecture::SetActor {
             hidden: vec![16],
             outputs: 7,
+            added: 0,
         };
         let shape = shape(4, 3);
         let row = observation(&shape, &mut crate::random::stream(9, 1));
@@ -399,6 +415,7 @@ mod tests {
         let architecture = Architecture::SetCritic {
             hidden: vec![16],
             of_uav: false,
+            added: 0,
         };
         let shape = shape(3, 2);
         let row = row(shape.global_len, &mut crate::random::stream(9, 1));
@@ -421,6 +438,7 @@ mod tests {
         let actor = Architecture::SetActor {
             hidden: vec![16, 8],
             outputs: 7,
+            added: 0,
         };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);

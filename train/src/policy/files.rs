@@ -229,13 +229,12 @@ impl Stored {
                     model.neighbour_slots(),
                 )))
             }
-            Architecture::SetActor { .. }
-                if model.observation_len() != set::observation_len(&shape_of(model)) =>
-            {
+            Architecture::SetActor { added, .. } if *added != set::added(&shape_of(model)) => {
                 Err(TrainError::Fit(format!(
-                    "policy {}: reads no search maps and no tags, this mission shows some \
-                     (map_window_radius, map_directions, uav_tag)",
+                    "policy {}: reads {added} fields of search map, directions and tag, this mission \
+                     shows {} (map_window_radius, map_directions, uav_tag)",
                     self.card.name,
+                    set::added(&shape_of(model)),
                 )))
             }
             _ if self.card.config.target_visibility != config.target_visibility => {

@@ -5,13 +5,13 @@
 
 use super::{
     COMMON, CROWD, Critic, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN, OWN_FIRST, SLOT_FIELDS,
-    UAV_FIELDS,
+    UAV_FIELDS, added,
 };
 use crate::environment::Shape;
 
 /// Inputs of the actor's products.
 pub(super) struct Observed {
-    /// The UAV itself, rows × [`OWN`].
+    /// The UAV itself, rows × ([`OWN`] + [`added`]).
     pub own: Vec<f32>,
     /// Neighbour slots and whether they are taken, rows × slots × ([`SLOT_FIELDS`] + 1).
     pub slots: Vec<f32>,
@@ -41,14 +41,14 @@ fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
     dx.abs() * x_cells + dy.abs() * y_cells
 }
 
-/// Reads observations (rows × 11 + 4n + 3k).
+/// Reads observations (rows × 11 + 4n + 3k + added).
 pub(super) fn observed(rows: &[f32], shape: &Shape) -> Observed {
     let (n, k) = (shape.hotspots, shape.neighbour_slots);
-    let length = OWN + HOTSPOT_FIELDS * n + SLOT_FIELDS * k;
+    let length = shape.observation_len;
     let count = rows.len() / length;
     let cells = shape.position_cells();
     let mut out = Observed {
-        own: Vec::with_capacity(count * OWN),
+        own: Vec::with_capacity(count * (OWN + added(shape))),
         slots: Vec::with_capacity(count * k * (SLOT_FIELDS + 1)),
         empty: Vec::with_capacity(count),
         hotspots: Vec::with_capacity(count * n * HOTSPOT_FEATURES),

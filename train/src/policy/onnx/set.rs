@@ -5,7 +5,7 @@
 use super::graph::{Graph, Value};
 use crate::environment::Shape;
 use crate::network::set::{
-    CROWD, HEADS, HOTSPOT_FIELDS, HOTSPOT_WIDTH, OWN, OWN_FIRST, SLOT_FIELDS, UAV_WIDTH,
+    CROWD, HEADS, HOTSPOT_FIELDS, HOTSPOT_WIDTH, OWN_FIRST, SLOT_FIELDS, UAV_WIDTH,
 };
 
 struct Builder<'a> {
@@ -82,9 +82,7 @@ pub(super) fn actor(graph: &mut Graph, weights: &[Value], input: Value, shape: &
     let slots_first = OWN_FIRST + HOTSPOT_FIELDS * n;
     let tail_first = slots_first + SLOT_FIELDS * k;
     let head = b.graph.columns(&input, 0, OWN_FIRST);
-    let tail = b
-        .graph
-        .columns(&input, tail_first, tail_first + OWN - OWN_FIRST);
+    let tail = b.graph.columns(&input, tail_first, shape.observation_len);
     let own = b.graph.concat(&[&head, &tail], 1);
 
     let (hotspot_x, hotspot_y) = (b.field(&hotspots, 0), b.field(&hotspots, 1));
