@@ -181,27 +181,27 @@ fn policies_read_back_as_written() {
 }
 
 /// Flights use the inference that every host uses, learning uses tensors: the same function.
+fn same_outputs(actor: &Arc<Actor>, model: &Model<'static>) {
+    let weights = actor.network.tensors(&actor.parameters, &Device::flex());
+    let mut inputs = observations(model);
+    let mut policy = actor.fly("p", Mode::Deterministic);
+    let flown = policy.outputs(model, &inputs).unwrap();
+    actor.inputs.apply(&mut inputs);
+    let learnt = values(actor.network.forward(&weights, inputs, &shape_of(model)));
+    assert_eq!(flown.len(), learnt.len());
+    for (flown, learnt) in flown.iter().zip(learnt) {
+        let error = (flown - learnt).abs() / learnt.abs().max(1.0);
+        assert!(error < 1e-5, "{flown} {learnt}");
+    }
+}
+
 #[test]
 fn what_flies_is_what_was_trained() {
     let model = Model::new(config()).unwrap();
-    let shape = shape_of(&model);
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let plan = plan(&format!("flies-{network:?}"), settings(network));
         plan.train(false, &mut Unwatched).unwrap();
-        let actor = files::load(&plan.out).unwrap().actor;
-        let weights = actor.network.tensors(&actor.parameters, &Device::flex());
-        let mut inputs = observations(&model);
-        let flown = actor
-            .fly("p", Mode::Deterministic)
-            .outputs(&model, &inputs)
-            .unwrap();
-        actor.inputs.apply(&mut inputs);
-        let learnt = values(actor.network.forward(&weights, inputs, &shape));
-        assert_eq!(flown.len(), learnt.len());
-        for (flown, learnt) in flown.iter().zip(learnt) {
-            let error = (flown - learnt).abs() / learnt.abs().max(1.0);
-            assert!(error < 1e-5, "{network:?}: {flown} {learnt}");
-        }
+        same_outputs(&files::load(&plan.out).unwrap().actor, &model);
         std::fs::remove_dir_all(&plan.out).unwrap();
     }
 }
@@ -224,21 +224,56 @@ fn a_policy_that_does_not_fit_is_refused() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// The set network neither trains on nor flies missions whose observations show more than it reads.
+/// A set network that reads tags flies alike whether the mission shows them or not; it reads no other maps
+/// than those that it was trained with.
 #[test]
-fn the_set_network_refuses_tags() {
+fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     let tagged = Config {
         uav_tag: jcas_core::UavTag::Index,
         ..config()
     };
     let mut plan = plan("tags", settings(NetworkKind::Set));
+    plan.configs = vec![tagged];
     plan.train(false, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
-    let refusal = stored.check(&Model::new(tagged).unwrap()).unwrap_err();
-    assert!(refusal.to_string().contains("uav_tag"), "{refusal}");
-    plan.configs = vec![tagged];
-    let refusal = plan.trainer().err().unwrap().to_string();
-    assert!(refusal.contains("network: set"), "{refusal}");
+    let ways = |config: Config| {
+        let model = Model::new(config).unwrap();
+        stored.check(&model).unwrap();
+        let mut policy = stored.policy(None);
+        let mut sim = jcas_core::Sim::new(&model);
+        jcas_evaluate::mission::fly_episode(&model, &mut sim, &mut policy, 5).unwrap();
+        let state = sim.state();
+        let batteries = (0..model.uav_count()).map(|uav| state.battery_uj(uav));
+        batteries.collect::<Vec<_>>()
+    };
+    assert_eq!(ways(tagged), ways(config()));
+
+    let mapped = Config {
+        map_directions: jcas_core::MapDirections::Shown,
+        search_maps: jcas_core::SearchMaps::Shared,
+        ..tagged
+    };
+    let refusal = stored.check(&Model::new(mapped).unwrap()).unwrap_err();
+    assert!(refusal.to_string().contains("map_directions"), "{refusal}");
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// The set network learns over search maps, and what flies is what it learned.
+#[test]
+fn the_set_network_reads_search_maps() {
+    let searched = Config {
+        uav_count: 4,
+        hotspot_count: 3,
+        horizon_steps: 20,
+        ..Config::preset(jcas_core::Preset::Search)
+    };
+    let mut plan = plan("maps", settings(NetworkKind::Set));
+    plan.configs = vec![searched];
+    plan.train(false, &mut Unwatched).unwrap();
+    let stored = files::load(&plan.out).unwrap();
+    let model = Model::new(searched).unwrap();
+    stored.check(&model).unwrap();
+    same_outputs(&stored.actor, &model);
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 

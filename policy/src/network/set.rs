@@ -21,6 +21,8 @@ pub(crate) struct Sizes {
     pub(crate) slots: usize,
     /// Cells that a position difference of 1 stands for, along x and y.
     pub(crate) cells: [u32; 2],
+    /// UAVs of a mission, whose rows follow each other.
+    pub(crate) uavs: usize,
 }
 
 /// 1 at distance 0, falling evenly to 0 at `reach` cells.
@@ -32,6 +34,15 @@ fn nearness(distance: f32, reach: f32) -> f32 {
 /// Manhattan distance in cells.
 fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
     dx.abs() * cells[0] + dy.abs() * cells[1]
+}
+
+/// The tag of UAV `index` of `uavs`, as missions with `uav_tag = "index"` show it.
+fn tag(index: usize, uavs: usize) -> f32 {
+    if uavs > 1 {
+        (index as f64 * (1.0 / (uavs - 1) as f64)) as f32
+    } else {
+        0.0
+    }
 }
 
 /// Takes the first `length` elements off.
@@ -75,19 +86,22 @@ impl Set {
             + self.trunk.scratch_len(ROWS)
     }
 
-    /// Outputs for at most [`ROWS`] observations, padded.
+    /// Outputs for at most [`ROWS`] observations, padded; they are rows `first` and on.
     pub(crate) fn outputs<'s>(
         &self,
         weights: &[f32],
         observations: &[f32],
+        first: usize,
         sizes: Sizes,
         scratch: &'s mut [f32],
     ) -> &'s [f32] {
         let rows = observations.len() / sizes.observation_len;
         let (inputs, scratch) = scratch.split_at_mut(rows * self.trunk.inputs());
         let observations = observations.chunks_exact(sizes.observation_len);
-        for (row, out) in observations.zip(inputs.chunks_exact_mut(self.trunk.inputs())) {
-            self.pool(weights, row, sizes, out, scratch);
+        let outs = inputs.chunks_exact_mut(self.trunk.inputs());
+        for (index, (row, out)) in observations.zip(outs).enumerate() {
+            let tag = tag((first + index) % sizes.uavs, sizes.uavs);
+            self.pool(weights, row, tag, sizes, out, scratch);
         }
         self.trunk.apply(weights, inputs, scratch)
     }
@@ -97,6 +111,7 @@ impl Set {
         &self,
         weights: &[f32],
         row: &[f32],
+        tag: f32,
         sizes: Sizes,
         out: &mut [f32],
         mut scratch: &mut [f32],
@@ -108,7 +123,9 @@ impl Set {
         let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
         let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
         own[..OWN_FIRST].copy_from_slice(head);
-        own[OWN_FIRST..].copy_from_slice(tail);
+        let (shown, numbered) = own[OWN_FIRST..].split_at_mut(tail.len());
+        shown.copy_from_slice(tail);
+        numbered.fill(tag);
         self.pool_neighbours(weights, slots, neighbours, &mut *scratch);
 
         let context = take(&mut scratch, self.own.inputs);

@@ -109,7 +109,7 @@ mod tests {
         let config = Config {
             uav_count: 5,
             hotspot_count: 2,
-            detection_threshold_db: Some(-20.0),
+            detection_threshold_db: Some(-40.0),
             ..Config::default()
         };
         let model = Model::new(config).unwrap();

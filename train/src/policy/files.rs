@@ -9,7 +9,7 @@ use crate::network::{Architecture, Network, set};
 use crate::ppo::normalise::Affine;
 use crate::settings::Settings;
 use crate::store::{Array, Arrays, encode, write_whole};
-use jcas_core::{Config, Model, TargetVisibility};
+use jcas_core::{Config, Model, TargetVisibility, UavTag};
 use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::action_of;
 use serde::{Deserialize, Serialize};
@@ -229,7 +229,12 @@ impl Stored {
                     model.neighbour_slots(),
                 )))
             }
-            Architecture::SetActor { added, .. } if *added != set::added(&shape_of(model)) => {
+            // One that reads a tag where the mission shows none numbers the UAVs itself.
+            Architecture::SetActor { added, .. }
+                if *added != set::added(&shape_of(model))
+                    && (*added != set::added(&shape_of(model)) + 1
+                        || config.uav_tag != UavTag::Off) =>
+            {
                 Err(TrainError::Fit(format!(
                     "policy {}: reads {added} fields of search map, directions and tag, this mission \
                      shows {} (map_window_radius, map_directions, uav_tag)",
