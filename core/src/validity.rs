@@ -11,7 +11,8 @@ use crate::state::StateRef;
 
 impl StateRef<'_> {
     /// Whether this is a state of the model that keeps every invariant. True after each reset, each part
-    /// of a step and each load; what proofs assume of a state, tests check of every state reached.
+    /// of a step, each load and each call of a host; what proofs assume of a state, tests check of every
+    /// state reached.
     #[must_use]
     pub fn is_valid(&self, model: &Model<'_>) -> bool {
         let Some(phase) = self.header.phase() else {
