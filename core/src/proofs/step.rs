@@ -89,7 +89,7 @@ fn any_scalars(model: &Model<'_>) -> [u64; STATE_WORDS] {
 
 /// A part that carries the scalars keeps them valid.
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::unwind(28))]
+#[cfg_attr(kani, kani::unwind(17))]
 pub fn carried_scalars_stay_valid() {
     let mut tables = [0; TABLE_WORDS];
     let model = any_model(&mut tables);
