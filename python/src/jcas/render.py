@@ -143,10 +143,9 @@ def _shade(image: Any, plan: _Plan) -> None:
     from . import sprites
 
     scene = plan.scene
-    if scene.searched.any():
-        cells = Image.fromarray(np.where(scene.searched[::-1], 255, 0).astype(np.uint8))
-        mask = cells.resize((plan.width, plan.height), Image.Resampling.NEAREST)
-        image.paste(sprites.SEARCHED, plan.box, mask)
+    for x, y, length in _runs(scene.searched[::-1]):
+        left, top = plan.left + x * plan.cell, plan.top + y * plan.cell
+        image.paste(sprites.SEARCHED, (left, top, left + length * plan.cell, top + plan.cell))
     reach = [
         (plan.centre(*cell), float(scene.sensing_range[uavs].max()) * plan.cell) for cell, uavs in plan.members.items()
     ]
@@ -160,6 +159,16 @@ def _shade(image: Any, plan: _Plan) -> None:
                 _circle(canvas, ((across - left) / 2, (down - top) / 2), radius / 2, fill=SENSING_ALPHA)
         mask = mask.resize((right - left, bottom - top), Image.Resampling.BILINEAR)
         image.paste(sprites.SENSING, (left, top, right, bottom), mask)
+
+
+def _runs(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    """Stretches of set flags, row by row: (column, row, length)."""
+    padded = np.zeros((flags.shape[0], flags.shape[1] + 2), np.int8)
+    padded[:, 1:-1] = flags
+    edges = np.diff(padded, axis=1)
+    rows, begins = np.nonzero(edges == 1)
+    ends = np.nonzero(edges == -1)[1]
+    return list(zip(begins.tolist(), rows.tolist(), (ends - begins).tolist(), strict=True))
 
 
 def _circle(canvas: Any, centre: Point, radius: float, **style: Any) -> None:

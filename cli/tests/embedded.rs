@@ -1,0 +1,95 @@
+//! What a C program flies with a policy is what the command flies with it, to the last bit.
+
+mod support;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use support::succeed;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the command lies in the workspace")
+}
+
+fn printed(command: &mut Command) -> String {
+    let output = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {error}");
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// `examples/c/fly_policy.c`, compiled against the library.
+fn example(folder: &Path) -> PathBuf {
+    let built = printed(Command::new(env!("CARGO")).current_dir(root()).args([
+        "build",
+        "--locked",
+        "--quiet",
+        "--package",
+        "jcas-ffi",
+        "--lib",
+        "--message-format",
+        "json",
+    ]));
+    let library = built
+        .split('"')
+        .rfind(|text| text.ends_with("libjcas.a"))
+        .expect("cargo names the library");
+    let program = folder.join("fly_policy");
+    printed(
+        Command::new("cc")
+            .arg("-I")
+            .arg(root().join("include"))
+            .arg(root().join("examples/c/fly_policy.c"))
+            .arg(library)
+            .args(["-lpthread", "-ldl", "-lm", "-o"])
+            .arg(&program),
+    );
+    program
+}
+
+#[test]
+fn a_c_program_flies_the_shipped_fleet_as_the_command_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = example(folder.path());
+    let trained = root().join("policies/fleet");
+    let file = trained.join("policy.safetensors");
+    for (named, given) in [
+        (trained.to_str(), file.to_str()),
+        (Some("swarm"), Some("swarm")),
+    ] {
+        let (named, given) = (named.expect("a path"), given.expect("a path"));
+        succeed(
+            folder.path(),
+            &[
+                "simulate",
+                "--policy",
+                named,
+                "--uavs",
+                "15",
+                "--hotspots",
+                "7",
+                "--seed",
+                "1",
+                "--episodes",
+                "1",
+                "--trace",
+                "flight.jsonl",
+            ],
+        );
+        let trace = fs::read_to_string(folder.path().join("flight.jsonl")).expect("a trace");
+        let (_, last) = trace
+            .rsplit_once("\"state_hash\":\"")
+            .expect("steps have a hash");
+        let hash = &last[..18];
+        let text = printed(Command::new(&program).arg(given));
+        assert!(
+            text.contains(&format!("state {hash}")),
+            "{named}: {text}, not {hash}"
+        );
+    }
+}
