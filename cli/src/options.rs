@@ -95,7 +95,7 @@ impl MissionOptions {
 /// Who flies.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// random, greedy, swarm, teams, sweep, line, frontier, relay, or the folder of a trained policy
+    /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, or the folder of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
     /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed hotspot, min

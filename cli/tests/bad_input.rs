@@ -87,7 +87,7 @@ fn unknown_names() {
         INPUT,
         &[
             "policy = clever",
-            "random, greedy, swarm, teams, sweep, line, frontier, relay",
+            "random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean",
         ],
     );
     refuses(

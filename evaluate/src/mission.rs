@@ -121,8 +121,12 @@ pub fn fly(
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        (0..campaign.episodes)
+        // A policy may plan for long before its first mission: a few parts for each thread, each with one.
+        let parts = 4 * rayon::current_num_threads();
+        (0..campaign.episodes as usize)
             .into_par_iter()
+            .with_min_len(campaign.episodes.div_ceil(parts as u64) as usize)
+            .map(|episode| episode as u64)
             .map_init(worker, one)
             .collect()
     }

@@ -42,7 +42,9 @@ def test_draws_follow_from_the_seed() -> None:
     assert fly(policy, model, 8) == fly(policy, model, 8) != fly(policy, model, 9)
 
 
-@pytest.mark.parametrize("name", ["random", "greedy", "swarm", "teams", "sweep", "line", "frontier", "relay"])
+@pytest.mark.parametrize(
+    "name", ["random", "greedy", "swarm", "teams", "sweep", "line", "frontier", "relay", "charging", "clean"]
+)
 def test_every_baseline_flies(name: str) -> None:
     model = jcas.Model(uav_count=6, hotspot_count=2, sensing_range_m=150.0)
     policy = jcas.Policy.baseline(name, model, pilot=0.2)

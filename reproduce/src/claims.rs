@@ -148,7 +148,7 @@ pub fn readings(scale: &Scale) -> Vec<Reading> {
         of_a_cell: true,
     });
     let ours = scale.presets.iter().map(|preset| Reading {
-        title: format!("our settings, preset `{}`", preset.name()),
+        title: format!("our policy, preset `{}`", preset.name()),
         preset: preset.name(),
         policy: "learned",
         of_a_cell: false,

@@ -1,10 +1,11 @@
 //! Training and flying what the table lacks.
 
 use crate::approach;
+use crate::flight::{Flight, HELD, OURS, Who};
 use crate::narrator::{Narrator, Progress};
-use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Variation};
-use crate::range;
+use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Training, Variation};
 use crate::table::{Key, Table};
+use crate::{endurance, pilot, range, search};
 use jcas_core::{Config, Model, Preset};
 use jcas_evaluate::mission::{Campaign, fly};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
@@ -38,6 +39,7 @@ struct Flights<'a> {
     out: &'a Path,
     table: &'a mut Table,
     narrator: &'a mut dyn Narrator,
+    given: Vec<Arc<Stored>>,
 }
 
 /// The parts that are asked for, in an order in which early ones already tell something.
@@ -47,28 +49,18 @@ pub(crate) fn fly_all(
     table: &mut Table,
     narrator: &mut dyn Narrator,
 ) -> Result<Progress, TrainError> {
+    let given = scale.given.iter().map(|at| load(at).map(Arc::new));
+    let given: Result<_, TrainError> = given.collect();
     let mut flights = Flights {
         scale,
         out,
         table,
         narrator,
+        given: given?,
     };
-    for part in Part::ALL {
-        if !scale.parts.contains(&part) {
-            continue;
-        }
-        let whole = match part {
-            Part::Baselines => flights.baselines()?,
-            Part::SensingRange => flights.sensing_range()?,
-            Part::Paper => flights.paper()?,
-            Part::Tuned => flights.all_tuned()?,
-            Part::Variations => flights.variations()?,
-        };
-        if !whole || flights.stopped() {
-            return Ok(Progress::Stopped);
-        }
-    }
-    Ok(Progress::Finished)
+    let progress = flights.all_parts();
+    flights.table.write()?;
+    progress
 }
 
 fn key(
@@ -87,6 +79,7 @@ fn key(
         pilot: pilot.to_owned(),
         seed,
         x,
+        config_hash: format!("0x{:016x}", config.hash()),
     }
 }
 
@@ -106,8 +99,91 @@ pub(crate) fn paper_name(
 }
 
 impl Flights<'_> {
+    fn all_parts(&mut self) -> Result<Progress, TrainError> {
+        for part in Part::ALL {
+            if !self.scale.parts.contains(&part) {
+                continue;
+            }
+            let whole = match part {
+                Part::Baselines => self.baselines()?,
+                Part::SensingRange => {
+                    self.flown("success over the sensing range", range::flights(self.scale))?
+                }
+                Part::Search => self.flown("search", search::flights(self.scale))?,
+                Part::Pilot => self.flown("adaptive pilots", pilot::flights(self.scale))?,
+                Part::Endurance => self.flown("endurance", endurance::flights(self.scale))?,
+                Part::Tuned => self.all_tuned()?,
+                Part::Paper => self.paper()?,
+                Part::TrainedRanges => self.trained_ranges()?,
+                Part::Variations => self.variations()?,
+            };
+            if !whole || self.stopped() {
+                return Ok(Progress::Stopped);
+            }
+        }
+        Ok(Progress::Finished)
+    }
+
     fn stopped(&mut self) -> bool {
         self.narrator.stop()
+    }
+
+    /// The given policies that were trained on missions like this, whatever their number of UAVs and hotspots.
+    fn given_for(&self, config: &Config) -> Vec<Arc<Stored>> {
+        let like =
+            |policy: &&Arc<Stored>| sized_as(config, &policy.card.config) == policy.card.config;
+        self.given.iter().filter(like).cloned().collect()
+    }
+
+    /// Campaigns without training.
+    fn flown(&mut self, chapter: &str, flights: Vec<Flight>) -> Result<bool, TrainError> {
+        self.narrator.chapter(chapter);
+        for flight in flights {
+            let Flight {
+                experiment: (experiment, x),
+                preset,
+                config,
+                who,
+            } = flight;
+            let campaign = (experiment.as_str(), x);
+            match who {
+                Who::Script(kind, pilot) => {
+                    let mode = match pilot {
+                        PilotMode::Held(_) => HELD.to_owned(),
+                        named => named.name(),
+                    };
+                    let key = key(campaign, preset, &config, (kind.name(), &mode), 0);
+                    self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                }
+                Who::Ours { base, held } => {
+                    for (seed, policy) in self.given_for(&base).iter().enumerate() {
+                        let pilot = held.map_or(pilot_name(None), |_| HELD);
+                        let key = key(campaign, preset, &config, (OURS, pilot), seed as u64);
+                        self.ours(&key, config, policy, held)?;
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// A policy of ours, as it is or with its pilot density held.
+    fn ours(
+        &mut self,
+        key: &Key,
+        config: Config,
+        policy: &Stored,
+        held: Option<f64>,
+    ) -> Result<(), TrainError> {
+        let Some(density) = held else {
+            return self.campaign(key, config, &|| Box::new(policy.policy(None)));
+        };
+        let actor = Arc::new(Actor {
+            constant_pilot: Some(action_of(&config, density)),
+            ..Actor::clone(&policy.actor)
+        });
+        let mode = policy.card.mode;
+        self.campaign(key, config, &|| Box::new(actor.fly("held", mode)))
     }
 
     /// One campaign, unless it is there.
@@ -120,6 +196,16 @@ impl Flights<'_> {
                      give another folder",
                     self.out.display(),
                     row.episodes
+                )));
+            }
+            Some(row) if row.config_hash != key.config_hash => {
+                return Err(TrainError::Setting(format!(
+                    "{}: holds {} {} at N = {}, n = {} of another configuration; give another folder",
+                    self.out.display(),
+                    row.experiment,
+                    row.policy,
+                    row.uavs,
+                    row.hotspots
                 )));
             }
             Some(_) => return Ok(()),
@@ -157,29 +243,21 @@ impl Flights<'_> {
         Ok(true)
     }
 
-    /// Success over the sensing range; false if stopped meanwhile.
-    fn sensing_range(&mut self) -> Result<bool, TrainError> {
-        self.narrator.chapter("success over the sensing range");
-        for cells in self.scale.ranges.clone() {
-            for cell in self.scale.cells() {
-                let config = self.scale.ranged(cells, cell);
-                for (_, kind, pilot) in range::SCRIPTED {
-                    let flown = (kind.name(), pilot.name());
-                    let campaign = (range::EXPERIMENT, cells);
-                    let key = key(campaign, Preset::Paper, &config, (flown.0, &flown.1), 0);
-                    self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
-                }
-            }
-        }
+    /// The paper's training over the sensing range; false if stopped meanwhile.
+    fn trained_ranges(&mut self) -> Result<bool, TrainError> {
         let (ranges, trained) = self.scale.trained_ranges.clone();
-        for learner in self.scale.learners() {
-            for &cells in &ranges {
-                for &cell in &trained {
-                    for &seed in &self.scale.seeds {
+        for &cells in &ranges {
+            for &cell in &trained {
+                for &seed in &self.scale.seeds {
+                    for learner in self.scale.learners() {
                         let config = self.scale.ranged(cells, cell);
-                        let (uavs, hotspots) = cell;
-                        let name =
-                            format!("{}-{uavs}x{hotspots}-{cells}cells-s{seed}", learner.name);
+                        // The range of the preset is a cell of the grid.
+                        let name = if config == self.scale.mission(Preset::Paper, cell) {
+                            paper_name(learner.name, cell, None, seed)
+                        } else {
+                            let (uavs, hotspots) = cell;
+                            format!("{}-{uavs}x{hotspots}-{cells}cells-s{seed}", learner.name)
+                        };
                         let campaign = (range::EXPERIMENT, cells);
                         let flown = (learner.name, pilot_name(None));
                         let key = key(campaign, Preset::Paper, &config, flown, seed);
@@ -197,24 +275,48 @@ impl Flights<'_> {
         Ok(true)
     }
 
-    /// Our settings: one policy for the whole grid of each preset; false if stopped meanwhile.
+    /// Our settings: one policy for the whole grid of each preset, the one that is given or one that is trained; false
+    /// if stopped meanwhile.
     fn all_tuned(&mut self) -> Result<bool, TrainError> {
         for &preset in &self.scale.presets {
+            let given = self.given_for(&self.scale.mission(preset, (10, 5)));
+            for (seed, policy) in given.iter().enumerate() {
+                for held in [None, Some(CONSTANT_PILOT)] {
+                    self.grid(preset, policy, seed as u64, held)?;
+                }
+                self.experiments(preset, policy, seed as u64)?;
+            }
+            if !given.is_empty() {
+                continue;
+            }
             for &seed in &self.scale.seeds {
                 for constant in [None, Some(CONSTANT_PILOT)] {
                     let Some(policy) = self.tuned(preset, seed, constant)? else {
                         return Ok(false);
                     };
                     self.grid(preset, &policy, seed, constant)?;
-                    if constant.is_none() && preset == Preset::Mission {
-                        self.trade_off(&policy, seed)?;
-                        self.batteries(&policy, seed)?;
-                        self.approach(&policy, seed)?;
+                    if constant.is_none() {
+                        self.experiments(preset, &policy, seed)?;
                     }
                 }
             }
         }
         Ok(true)
+    }
+
+    /// What is flown in the preset `mission` alone.
+    fn experiments(
+        &mut self,
+        preset: Preset,
+        policy: &Stored,
+        seed: u64,
+    ) -> Result<(), TrainError> {
+        if preset != Preset::Mission {
+            return Ok(());
+        }
+        self.trade_off(policy, seed)?;
+        self.batteries(policy, seed)?;
+        self.approach(policy, seed)
     }
 
     /// A policy with our settings for the whole grid; none if stopped meanwhile.
@@ -279,9 +381,8 @@ impl Flights<'_> {
             .chapter(&format!("flying {} over the grid", policy.card.name));
         for cell in self.scale.cells() {
             let config = self.scale.mission(preset, cell);
-            let flown = ("learned", pilot_name(constant));
-            let key = key(GRID, preset, &config, flown, seed);
-            self.campaign(&key, config, &|| Box::new(policy.policy(None)))?;
+            let key = key(GRID, preset, &config, (OURS, pilot_name(constant)), seed);
+            self.ours(&key, config, policy, constant)?;
         }
         Ok(())
     }
@@ -291,18 +392,11 @@ impl Flights<'_> {
         self.narrator.chapter("sensing against communication");
         let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
         for &density in &self.scale.densities {
-            let held = action_of(&config, density);
-            let actor = Arc::new(Actor {
-                constant_pilot: Some(held),
-                ..Actor::clone(&policy.actor)
-            });
             let key_of = |policy, seed| {
                 let campaign = ("density", density);
-                key(campaign, Preset::Mission, &config, (policy, "held"), seed)
+                key(campaign, Preset::Mission, &config, (policy, HELD), seed)
             };
-            let key = key_of("learned", seed);
-            let mode = policy.card.mode;
-            self.campaign(&key, config, &|| Box::new(actor.fly("held", mode)))?;
+            self.ours(&key_of(OURS, seed), config, policy, Some(density))?;
             let key = key_of("teams", 0);
             let pilot = PilotMode::Held(density);
             self.campaign(&key, config, &|| {
@@ -326,8 +420,7 @@ impl Flights<'_> {
                     seed,
                 )
             };
-            let learned = key_of("learned", seed);
-            self.campaign(&learned, config, &|| Box::new(policy.policy(None)))?;
+            self.ours(&key_of(OURS, seed), config, policy, None)?;
             let teams = key_of("teams", 0);
             self.campaign(&teams, config, &|| {
                 Box::new(BaselineKind::Teams.build_privileged(PilotMode::Adaptive))
@@ -357,14 +450,10 @@ impl Flights<'_> {
 
     /// The paper's settings in every cell, with every credit; false if stopped meanwhile.
     fn paper(&mut self) -> Result<bool, TrainError> {
-        for &cell in &self.scale.paper_cells {
-            for &seed in &self.scale.seeds {
-                for learner in self.scale.learners() {
-                    for constant in [None, Some(CONSTANT_PILOT)] {
-                        if !self.paper_cell(&learner, cell, seed, constant)? {
-                            return Ok(false);
-                        }
-                    }
+        for training in self.scale.trainings() {
+            for learner in self.scale.learners() {
+                if !self.paper_cell(&learner, training)? {
+                    return Ok(false);
                 }
             }
         }
@@ -374,9 +463,11 @@ impl Flights<'_> {
     fn paper_cell(
         &mut self,
         learner: &Learner,
-        cell: (u32, u32),
-        seed: u64,
-        constant: Option<f64>,
+        Training {
+            cell,
+            constant,
+            seed,
+        }: Training,
     ) -> Result<bool, TrainError> {
         let name = paper_name(learner.name, cell, constant, seed);
         let settings = Settings {
@@ -440,17 +531,21 @@ impl Flights<'_> {
     }
 }
 
+/// A mission with another's numbers of UAVs and hotspots.
+fn sized_as(config: &Config, other: &Config) -> Config {
+    Config {
+        uav_count: other.uav_count,
+        hotspot_count: other.hotspot_count,
+        ..*config
+    }
+}
+
 /// Whether a policy was trained with these settings and on these missions at least.
 fn is_of(card: &Card, settings: &Settings, configs: &[Config]) -> bool {
     card.settings.as_ref() == Some(settings)
         && configs.iter().all(|config| {
-            let sized = Config {
-                uav_count: card.config.uav_count,
-                hotspot_count: card.config.hotspot_count,
-                ..*config
-            };
             let cell = (config.uav_count, config.hotspot_count);
-            sized == card.config && card.trained_on.contains(&cell)
+            sized_as(config, &card.config) == card.config && card.trained_on.contains(&cell)
         })
 }
 

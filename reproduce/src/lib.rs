@@ -6,16 +6,21 @@
 
 mod approach;
 pub mod bars;
+mod chapter;
 pub mod claims;
 pub mod curves;
+mod endurance;
 pub mod figures;
 pub mod fit;
+mod flight;
 mod flights;
 mod narrator;
 mod page;
+mod pilot;
 pub mod plan;
 pub mod range;
 pub mod results;
+mod search;
 pub mod table;
 mod text;
 
@@ -23,10 +28,12 @@ use jcas_train::error::TrainError;
 use jcas_train::store::write_whole;
 pub use narrator::{Narrator, Progress};
 use plan::Scale;
-use range::Study;
 use results::Results;
 use std::path::Path;
 use table::Table;
+
+/// Name of the table of results.
+pub const TABLE: &str = "results.csv";
 
 /// Trains and flies whatever is missing, then draws and writes what is there, also when stopped.
 pub fn reproduce(
@@ -35,7 +42,7 @@ pub fn reproduce(
     narrator: &mut dyn Narrator,
 ) -> Result<Progress, TrainError> {
     std::fs::create_dir_all(out).map_err(TrainError::file(out))?;
-    let mut table = Table::open(&out.join("results.csv"))?;
+    let mut table = Table::open(&out.join(TABLE))?;
     let progress = flights::fly_all(scale, out, &mut table, narrator)?;
     narrator.chapter("figures and report");
     let curves = curves::curves(scale, out)?;
@@ -49,9 +56,10 @@ pub fn reproduce(
     Ok(progress)
 }
 
-/// Writes the page of a reproduction to a place of its own, its pictures into a folder beside it.
+/// Writes the page of a reproduction to a place of its own, its pictures and its table into a folder beside it.
 pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError> {
-    let table = Table::open(&out.join("results.csv"))?;
+    let csv = out.join(TABLE);
+    let table = Table::open(&csv)?;
     let curves = curves::curves(scale, out)?;
     let results = Results {
         scale,
@@ -60,12 +68,13 @@ pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError>
     };
     let folder = page.with_extension("");
     std::fs::create_dir_all(&folder).map_err(TrainError::file(&folder))?;
-    let range = Study::of(scale, &table).map(|_| figures::RANGE);
-    for name in results.pictures().map(|picture| picture.name).chain(range) {
+    for name in results.pictures_on_page() {
         let picture = out.join(format!("{name}.png"));
         let bytes = std::fs::read(&picture).map_err(TrainError::file(&picture))?;
         write_whole(&folder.join(format!("{name}.png")), &bytes)?;
     }
+    let rows = std::fs::read(&csv).map_err(TrainError::file(&csv))?;
+    write_whole(&folder.join(TABLE), &rows)?;
     let beside = folder.file_name().unwrap_or_default().to_string_lossy();
     let text = results.markdown(&format!("{beside}/"));
     write_whole(page, text.as_bytes())

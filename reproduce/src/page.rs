@@ -1,13 +1,14 @@
 //! The pages of a reproduction: Markdown, and one HTML report with every figure.
 
 use crate::bars::{self, bars};
+use crate::chapter::{Block, Chapter};
 use crate::claims::{self, Judged, Verdict};
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
-use crate::range::{self, Study};
+use crate::range::Study;
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
-use crate::text;
+use crate::{TABLE, endurance, pilot, search, text};
 use jcas_core::Preset;
 use jcas_evaluate::figures::report::{Cell, Report, Table as ReportTable, Tone};
 use jcas_evaluate::figures::{Draw, FigureError};
@@ -46,7 +47,7 @@ impl Results<'_> {
         ]
         .into_iter()
         .chain(learned)
-        .chain([("our settings", "learned", "adaptive")]);
+        .chain([("our policy", "learned", "adaptive")]);
         let paper = [
             "the paper".to_owned(),
             format!("{}", PAPER[0].rate),
@@ -127,10 +128,58 @@ impl Results<'_> {
         unchanged.into_iter().chain(changed).collect()
     }
 
+    /// Which cells were trained with the paper's settings, with how many seeds.
+    fn trained(&self) -> String {
+        let mut text = format!(
+            "Trained with the paper's settings, of {} cells (N × n, seeds where there are several): ",
+            self.scale.cells().len()
+        );
+        let learners = self.scale.learners();
+        let parts: Vec<String> = learners
+            .iter()
+            .flat_map(|learner| [(learner, "adaptive"), (learner, "constant")])
+            .map(|(learner, pilot)| {
+                let query = Query::new("grid", Preset::Paper.name(), (learner.name, pilot));
+                let cells = self
+                    .scale
+                    .cells()
+                    .into_iter()
+                    .filter_map(|(uavs, hotspots)| {
+                        let seeds = query.uavs(uavs).hotspots(hotspots).rows(self.table).len();
+                        match seeds {
+                            0 => None,
+                            1 => Some(format!("{uavs} × {hotspots}")),
+                            _ => Some(format!("{uavs} × {hotspots} ({seeds})")),
+                        }
+                    });
+                let cells: Vec<String> = cells.collect();
+                let cells = if cells.is_empty() {
+                    "none".to_owned()
+                } else {
+                    cells.join(", ")
+                };
+                format!("{}, {pilot} pilot: {cells}", learner.title)
+            })
+            .collect();
+        text += &parts.join("; ");
+        text + "."
+    }
+
     fn summary(&self) -> String {
+        let given: Vec<String> = self
+            .scale
+            .given
+            .iter()
+            .map(|folder| format!("`{}`", folder.display()))
+            .collect();
+        let ours = if given.is_empty() {
+            String::new()
+        } else {
+            format!("; our policies are those of {}", given.join(", "))
+        };
         format!(
             "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s); means over n = {}, \
-             or over the numbers that stand beside a value",
+             or over the numbers that stand beside a value{ours}",
             self.scale.episodes,
             self.scale.seeds.len(),
             self.scale
@@ -150,19 +199,13 @@ impl Results<'_> {
             ""
         };
         let mut text = format!(
-            "# Results\n\nMade by `jcas reproduce{quick}` from its `results.csv`: {}.\n\n## The paper's two numbers\n\n",
+            "# Results\n\nMade by `jcas reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every campaign.\n\n## \
+             The paper's two numbers\n\n",
             self.summary()
         );
-        text += &text::table(NUMBERS_HEAD, &self.numbers());
+        text += &text::table(&NUMBERS_HEAD, &self.numbers());
         if let Some(study) = Study::of(self.scale, self.table) {
-            text += "\n## What the paper's two numbers imply\n\n";
-            text += &study.text();
-            text += "\n";
-            text += &text::table(range::HEAD, &study.rows());
-            text += &format!(
-                "\n![Success over the sensing range]({pictures}{}.png)\n",
-                figures::RANGE
-            );
+            text += &study.chapter(self.scale, self.table).markdown(pictures);
         }
         text += "\n## The paper's claims\n\n";
         let rows: Vec<[String; 4]> = self
@@ -177,7 +220,8 @@ impl Results<'_> {
                 ]
             })
             .collect();
-        text += &text::table(CLAIMS_HEAD, &rows);
+        text += &text::table(&CLAIMS_HEAD, &rows);
+        text += &format!("\n{}\n", self.trained());
         for &preset in &self.scale.presets {
             let rows: Vec<[String; 8]> = bars(self.scale, self.table, preset)
                 .iter()
@@ -191,7 +235,7 @@ impl Results<'_> {
                  success, then the shortest missions, among five baselines with three pilot rules.\n\n",
                 preset.name()
             );
-            text += &text::table(bars::HEAD, &rows);
+            text += &text::table(&bars::HEAD, &rows);
         }
         let variations = self.variations();
         if let (Some((uavs, hotspots)), false) =
@@ -201,13 +245,33 @@ impl Results<'_> {
                 "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
                  n = {hotspots}, with one thing changed at a time.\n\n"
             );
-            text += &text::table(VARIATION_HEAD, &variations);
+            text += &text::table(&VARIATION_HEAD, &variations);
+        }
+        for chapter in self.chapters() {
+            text += &chapter.markdown(pictures);
         }
         text += "\n## Pictures\n";
         for picture in self.pictures() {
             text += &format!("\n![{}]({pictures}{}.png)\n", picture.title, picture.name);
         }
         text
+    }
+
+    /// The studies that go beyond the paper, as far as they have been flown.
+    fn chapters(&self) -> impl Iterator<Item = Chapter> {
+        let all = [search::chapter, pilot::chapter, endurance::chapter];
+        all.into_iter()
+            .filter_map(|chapter| chapter(self.scale, self.table))
+    }
+
+    /// Names of all pictures on the Markdown page.
+    pub fn pictures_on_page(&self) -> Vec<String> {
+        let study = Study::of(self.scale, self.table);
+        let study = study.map(|study| study.chapter(self.scale, self.table));
+        let chapters: Vec<Chapter> = study.into_iter().chain(self.chapters()).collect();
+        let of_chapters = chapters.iter().flat_map(Chapter::figures);
+        let names = self.pictures().map(|picture| picture.name);
+        names.chain(of_chapters).map(str::to_owned).collect()
     }
 
     /// Those of the pictures on the Markdown page that show something.
@@ -239,18 +303,14 @@ impl Results<'_> {
             section: String::new(),
         };
         if let Some(study) = Study::of(self.scale, self.table) {
-            gallery.begin("What the paper's two numbers imply");
-            gallery.report.text(&study.text());
-            gallery.add(figures::RANGE, &study.figure(self.scale, self.table))?;
-            gallery
-                .report
-                .table(&plain("Best ranges", range::HEAD, study.rows()));
+            gallery.chapter(&study.chapter(self.scale, self.table))?;
         }
         gallery.begin("Claims");
         gallery
             .report
             .text("What the paper says, what was measured here, and whether it holds.");
         gallery.report.table(&judged_table(self.claims()));
+        gallery.report.text(&self.trained());
         for picture in PICTURES.iter().filter(|picture| picture.shows(self)) {
             gallery.begin(picture.section);
             gallery.add(picture.name, &picture.draw(self, out)?)?;
@@ -273,6 +333,9 @@ impl Results<'_> {
             gallery
                 .report
                 .table(&plain(caption, VARIATION_HEAD, variations));
+        }
+        for chapter in self.chapters() {
+            gallery.chapter(&chapter)?;
         }
         let path = out.join("report.html");
         report.write(&path).map_err(|error| drawn(&path)(error))
@@ -345,8 +408,33 @@ impl Gallery<'_> {
         }
     }
 
+    fn chapter(&mut self, chapter: &Chapter) -> Result<(), TrainError> {
+        self.begin(&chapter.heading);
+        for block in &chapter.blocks {
+            match block {
+                Block::Text(text) => {
+                    self.report.text(text);
+                }
+                Block::Table {
+                    caption,
+                    head,
+                    rows,
+                } => {
+                    let cells = |row: &Vec<String>| row.iter().map(Cell::from).collect();
+                    self.report.table(&ReportTable {
+                        caption: caption.clone(),
+                        head: head.clone(),
+                        rows: rows.iter().map(cells).collect(),
+                    });
+                }
+                Block::Figure { name, figure, .. } => self.add(name, figure.as_ref())?,
+            }
+        }
+        Ok(())
+    }
+
     /// A figure in the report and in files of its own.
-    fn add(&mut self, name: &str, figure: &impl Draw) -> Result<(), TrainError> {
+    fn add(&mut self, name: &str, figure: &(impl Draw + ?Sized)) -> Result<(), TrainError> {
         let svg = self.out.join(format!("{name}.svg"));
         let text = figure.svg().map_err(drawn(&svg))?;
         write_whole(&svg, text.as_bytes())?;

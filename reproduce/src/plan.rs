@@ -1,8 +1,10 @@
 //! How much of the paper's grid is trained and flown.
 
-use jcas_core::{Config, InformPayment, Preset as World, radar};
+use crate::fit;
+use jcas_core::{Config, InformPayment, Preset as World};
 use jcas_train::head::Head;
-use jcas_train::settings::{Preset, Settings};
+use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
+use std::path::PathBuf;
 
 /// Size of a reproduction.
 #[derive(Clone, Debug)]
@@ -35,8 +37,29 @@ pub struct Scale {
     pub ranges: Vec<f64>,
     /// Those of them at which the paper's training is tried as well, for these cells (N, n).
     pub trained_ranges: (Vec<f64>, Vec<(u32, u32)>),
+    /// Pilot densities of the study of adaptive pilots: fine for single worlds, coarse for maps of regimes, which
+    /// are left out without any.
+    pub pilot_densities: (Vec<f64>, Vec<f64>),
+    /// Whether those maps are flown whole, or at their corners only.
+    pub whole_maps: bool,
+    /// Fleets that fly until their batteries decide.
+    pub endurance_fleets: Vec<u32>,
+    /// Folders of trained policies from elsewhere; each is ours in the mission that it was trained on, and none is
+    /// trained there.
+    pub given: Vec<PathBuf>,
     /// What is to be done; what is not is left as it is.
     pub parts: Vec<Part>,
+}
+
+/// A training with the paper's settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Training {
+    /// N, n.
+    pub cell: (u32, u32),
+    /// The pilot density that is held; absent: it is learnt.
+    pub constant: Option<f64>,
+    /// Of the training.
+    pub seed: u64,
 }
 
 /// A part of a reproduction that can be done by itself.
@@ -44,23 +67,35 @@ pub struct Scale {
 pub enum Part {
     /// Scripted policies over the grid, in both presets.
     Baselines,
-    /// Success over the sensing range, and which range fits the paper's numbers.
+    /// Success of scripts over the sensing range, and which range fits the paper's numbers.
     SensingRange,
+    /// The same for the paper's training.
+    TrainedRanges,
     /// The paper's training in each cell of the preset `paper`.
     Paper,
     /// One policy for the whole grid, with our settings, in both presets.
     Tuned,
     /// The paper's training with one thing changed at a time.
     Variations,
+    /// Who finds hidden hotspots, and how soon.
+    Search,
+    /// What adapting the pilot density is worth, and where.
+    Pilot,
+    /// Missions that outlast many batteries.
+    Endurance,
 }
 
 impl Part {
     /// All of them, in the order in which they are done.
-    pub const ALL: [Part; 5] = [
+    pub const ALL: [Part; 9] = [
         Part::Baselines,
         Part::SensingRange,
-        Part::Paper,
+        Part::Search,
+        Part::Pilot,
+        Part::Endurance,
         Part::Tuned,
+        Part::Paper,
+        Part::TrainedRanges,
         Part::Variations,
     ];
 }
@@ -107,20 +142,20 @@ pub fn variations() -> Vec<Variation> {
             |_, settings| settings.discount = 0.99,
         ),
         variation(
-            "easier_detection",
-            "detection threshold 7 dB, not 13.1: over a hotspot a UAV sees it in every other step",
-            |config, _| config.detection_threshold_db = Some(7.0),
+            "detection_theory",
+            "a threshold of 13.1 dB, from the probabilities of detection and false alarm, for a range of 150 m",
+            |config, _| config.sensing_range_m = None,
         ),
         variation(
-            "easier_mission",
-            "threshold 7 dB, a quorum of one, no reward for throughput: all three hurdles taken away",
-            |config, _| easier(config),
+            "uav_credit",
+            "each UAV is judged by its own reward, not by the team's",
+            |_, settings| uav_credit(settings),
         ),
         variation(
-            "easier_mission_inform_once",
+            "uav_credit_inform_once",
             "the same, and an informed hotspot pays once",
-            |config, _| {
-                easier(config);
+            |config, settings| {
+                uav_credit(settings);
                 config.inform_payment = InformPayment::Once;
             },
         ),
@@ -132,11 +167,9 @@ pub fn variations() -> Vec<Variation> {
     ]
 }
 
-/// A mission that PPO can stumble upon: one detection is enough, and nothing pays for hovering in contact.
-fn easier(config: &mut Config) {
-    config.detection_threshold_db = Some(7.0);
-    config.quorum = 1;
-    config.reward_throughput = 0.0;
+fn uav_credit(settings: &mut Settings) {
+    settings.credit = Credit::Uav;
+    settings.critic_input = CriticInput::StateAndUav;
 }
 
 /// Pilot density of the paper's constant model.
@@ -171,6 +204,13 @@ impl Scale {
                 0.5, 1.0, 1.5, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 4.0, 4.5, 5.0,
             ],
             trained_ranges: (vec![2.0, 2.5, 3.0, 3.5, 4.0], vec![(10, 5), (15, 5)]),
+            pilot_densities: (
+                vec![0.01, 0.02, 0.05, 0.10, 0.15, 0.20, 0.25, 0.30],
+                vec![0.01, 0.05, 0.10, 0.20, 0.30],
+            ),
+            whole_maps: true,
+            endurance_fleets: vec![5, 6, 8, 10],
+            given: Vec::new(),
             parts: Part::ALL.to_vec(),
             fleets,
             hotspots,
@@ -178,7 +218,8 @@ impl Scale {
     }
 
     /// A smaller version of every part, for minutes instead of hours: half the numbers of hotspots,
-    /// fewer missions, a shorter training, and the paper's own training for a few iterations only.
+    /// fewer missions, a shorter training, and the paper's own training with small networks, briefly, at the two
+    /// fleets that the paper gives a success rate for.
     pub fn quick(seeds: u64) -> Scale {
         let full = Scale::full(seeds);
         let hotspots = vec![3, 7, 11];
@@ -189,7 +230,10 @@ impl Scale {
         tuned.batch_steps = 96 * 32;
         tuned.evaluation_episodes = 1;
         let paper = Settings {
-            total_steps: 4 * 4096,
+            actor_hidden: vec![128, 64],
+            critic_hidden: vec![128, 64],
+            minibatch_rows: 1024,
+            total_steps: 12 * 4096,
             evaluation_episodes: 10,
             ..full.paper.clone()
         };
@@ -197,12 +241,15 @@ impl Scale {
             name: "quick",
             presets: vec![World::Paper],
             episodes: 40,
-            paper_cells: grid(&[5], &hotspots),
+            paper_cells: grid(&[10, 15], &[7]),
             variations: Vec::new(),
             densities: vec![0.01, 0.10, 0.20, 0.30],
             renewable_shares: vec![0.0, 0.5, 1.0],
             ranges: vec![1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0],
             trained_ranges: (Vec::new(), Vec::new()),
+            pilot_densities: (vec![0.01, 0.10, 0.20, 0.30], vec![0.01, 0.30]),
+            whole_maps: false,
+            endurance_fleets: vec![6, 10],
             tuned,
             paper,
             hotspots,
@@ -228,13 +275,57 @@ impl Scale {
         Scale { parts, ..self }
     }
 
-    /// Who trains with the paper's settings.
+    /// With these trained policies from elsewhere.
+    #[must_use]
+    pub fn with(self, given: Vec<PathBuf>) -> Scale {
+        Scale { given, ..self }
+    }
+
+    /// Who trains with the paper's settings: the two readings of what it says of credit.
     pub fn learners(&self) -> Vec<Learner> {
-        vec![Learner {
-            name: "ppo",
-            title: "the paper's PPO",
-            settings: self.paper.clone(),
-        }]
+        let mut own = self.paper.clone();
+        uav_credit(&mut own);
+        vec![
+            Learner {
+                name: "ppo",
+                title: "the paper's PPO, credit of the team",
+                settings: self.paper.clone(),
+            },
+            Learner {
+                name: "ppo-uav",
+                title: "the paper's PPO, credit of each UAV",
+                settings: own,
+            },
+        ]
+    }
+
+    /// The trainings of each learner, in an order in which those that were done when it is stopped tell most:
+    /// numbers of hotspots near the paper's five first, then adaptive pilots, then the fleets that the paper gives a
+    /// success rate for.
+    pub fn trainings(&self) -> Vec<Training> {
+        let mut trainings = Vec::new();
+        for &seed in &self.seeds {
+            for &cell in &self.paper_cells {
+                for constant in [None, Some(CONSTANT_PILOT)] {
+                    trainings.push(Training {
+                        cell,
+                        constant,
+                        seed,
+                    });
+                }
+            }
+        }
+        trainings.sort_by_key(|training| {
+            let (uavs, hotspots) = training.cell;
+            let published = fit::PAPER.iter().any(|paper| paper.uavs == uavs);
+            (
+                training.seed,
+                hotspots.abs_diff(5),
+                training.constant.is_some(),
+                !published,
+            )
+        });
+        trainings
     }
 
     /// The mission of a cell in a preset.
@@ -249,9 +340,8 @@ impl Scale {
     /// The mission of a cell in the preset `paper` with another sensing range.
     pub fn ranged(&self, cells: f64, cell: (u32, u32)) -> Config {
         let base = self.mission(World::Paper, cell);
-        let range_m = cells * base.cell_size_m;
         Config {
-            detection_threshold_db: Some(radar::snr_db(&base, range_m)),
+            sensing_range_m: Some(cells * base.cell_size_m),
             ..base
         }
     }
@@ -282,5 +372,53 @@ impl Scale {
     /// The cell of the trade-off and of the approach: N = 10 with the most hotspots.
     pub fn hard_cell(&self) -> (u32, u32) {
         (10, self.hotspots.last().copied().unwrap_or(11))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_trainings_that_tell_most_come_first() {
+        let trainings = Scale::full(2).trainings();
+        assert_eq!(trainings.len(), 2 * 20 * 2);
+        let first: Vec<_> = trainings
+            .iter()
+            .map(|training| (training.cell, training.constant.is_some()))
+            .take(9)
+            .collect();
+        let expected = [
+            ((10, 5), false),
+            ((15, 5), false),
+            ((5, 5), false),
+            ((20, 5), false),
+            ((10, 5), true),
+            ((15, 5), true),
+            ((5, 5), true),
+            ((20, 5), true),
+            ((10, 3), false),
+        ];
+        assert_eq!(first, expected);
+        assert_eq!((trainings[0].seed, trainings[79].seed), (0, 1));
+    }
+
+    #[test]
+    fn a_range_is_the_mission_of_the_paper_with_another_range() {
+        let scale = Scale::full(1);
+        assert_eq!(
+            scale.ranged(3.0, (10, 5)),
+            scale.mission(World::Paper, (10, 5))
+        );
+        assert_eq!(scale.ranged(2.0, (10, 5)).sensing_range_m, Some(100.0));
+    }
+
+    #[test]
+    fn the_two_readings_differ_in_credit_alone() {
+        let [team, own] = Scale::full(1).learners().try_into().unwrap();
+        let mut expected = team.settings.clone();
+        uav_credit(&mut expected);
+        assert_eq!(own.settings, expected);
+        assert_ne!(own.settings, team.settings);
     }
 }

@@ -1,7 +1,9 @@
 //! What the paper's two success rates imply about its radar: the threshold of detection is "derived" there and
 //! not given, and the sensing range that it comes to is the one unknown that decides how hard a mission is.
 
+use crate::chapter::{Block, Chapter};
 use crate::fit::{self, Fit, PAPER, Published, Simulated};
+use crate::flight::{Flight, Who};
 use crate::plan::{Learner, Scale};
 use crate::table::{Quantity, Query, Table, numbers_of_hotspots};
 use crate::text::capital;
@@ -12,6 +14,8 @@ use jcas_evaluate::statistics::wilson;
 
 /// Name of the study in the table of results.
 pub const EXPERIMENT: &str = "range";
+/// Name of its figure's files.
+const FIGURE: &str = "success_over_range";
 
 /// Who flies without training: a fleet that ignores what it sees, and one that goes to each hotspot together.
 pub const SCRIPTED: [(&str, BaselineKind, PilotMode); 2] = [
@@ -21,6 +25,24 @@ pub const SCRIPTED: [(&str, BaselineKind, PilotMode); 2] = [
 
 /// The pilot rule of who learns to choose its density.
 const PILOT: &str = "adaptive";
+
+/// What the scripts fly.
+pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
+    let mut flights = Vec::new();
+    for &cells in &scale.ranges {
+        for cell in scale.cells() {
+            for (_, kind, pilot) in SCRIPTED {
+                flights.push(Flight {
+                    experiment: (EXPERIMENT.to_owned(), cells),
+                    preset: Preset::Paper,
+                    config: scale.ranged(cells, cell),
+                    who: Who::Script(kind, pilot),
+                });
+            }
+        }
+    }
+    flights
+}
 
 /// One policy of the study.
 #[derive(Clone, Debug)]
@@ -212,6 +234,22 @@ impl Study {
             ranges: (scale.ranges[0], scale.ranges[scale.ranges.len() - 1]),
             cell_size_m: scale.ranged(1.0, (10, 5)).cell_size_m,
         })
+    }
+
+    /// As a chapter.
+    pub fn chapter(&self, scale: &Scale, table: &Table) -> Chapter {
+        Chapter {
+            heading: "What the paper's two numbers imply".to_owned(),
+            blocks: vec![
+                Block::Text(self.text()),
+                Block::table("Best ranges", HEAD, self.rows()),
+                Block::figure(
+                    FIGURE,
+                    "Success over the sensing range",
+                    self.figure(scale, table),
+                ),
+            ],
+        }
     }
 
     /// The figure: a panel for each policy, the paper's numbers at the range that fits them best.

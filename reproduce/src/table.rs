@@ -5,26 +5,30 @@ use jcas_train::error::TrainError;
 use jcas_train::store::{csv_bytes, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Which campaign a row is of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Key {
-    /// `grid`, `density`, `battery`, `variation` or `range`.
+    /// `grid`, `density`, `battery`, `variation`, `range`, `endurance`, or one that begins with `pilot`.
     pub experiment: String,
-    /// `mission` or `paper`.
+    /// `mission`, `paper` or `search`.
     pub preset: String,
     /// UAVs.
     pub uavs: u32,
     /// Hotspots.
     pub hotspots: u32,
-    /// Baseline's name, `learned` (our settings), `ppo` (the paper's) or a variation's name.
+    /// Baseline's name, `learned` (our settings), a learner's name (the paper's), a variation's, or the folder of a
+    /// policy that was given.
     pub policy: String,
     /// Pilot rule.
     pub pilot: String,
-    /// Training seed; 0 for baselines.
+    /// Training seed; 0 for baselines and policies that were given.
     pub seed: u64,
     /// What the experiment varies besides: a density, a share; 0 where nothing.
     pub x: f64,
+    /// Fingerprint of the configuration that is flown.
+    pub config_hash: String,
 }
 
 /// A campaign and what it came to.
@@ -39,6 +43,7 @@ pub struct Row {
     pub pilot: String,
     pub seed: u64,
     pub x: f64,
+    pub config_hash: String,
     pub episodes: u64,
     pub success_rate: f64,
     pub success_rate_low: f64,
@@ -69,6 +74,7 @@ impl Row {
             pilot,
             seed,
             x,
+            config_hash,
         } = key.clone();
         let Summary {
             success_rate,
@@ -87,6 +93,7 @@ impl Row {
             pilot,
             seed,
             x,
+            config_hash,
             episodes: summary.episodes,
             success_rate: success_rate.value,
             success_rate_low: success_rate.low,
@@ -183,10 +190,14 @@ impl Quantity {
     }
 }
 
+/// The file is written at most this often, and at the end.
+const WRITE_INTERVAL: Duration = Duration::from_secs(1);
+
 /// All rows.
 #[derive(Clone, Debug)]
 pub struct Table {
     path: PathBuf,
+    written: Instant,
     /// In the order in which they were flown.
     pub rows: Vec<Row>,
 }
@@ -203,6 +214,7 @@ impl Table {
         }
         Ok(Table {
             path: path.to_owned(),
+            written: Instant::now(),
             rows,
         })
     }
@@ -212,20 +224,30 @@ impl Table {
         self.rows.iter().find(|row| row.is_of(key))
     }
 
-    /// Adds a campaign and writes the whole table.
+    /// Adds a campaign.
     pub fn add(&mut self, key: &Key, summary: &Summary) -> Result<(), TrainError> {
         self.rows.push(Row::new(key, summary));
+        if self.written.elapsed() >= WRITE_INTERVAL {
+            self.write()?;
+        }
+        Ok(())
+    }
+
+    /// Writes the whole table.
+    pub fn write(&mut self) -> Result<(), TrainError> {
         let bytes = csv_bytes(&self.rows, true, &self.path)?;
-        write_whole(&self.path, &bytes)
+        write_whole(&self.path, &bytes)?;
+        self.written = Instant::now();
+        Ok(())
     }
 }
 
 /// Which rows a number is the mean of; what is absent may be anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query<'a> {
-    /// `grid`, `density`, `battery`, `variation` or `range`.
+    /// As in [`Key`].
     pub experiment: &'a str,
-    /// `mission` or `paper`.
+    /// As in [`Key`].
     pub preset: &'a str,
     /// Baseline or learner.
     pub policy: &'a str,

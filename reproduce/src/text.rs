@@ -9,10 +9,15 @@ pub(crate) fn capital(text: &str) -> String {
 }
 
 /// A Markdown table.
-pub(crate) fn table<const K: usize>(head: [&str; K], rows: &[[String; K]]) -> String {
-    let mut text = format!("| {} |\n|{}\n", head.join(" | "), " --- |".repeat(K));
+pub(crate) fn table<T: AsRef<str>, R: AsRef<[String]>>(head: &[T], rows: &[R]) -> String {
+    let heads: Vec<&str> = head.iter().map(AsRef::as_ref).collect();
+    let mut text = format!(
+        "| {} |\n|{}\n",
+        heads.join(" | "),
+        " --- |".repeat(head.len())
+    );
     for row in rows {
-        text += &format!("| {} |\n", row.join(" | "));
+        text += &format!("| {} |\n", row.as_ref().join(" | "));
     }
     text
 }

@@ -1,7 +1,7 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
 use jcas_core::Preset;
-use jcas_reproduce::plan::{Scale, variations};
+use jcas_reproduce::plan::{Part, Scale, variations};
 use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
@@ -60,6 +60,8 @@ fn scale() -> Scale {
         densities: vec![0.01, 0.3],
         renewable_shares: vec![0.0, 1.0],
         ranges: vec![1.0, 3.0, 5.0],
+        pilot_densities: (vec![0.01, 0.3], Vec::new()),
+        endurance_fleets: vec![10],
         trained_ranges: (vec![3.0], vec![(10, 1)]),
         presets: vec![Preset::Paper, Preset::Mission],
         ..quick
@@ -79,11 +81,11 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
     let learners = scale().learners().len();
     // Per cell and preset fifteen baselines and two learned policies; then densities, batteries, the
-    // paper's cells, variations, and per range and cell two scripts and a few trainings.
-    assert_eq!(
-        results.lines().count(),
-        1 + 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners
-    );
+    // paper's cells, variations, and per range and cell two scripts and a few trainings; in each cell five
+    // searchers; pilots in four worlds; three who charge, for two chargers.
+    let paper = 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners;
+    let beyond = 4 * 5 + 4 * 2 * 3 + 3 * 2;
+    assert_eq!(results.lines().count(), 1 + paper + beyond);
     for file in [
         "success_over_range",
         "paper_success_over_uavs",
@@ -94,6 +96,9 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
         "trade_off",
         "approach",
         "battery_co2",
+        "search_mission_time_over_uavs",
+        "pilot_throughput",
+        "endurance_co2",
     ] {
         for kind in ["svg", "png"] {
             let path = out.join(format!("{file}.{kind}"));
@@ -118,6 +123,11 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     assert!(text.contains("](results/trade_off.png)"), "{text}");
     assert!(text.contains("| inform_once |"), "{text}");
     assert!(out.join("docs/results/trade_off.png").exists());
+    assert!(out.join("docs/results/results.csv").exists());
+    assert!(
+        text.contains("credit of each UAV, constant pilot: 10 × 1, 10 × 2."),
+        "{text}"
+    );
 
     let mut again = narrator(usize::MAX);
     reproduce(&scale(), &out, &mut again).unwrap();
@@ -146,5 +156,24 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     other.tuned.step_cost += 0.1;
     let told = refused(other);
     assert!(told.contains("other settings"), "{told}");
+    let changed = results.replacen("0x", "0xf", 1);
+    std::fs::write(out.join("results.csv"), changed).unwrap();
+    let told = refused(scale());
+    assert!(told.contains("of another configuration"), "{told}");
+
+    // A policy that is given is flown, not trained.
+    let given = Scale {
+        presets: vec![Preset::Paper],
+        ..scale()
+    };
+    let given = given
+        .parts(vec![Part::Tuned])
+        .with(vec![out.join("policies/learned-paper-adaptive-s0")]);
+    let flown = out.join("given");
+    reproduce(&given, &flown, &mut narrator(usize::MAX)).unwrap();
+    assert!(!flown.join("policies").exists());
+    let results = std::fs::read_to_string(flown.join("results.csv")).unwrap();
+    assert_eq!(results.matches("learned,adaptive").count(), 4);
+    assert_eq!(results.matches("learned,constant").count(), 4);
     std::fs::remove_dir_all(&out).unwrap();
 }

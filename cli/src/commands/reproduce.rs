@@ -17,7 +17,9 @@ Examples:
   jcas reproduce --quick                  minutes; a smaller version of every part
   jcas reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped
   jcas reproduce --paper-hotspots 5       the whole grid, the paper's own training at n = 5 only
-  jcas reproduce --only sensing-range     which sensing range the paper's two success rates imply";
+  jcas reproduce --only sensing-range     which sensing range the paper's two success rates imply
+  jcas reproduce --only search,pilot,endurance --policy policies/search
+                                          who finds what is hidden, what adapting the pilot density is worth, who charges";
 
 /// A part that can be done by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -28,23 +30,32 @@ enum Only {
     SensingRange,
     /// The paper's training in each cell
     Paper,
-    /// One policy for the whole grid, with our settings
+    /// One policy for the whole grid, with our settings or given by --policy
     Tuned,
     /// The paper's training with one thing changed at a time
     Variations,
+    /// Who finds hidden hotspots, and how soon
+    Search,
+    /// What adapting the pilot density is worth, and where
+    Pilot,
+    /// Missions that outlast many batteries
+    Endurance,
     /// Nothing new: the pages and figures again, from what is there
     Pages,
 }
 
 impl Only {
-    fn part(self) -> Option<Part> {
+    fn parts(self) -> &'static [Part] {
         match self {
-            Only::Baselines => Some(Part::Baselines),
-            Only::SensingRange => Some(Part::SensingRange),
-            Only::Paper => Some(Part::Paper),
-            Only::Tuned => Some(Part::Tuned),
-            Only::Variations => Some(Part::Variations),
-            Only::Pages => None,
+            Only::Baselines => &[Part::Baselines],
+            Only::SensingRange => &[Part::SensingRange, Part::TrainedRanges],
+            Only::Paper => &[Part::Paper],
+            Only::Tuned => &[Part::Tuned],
+            Only::Variations => &[Part::Variations],
+            Only::Search => &[Part::Search],
+            Only::Pilot => &[Part::Pilot],
+            Only::Endurance => &[Part::Endurance],
+            Only::Pages => &[],
         }
     }
 }
@@ -76,6 +87,9 @@ pub struct Reproduce {
     /// With the paper's settings, which take a training a cell, only these of them
     #[arg(long, value_name = "n", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     paper_hotspots: Vec<u32>,
+    /// Folder of a trained policy, flown as ours in the missions that it was trained on; may be repeated
+    #[arg(long, value_name = "DIR")]
+    policy: Vec<PathBuf>,
     /// Write the page of claims here as well, its pictures into a folder beside it
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
@@ -94,9 +108,17 @@ impl Reproduce {
         let scale = if self.only.is_empty() {
             scale
         } else {
-            scale.parts(self.only.iter().filter_map(|only| only.part()).collect())
+            scale.parts(
+                self.only
+                    .iter()
+                    .flat_map(|only| only.parts())
+                    .copied()
+                    .collect(),
+            )
         };
-        let scale = scale.only(&self.uavs, &self.hotspots, &self.paper_hotspots);
+        let scale = scale
+            .only(&self.uavs, &self.hotspots, &self.paper_hotspots)
+            .with(self.policy.clone());
         files::prepare_folder(&self.out)?;
         let progress = self
             .threads

@@ -47,7 +47,7 @@ pub struct Sweep {
     /// Numbers of hotspots
     #[arg(long, value_name = "n,n", value_delimiter = ',', default_values_t = [3, 5, 7, 9, 11], help_heading = "Lists")]
     hotspots: Vec<u32>,
-    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay. By default teams, or, where hotspots
+    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. By default teams, or, where hotspots
     /// are hidden, all that search
     #[arg(
         long,

@@ -111,7 +111,11 @@ impl Report {
     ///
     /// # Errors
     /// When the figure cannot be drawn.
-    pub fn figure(&mut self, figure: &impl Draw, caption: &str) -> Result<&mut Self, FigureError> {
+    pub fn figure(
+        &mut self,
+        figure: &(impl Draw + ?Sized),
+        caption: &str,
+    ) -> Result<&mut Self, FigureError> {
         let svg = figure.svg()?;
         self.push(&format!(
             "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>",

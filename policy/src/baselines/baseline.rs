@@ -5,6 +5,7 @@ use core::str::FromStr;
 use jcas_core::{Model, Motion, StateRef, TargetVisibility};
 
 use super::charge::stays_to_charge;
+use super::charging::Charging;
 use super::error::PolicyError;
 use super::frontier::Frontier;
 use super::gather::gather;
@@ -46,6 +47,8 @@ impl BaselineKind {
             Self::Line => Box::new(Line::new(pilot)),
             Self::Frontier => Box::new(Frontier::new(pilot)),
             Self::Relay => Box::new(Frontier::connected(pilot)),
+            Self::Charging => Box::new(Charging::greedy(pilot)),
+            Self::Clean => Box::new(Charging::clean(pilot)),
         };
         Baseline {
             kind: self,

@@ -30,7 +30,8 @@ impl fmt::Display for PolicyError {
         match self {
             Self::UnknownPolicy(name) => write!(
                 out,
-                "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, frontier, relay"
+                "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, frontier, relay, \
+                 charging, clean"
             ),
             Self::UnknownPilot(name) => write!(
                 out,

@@ -21,11 +21,15 @@ pub enum BaselineKind {
     Frontier,
     /// [`Frontier::connected`](super::Frontier::connected).
     Relay,
+    /// [`Charging::greedy`](super::Charging::greedy).
+    Charging,
+    /// [`Charging::clean`](super::Charging::clean).
+    Clean,
 }
 
 impl BaselineKind {
     /// All baselines.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Random,
         Self::Greedy,
         Self::Swarm,
@@ -34,6 +38,8 @@ impl BaselineKind {
         Self::Line,
         Self::Frontier,
         Self::Relay,
+        Self::Charging,
+        Self::Clean,
     ];
 
     /// As it is typed.
@@ -48,13 +54,18 @@ impl BaselineKind {
             Self::Line => "line",
             Self::Frontier => "frontier",
             Self::Relay => "relay",
+            Self::Charging => "charging",
+            Self::Clean => "clean",
         }
     }
 
     /// Whether it steers by the positions of hotspots that no UAV knows yet.
     #[must_use]
     pub fn reads_positions(self) -> bool {
-        matches!(self, Self::Greedy | Self::Swarm | Self::Teams)
+        matches!(
+            self,
+            Self::Greedy | Self::Swarm | Self::Teams | Self::Charging | Self::Clean
+        )
     }
 }
 

@@ -214,6 +214,7 @@ fn expected_steps(model: &Model<'_>, density: f64, formation: Formation) -> f64 
     let mut rows = rows(model, formation);
     let mut cells: Vec<Option<Cell>> = vec![Some(model.depots()[0]); uavs];
     let sampled = sample(config.grid_width, config.grid_height);
+    let detection = Detection::new(model, density);
     let mut missed = vec![1.0; sampled.len()];
     let mut expected = 0.0;
     for _ in 0..STEPS {
@@ -234,7 +235,7 @@ fn expected_steps(model: &Model<'_>, density: f64, formation: Formation) -> f64 
             }
         }
         for (missed, &cell) in missed.iter_mut().zip(&sampled) {
-            *missed *= below_quorum(model, density, &cells, cell);
+            *missed *= below_quorum(config.quorum, &detection, &cells, cell);
         }
     }
     expected
@@ -251,15 +252,38 @@ fn sample(width: u32, height: u32) -> Vec<Cell> {
         .collect()
 }
 
+/// The probability of a detection for every offset.
+struct Detection {
+    width: u32,
+    probabilities: Vec<f64>,
+}
+
+impl Detection {
+    fn new(model: &Model<'_>, density: f64) -> Self {
+        let (width, height) = (model.config().grid_width, model.config().grid_height);
+        let offsets = (0..height).flat_map(|dy| (0..width).map(move |dx| (dx, dy)));
+        Self {
+            width,
+            probabilities: offsets
+                .map(|(dx, dy)| model.detection_probability(dx, dy, density))
+                .collect(),
+        }
+    }
+
+    fn probability(&self, a: Cell, b: Cell) -> f64 {
+        let (dx, dy) = (a.x.abs_diff(b.x), a.y.abs_diff(b.y));
+        self.probabilities[(dy * self.width + dx) as usize]
+    }
+}
+
 /// The probability that fewer than θ UAVs detect a hotspot in one step, each with its own probability.
-fn below_quorum(model: &Model<'_>, density: f64, uavs: &[Option<Cell>], hotspot: Cell) -> f64 {
-    let quorum = model.config().quorum as usize;
+fn below_quorum(quorum: u32, detection: &Detection, uavs: &[Option<Cell>], hotspot: Cell) -> f64 {
+    let quorum = quorum as usize;
     // exactly[k]: exactly k of the UAVs so far detect it.
     let mut exactly = vec![0.0; quorum];
     exactly[0] = 1.0;
     for cell in uavs.iter().flatten() {
-        let (dx, dy) = (cell.x.abs_diff(hotspot.x), cell.y.abs_diff(hotspot.y));
-        let p = model.detection_probability(dx, dy, density);
+        let p = detection.probability(*cell, hotspot);
         for k in (0..quorum).rev() {
             let from_below = if k > 0 { exactly[k - 1] * p } else { 0.0 };
             exactly[k] = exactly[k] * (1.0 - p) + from_below;
@@ -281,7 +305,8 @@ mod tests {
         let there = Cell { x: 6, y: 3 };
         let p = model.detection_probability(3, 0, 0.3);
         for uavs in 1..8 {
-            let got = below_quorum(&model, 0.3, &vec![Some(here); uavs], there);
+            let detection = Detection::new(&model, 0.3);
+            let got = below_quorum(3, &detection, &vec![Some(here); uavs], there);
             assert!((got - (1.0 - quorum_probability(uavs, 3, p))).abs() < 1e-12);
         }
     }

@@ -12,10 +12,12 @@
 //! | `line` | as `sweep` | no |
 //! | `frontier` | as `sweep`, and for each team the search map of one of its UAVs (without maps, the visited cells); targets of the other teams | no |
 //! | `relay` | as `frontier`, and the link budget between teams | no |
+//! | `charging` | as `teams`, and every UAV's charge | positions |
+//! | `clean` | as `charging`, and the carbon intensity of the next step | positions |
 //!
 //! *Privileged* means: it reads the positions of hotspots that no UAV knows. With
 //! `target_visibility = "known"` (the paper) every UAV observes these positions, so nobody is
-//! privileged. With `"hidden"` they are withheld, and [`BaselineKind::build`] refuses the three
+//! privileged. With `"hidden"` they are withheld, and [`BaselineKind::build`] refuses the
 //! baselines that read them; [`BaselineKind::build_privileged`] builds them all the same, as a bound from
 //! above or as a teacher.
 //!
@@ -26,6 +28,7 @@
 
 mod baseline;
 mod charge;
+mod charging;
 mod error;
 mod frontier;
 mod gather;
@@ -43,6 +46,7 @@ mod teams;
 
 pub use baseline::Baseline;
 pub use charge::stays_to_charge;
+pub use charging::Charging;
 pub use error::PolicyError;
 pub use frontier::Frontier;
 pub use gather::gather;

@@ -86,13 +86,27 @@ impl Steering for Teams {
     }
 
     fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+        let flying = (0..model.uav_count())
+            .map(|uav| can_fly(state, uav))
+            .collect();
+        self.steer_with(model, state, flying, motions);
+    }
+}
+
+impl Teams {
+    /// Steers with those who are said to fly; who does not stays.
+    pub(super) fn steer_with(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        flying: Vec<bool>,
+        motions: &mut [Motion],
+    ) {
         let situation = Situation {
             confirmed: (0..model.hotspot_count())
                 .map(|hotspot| state.confirmed(hotspot))
                 .collect(),
-            flying: (0..model.uav_count())
-                .map(|uav| can_fly(state, uav))
-                .collect(),
+            flying,
         };
         if self.planned_for.as_ref() != Some(&situation) {
             self.plan(model, state, &situation);

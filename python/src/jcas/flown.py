@@ -75,7 +75,7 @@ class Policy:
 
     @classmethod
     def baseline(cls, name: str, model: Model, *, pilot: str | float = "adaptive") -> Policy:
-        """Build a baseline: random, greedy, swarm, teams, sweep, line, frontier or relay.
+        """Build a baseline: random, greedy, swarm, teams, sweep, line, frontier, relay, charging or clean.
 
         Args:
             name: which.

@@ -1,0 +1,185 @@
+//! `charging` and `clean`: tours whose UAVs see to their batteries before the autopilot has to.
+
+use jcas_core::energy::kwh;
+use jcas_core::motion::toward;
+use jcas_core::{Cell, Model, Motion, StateRef};
+
+use super::pilot::PilotMode;
+use super::steering::{Steering, can_fly};
+use super::teams::Teams;
+
+/// A battery counts as full from this share of its capacity on: what a step spends is never charged to the end.
+const FULL: f64 = 0.98;
+/// Steps that a UAV can afford to wait for clean energy.
+const PATIENCE_STEPS: f64 = 40.0;
+/// Energy counts as clean while its intensity is in this share of its range.
+const CLEAN: f64 = 0.2;
+
+/// Flies as [`Teams`] with those whose charge lasts. A UAV goes home when its charge is no more than the way
+/// to the nearest depot takes, or the autopilot would send it, and stays until its battery is full.
+///
+/// With `clean`, it leaves with a reserve and waits beside the depot until the carbon intensity that the next
+/// step bills is low, or its reserve is spent.
+#[derive(Clone, Debug)]
+pub struct Charging {
+    teams: Teams,
+    clean: bool,
+    going_home: Vec<bool>,
+}
+
+impl Charging {
+    /// Charges at whatever intensity.
+    #[must_use]
+    pub fn greedy(pilot: PilotMode) -> Self {
+        Self {
+            teams: Teams::new(pilot),
+            clean: false,
+            going_home: Vec::new(),
+        }
+    }
+
+    /// Waits for clean energy as long as its reserve allows.
+    #[must_use]
+    pub fn clean(pilot: PilotMode) -> Self {
+        Self {
+            clean: true,
+            ..Self::greedy(pilot)
+        }
+    }
+
+    /// Charge at which a UAV so far from a depot sets out for it, kWh.
+    fn needed_kwh(&self, model: &Model<'_>, way: u32) -> f64 {
+        let config = model.config();
+        let step_kwh = kwh(model.energy().most_asked_uj());
+        // The step that takes it away from home is taken before it is seen here.
+        let home_kwh = f64::from(way + 2) * step_kwh;
+        let waiting_kwh = config.hover_energy_kwh
+            + config.comm_energy_kwh
+            + config.sense_energy_kwh * config.pilot_density_min / config.pilot_density_max;
+        let reserve_kwh = if self.clean {
+            PATIENCE_STEPS * waiting_kwh
+        } else {
+            0.0
+        };
+        home_kwh.max(config.rtb_threshold_kwh) + reserve_kwh
+    }
+
+    fn homeward(&self, model: &Model<'_>, state: &StateRef<'_>, uav: usize, depot: Cell) -> Motion {
+        let here = state.cell(uav);
+        let carbon = model.carbon();
+        let dirty = carbon.normalised(state.carbon_intensity_mg_per_kwh()) > CLEAN;
+        // A step more in place, and the autopilot still leaves the choice.
+        let least_kwh =
+            model.config().rtb_threshold_kwh + 2.0 * kwh(model.energy().most_asked_uj());
+        let can_wait = kwh(state.battery_uj(uav)) >= least_kwh;
+        if self.clean && here.manhattan(depot) == 1 && dirty && can_wait {
+            Motion::Stay
+        } else {
+            toward(here, depot)
+        }
+    }
+}
+
+impl Steering for Charging {
+    fn reset(&mut self, model: &Model<'_>, seed: u64) {
+        self.teams.reset(model, seed);
+        self.going_home.clear();
+        self.going_home.resize(model.uav_count(), false);
+    }
+
+    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+        let capacity_kwh = model.config().battery_capacity_kwh;
+        let depots: Vec<Cell> = (0..model.uav_count())
+            .map(|uav| {
+                let here = state.cell(uav);
+                let nearest = model.depots().iter().min_by_key(|d| d.manhattan(here));
+                nearest.copied().unwrap_or(here)
+            })
+            .collect();
+        for (uav, &depot) in depots.iter().enumerate() {
+            let (way, charge_kwh) = (state.cell(uav).manhattan(depot), kwh(state.battery_uj(uav)));
+            if charge_kwh < self.needed_kwh(model, way) {
+                self.going_home[uav] = true;
+            } else if charge_kwh >= FULL * capacity_kwh {
+                self.going_home[uav] = false;
+            }
+        }
+        let flying = (0..model.uav_count())
+            .map(|uav| can_fly(state, uav) && !self.going_home[uav])
+            .collect();
+        self.teams.steer_with(model, state, flying, motions);
+        for (uav, &depot) in depots.iter().enumerate() {
+            if self.going_home[uav] {
+                motions[uav] = self.homeward(model, state, uav, depot);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Policy;
+    use crate::baselines::BaselineKind;
+    use jcas_core::config::Depots;
+    use jcas_core::{Config, Metrics, Sim};
+
+    /// Batteries of about sixty moves that a step at a depot fills.
+    fn config() -> Config {
+        Config {
+            uav_count: 10,
+            hotspot_count: 30,
+            horizon_steps: 1000,
+            battery_capacity_kwh: 0.06,
+            rtb_threshold_kwh: 0.0,
+            depots: Depots::from_slice(&[Cell { x: 2, y: 2 }, Cell { x: 9, y: 9 }]).unwrap(),
+            charge_power_kw: 21.6,
+            ..Config::default()
+        }
+    }
+
+    fn flown(kind: BaselineKind, seed: u64) -> Metrics {
+        let model = Model::new(config()).unwrap();
+        let mut sim = Sim::new(&model);
+        let mut policy = kind.build_privileged(PilotMode::Adaptive);
+        let mut actions = vec![0.0; model.action_len()];
+        sim.reset(seed);
+        policy.reset(&model, seed);
+        for _ in 0..model.config().horizon_steps {
+            policy.act(&model, &sim.state(), &mut actions);
+            let outcome = sim.step(&actions).unwrap();
+            if outcome.terminated {
+                break;
+            }
+        }
+        sim.state().metrics()
+    }
+
+    #[test]
+    fn nobody_runs_out_without_an_autopilot() {
+        for kind in [BaselineKind::Charging, BaselineKind::Clean] {
+            for seed in 0..5 {
+                let metrics = flown(kind, seed);
+                assert!(metrics.terminated, "{kind} {metrics:?}");
+                assert_eq!(metrics.shortfall_kwh, 0.0, "{kind} {metrics:?}");
+            }
+        }
+        assert!(flown(BaselineKind::Teams, 0).truncated);
+    }
+
+    #[test]
+    fn who_waits_charges_cleaner_energy() {
+        let intensity = |kind| {
+            let all: Vec<Metrics> = (0..20).map(|seed| flown(kind, seed)).collect();
+            let sum = |of: fn(&Metrics) -> f64| all.iter().map(of).sum::<f64>();
+            sum(|metrics| metrics.co2_kg) / sum(|metrics| metrics.grid_kwh)
+        };
+        let (greedy, clean) = (
+            intensity(BaselineKind::Charging),
+            intensity(BaselineKind::Clean),
+        );
+        // Who flies over a depot charges as well, at whatever intensity.
+        assert!((greedy - 0.325).abs() < 0.01, "{greedy}");
+        assert!(clean < 0.92 * greedy, "{clean} {greedy}");
+    }
+}
