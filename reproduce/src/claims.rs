@@ -353,7 +353,7 @@ impl Evidence<'_> {
             ),
             Measure::FlatTrainings => format!("in {} of the trainings", number(values[0], 2)),
             Measure::TrainingTime(_) => format!(
-                "{} s for 62 iterations at the pace measured here",
+                "{} s for 62 iterations at the pace measured here, beside whatever else the machine did",
                 number(values[0], 0)
             ),
         };

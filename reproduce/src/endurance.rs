@@ -149,7 +149,8 @@ fn text(scale: &Scale) -> String {
          it is home. `clean` starts for home with a reserve, waits beside the depot until the intensity is in the lowest \
          fifth of its range or the reserve is spent, and then fills up. The intensity is drawn anew in each step, so \
          only the step in which a UAV begins to charge can be chosen: with a swap that is all of the charge, with the \
-         paper's charger one step of about sixty.",
+         paper's charger one step of about sixty. And who goes home early goes more often and ends the mission with a \
+         fuller battery, so that cleaner energy need not mean less carbon.",
         config.horizon_steps, config.battery_capacity_kwh, scale.episodes
     )
 }

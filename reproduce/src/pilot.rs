@@ -527,9 +527,9 @@ fn regimes(scale: &Scale, table: &Table, map: &Map) -> Option<(String, HeatTable
         Some(saved(&at.1))
     };
     let figure = HeatTable {
-        title: "Mission time saved by adapting, against the best constant".to_owned(),
+        title: "Mission time saved by adapting".to_owned(),
         note: format!(
-            "line in search, {} missions a campaign; n = 7, and where not varied N = 10, α = {} dB.",
+            "Against the best constant; line in search, {} missions a campaign, n = 7; where not varied N = 10, α = {} dB.",
             scale.episodes, map.load_db
         ),
         value: Axis::new("mission time saved", "%"),
