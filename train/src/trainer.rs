@@ -133,11 +133,10 @@ impl Trainer {
             // Missions of one worker take seeds in a row, so workers are set far apart.
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
-        let added = |worker: &Box<dyn VectorEnvironment>| set::added(&worker.shape());
         if settings.network == NetworkKind::Set
             && workers
                 .iter()
-                .any(|worker| added(worker) != set::added(&shape))
+                .any(|worker| set::added(&worker.shape()) != set::added(&shape))
         {
             return Err(
                 "network: set reads maps and tags of one size, so all missions must show the same"

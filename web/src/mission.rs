@@ -16,7 +16,7 @@ pub const MOST_CELLS: u64 = 64 * 64;
 const MOST_AGENT_STEPS: u64 = 200_000;
 
 /// The trained policies that the page brings along.
-pub const SHIPPED: [(&str, &[u8]); 2] = [
+pub const SHIPPED: [(&str, &[u8]); 3] = [
     (
         "fleet",
         include_bytes!("../../policies/fleet/policy.safetensors"),
@@ -24,6 +24,10 @@ pub const SHIPPED: [(&str, &[u8]); 2] = [
     (
         "paper",
         include_bytes!("../../policies/paper/policy.safetensors"),
+    ),
+    (
+        "search",
+        include_bytes!("../../policies/search/policy.safetensors"),
     ),
 ];
 
