@@ -240,7 +240,8 @@ mod statuses {
             // SAFETY: a static C string.
             unsafe { CStr::from_ptr(jcas_status_string(status)) }
         };
-        let header = include_str!("../../../include/jcas.h");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../include/jcas.h");
+        let header = std::fs::read_to_string(path).unwrap();
         let numbers: BTreeSet<i32> = header
             .lines()
             .filter_map(|line| line.strip_prefix("#define JCAS_ERROR_")?.split_once(" ("))
