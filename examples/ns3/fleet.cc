@@ -10,6 +10,7 @@
 //
 //     ./fleet [--policy=swarm] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
 //     ./fleet --policy=../../policies/fleet/policy.safetensors --trace=flight.jsonl
+//     ./fleet --preset=search --policy=line --uavs=15 --hotspots=7 --exponent=3.5
 //
 // With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied:
 // `jcas trace verify flight.jsonl` flies it again without ns-3, `jcas replay flight.jsonl` shows it.
@@ -39,6 +40,7 @@ constexpr std::uint16_t PROTOCOL = 0x88b5; // IEEE 802, local experiments
 constexpr std::uint32_t BEACON_BYTES = 64;
 
 struct Options {
+    std::string preset = "mission";
     std::string policy = "swarm";
     std::uint32_t uavs = 10;
     std::uint32_t hotspots = 4;
@@ -84,7 +86,7 @@ private:
 
 jcas_config Configure(const Options &options)
 {
-    jcas_config config = jcas::configuration();
+    jcas_config config = jcas::preset(options.preset).take();
     config.uav_count = options.uavs;
     config.hotspot_count = options.hotspots;
     config.step_duration_s = STEP_S;
@@ -274,6 +276,7 @@ int main(int argc, char **argv)
 {
     Options options;
     ns3::CommandLine command_line(__FILE__);
+    command_line.AddValue("preset", "mission, paper or search", options.preset);
     command_line.AddValue("policy", "file of a trained policy, or name of a baseline", options.policy);
     command_line.AddValue("uavs", "UAVs in the fleet", options.uavs);
     command_line.AddValue("hotspots", "hotspots to find", options.hotspots);
