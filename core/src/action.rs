@@ -1,5 +1,7 @@
 //! What a UAV's action means: a motion and a pilot density.
 
+use crate::error::Error;
+
 /// One of the five motions, in the order of the action's bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
@@ -33,7 +35,7 @@ impl Motion {
 }
 
 /// Clips to [-1, 1]; the identity inside. NaN becomes -1 (callers refuse NaN before).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn clip(value: f32) -> f32 {
     if value >= 1.0 {
@@ -46,7 +48,7 @@ pub fn clip(value: f32) -> f32 {
 }
 
 /// k = min(4, floor((u + 1)/2 · 5)) over the motions, u clipped.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn motion(u_dir: f32) -> Motion {
     // Halving is exact, so (u + 1)/2 · 5 = (u + 1) · 2.5 with one rounding.
@@ -65,7 +67,7 @@ pub fn motion(u_dir: f32) -> Motion {
 }
 
 /// ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), u clipped, the result clipped to [ρ_min, ρ_max].
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
     let density = min + (f64::from(clip(u_pilot)) + 1.0) * 0.5 * (max - min);
@@ -86,6 +88,27 @@ pub fn pilot_action(density: f64, min: f64, max: f64) -> f32 {
     } else {
         -1.0
     }
+}
+
+/// Refuses actions with a NaN, and says where the first is.
+///
+/// # Errors
+/// [`Error::ActionNan`].
+#[inline(always)]
+pub fn refuse_nan(actions: &[f32]) -> Result<(), Error> {
+    // All of them, without a way out on the first, are a few vector instructions.
+    let mut any = false;
+    for value in actions {
+        any |= value.is_nan();
+    }
+    if any {
+        let index = actions.iter().position(|value| value.is_nan()).unwrap_or(0);
+        return Err(Error::ActionNan {
+            uav: index / 2,
+            component: index % 2,
+        });
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -2,12 +2,15 @@
 //!
 //! Sequential by design: to use several threads, give each a share of the environments.
 
+use crate::action;
 use crate::error::Error;
+use crate::header::{self, HeaderRef, Phase};
 use crate::metrics::Metrics;
 use crate::model::Model;
 use crate::observation::{observe, observe_global};
 use crate::rng::derive_seed;
 use crate::scratch::Scratch;
+use crate::state::{StateMut, StateRef};
 
 /// Buffers of a batch step, for M environments. Empty slices leave optional outputs out.
 #[derive(Debug, Default)]
@@ -197,15 +200,15 @@ impl Model<'_> {
                 got: actions.len(),
             });
         }
-        if let Some(index) = actions.iter().position(|value| value.is_nan()) {
-            return Err(Error::ActionNan {
-                uav: index / 2,
-                component: index % 2,
-            });
-        }
+        action::refuse_nan(actions)?;
         for words in states.chunks_exact(self.state_words()) {
-            match self.state(words)?.header.phase() {
-                Some(crate::header::Phase::Ready) => {}
+            let header = HeaderRef(&words[..header::WORDS]);
+            if header.config_hash() != self.config_hash() {
+                return Err(Error::ModelMismatch);
+            }
+            match header.phase() {
+                None => return Err(Error::ModelMismatch),
+                Some(Phase::Ready) => {}
                 Some(phase) if phase.is_over() => return Err(Error::EpisodeOver),
                 _ => {
                     return Err(Error::OutOfOrder {
@@ -227,20 +230,19 @@ impl Model<'_> {
         m: usize,
         out: &mut BatchOut<'_>,
     ) -> Result<(), Error> {
-        let outcome = self.step(&mut self.state_mut(words)?, scratch, actions)?;
+        let mut state = StateMut::split(*self.layout(), words);
+        let outcome = self.step(&mut state, scratch, actions)?;
         out.rewards[m] = outcome.reward as f32;
         out.terminated[m] = u8::from(outcome.terminated);
         out.truncated[m] = u8::from(outcome.truncated);
         let observation_len = self.uav_count() * self.observation_len();
-        let state = self.state(words)?;
+        let mut state = state.as_ref();
         if !out.components.is_empty() {
             part(out.components, m, crate::reward::COMPONENTS).copy_from_slice(&state.rewards());
         }
         if !out.uav_rewards.is_empty() {
             let own = part(out.uav_rewards, m, self.uav_count());
-            for (i, reward) in own.iter_mut().enumerate() {
-                *reward = state.uav_reward(i) as f32;
-            }
+            state.write_uav_rewards(own);
         }
         if !out.uav_components.is_empty() {
             let own = part(
@@ -266,9 +268,9 @@ impl Model<'_> {
                 }
                 let next = derive_seed(state.seed(), 0);
                 self.reset(words, scratch, next)?;
+                state = StateRef::split(*self.layout(), words);
             }
         }
-        let state = self.state(words)?;
         observe(
             self,
             &state,

@@ -2,6 +2,8 @@
 //! initial + accepted = stored + spent.
 
 use crate::config::Config;
+use crate::lanes::real::whole;
+use crate::lanes::{Lanes, WIDTH};
 
 /// Microjoules in a kilowatt-hour.
 pub const MICROJOULES_PER_KWH: f64 = 3.6e12;
@@ -107,6 +109,32 @@ impl EnergyPlan {
     }
 }
 
+/// What the UAVs of a block did in a step: all ones for yes.
+pub(crate) struct Activities {
+    pub(crate) flies: Lanes<u64>,
+    pub(crate) moved: Lanes<u64>,
+    pub(crate) sensing: Lanes<u64>,
+    pub(crate) linked: Lanes<u64>,
+}
+
+impl EnergyPlan {
+    /// [`Self::asked_uj`] of each UAV of a block.
+    #[inline(always)]
+    pub(crate) fn asked_in_lanes(&self, did: &Activities, density: &Lanes<f64>) -> Lanes<u64> {
+        let mut asked = [0; WIDTH];
+        for lane in 0..WIDTH {
+            let travel = did.moved[lane] & self.move_uj | !did.moved[lane] & self.hover_uj;
+            // At most some kilowatt-hours: far below 2^51.
+            let sense = whole(self.sense_uj_per_density * density[lane] + 0.5);
+            let comm = whole(self.comm_uj as f64 * (1.0 - density[lane]) + 0.5);
+            let sense = at_most(sense, self.sense_uj) & did.sensing[lane];
+            let comm = at_most(comm, self.comm_uj) & did.linked[lane];
+            asked[lane] = (travel + sense + comm) & did.flies[lane];
+        }
+        asked
+    }
+}
+
 /// What a UAV did in a step, as far as its battery is concerned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Activity {
@@ -152,7 +180,7 @@ impl Settlement {
 /// Spends first, then charges: b(t+1) = min(B_max, b(t) - e(t) + χ r_ch), never below 0.
 #[cfg_attr(kani, kani::requires(battery_uj <= capacity_uj && capacity_uj <= 1 << 62))]
 #[cfg_attr(kani, kani::ensures(|after| after.balances(battery_uj, asked_uj, offered_uj, capacity_uj)))]
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn settle(battery_uj: u64, asked_uj: u64, offered_uj: u64, capacity_uj: u64) -> Settlement {
     let spent_uj = at_most(asked_uj, battery_uj);
@@ -166,7 +194,7 @@ pub fn settle(battery_uj: u64, asked_uj: u64, offered_uj: u64, capacity_uj: u64)
     }
 }
 
-#[inline]
+#[inline(always)]
 const fn at_most(value: u64, bound: u64) -> u64 {
     if value > bound { bound } else { value }
 }

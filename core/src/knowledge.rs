@@ -2,6 +2,7 @@
 //! know of hotspots, and of the cells that they have looked at.
 
 use crate::bits;
+use crate::lanes;
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
@@ -9,8 +10,12 @@ use crate::state::StateMut;
 /// Spreads knowledge and search maps over the graph and records the hotspots that all UAVs now know.
 pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
-    let (order, unreached, union) = scratch.consensus(uavs, model.uav_words(), hotspots);
-    consensus(uavs, state.links, state.knowledge, order, unreached, union);
+    if uavs >= lanes::FLEET && model.uav_words() == 1 && hotspots == 1 {
+        consensus_of_words(state.links, state.knowledge);
+    } else {
+        let (order, unreached, union) = scratch.consensus(uavs, model.uav_words(), hotspots);
+        consensus(uavs, state.links, state.knowledge, order, unreached, union);
+    }
     if model.map_words() > 0 {
         let (order, unreached, union) =
             scratch.consensus(uavs, model.uav_words(), model.map_words());
@@ -87,11 +92,36 @@ pub fn consensus(
     }
 }
 
+/// [`consensus`] where a word holds the fleet and another a row: the component found so far is a set.
+#[inline(always)]
+fn consensus_of_words(links: &[u64], rows: &mut [u64]) {
+    let mut unreached = bits::valid_mask(0, rows.len());
+    while unreached != 0 {
+        let (mut component, mut next) = (0, unreached & unreached.wrapping_neg());
+        let mut union = 0;
+        while next != 0 {
+            let i = next.trailing_zeros() as usize;
+            component |= 1 << i;
+            union |= rows[i];
+            next = (next | links[i]) & !component;
+        }
+        unreached &= !component;
+        // A UAV that has reached nobody keeps its row.
+        if component & (component - 1) != 0 {
+            for (i, row) in rows.iter_mut().enumerate() {
+                let mask = 0u64.wrapping_sub(component >> i & 1);
+                *row |= union & mask;
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn spread(uavs: usize, edges: &[(usize, usize)], mut knowledge: [u64; 5]) -> [u64; 5] {
+        let before = knowledge;
         let mut links = [0u64; 5];
         for &(a, b) in edges {
             links[a] |= 1 << b;
@@ -106,7 +136,43 @@ mod tests {
             &mut unreached,
             &mut union,
         );
+        let mut of_words = before;
+        consensus_of_words(&links[..uavs], &mut of_words[..uavs]);
+        assert_eq!(of_words, knowledge);
         knowledge
+    }
+
+    #[test]
+    fn both_ways_agree_on_any_graph() {
+        for seed in 0..20_000u64 {
+            let draw = |index| crate::rng::derive_seed(seed, index);
+            let uavs = 1 + (draw(0) % 64) as usize;
+            let (mut links, mut rows) = ([0u64; 64], [0u64; 64]);
+            for edge in 0..draw(1) % (2 * uavs as u64 + 1) {
+                let (a, b) = (draw(2 + 2 * edge), draw(3 + 2 * edge));
+                let (a, b) = (a as usize % uavs, b as usize % uavs);
+                if a != b {
+                    links[a] |= 1 << b;
+                    links[b] |= 1 << a;
+                }
+            }
+            for i in 0..uavs {
+                rows[i] = draw(1000 + i as u64) & draw(2000 + i as u64);
+            }
+            let mut of_words = rows;
+            consensus_of_words(&links[..uavs], &mut of_words[..uavs]);
+            let (mut order, mut unreached, mut union) = ([0; 64], [0; 1], [0; 1]);
+            let (order, links) = (&mut order[..uavs], &links[..uavs]);
+            consensus(
+                uavs,
+                links,
+                &mut rows[..uavs],
+                order,
+                &mut unreached,
+                &mut union,
+            );
+            assert_eq!(of_words, rows);
+        }
     }
 
     #[test]

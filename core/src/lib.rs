@@ -40,6 +40,7 @@ pub mod hash;
 pub mod header;
 mod host;
 pub mod knowledge;
+mod lanes;
 pub mod layout;
 pub mod link;
 pub mod metrics;

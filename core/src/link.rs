@@ -4,6 +4,8 @@ use libm::{exp, log2, log10};
 
 use crate::bits;
 use crate::config::{Cell, Config};
+use crate::header;
+use crate::lanes::{self, Block, Cells, WIDTH};
 use crate::model::Model;
 use crate::radar::LIGHT_M_PER_S;
 use crate::scratch::Scratch;
@@ -31,11 +33,19 @@ pub fn full_throughput(config: &Config, range_m: f64) -> f64 {
 /// Up to this many UAVs, looking at every pair on the stack beats sorting them into buckets. A proof has
 /// no more UAVs than its model, and an array of 48 would only cost its solver memory.
 const FEW: usize = if cfg!(kani) { 2 } else { 48 };
+/// Most UAVs of a fleet that is not flown in lanes.
+const FEWEST: usize = if cfg!(kani) { 2 } else { lanes::FLEET };
 
 /// Builds the graph from positions and pilot densities.
 pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
-    if model.uav_count() <= FEW {
+    let uavs = model.uav_count();
+    if uavs < lanes::FLEET {
         link_few(model, state);
+    } else if uavs <= FEW {
+        for block in lanes::blocks(uavs) {
+            link_in_lanes(model, state, block);
+        }
+        average_throughput(model, state);
     } else {
         link_by_buckets(model, state, scratch);
         measure_throughput(model, state);
@@ -76,7 +86,7 @@ impl Radio {
 /// throughput has the same sum as in [`measure_throughput`].
 fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
     let (full, least) = (model.full_throughput(), model.link_throughput_min());
-    let mut radios = [Radio::default(); FEW];
+    let mut radios = [Radio::default(); FEWEST];
     let mut count = 0;
     for i in 0..model.uav_count() {
         if !bits::get(state.grounded, i) {
@@ -84,7 +94,7 @@ fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
             count += 1;
         }
     }
-    let (mut rows, mut sums) = ([0u64; FEW], [0.0; FEW]);
+    let (mut rows, mut sums) = ([0u64; FEWEST], [0.0; FEWEST]);
     for later in 1..count {
         let radio = radios[later];
         let (mut row, mut sum) = (0, 0.0);
@@ -112,6 +122,52 @@ fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
         );
     }
     average_throughput(model, state);
+}
+
+/// The links of a block's UAVs with the whole fleet, met in ascending order as in [`link_few`].
+#[inline(always)]
+fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
+    let (full, least) = (model.full_throughput(), model.link_throughput_min());
+    let cells = Cells::load(block, state.cells).rows(model.config().grid_width);
+    let (flies, pilot) = (
+        !block.bits(state.grounded) & block.mask(),
+        block.load(state.pilot),
+    );
+    let (mut loads, mut others) = ([0.0; WIDTH], lanes::spread(flies));
+    for lane in 0..WIDTH {
+        loads[lane] = 1.0 - f64::from_bits(pilot[lane]);
+        // Itself is no neighbour of a UAV.
+        others[lane] &= !(1 << (block.first + lane));
+    }
+    let (mut rows, mut sums) = ([0u64; WIDTH], [0.0; WIDTH]);
+    let mut flying = !state.grounded[0] & bits::valid_mask(0, model.uav_count());
+    while flying != 0 {
+        let k = flying.trailing_zeros();
+        flying &= flying - 1;
+        let load = 1.0 - state.pilot_density(k as usize);
+        let throughput = full.gather(&cells, state.cell(k as usize));
+        for lane in 0..WIDTH {
+            let least_load = if loads[lane] < load {
+                loads[lane]
+            } else {
+                load
+            };
+            let hears = least_load * throughput[lane] >= least;
+            let mask = 0u64.wrapping_sub(u64::from(hears) & others[lane] >> k);
+            rows[lane] |= mask & 1 << k;
+            sums[lane] += f64::from_bits(throughput[lane].to_bits() & mask);
+        }
+    }
+    let (mut degrees, mut means) = ([0.0; WIDTH], [0; WIDTH]);
+    for lane in 0..WIDTH {
+        // A UAV without neighbours has a sum of 0, over anything.
+        degrees[lane] = f64::from(rows[lane].count_ones().max(1) as i32);
+    }
+    for lane in 0..WIDTH {
+        means[lane] = header::stored(loads[lane] * sums[lane] / degrees[lane]);
+    }
+    block.store(&rows, state.links);
+    block.store(&means, state.throughput);
 }
 
 /// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's neighbours

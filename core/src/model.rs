@@ -5,6 +5,7 @@ use crate::carbon::CarbonPlan;
 use crate::config::{Cell, Config, Depots, MAX_DEPOTS, MapDirections, UavTag};
 use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
+use crate::lanes::{self, Cells, Lanes, Rows};
 use crate::layout::Layout;
 use crate::reward::RewardPlan;
 use crate::search::{self, Disc};
@@ -97,10 +98,17 @@ pub(crate) struct OffsetTable<'t> {
 
 impl OffsetTable<'_> {
     /// The value for two cells of the grid.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn between(self, a: Cell, b: Cell) -> f64 {
         let offset = a.y.abs_diff(b.y) * self.width + a.x.abs_diff(b.x);
         f64::from_bits(self.values[offset as usize])
+    }
+
+    /// The values for the cells of a block and one cell.
+    #[inline(always)]
+    pub(crate) fn gather(self, rows: &Rows, to: Cell) -> Lanes<f64> {
+        let index = rows.offsets(to, self.width);
+        lanes::gather(self.values, &index).map(f64::from_bits)
     }
 }
 
@@ -494,6 +502,15 @@ impl<'m> Model<'m> {
     #[inline]
     pub(crate) fn depot_distance(&self, cell: Cell) -> u32 {
         (self.words()[2 * self.cells() + self.cell_index(cell)] >> 32) as u32
+    }
+
+    /// Manhattan distance of each cell of a block to its nearest depot.
+    #[inline(always)]
+    pub(crate) fn depot_distances(&self, cells: &Cells) -> Lanes<u32> {
+        let index = cells
+            .rows(self.width)
+            .offsets(Cell { x: 0, y: 0 }, self.width);
+        lanes::gather(&self.words()[2 * self.cells()..], &index).map(|word| (word >> 32) as u32)
     }
 
     /// Tables of normalised offsets along x and y; index by offset + extent - 1.

@@ -5,11 +5,25 @@ pub mod fields;
 use crate::bits;
 use crate::config::{Cell, TargetVisibility, UavTag};
 use crate::error::Error;
+use crate::lanes::in_memory;
+use crate::lanes::neighbours::Ranking;
 use crate::model::Model;
 use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
 use crate::search::unsearched_shares;
 use crate::state::StateRef;
+
+/// Hotspots that are written at a time.
+const TARGETS: usize = 8;
+
+/// The bits of 1.
+const ONE: u32 = 1.0f32.to_bits();
+
+/// All ones where bit j is set.
+#[inline(always)]
+const fn mask(bits: u32, j: usize) -> u32 {
+    if bits & 1 << j == 0 { 0 } else { u32::MAX }
+}
 
 /// Entries of connectivity, sustainability and progress.
 const COMMON: usize = 6;
@@ -38,9 +52,21 @@ pub fn observe(
         });
     }
     let view = View::new(model, state);
-    let keys = scratch.list(uavs);
-    for (i, row) in out.chunks_exact_mut(len).enumerate() {
-        view.write(i, keys, row);
+    view.write_targets(out);
+    let rows = out.chunks_exact_mut(len);
+    if let Some(ranking) = Ranking::of(model, state) {
+        for (i, row) in rows.enumerate() {
+            view.write(i, row, |_, slots| {
+                ranking.write(i, state.links[i], view.spans, slots)
+            });
+        }
+    } else {
+        let keys = scratch.list(uavs);
+        for (i, row) in rows.enumerate() {
+            view.write(i, row, |cell, slots| {
+                view.write_neighbours(i, cell, keys, slots)
+            });
+        }
     }
     Ok(())
 }
@@ -95,6 +121,8 @@ struct View<'v> {
     per_pilot_span: f64,
     per_span: f64,
     per_other: f64,
+    /// (W - 1, H - 1), at least 1.
+    spans: (f32, f32),
     hidden: bool,
     carbon: f32,
     progress: [f32; 3],
@@ -102,6 +130,11 @@ struct View<'v> {
 
 fn inverse(value: f64) -> f64 {
     if value > 0.0 { 1.0 / value } else { 0.0 }
+}
+
+/// By what offsets along an axis are divided: its extent less 1, at least 1.
+const fn span(extent: u32) -> f32 {
+    if extent > 1 { (extent - 1) as f32 } else { 1.0 }
 }
 
 const fn flag(value: bool) -> f32 {
@@ -123,6 +156,7 @@ impl<'v> View<'v> {
             per_pilot_span: inverse(config.pilot_density_max - config.pilot_density_min),
             per_span: inverse(f64::from(config.grid_width + config.grid_height - 2)),
             per_other: inverse(f64::from(config.uav_count - 1)),
+            spans: (span(config.grid_width), span(config.grid_height)),
             hidden: config.target_visibility == TargetVisibility::Hidden,
             carbon: model
                 .carbon()
@@ -138,7 +172,10 @@ impl<'v> View<'v> {
     /// (x/(W-1), y/(H-1)).
     #[inline]
     fn position(&self, cell: Cell) -> (f32, f32) {
-        self.from(Cell { x: 0, y: 0 }).to(cell)
+        (
+            cell.x as i32 as f32 / self.spans.0,
+            cell.y as i32 as f32 / self.spans.1,
+        )
     }
 
     /// Offsets from a cell: the tables hold 0 at extent - 1.
@@ -151,29 +188,33 @@ impl<'v> View<'v> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn write_self(&self, i: usize, out: &mut [f32]) {
         let (x, y) = self.position(self.state.cell(i));
         let pilot = (self.state.pilot_density(i) - self.pilot_min) * self.per_pilot_span;
         out[0] = x;
         out[1] = y;
-        out[2] = (self.state.battery_uj(i) as f64 * self.per_capacity) as f32;
+        out[2] = (self.state.battery_uj(i) as i64 as f64 * self.per_capacity) as f32;
         out[3] = pilot as f32;
         out[4] = self.state.throughput(i) as f32;
     }
 
-    #[inline]
-    fn write(&self, i: usize, keys: &mut [u64], out: &mut [f32]) {
+    #[inline(always)]
+    fn write(
+        &self,
+        i: usize,
+        out: &mut [f32],
+        write_neighbours: impl FnOnce(Cell, &mut [f32]) -> usize,
+    ) {
         let (own, rest) = out.split_at_mut(5);
-        let (targets, rest) = rest.split_at_mut(4 * self.model.hotspot_count());
+        let (_targets, rest) = rest.split_at_mut(4 * self.model.hotspot_count());
         let (slots, rest) = rest.split_at_mut(3 * self.model.neighbour_slots());
         let (common, rest) = rest.split_at_mut(COMMON);
         let (window, rest) = rest.split_at_mut(self.model.window_len());
         let (directions, tag) = rest.split_at_mut(self.model.directions_len());
         let cell = self.state.cell(i);
         self.write_self(i, own);
-        self.write_targets(i, cell, targets);
-        let degree = self.write_neighbours(i, cell, keys, slots);
+        let degree = write_neighbours(cell, slots);
         common[0] = (degree as f64 * self.per_other) as f32;
         common[1] = self.carbon;
         common[2] = (f64::from(self.model.depot_distance(cell)) * self.per_span) as f32;
@@ -221,24 +262,54 @@ impl<'v> View<'v> {
         }
     }
 
-    #[inline]
-    fn write_targets(&self, i: usize, cell: Cell, out: &mut [f32]) {
-        let (known, confirmed) = (self.state.knowledge_of(i), self.state.confirmed);
-        let from = self.from(cell);
-        let words = known.iter().zip(confirmed);
-        let blocks = out.chunks_mut(4 * 64).zip(self.state.hotspots.chunks(64));
-        for ((rows, cells), (&known, &confirmed)) in blocks.zip(words) {
-            let (mut known, mut confirmed) = (known, confirmed);
-            for (row, &word) in rows.chunks_exact_mut(4).zip(cells) {
-                let knows = known & 1 == 1;
-                let seen = knows || !self.hidden;
-                let (dx, dy) = from.to(Cell::from_word(word));
-                row[0] = if seen { dx } else { 0.0 };
-                row[1] = if seen { dy } else { 0.0 };
-                row[2] = flag(confirmed & 1 == 1);
-                row[3] = flag(knows);
-                known >>= 1;
-                confirmed >>= 1;
+    /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots at a time. Where there
+    /// is room in its row, eight are written where fewer are left: what follows them is written later.
+    #[inline(always)]
+    fn write_targets(&self, out: &mut [f32]) {
+        let len = self.model.observation_len();
+        let everywhere = if self.hidden { 0 } else { u32::MAX };
+        for (block, words) in self.state.hotspots.chunks(TARGETS).enumerate() {
+            let (word, shift) = (block * TARGETS / 64, block * TARGETS % 64);
+            let confirmed_bits = (self.state.confirmed[word] >> shift) as u32;
+            let (mut x, mut y, mut confirmed) = ([0; TARGETS], [0; TARGETS], [0; TARGETS]);
+            for j in 0..TARGETS {
+                confirmed[j] = ONE & mask(confirmed_bits, j);
+            }
+            for (j, &word) in words.iter().enumerate() {
+                let cell = Cell::from_word(word);
+                (x[j], y[j]) = (cell.x as i32, cell.y as i32);
+            }
+            in_memory(&mut x);
+            in_memory(&mut y);
+            in_memory(&mut confirmed);
+            let begin = 5 + 4 * block * TARGETS;
+            for (i, row) in out.chunks_exact_mut(len).enumerate() {
+                let from = self.state.cell(i);
+                let (from_x, from_y) = (from.x as i32, from.y as i32);
+                let known = (self.state.knowledge_of(i)[word] >> shift) as u32;
+                let seen = known | everywhere;
+                let (mut dx, mut dy, mut knows) = ([0; TARGETS], [0; TARGETS], [0; TARGETS]);
+                for j in 0..TARGETS {
+                    let (x, y) = ((x[j] - from_x) as f32, (y[j] - from_y) as f32);
+                    let mask = mask(seen, j);
+                    dx[j] = (x / self.spans.0).to_bits() & mask;
+                    dy[j] = (y / self.spans.1).to_bits() & mask;
+                    knows[j] = ONE & self::mask(known, j);
+                }
+                in_memory(&mut dx);
+                in_memory(&mut dy);
+                in_memory(&mut knows);
+                let targets = |j: usize| [dx[j], dy[j], confirmed[j], knows[j]].map(f32::from_bits);
+                let row = &mut row[begin..];
+                if let Some(room) = row.first_chunk_mut::<{ 4 * TARGETS }>() {
+                    for j in 0..TARGETS {
+                        room[4 * j..4 * j + 4].copy_from_slice(&targets(j));
+                    }
+                } else {
+                    for j in 0..words.len() {
+                        row[4 * j..4 * j + 4].copy_from_slice(&targets(j));
+                    }
+                }
             }
         }
     }

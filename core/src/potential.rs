@@ -3,6 +3,8 @@
 
 use crate::bits;
 use crate::config::Cell;
+use crate::header::stored;
+use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
@@ -67,6 +69,22 @@ fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) 
     let (weight, span) = (config.shaping_goal_weight, span(model));
     let unconfirmed = config.shaping_unconfirmed_weight * count as f64;
     let mut total = 0u64;
+    if model.uav_count() >= lanes::FLEET {
+        for block in lanes::blocks(model.uav_count()) {
+            let nearest = nearest_in_lanes(block, state, &open[..count]);
+            let mut potentials = [0; WIDTH];
+            for lane in 0..WIDTH {
+                let distance = f64::from(nearest[lane]);
+                potentials[lane] = stored(-(weight * (distance / span + unconfirmed)));
+            }
+            for &distance in &nearest[..block.count] {
+                total += distance as u64;
+            }
+            block.store(&potentials, state.goal_potential);
+        }
+        let mean = total as f64 / model.uav_count() as f64;
+        return -(weight * (mean / span + unconfirmed));
+    }
     for i in 0..model.uav_count() {
         let cell = state.cell(i);
         let mut nearest = if count == 0 { 0 } else { u32::MAX };
@@ -85,6 +103,26 @@ fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) 
     -(weight * (mean / span + unconfirmed))
 }
 
+/// Manhattan distance of each UAV of a block to the nearest of some hotspots; 0 without any.
+#[inline(always)]
+fn nearest_in_lanes(block: Block, state: &StateMut<'_>, open: &[u64]) -> Lanes<i32> {
+    let cells = Cells::load(block, state.cells);
+    let mut nearest = [if open.is_empty() { 0 } else { i32::MAX }; WIDTH];
+    for &word in open {
+        let to = Cell::from_word(word);
+        let (x, y) = (to.x as i32, to.y as i32);
+        for lane in 0..WIDTH {
+            let distance = (cells.x[lane] - x).abs() + (cells.y[lane] - y).abs();
+            nearest[lane] = if distance < nearest[lane] {
+                distance
+            } else {
+                nearest[lane]
+            };
+        }
+    }
+    nearest
+}
+
 /// Φ_i = w_c · (1 - soc_i) · g_t · (1 - depot distance / (W + H - 2)), with
 /// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min). Gives the mean.
 fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
@@ -97,6 +135,24 @@ fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
     let g = config.renewable_share + (1.0 - config.renewable_share) * cleanness;
     let (weight, most) = (config.shaping_charge_weight, capacity_uj as f64 * span);
     let mut sum = 0.0;
+    if model.uav_count() >= lanes::FLEET {
+        for block in lanes::blocks(model.uav_count()) {
+            let battery = block.load(state.battery);
+            let depots = model.depot_distances(&Cells::load(block, state.cells));
+            let (mut shares, mut potentials) = ([0.0; WIDTH], [0; WIDTH]);
+            for lane in 0..WIDTH {
+                let missing = capacity_uj.wrapping_sub(battery[lane]) as f64;
+                shares[lane] = missing * (span - f64::from(depots[lane] as i32));
+                potentials[lane] = stored(weight * (shares[lane] / most * g));
+            }
+            for share in &shares[..block.count] {
+                sum += share;
+            }
+            block.store(&potentials, state.charge_potential);
+        }
+        let mean = sum / (most * model.uav_count() as f64);
+        return weight * (mean * g);
+    }
     for i in 0..model.uav_count() {
         let missing = (capacity_uj - state.battery[i]) as f64;
         let distance = f64::from(model.depot_distance(state.cell(i)));

@@ -10,6 +10,9 @@ pub const LIGHT_M_PER_S: f64 = 299_792_458.0;
 /// Bound of the tabulated exponent; beyond it the probability is 0 or 1 to the last bit of a threshold.
 const EXPONENT_BOUND: f64 = 300.0;
 
+/// How many values a draw has.
+const DRAWS: f64 = 4_294_967_296.0;
+
 /// Distance between the centres of two cells, at least R_min.
 #[must_use]
 pub fn range_m(config: &Config, dx: u32, dy: u32) -> f64 {
@@ -88,7 +91,7 @@ pub fn load_odds_against(loss_per_load: f64, comm_load: f64) -> f64 {
 }
 
 /// The odds against a detection: a range's factor times a UAV's.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
     range_odds * load_odds
@@ -98,9 +101,16 @@ pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
 #[inline]
 #[must_use]
 pub fn detection_threshold(odds_against: f64) -> u64 {
-    const DRAWS: f64 = 4_294_967_296.0;
     // By way of i64, which is one instruction where u64 is a dozen; the value is at most 2^32.
     (DRAWS / (1.0 + odds_against)) as i64 as u64
+}
+
+/// Whether a draw is below [`detection_threshold`], without a conversion to an integer: a whole number is below the
+/// whole part of a real if the next one is not above the real.
+#[inline(always)]
+#[must_use]
+pub fn detects(draw: u32, odds_against: f64) -> bool {
+    f64::from(draw) + 1.0 <= DRAWS / (1.0 + odds_against)
 }
 
 #[cfg(test)]
@@ -172,6 +182,34 @@ mod tests {
                 detection_threshold_db(&Config::preset(preset)),
                 detection_threshold_db(&ranged)
             );
+        }
+    }
+
+    #[test]
+    fn a_draw_detects_where_it_is_below_the_threshold() {
+        for step in 0..400_000u64 {
+            let bits = step.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            // Odds of every magnitude, and draws around the threshold.
+            let odds = libm::exp2((bits >> 44) as f64 / 8192.0 - 64.0);
+            let threshold = detection_threshold(odds);
+            for draw in [
+                bits as u32,
+                threshold.wrapping_sub(2) as u32,
+                threshold.wrapping_sub(1) as u32,
+                threshold as u32,
+                threshold.wrapping_add(1) as u32,
+            ] {
+                let below = u64::from(draw) < threshold;
+                assert_eq!(detects(draw, odds), below, "{draw} {odds:e}");
+            }
+        }
+        for odds in [0.0, 1.0, 1e131, f64::MAX] {
+            for draw in [0, 1, u32::MAX - 1, u32::MAX] {
+                assert_eq!(
+                    detects(draw, odds),
+                    u64::from(draw) < detection_threshold(odds)
+                );
+            }
         }
     }
 

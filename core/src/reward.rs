@@ -2,6 +2,8 @@
 //! for one UAV. The mean of R_i over the fleet is R_t.
 
 use crate::config::{Config, InformPayment};
+use crate::header::stored;
+use crate::lanes::{Lanes, WIDTH};
 
 /// How many components there are.
 pub const COMPONENTS: usize = 12;
@@ -113,6 +115,19 @@ pub struct Deeds {
     pub charge_potential_after: f64,
 }
 
+/// [`Deeds`] of a block of UAVs as the state holds them: reals as bits, 1 for yes.
+pub(crate) struct BlockDeeds {
+    pub(crate) new_cell: Lanes<u64>,
+    pub(crate) revisit: Lanes<u64>,
+    pub(crate) spent_uj: Lanes<u64>,
+    pub(crate) billed_uj: Lanes<u64>,
+    pub(crate) throughput: Lanes<u64>,
+    pub(crate) goal_potential_before: Lanes<u64>,
+    pub(crate) goal_potential_after: Lanes<u64>,
+    pub(crate) charge_potential_before: Lanes<u64>,
+    pub(crate) charge_potential_after: Lanes<u64>,
+}
+
 impl Happenings {
     /// The team's happenings as a UAV of a fleet of `uavs` is credited with them: what the team counts as a
     /// sum over UAVs is `uavs` times the UAV's own, what it counts as a mean is the UAV's own, and the rest
@@ -183,6 +198,49 @@ impl RewardPlan {
     }
 }
 
+impl RewardPlan {
+    /// The components in [`OWN`] of each UAV of a block, as bits: those of [`Self::components`] for what
+    /// [`Happenings::credited`] credits it with. `fleet` is the fleet's carbon and what it was billed for.
+    #[inline(always)]
+    pub(crate) fn own_in_lanes(
+        &self,
+        uavs: u64,
+        (co2_ng, billed_uj): (u64, u64),
+        own: &BlockDeeds,
+    ) -> [Lanes<u64>; OWN_COMPONENTS] {
+        let (fleet, whole_ng) = (uavs as f64, co2_ng as f64);
+        let billed_fleet = if billed_uj == 0 {
+            1.0
+        } else {
+            billed_uj as f64
+        };
+        let mut rows = [[0; WIDTH]; OWN_COMPONENTS];
+        let [coverage, energy, carbon, revisit, throughput, goal, charge] = &mut rows;
+        for lane in 0..WIDTH {
+            let new_cells = f64::from(own.new_cell[lane] as u32) * fleet;
+            coverage[lane] = stored(self.coverage_per_cell * new_cells);
+            let spent_uj = (uavs * own.spent_uj[lane]) as f64;
+            energy[lane] = stored(-(self.energy_per_uj * spent_uj));
+            let revisits = f64::from(own.revisit[lane] as u32) * fleet;
+            revisit[lane] = stored(-(self.revisit * revisits));
+            throughput[lane] = stored(self.throughput * f64::from_bits(own.throughput[lane]));
+        }
+        for lane in 0..WIDTH {
+            let share = whole_ng * (own.billed_uj[lane] as f64 / billed_fleet);
+            let share = if share > whole_ng { whole_ng } else { share };
+            carbon[lane] = stored(-(self.carbon_per_ng * (fleet * share)));
+        }
+        for lane in 0..WIDTH {
+            let gained = |after: &Lanes<u64>, before: &Lanes<u64>| {
+                stored(self.discount * f64::from_bits(after[lane]) - f64::from_bits(before[lane]))
+            };
+            goal[lane] = gained(&own.goal_potential_after, &own.goal_potential_before);
+            charge[lane] = gained(&own.charge_potential_after, &own.charge_potential_before);
+        }
+        rows
+    }
+}
+
 /// R_t or R_i: the components summed left to right.
 #[must_use]
 pub fn total(rewards: &Rewards) -> f64 {
@@ -236,6 +294,64 @@ mod tests {
                 "{}: {got} is not {want}",
                 NAMES[index]
             );
+        }
+    }
+
+    #[test]
+    fn own_components_of_a_block_are_those_of_each_uav() {
+        let plan = RewardPlan::new(&Config::default());
+        for round in 0..1000u64 {
+            let word = |purpose: u64, lane: usize| {
+                crate::rng::derive_seed(round, purpose * WIDTH as u64 + lane as u64)
+            };
+            let real = |purpose, lane, scale: f64| {
+                (crate::rng::unit(word(purpose, lane)) * scale).to_bits()
+            };
+            let lanes = |purpose, make: &dyn Fn(u64, usize) -> u64| {
+                core::array::from_fn(|lane| make(purpose, lane))
+            };
+            let own = BlockDeeds {
+                new_cell: lanes(0, &|purpose, lane| word(purpose, lane) & 1),
+                revisit: lanes(1, &|purpose, lane| word(purpose, lane) & 1),
+                spent_uj: lanes(2, &|purpose, lane| word(purpose, lane) >> 22),
+                billed_uj: lanes(3, &|purpose, lane| {
+                    word(purpose, lane) >> 30 << (word(9, lane) % 3)
+                }),
+                throughput: lanes(4, &|purpose, lane| real(purpose, lane, 2.0)),
+                goal_potential_before: lanes(5, &|purpose, lane| real(purpose, lane, -3.0)),
+                goal_potential_after: lanes(6, &|purpose, lane| real(purpose, lane, -3.0)),
+                charge_potential_before: lanes(7, &|purpose, lane| real(purpose, lane, 0.1)),
+                charge_potential_after: lanes(8, &|purpose, lane| real(purpose, lane, 0.1)),
+            };
+            let billed_uj: u64 = own.billed_uj.iter().sum();
+            let billed_uj = if round % 10 == 0 { 0 } else { billed_uj };
+            let co2_ng = word(10, 0) >> 20;
+            let rows = plan.own_in_lanes(15, (co2_ng, billed_uj), &own);
+            for lane in 0..WIDTH {
+                let billed = if billed_uj == 0 {
+                    0
+                } else {
+                    own.billed_uj[lane]
+                };
+                if billed != own.billed_uj[lane] {
+                    continue;
+                }
+                let deeds = Deeds {
+                    new_cell: own.new_cell[lane] != 0,
+                    revisit: own.revisit[lane] != 0,
+                    spent_uj: own.spent_uj[lane],
+                    co2_ng: crate::carbon::share_ng(co2_ng, billed, billed_uj),
+                    throughput: f64::from_bits(own.throughput[lane]),
+                    goal_potential_before: f64::from_bits(own.goal_potential_before[lane]),
+                    goal_potential_after: f64::from_bits(own.goal_potential_after[lane]),
+                    charge_potential_before: f64::from_bits(own.charge_potential_before[lane]),
+                    charge_potential_after: f64::from_bits(own.charge_potential_after[lane]),
+                };
+                let all = plan.components(&Happenings::default().credited(15, &deeds));
+                for (row, index) in rows.iter().zip(OWN) {
+                    assert_eq!(row[lane], stored(all[index]), "{}", NAMES[index]);
+                }
+            }
         }
     }
 

@@ -4,6 +4,8 @@
 //! SC 2011. Every draw is a pure function of (seed, step, UAV, item, purpose): none depends on another
 //! having been made, nor on order, batch or thread.
 
+use crate::lanes::{Lanes, WIDTH};
+
 const MULTIPLIER_0: u32 = 0xD251_1F53;
 const MULTIPLIER_1: u32 = 0xCD9E_8D57;
 /// Weyl constants that bump the key between rounds: the golden ratio and sqrt(3) - 1.
@@ -11,7 +13,7 @@ const WEYL_0: u32 = 0x9E37_79B9;
 const WEYL_1: u32 = 0xBB67_AE85;
 
 /// One block: four words that are a bijection of the counter for each key.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     let mut round = 0;
@@ -53,20 +55,42 @@ pub enum Purpose {
 }
 
 /// The counter of a block. Injective: each argument has a word of its own.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn counter(step: u32, uav: u32, block: u32, purpose: Purpose) -> [u32; 4] {
     [step, uav, block, purpose as u32]
 }
 
 /// The block of a draw.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn block(seed: u64, step: u32, uav: u32, block: u32, purpose: Purpose) -> [u32; 4] {
     philox4x32_10(
         counter(step, uav, block, purpose),
         [seed as u32, (seed >> 32) as u32],
     )
+}
+
+/// The blocks of sixteen UAVs from `uav` on: word by word, each a row of one for each UAV.
+#[inline(always)]
+#[must_use]
+pub(crate) fn blocks(
+    seed: u64,
+    step: u32,
+    uav: u32,
+    index: u32,
+    purpose: Purpose,
+) -> [Lanes<u32>; 4] {
+    let mut words = [[0; WIDTH]; 4];
+    let [first, second, third, fourth] = &mut words;
+    for lane in 0..WIDTH {
+        let one = block(seed, step, uav + lane as u32, index, purpose);
+        first[lane] = one[0];
+        second[lane] = one[1];
+        third[lane] = one[2];
+        fourth[lane] = one[3];
+    }
+    words
 }
 
 /// 64 uniform bits: words 0 (low) and 1 (high) of the block.
@@ -122,6 +146,19 @@ mod tests {
             ),
             [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]
         );
+    }
+
+    #[test]
+    fn blocks_side_by_side_are_those_one_by_one() {
+        for (seed, step, uav, index) in
+            [(0, 1, 0, 0), (u64::MAX, 99, 4080, 17), (1 << 40, 7, 16, 3)]
+        {
+            let rows = blocks(seed, step, uav, index, Purpose::Detect);
+            for lane in 0..WIDTH {
+                let one = block(seed, step, uav + lane as u32, index, Purpose::Detect);
+                assert_eq!(rows.map(|row| row[lane]), one);
+            }
+        }
     }
 
     #[test]

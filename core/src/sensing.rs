@@ -2,6 +2,7 @@
 
 use crate::bits;
 use crate::config::Cell;
+use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
 use crate::radar;
 use crate::rng::{self, Purpose};
@@ -9,7 +10,7 @@ use crate::scratch::Scratch;
 use crate::state::StateMut;
 
 /// Hotspots whose draws share a block of the generator.
-const LANES: usize = 4;
+const DRAWS: usize = 4;
 
 /// Draws a detection for every UAV that is not grounded and every hotspot that it does not know;
 /// confirms hotspots with at least θ positives; UAVs learn what they detected and is confirmed.
@@ -18,10 +19,19 @@ pub(crate) fn sense_and_learn(
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
 ) {
-    let (detected, positives) = scratch.detections(model);
-    detect(model, state, detected, positives);
-    state.detected.copy_from_slice(detected);
-    conclude(model, state, positives);
+    if model.uav_count() < lanes::FLEET {
+        let (detected, positives) = scratch.detections(model);
+        detect(model, state, detected, positives);
+        state.detected.copy_from_slice(detected);
+        conclude(model, state, positives);
+    } else {
+        let positives = scratch.list(model.hotspot_count());
+        positives.fill(0);
+        for block in lanes::blocks(model.uav_count()) {
+            detect_in_lanes(model, state, block, positives);
+        }
+        conclude(model, state, positives);
+    }
 }
 
 /// As [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV, in place of the
@@ -92,9 +102,9 @@ fn detect_from(
     let load_odds = radar::load_odds_against(model.loss_per_load(), load);
     let range_odds = model.range_odds();
     let known = &state.knowledge[i * found.len()..(i + 1) * found.len()];
-    let cells = state.hotspots.chunks(LANES);
-    for (block, (cells, positives)) in cells.zip(positives.chunks_mut(LANES)).enumerate() {
-        let first = block * LANES;
+    let cells = state.hotspots.chunks(DRAWS);
+    for (block, (cells, positives)) in cells.zip(positives.chunks_mut(DRAWS)).enumerate() {
+        let first = block * DRAWS;
         let unknown = !known[first / 64] >> (first % 64) & 0xF;
         if unknown == 0 {
             continue;
@@ -111,6 +121,82 @@ fn detect_from(
         }
         found[first / 64] |= hits << (first % 64);
     }
+}
+
+/// As [`detect`] for the UAVs of a block.
+#[inline(always)]
+fn detect_in_lanes(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    block: Block,
+    positives: &mut [u64],
+) {
+    let (row, hotspots) = (model.hotspot_words(), model.hotspot_count());
+    let flies = lanes::spread(!block.bits(state.grounded) & block.mask());
+    let rows = Cells::load(block, state.cells).rows(model.config().grid_width);
+    let load_odds = load_odds(model, &block.load(state.pilot));
+    let mut wanting: Lanes<u64> = [0; WIDTH];
+    for word in 0..row {
+        let known = block.load_word(state.knowledge, row, word);
+        let (mut unknown, mut found, mut any) = ([0; WIDTH], [0; WIDTH], 0);
+        for lane in 0..WIDTH {
+            unknown[lane] = !known[lane] & bits::valid_mask(word, hotspots) & flies[lane];
+            wanting[lane] |= unknown[lane];
+            any |= unknown[lane];
+        }
+        let sixteenth = hotspots.saturating_sub(word * 64).div_ceil(DRAWS);
+        for part in 0..if sixteenth < 16 { sixteenth } else { 16 } {
+            if any >> (part * DRAWS) & 0xF == 0 {
+                continue;
+            }
+            let (seed, t) = (state.header.seed(), state.header.t());
+            let blocks = (block.first as u32, (word * 16 + part) as u32);
+            let draws = rng::blocks(seed, t, blocks.0, blocks.1, Purpose::Detect);
+            for (lane, draws) in draws.iter().enumerate() {
+                let bit = part * DRAWS + lane;
+                let j = word * 64 + bit;
+                if j >= hotspots {
+                    break;
+                }
+                let cell = Cell::from_word(state.hotspots[j]);
+                let range_odds = model.range_odds().gather(&rows, cell);
+                positives[j] += hits(draws, &range_odds, &load_odds, &unknown, bit, &mut found);
+            }
+        }
+        block.store_word(&found, state.detected, row, word);
+    }
+    block.put_bits(lanes::gather_bits(&wanting), state.sensing);
+}
+
+/// [`radar::load_odds_against`] of each UAV.
+#[inline(always)]
+fn load_odds(model: &Model<'_>, pilot: &Lanes<u64>) -> Lanes<f64> {
+    let mut odds = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        let load = 1.0 - f64::from_bits(pilot[lane]);
+        odds[lane] = lanes::real::exp(model.loss_per_load() * load);
+    }
+    odds
+}
+
+/// Marks the UAVs that detect hotspot `bit` of the word, and counts them.
+#[inline(always)]
+fn hits(
+    draws: &Lanes<u32>,
+    range_odds: &Lanes<f64>,
+    load_odds: &Lanes<f64>,
+    unknown: &Lanes<u64>,
+    bit: usize,
+    found: &mut Lanes<u64>,
+) -> u64 {
+    let mut count = 0;
+    for lane in 0..WIDTH {
+        let odds = radar::odds_against(range_odds[lane], load_odds[lane]);
+        let hit = unknown[lane] >> bit & u64::from(radar::detects(draws[lane], odds));
+        found[lane] |= hit << bit;
+        count += hit;
+    }
+    count
 }
 
 fn confirm(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
@@ -133,7 +219,12 @@ pub const fn confirms(confirmed: bool, positives: u64, quorum: u64) -> bool {
 /// k_ij becomes 1 where UAV i detected j and j is confirmed.
 pub fn learn(knowledge: &mut [u64], detected: &[u64], confirmed: &[u64]) {
     let row = confirmed.len();
-    for index in 0..knowledge.len() {
-        knowledge[index] |= detected[index] & confirmed[index % row];
+    let rows = knowledge
+        .chunks_exact_mut(row)
+        .zip(detected.chunks_exact(row));
+    for (known, found) in rows {
+        for word in 0..row {
+            known[word] |= found[word] & confirmed[word];
+        }
     }
 }

@@ -499,6 +499,21 @@ impl<'a> StateRef<'a> {
         rewards
     }
 
+    /// R_i of every UAV.
+    #[inline(always)]
+    pub(crate) fn write_uav_rewards(&self, out: &mut [f32]) {
+        let mut rewards = self.rewards();
+        for (reward, own) in out
+            .iter_mut()
+            .zip(self.own_rewards.chunks_exact(OWN_COMPONENTS))
+        {
+            for (slot, &index) in reward::OWN.iter().enumerate() {
+                rewards[index] = f64::from_bits(own[slot]);
+            }
+            *reward = reward::total(&rewards) as f32;
+        }
+    }
+
     /// R_i: the last reward of UAV `i`. The mean over the fleet is R_t.
     #[inline]
     #[must_use]

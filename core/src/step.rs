@@ -3,11 +3,12 @@
 
 use crate::bits;
 use crate::config::{Cell, ChargeBilling};
-use crate::energy::{Activity, settle};
+use crate::energy::{Activities, Activity, settle};
 use crate::error::Error;
 use crate::header::Phase;
+use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
-use crate::reward::{self, Deeds, Happenings};
+use crate::reward::{self, BlockDeeds, Deeds, Happenings, OWN_COMPONENTS};
 use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
 use crate::{action, carbon, knowledge, link, motion, potential, search, sensing};
@@ -151,15 +152,7 @@ fn check_actions(model: &Model<'_>, actions: &[f32]) -> Result<(), Error> {
             got: actions.len(),
         });
     }
-    for (index, value) in actions.iter().enumerate() {
-        if value.is_nan() {
-            return Err(Error::ActionNan {
-                uav: index / 2,
-                component: index % 2,
-            });
-        }
-    }
-    Ok(())
+    action::refuse_nan(actions)
 }
 
 /// A UAV's action: pilot density, then its motion, unless its battery grounds it or sends it home.
@@ -203,7 +196,18 @@ fn settle_energy(
 ) -> Emitted {
     let (plan, words) = (model.energy(), model.uav_words());
     let (mut billed_uj, mut moves, mut pilot) = (0, 0, 0.0);
-    for i in 0..model.uav_count() {
+    let (in_lanes, one_by_one) = lanes::split(model.uav_count());
+    for block in in_lanes {
+        let density = block.load(state.pilot).map(f64::from_bits);
+        let settled = settle_block(model, state, tally, block, &density);
+        happened.spent_uj += settled.spent_uj;
+        billed_uj += settled.billed_uj;
+        moves += settled.moves;
+        for density in &density[..block.count] {
+            pilot += density;
+        }
+    }
+    for i in one_by_one {
         let density = state.pilot_density(i);
         let activity = Activity {
             grounded: bits::get(state.grounded, i),
@@ -252,6 +256,82 @@ fn settle_energy(
     Emitted { billed_uj, co2_ng }
 }
 
+/// Sums over a block's UAVs.
+struct Settled {
+    spent_uj: u64,
+    billed_uj: u64,
+    moves: u64,
+}
+
+/// The batteries of a block.
+#[inline(always)]
+fn settle_block(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+    block: Block,
+    density: &Lanes<f64>,
+) -> Settled {
+    let (plan, row) = (model.energy(), model.uav_words());
+    let (cells, previous) = (block.load(state.cells), block.load(state.previous));
+    let mut any_link = [0; WIDTH];
+    for word in 0..row {
+        let links = block.load_word(state.links, row, word);
+        for lane in 0..WIDTH {
+            any_link[lane] |= links[lane];
+        }
+    }
+    let (mut moved, mut linked) = ([0; WIDTH], [0; WIDTH]);
+    for lane in 0..WIDTH {
+        moved[lane] = ones(cells[lane] != previous[lane]);
+        linked[lane] = ones(any_link[lane] != 0);
+    }
+    let did = Activities {
+        flies: lanes::spread(!block.bits(state.grounded) & block.mask()),
+        moved,
+        sensing: lanes::spread(block.bits(state.sensing)),
+        linked,
+    };
+    let asked = plan.asked_in_lanes(&did, density);
+    let depots = model.depot_distances(&Cells::load(block, state.cells));
+    let there = lanes::spread(block.mask());
+    let battery = block.load(state.battery);
+    let (mut charge, mut spent, mut billed) = ([0; WIDTH], [0; WIDTH], [0; WIDTH]);
+    let (mut total_spent, mut total_accepted, mut total_shortfall) = (
+        block.load(state.spent),
+        block.load(state.accepted),
+        block.load(state.shortfall),
+    );
+    let nameplate = ones(model.carbon().billing == ChargeBilling::Nameplate);
+    for lane in 0..WIDTH {
+        let offered = ones(depots[lane] == 0) & there[lane] & plan.charge_uj;
+        let settled = settle(battery[lane], asked[lane], offered, plan.capacity_uj);
+        charge[lane] = settled.battery_uj;
+        spent[lane] = settled.spent_uj;
+        billed[lane] = offered & nameplate | settled.accepted_uj & !nameplate;
+        total_spent[lane] += settled.spent_uj;
+        total_accepted[lane] += settled.accepted_uj;
+        total_shortfall[lane] += settled.shortfall_uj;
+    }
+    block.store(&charge, state.battery);
+    block.store(&total_spent, state.spent);
+    block.store(&total_accepted, state.accepted);
+    block.store(&total_shortfall, state.shortfall);
+    block.store(&spent, tally.spent_uj);
+    block.store(&billed, tally.billed_uj);
+    Settled {
+        spent_uj: lanes::sum(&spent),
+        billed_uj: lanes::sum(&billed),
+        moves: lanes::sum(&moved.map(|moved| moved & 1)),
+    }
+}
+
+/// All ones for yes.
+#[inline(always)]
+fn ones(yes: bool) -> u64 {
+    0u64.wrapping_sub(u64::from(yes))
+}
+
 /// Cells visited for the first time, and moves into cells visited before this step.
 fn cover(
     model: &Model<'_>,
@@ -262,13 +342,15 @@ fn cover(
     for i in 0..model.uav_count() {
         let moved = state.cells[i] != state.previous[i];
         let index = model.cell_index(Cell::from_word(state.cells[i]));
-        tally.revisits[i] = u64::from(moved && bits::get(state.visited, index));
-        happened.revisits += tally.revisits[i];
+        let revisit = moved & bits::get(state.visited, index);
+        tally.revisits[i] = u64::from(revisit);
+        happened.revisits += u64::from(revisit);
     }
     for i in 0..model.uav_count() {
         let index = model.cell_index(Cell::from_word(state.cells[i]));
-        tally.new_cells[i] = u64::from(!bits::get(state.visited, index));
-        happened.new_cells += tally.new_cells[i];
+        let new = u64::from(!bits::get(state.visited, index));
+        tally.new_cells[i] = new;
+        happened.new_cells += new;
         bits::set(state.visited, index);
     }
 }
@@ -320,7 +402,31 @@ fn credit(
     happened: &Happenings,
 ) {
     let uavs = model.uav_count() as u64;
-    for i in 0..model.uav_count() {
+    let (in_lanes, one_by_one) = lanes::split(model.uav_count());
+    for block in in_lanes {
+        let deeds = BlockDeeds {
+            new_cell: block.load(tally.new_cells),
+            revisit: block.load(tally.revisits),
+            spent_uj: block.load(tally.spent_uj),
+            billed_uj: block.load(tally.billed_uj),
+            throughput: block.load(state.throughput),
+            goal_potential_before: block.load(tally.goal_before),
+            goal_potential_after: block.load(state.goal_potential),
+            charge_potential_before: block.load(tally.charge_before),
+            charge_potential_after: block.load(state.charge_potential),
+        };
+        let own = model
+            .reward()
+            .own_in_lanes(uavs, (emitted.co2_ng, emitted.billed_uj), &deeds);
+        let rows =
+            state.own_rewards[block.first * OWN_COMPONENTS..].chunks_exact_mut(OWN_COMPONENTS);
+        for (lane, row) in rows.take(block.count).enumerate() {
+            for (value, lanes) in row.iter_mut().zip(&own) {
+                *value = lanes[lane];
+            }
+        }
+    }
+    for i in one_by_one {
         let own = Deeds {
             new_cell: tally.new_cells[i] != 0,
             revisit: tally.revisits[i] != 0,
