@@ -2,15 +2,15 @@
 //!
 //! Sequential by design: to use several threads, give each a share of the environments.
 
-use crate::action;
 use crate::error::Error;
 use crate::header::{self, HeaderRef, Phase};
 use crate::metrics::Metrics;
 use crate::model::Model;
-use crate::observation::{observe, observe_global};
+use crate::observation::{observe, observe_global, observe_here};
 use crate::rng::derive_seed;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
+use crate::{action, step};
 
 /// Buffers of a batch step, for M environments. Empty slices leave optional outputs out.
 #[derive(Debug, Default)]
@@ -86,6 +86,7 @@ impl BatchOut<'_> {
 }
 
 /// The part of a buffer that belongs to environment `m`; empty where the buffer is.
+#[inline(always)]
 fn part<T>(buffer: &mut [T], m: usize, len: usize) -> &mut [T] {
     if buffer.is_empty() {
         buffer
@@ -182,6 +183,22 @@ impl Model<'_> {
         auto_reset: bool,
         out: &mut BatchOut<'_>,
     ) -> Result<(), Error> {
+        self.batch_step_here(states, scratch, actions, auto_reset, out)
+    }
+
+    /// [`Model::batch_step`], compiled into its caller: for the instruction set that the caller is compiled for.
+    ///
+    /// # Errors
+    /// As [`Model::batch_step`].
+    #[inline(always)]
+    pub fn batch_step_here(
+        &self,
+        states: &mut [u64],
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+        auto_reset: bool,
+        out: &mut BatchOut<'_>,
+    ) -> Result<(), Error> {
         let count = self.batch_len(states)?;
         out.check(self, count)?;
         self.check_batch(states, actions, count)?;
@@ -192,6 +209,7 @@ impl Model<'_> {
         Ok(())
     }
 
+    #[inline(always)]
     fn check_batch(&self, states: &[u64], actions: &[f32], count: usize) -> Result<(), Error> {
         if actions.len() != count * self.action_len() {
             return Err(Error::Length {
@@ -221,6 +239,7 @@ impl Model<'_> {
         Ok(())
     }
 
+    #[inline(always)]
     fn step_one(
         &self,
         words: &mut [u64],
@@ -231,7 +250,7 @@ impl Model<'_> {
         out: &mut BatchOut<'_>,
     ) -> Result<(), Error> {
         let mut state = StateMut::split(*self.layout(), words);
-        let outcome = self.step(&mut state, scratch, actions)?;
+        let outcome = step::whole(self, &mut state, scratch, actions)?;
         out.rewards[m] = outcome.reward as f32;
         out.terminated[m] = u8::from(outcome.terminated);
         out.truncated[m] = u8::from(outcome.truncated);
@@ -271,7 +290,7 @@ impl Model<'_> {
                 state = StateRef::split(*self.layout(), words);
             }
         }
-        observe(
+        observe_here(
             self,
             &state,
             scratch,

@@ -1,34 +1,34 @@
 //! Sets of small integers as rows of 64-bit words.
 
 /// Words that hold `count` bits.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn words_for(count: usize) -> usize {
     count.div_ceil(64)
 }
 
 /// Whether bit `index` is set.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn get(row: &[u64], index: usize) -> bool {
     row[index / 64] >> (index % 64) & 1 == 1
 }
 
 /// Sets bit `index`.
-#[inline]
+#[inline(always)]
 pub const fn set(row: &mut [u64], index: usize) {
     row[index / 64] |= 1 << (index % 64);
 }
 
 /// Writes bit `index`.
-#[inline]
+#[inline(always)]
 pub const fn assign(row: &mut [u64], index: usize, value: bool) {
     let mask = 1 << (index % 64);
     row[index / 64] = row[index / 64] & !mask | if value { mask } else { 0 };
 }
 
 /// The bits of word `word` that belong to a set of `count` bits.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn valid_mask(word: usize, count: usize) -> u64 {
     let used = count.saturating_sub(word * 64);
@@ -65,6 +65,7 @@ pub fn count_range(row: &[u64], begin: usize, end: usize) -> usize {
 }
 
 /// How many bits are set.
+#[inline(always)]
 #[must_use]
 pub fn count(row: &[u64]) -> usize {
     let mut total = 0;
@@ -75,6 +76,7 @@ pub fn count(row: &[u64]) -> usize {
 }
 
 /// Whether no bit is set.
+#[inline(always)]
 #[must_use]
 pub fn is_empty(row: &[u64]) -> bool {
     let mut any = 0;

@@ -8,6 +8,7 @@ use crate::scratch::Scratch;
 use crate::state::StateMut;
 
 /// Spreads knowledge and search maps over the graph and records the hotspots that all UAVs now know.
+#[inline(always)]
 pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
     if uavs >= lanes::FLEET && model.uav_words() == 1 && hotspots == 1 {
@@ -43,6 +44,7 @@ pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: 
 /// `links` and `rows` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
 /// `unreached` (a set of UAVs) and `union` (one row) are working memory. Each UAV enters `order` once,
 /// which bounds every loop.
+#[inline(always)]
 pub fn consensus(
     uavs: usize,
     links: &[u64],

@@ -30,13 +30,14 @@ pub fn full_throughput(config: &Config, range_m: f64) -> f64 {
     log2(1.0 + snr) / config.reference_spectral_efficiency
 }
 
-/// Up to this many UAVs, looking at every pair on the stack beats sorting them into buckets. A proof has
-/// no more UAVs than its model, and an array of 48 would only cost its solver memory.
-const FEW: usize = if cfg!(kani) { 2 } else { 48 };
-/// Most UAVs of a fleet that is not flown in lanes.
-const FEWEST: usize = if cfg!(kani) { 2 } else { lanes::FLEET };
+/// Up to this many UAVs, looking at every pair beats sorting them into buckets.
+const FEW: usize = 48;
+/// Room for the UAVs of a fleet that is not flown in lanes. A proof has no more UAVs than its model, and a longer
+/// array would only cost its solver memory.
+const ROOM: usize = if cfg!(kani) { 2 } else { lanes::FLEET };
 
 /// Builds the graph from positions and pilot densities.
+#[inline(always)]
 pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let uavs = model.uav_count();
     if uavs < lanes::FLEET {
@@ -61,7 +62,7 @@ struct Radio {
 }
 
 impl Radio {
-    #[inline]
+    #[inline(always)]
     fn of(state: &StateMut<'_>, uav: usize) -> Self {
         Self {
             uav,
@@ -71,7 +72,7 @@ impl Radio {
     }
 
     /// Whether two UAVs hear each other: η_ij and η_ji both reach η_link.
-    #[inline]
+    #[inline(always)]
     fn hears(&self, other: &Self, full_throughput: f64, least: f64) -> bool {
         let least_load = if self.load < other.load {
             self.load
@@ -84,9 +85,10 @@ impl Radio {
 
 /// Graph and throughput in one pass over the pairs. A UAV meets the others in ascending order, so that its
 /// throughput has the same sum as in [`measure_throughput`].
+#[inline(always)]
 fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
     let (full, least) = (model.full_throughput(), model.link_throughput_min());
-    let mut radios = [Radio::default(); FEWEST];
+    let mut radios = [Radio::default(); ROOM];
     let mut count = 0;
     for i in 0..model.uav_count() {
         if !bits::get(state.grounded, i) {
@@ -94,7 +96,7 @@ fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
             count += 1;
         }
     }
-    let (mut rows, mut sums) = ([0u64; FEWEST], [0.0; FEWEST]);
+    let (mut rows, mut sums) = ([0u64; ROOM], [0.0; ROOM]);
     for later in 1..count {
         let radio = radios[later];
         let (mut row, mut sum) = (0, 0.0);
@@ -172,6 +174,7 @@ fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
 
 /// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's neighbours
 /// lie in its own bucket and the eight around it.
+#[inline(always)]
 fn link_by_buckets(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     state.links.fill(0);
     let columns = model.bucket_columns();
@@ -209,7 +212,7 @@ fn link_by_buckets(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Sc
 }
 
 /// Links a UAV with another if they hear each other.
-#[inline]
+#[inline(always)]
 fn link(model: &Model<'_>, state: &mut StateMut<'_>, radio: Radio, other: usize) {
     let other = Radio::of(state, other);
     let throughput = model.full_throughput().between(radio.cell, other.cell);
@@ -221,6 +224,7 @@ fn link(model: &Model<'_>, state: &mut StateMut<'_>, radio: Radio, other: usize)
 }
 
 /// Counting sort of the UAVs that are not grounded; `starts` ends as the end of each bucket.
+#[inline(always)]
 fn fill_buckets(model: &Model<'_>, state: &StateMut<'_>, starts: &mut [u64], members: &mut [u64]) {
     starts.fill(0);
     for i in 0..model.uav_count() {
@@ -241,6 +245,7 @@ fn fill_buckets(model: &Model<'_>, state: &StateMut<'_>, starts: &mut [u64], mem
 }
 
 /// The throughput of every UAV over the present graph, neighbours in ascending order.
+#[inline(always)]
 pub(crate) fn measure_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
     let full = model.full_throughput();
     let words = model.uav_words();
@@ -273,6 +278,7 @@ pub(crate) fn mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
 }
 
 /// η̄(t): the mean over all UAVs.
+#[inline(always)]
 fn average_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
     let mut fleet = 0.0;
     for i in 0..model.uav_count() {

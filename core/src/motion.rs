@@ -4,7 +4,7 @@ use crate::action::Motion;
 use crate::config::Cell;
 
 /// The cell after a motion; a move off the grid is a stay.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn destination(cell: Cell, motion: Motion, width: u32, height: u32) -> Cell {
     let Cell { x, y } = cell;
@@ -18,7 +18,7 @@ pub const fn destination(cell: Cell, motion: Motion, width: u32, height: u32) ->
 }
 
 /// The motion that brings a UAV one cell nearer to a target, x before y; stay once there.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub const fn toward(from: Cell, to: Cell) -> Motion {
     if from.x < to.x {

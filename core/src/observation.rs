@@ -5,8 +5,8 @@ pub mod fields;
 use crate::bits;
 use crate::config::{Cell, TargetVisibility, UavTag};
 use crate::error::Error;
-use crate::lanes::in_memory;
 use crate::lanes::neighbours::Ranking;
+use crate::lanes::{self, Block, Cells, Lanes, WIDTH, in_memory};
 use crate::model::Model;
 use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
@@ -24,6 +24,9 @@ const ONE: u32 = 1.0f32.to_bits();
 const fn mask(bits: u32, j: usize) -> u32 {
     if bits & 1 << j == 0 { 0 } else { u32::MAX }
 }
+
+/// Entries of what a UAV sees of itself.
+const OWN: usize = 5;
 
 /// Entries of connectivity, sustainability and progress.
 const COMMON: usize = 6;
@@ -43,6 +46,17 @@ pub fn observe(
     scratch: &mut Scratch<'_>,
     out: &mut [f32],
 ) -> Result<(), Error> {
+    observe_here(model, state, scratch, out)
+}
+
+/// [`observe`], compiled into its caller.
+#[inline(always)]
+pub(crate) fn observe_here(
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    scratch: &mut Scratch<'_>,
+    out: &mut [f32],
+) -> Result<(), Error> {
     let (uavs, len) = (model.uav_count(), model.observation_len());
     if out.len() != uavs * len {
         return Err(Error::Length {
@@ -52,20 +66,22 @@ pub fn observe(
         });
     }
     let view = View::new(model, state);
-    view.write_targets(out);
-    let rows = out.chunks_exact_mut(len);
-    if let Some(ranking) = Ranking::of(model, state) {
-        for (i, row) in rows.enumerate() {
-            view.write(i, row, |_, slots| {
-                ranking.write(i, state.links[i], view.spans, slots)
-            });
+    let ranking = Ranking::of(model, state);
+    for block in lanes::blocks(uavs) {
+        let rows = &mut out[block.first * len..][..block.count * len];
+        view.write_targets(block, rows);
+        for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
+            let slots = &mut row[view.slots..view.common];
+            match &ranking {
+                Some(ranking) => ranking.write(i, view.spans, slots),
+                None => view.write_neighbours(i, scratch.list(uavs), slots),
+            }
         }
-    } else {
-        let keys = scratch.list(uavs);
-        for (i, row) in rows.enumerate() {
-            view.write(i, row, |cell, slots| {
-                view.write_neighbours(i, cell, keys, slots)
-            });
+        view.write_own(block, rows);
+        if view.common + COMMON < len {
+            for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
+                view.write_added(i, &mut row[view.common + COMMON..]);
+            }
         }
     }
     Ok(())
@@ -93,9 +109,16 @@ pub fn observe_global(
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_count());
     let (per_uav, rest) = out.split_at_mut(6 * uavs);
     let (per_hotspot, common) = rest.split_at_mut(4 * hotspots);
-    for (i, row) in per_uav.chunks_exact_mut(6).enumerate() {
-        view.write_self(i, &mut row[..5]);
-        row[5] = bits::count(state.knowledge_of(i)) as f32 / hotspots as f32;
+    for block in lanes::blocks(uavs) {
+        let own = view.own(block);
+        let rows = per_uav[6 * block.first..].chunks_exact_mut(6);
+        for (lane, row) in rows.enumerate().take(block.count) {
+            for (value, lanes) in row.iter_mut().zip(&own) {
+                *value = lanes[lane];
+            }
+            let known = bits::count(state.knowledge_of(block.first + lane));
+            row[OWN] = known as f32 / hotspots as f32;
+        }
     }
     for (j, row) in per_hotspot.chunks_exact_mut(4).enumerate() {
         let (x, y) = view.position(state.hotspot_cell(j));
@@ -116,6 +139,9 @@ struct View<'v> {
     state: &'v StateRef<'v>,
     offset_x: &'v [u64],
     offset_y: &'v [u64],
+    /// Where the neighbour slots begin in a row, and where connectivity, sustainability and progress do.
+    slots: usize,
+    common: usize,
     per_capacity: f64,
     pilot_min: f64,
     per_pilot_span: f64,
@@ -146,11 +172,14 @@ impl<'v> View<'v> {
         let config = model.config();
         let (offset_x, offset_y) = model.offset_tables();
         let hotspots = f64::from(config.hotspot_count);
+        let slots = OWN + 4 * model.hotspot_count();
         Self {
             model,
             state,
             offset_x,
             offset_y,
+            slots,
+            common: slots + 3 * model.neighbour_slots(),
             per_capacity: 1.0 / model.energy().capacity_uj as f64,
             pilot_min: config.pilot_density_min,
             per_pilot_span: inverse(config.pilot_density_max - config.pilot_density_min),
@@ -179,7 +208,7 @@ impl<'v> View<'v> {
     }
 
     /// Offsets from a cell: the tables hold 0 at extent - 1.
-    #[inline]
+    #[inline(always)]
     fn from(&self, cell: Cell) -> From<'_> {
         let config = self.model.config();
         From {
@@ -188,37 +217,68 @@ impl<'v> View<'v> {
         }
     }
 
+    /// What each UAV sees of itself, and what stands behind its neighbours: connectivity, sustainability, progress.
     #[inline(always)]
-    fn write_self(&self, i: usize, out: &mut [f32]) {
-        let (x, y) = self.position(self.state.cell(i));
-        let pilot = (self.state.pilot_density(i) - self.pilot_min) * self.per_pilot_span;
-        out[0] = x;
-        out[1] = y;
-        out[2] = (self.state.battery_uj(i) as i64 as f64 * self.per_capacity) as f32;
-        out[3] = pilot as f32;
-        out[4] = self.state.throughput(i) as f32;
+    fn write_own(&self, block: Block, rows: &mut [f32]) {
+        let (own, mut depots) = (self.own(block), [0.0; WIDTH]);
+        let distances = self
+            .model
+            .depot_distances(&Cells::load(block, self.state.cells));
+        for lane in 0..WIDTH {
+            depots[lane] = (f64::from(distances[lane] as i32) * self.per_span) as f32;
+        }
+        let (mut degrees, row) = ([0.0; WIDTH], self.model.uav_words());
+        let mut neighbours = [0; WIDTH];
+        for word in 0..row {
+            let links = block.load_word(self.state.links, row, word);
+            for lane in 0..WIDTH {
+                neighbours[lane] += links[lane].count_ones() as i32;
+            }
+        }
+        for lane in 0..WIDTH {
+            degrees[lane] = (f64::from(neighbours[lane]) * self.per_other) as f32;
+        }
+        let rows = rows.chunks_exact_mut(self.model.observation_len());
+        for (lane, row) in rows.enumerate().take(WIDTH) {
+            for (value, lanes) in row.iter_mut().zip(&own) {
+                *value = lanes[lane];
+            }
+            row[self.common..self.common + COMMON].copy_from_slice(&[
+                degrees[lane],
+                self.carbon,
+                depots[lane],
+                self.progress[0],
+                self.progress[1],
+                self.progress[2],
+            ]);
+        }
     }
 
+    /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of each UAV of a block.
     #[inline(always)]
-    fn write(
-        &self,
-        i: usize,
-        out: &mut [f32],
-        write_neighbours: impl FnOnce(Cell, &mut [f32]) -> usize,
-    ) {
-        let (own, rest) = out.split_at_mut(5);
-        let (_targets, rest) = rest.split_at_mut(4 * self.model.hotspot_count());
-        let (slots, rest) = rest.split_at_mut(3 * self.model.neighbour_slots());
-        let (common, rest) = rest.split_at_mut(COMMON);
-        let (window, rest) = rest.split_at_mut(self.model.window_len());
-        let (directions, tag) = rest.split_at_mut(self.model.directions_len());
+    fn own(&self, block: Block) -> [Lanes<f32>; OWN] {
+        let cells = Cells::load(block, self.state.cells);
+        let (battery, pilot) = (block.load(self.state.battery), block.load(self.state.pilot));
+        let throughputs = block.load(self.state.throughput);
+        let mut own = [[0.0; WIDTH]; OWN];
+        let [x, y, soc, density, throughput] = &mut own;
+        for lane in 0..WIDTH {
+            x[lane] = cells.x[lane] as f32 / self.spans.0;
+            y[lane] = cells.y[lane] as f32 / self.spans.1;
+            soc[lane] = (battery[lane] as f64 * self.per_capacity) as f32;
+            let above = f64::from_bits(pilot[lane]) - self.pilot_min;
+            density[lane] = (above * self.per_pilot_span) as f32;
+            throughput[lane] = f64::from_bits(throughputs[lane]) as f32;
+        }
+        own.iter_mut().for_each(in_memory);
+        own
+    }
+
+    /// What the configuration adds: a window of the map, the unsearched shares, a tag.
+    fn write_added(&self, i: usize, out: &mut [f32]) {
         let cell = self.state.cell(i);
-        self.write_self(i, own);
-        let degree = write_neighbours(cell, slots);
-        common[0] = (degree as f64 * self.per_other) as f32;
-        common[1] = self.carbon;
-        common[2] = (f64::from(self.model.depot_distance(cell)) * self.per_span) as f32;
-        common[3..].copy_from_slice(&self.progress);
+        let (window, rest) = out.split_at_mut(self.model.window_len());
+        let (directions, tag) = rest.split_at_mut(self.model.directions_len());
         if !window.is_empty() {
             self.write_window(i, cell, window);
         }
@@ -265,8 +325,10 @@ impl<'v> View<'v> {
     /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots at a time. Where there
     /// is room in its row, eight are written where fewer are left: what follows them is written later.
     #[inline(always)]
-    fn write_targets(&self, out: &mut [f32]) {
-        let len = self.model.observation_len();
+    fn write_targets(&self, uavs: Block, out: &mut [f32]) {
+        let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
+        let cells = &self.state.cells[uavs.first..][..uavs.count];
+        let knowledge = &self.state.knowledge[uavs.first * row_words..][..uavs.count * row_words];
         let everywhere = if self.hidden { 0 } else { u32::MAX };
         for (block, words) in self.state.hotspots.chunks(TARGETS).enumerate() {
             let (word, shift) = (block * TARGETS / 64, block * TARGETS % 64);
@@ -282,11 +344,12 @@ impl<'v> View<'v> {
             in_memory(&mut x);
             in_memory(&mut y);
             in_memory(&mut confirmed);
-            let begin = 5 + 4 * block * TARGETS;
-            for (i, row) in out.chunks_exact_mut(len).enumerate() {
-                let from = self.state.cell(i);
+            let begin = OWN + 4 * block * TARGETS;
+            let uavs = cells.iter().zip(knowledge.chunks_exact(row_words));
+            for (row, (&from, known)) in out.chunks_exact_mut(len).zip(uavs) {
+                let from = Cell::from_word(from);
                 let (from_x, from_y) = (from.x as i32, from.y as i32);
-                let known = (self.state.knowledge_of(i)[word] >> shift) as u32;
+                let known = (known[word] >> shift) as u32;
                 let seen = known | everywhere;
                 let (mut dx, mut dy, mut knows) = ([0; TARGETS], [0; TARGETS], [0; TARGETS]);
                 for j in 0..TARGETS {
@@ -314,9 +377,10 @@ impl<'v> View<'v> {
         }
     }
 
-    /// Fills the slots with the nearest neighbours, ties to the lower index, and returns their number.
-    #[inline]
-    fn write_neighbours(&self, i: usize, cell: Cell, keys: &mut [u64], out: &mut [f32]) -> usize {
+    /// Fills the slots with the nearest neighbours, ties to the lower index.
+    #[inline(always)]
+    fn write_neighbours(&self, i: usize, keys: &mut [u64], out: &mut [f32]) {
+        let cell = self.state.cell(i);
         let mut degree = 0;
         for (word, &set) in self.state.links_of(i).iter().enumerate() {
             let mut rest = set;
@@ -341,7 +405,6 @@ impl<'v> View<'v> {
             row[1] = dx;
             row[2] = dy;
         }
-        degree
     }
 }
 
@@ -349,6 +412,7 @@ impl<'v> View<'v> {
 const FEW: usize = 24;
 
 /// Moves the smallest `count` keys to the front, ascending.
+#[inline(always)]
 fn nearest_first(keys: &mut [u64], count: usize) {
     if keys.len() <= FEW {
         for end in 1..keys.len() {
@@ -377,7 +441,7 @@ struct From<'v> {
 
 impl From<'_> {
     /// (Δx/(W-1), Δy/(H-1)).
-    #[inline]
+    #[inline(always)]
     fn to(&self, cell: Cell) -> (f32, f32) {
         (
             f32::from_bits(self.x[cell.x as usize] as u32),

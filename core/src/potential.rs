@@ -11,6 +11,7 @@ use crate::state::StateMut;
 
 /// Works out both potentials of each UAV in the present state, and their means, and stores them; all are 0 in
 /// a terminal state.
+#[inline(always)]
 pub(crate) fn update(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -42,6 +43,7 @@ pub(crate) fn is_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
 }
 
 /// Longest Manhattan distance on the grid, W + H - 2, at least 1.
+#[inline(always)]
 fn span(model: &Model<'_>) -> f64 {
     let config = model.config();
     f64::from(
@@ -56,6 +58,7 @@ fn span(model: &Model<'_>) -> f64 {
 ///
 /// A confirmation may leave UAVs as far from the next hotspot as the grid is wide, but takes one from U: with
 /// w_u of at least 1 it lowers no potential.
+#[inline(always)]
 fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) -> f64 {
     let open = scratch.list(model.hotspot_count());
     let mut count = 0;
@@ -125,6 +128,7 @@ fn nearest_in_lanes(block: Block, state: &StateMut<'_>, open: &[u64]) -> Lanes<i
 
 /// Φ_i = w_c · (1 - soc_i) · g_t · (1 - depot distance / (W + H - 2)), with
 /// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min). Gives the mean.
+#[inline(always)]
 fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
     let (capacity_uj, span) = (model.energy().capacity_uj, span(model));
     let config = model.config();

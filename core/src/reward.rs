@@ -132,6 +132,7 @@ impl Happenings {
     /// The team's happenings as a UAV of a fleet of `uavs` is credited with them: what the team counts as a
     /// sum over UAVs is `uavs` times the UAV's own, what it counts as a mean is the UAV's own, and the rest
     /// is shared. So the mean over the fleet is the team's.
+    #[inline(always)]
     #[must_use]
     pub fn credited(&self, uavs: u64, own: &Deeds) -> Self {
         Self {
@@ -170,6 +171,7 @@ impl RewardPlan {
     }
 
     /// Every component of R_t, or of R_i for what a UAV is credited with, in the order of [`NAMES`].
+    #[inline(always)]
     #[must_use]
     pub fn components(&self, step: &Happenings) -> Rewards {
         let paid = if self.inform_once {
@@ -242,6 +244,7 @@ impl RewardPlan {
 }
 
 /// R_t or R_i: the components summed left to right.
+#[inline(always)]
 #[must_use]
 pub fn total(rewards: &Rewards) -> f64 {
     let mut sum = 0.0;

@@ -14,6 +14,7 @@ const DRAWS: usize = 4;
 
 /// Draws a detection for every UAV that is not grounded and every hotspot that it does not know;
 /// confirms hotspots with at least θ positives; UAVs learn what they detected and is confirmed.
+#[inline(always)]
 pub(crate) fn sense_and_learn(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -64,11 +65,13 @@ pub(crate) fn learn_from(
 }
 
 /// Confirms by quorum; UAVs learn what they detected and is confirmed.
+#[inline(always)]
 fn conclude(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     confirm(model, state, positives);
     learn(state.knowledge, state.detected, state.confirmed);
 }
 
+#[inline(always)]
 fn detect(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -90,6 +93,7 @@ fn detect(
 }
 
 /// The draws of one UAV: a block of the generator for every four hotspots.
+#[inline(always)]
 fn detect_from(
     model: &Model<'_>,
     state: &StateMut<'_>,
@@ -199,6 +203,7 @@ fn hits(
     count
 }
 
+#[inline(always)]
 fn confirm(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     let (t, quorum) = (state.header.t(), u64::from(model.config().quorum));
     for j in 0..model.hotspot_count() {
@@ -217,6 +222,7 @@ pub const fn confirms(confirmed: bool, positives: u64, quorum: u64) -> bool {
 }
 
 /// k_ij becomes 1 where UAV i detected j and j is confirmed.
+#[inline(always)]
 pub fn learn(knowledge: &mut [u64], detected: &[u64], confirmed: &[u64]) {
     let row = confirmed.len();
     let rows = knowledge

@@ -5,7 +5,7 @@ use crate::bits;
 use crate::config::{Cell, ChargeBilling};
 use crate::energy::{Activities, Activity, settle};
 use crate::error::Error;
-use crate::header::Phase;
+use crate::header::{Phase, stored};
 use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
 use crate::reward::{self, BlockDeeds, Deeds, Happenings, OWN_COMPONENTS};
@@ -36,10 +36,7 @@ impl Model<'_> {
         scratch: &mut Scratch<'_>,
         actions: &[f32],
     ) -> Result<StepOutcome, Error> {
-        self.step_begin(state, actions)?;
-        self.step_sense(state, scratch)?;
-        self.step_communicate(state, scratch)?;
-        self.step_end(state, scratch)
+        whole(self, state, scratch, actions)
     }
 
     /// Part 1: actions, return to base, move.
@@ -47,15 +44,7 @@ impl Model<'_> {
     /// # Errors
     /// As [`Model::step`].
     pub fn step_begin(&self, state: &mut StateMut<'_>, actions: &[f32]) -> Result<(), Error> {
-        expect(state, Phase::Ready, "step_begin", "reset or step_end")?;
-        check_actions(self, actions)?;
-        let t = state.header.t() + 1;
-        state.header.set_t(t);
-        for i in 0..self.uav_count() {
-            act(self, state, i, actions[2 * i], actions[2 * i + 1]);
-        }
-        state.header.set_phase(Phase::Moved);
-        Ok(())
+        begin(self, state, actions)
     }
 
     /// Part 2: look around, sense and learn.
@@ -67,11 +56,7 @@ impl Model<'_> {
         state: &mut StateMut<'_>,
         scratch: &mut Scratch<'_>,
     ) -> Result<(), Error> {
-        expect(state, Phase::Moved, "step_sense", "step_begin")?;
-        search::mark(self, state);
-        sensing::sense_and_learn(self, state, scratch);
-        state.header.set_phase(Phase::Sensed);
-        Ok(())
+        sense(self, state, scratch)
     }
 
     /// Part 3: communicate over the graph that the link budget gives.
@@ -83,11 +68,7 @@ impl Model<'_> {
         state: &mut StateMut<'_>,
         scratch: &mut Scratch<'_>,
     ) -> Result<(), Error> {
-        expect(state, Phase::Sensed, "step_communicate", "step_sense")?;
-        link::build_graph(self, state, scratch);
-        knowledge::communicate(self, state, scratch);
-        state.header.set_phase(Phase::Communicated);
-        Ok(())
+        communicate(self, state, scratch)
     }
 
     /// Part 4: energy, charge, carbon, reward, termination.
@@ -99,37 +80,105 @@ impl Model<'_> {
         state: &mut StateMut<'_>,
         scratch: &mut Scratch<'_>,
     ) -> Result<StepOutcome, Error> {
-        expect(state, Phase::Communicated, "step_end", "step_communicate")?;
-        let mut happened = Happenings {
-            goal_potential_before: state.header.goal_potential(),
-            charge_potential_before: state.header.charge_potential(),
-            mean_throughput: state.header.mean_throughput(),
-            ..Happenings::default()
-        };
-        let (mut tally, mut rest) = scratch.tally(self.uav_count());
-        let emitted = settle_energy(self, state, &mut tally, &mut happened);
-        cover(self, state, &mut tally, &mut happened);
-        count_knowledge(self, state, &mut happened);
-        tally.goal_before.copy_from_slice(state.goal_potential);
-        tally.charge_before.copy_from_slice(state.charge_potential);
-        finish(self, state, &mut rest, &mut happened);
-
-        let rewards = self.reward().components(&happened);
-        let reward = reward::total(&rewards);
-        state.header.set_rewards(&rewards);
-        credit(self, state, &tally, emitted, &happened);
-        let return_sum = state.header.return_sum() + reward;
-        state.header.set_return_sum(return_sum);
-        let phase = state.header.phase();
-        Ok(StepOutcome {
-            reward,
-            terminated: phase == Some(Phase::Terminated),
-            truncated: phase == Some(Phase::Truncated),
-        })
+        end(self, state, scratch)
     }
 }
 
+// The parts are compiled into their callers, for whatever instruction set those are compiled for.
+
+#[inline(always)]
+pub(crate) fn whole(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+    actions: &[f32],
+) -> Result<StepOutcome, Error> {
+    begin(model, state, actions)?;
+    sense(model, state, scratch)?;
+    communicate(model, state, scratch)?;
+    end(model, state, scratch)
+}
+
+#[inline(always)]
+fn begin(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) -> Result<(), Error> {
+    expect(state, Phase::Ready, "step_begin", "reset or step_end")?;
+    check_actions(model, actions)?;
+    let t = state.header.t() + 1;
+    state.header.set_t(t);
+    let (in_lanes, one_by_one) = lanes::split(model.uav_count());
+    for block in in_lanes {
+        act_in_lanes(model, state, block, actions);
+    }
+    for i in one_by_one {
+        act(model, state, i, actions[2 * i], actions[2 * i + 1]);
+    }
+    state.header.set_phase(Phase::Moved);
+    Ok(())
+}
+
+#[inline(always)]
+fn sense(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) -> Result<(), Error> {
+    expect(state, Phase::Moved, "step_sense", "step_begin")?;
+    search::mark(model, state);
+    sensing::sense_and_learn(model, state, scratch);
+    state.header.set_phase(Phase::Sensed);
+    Ok(())
+}
+
+#[inline(always)]
+fn communicate(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) -> Result<(), Error> {
+    expect(state, Phase::Sensed, "step_communicate", "step_sense")?;
+    link::build_graph(model, state, scratch);
+    knowledge::communicate(model, state, scratch);
+    state.header.set_phase(Phase::Communicated);
+    Ok(())
+}
+
+#[inline(always)]
+fn end(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) -> Result<StepOutcome, Error> {
+    expect(state, Phase::Communicated, "step_end", "step_communicate")?;
+    let mut happened = Happenings {
+        goal_potential_before: state.header.goal_potential(),
+        charge_potential_before: state.header.charge_potential(),
+        mean_throughput: state.header.mean_throughput(),
+        ..Happenings::default()
+    };
+    let (mut tally, mut rest) = scratch.tally(model.uav_count());
+    let emitted = settle_energy(model, state, &mut tally, &mut happened);
+    cover(model, state, &mut tally, &mut happened);
+    count_knowledge(model, state, &mut happened);
+    tally.goal_before.copy_from_slice(state.goal_potential);
+    tally.charge_before.copy_from_slice(state.charge_potential);
+    finish(model, state, &mut rest, &mut happened);
+
+    let rewards = model.reward().components(&happened);
+    let reward = reward::total(&rewards);
+    state.header.set_rewards(&rewards);
+    credit(model, state, &tally, emitted, &happened);
+    let return_sum = state.header.return_sum() + reward;
+    state.header.set_return_sum(return_sum);
+    let phase = state.header.phase();
+    Ok(StepOutcome {
+        reward,
+        terminated: phase == Some(Phase::Terminated),
+        truncated: phase == Some(Phase::Truncated),
+    })
+}
+
 /// Refuses what comes out of order.
+#[inline(always)]
 pub(crate) fn expect(
     state: &StateMut<'_>,
     phase: Phase,
@@ -144,6 +193,7 @@ pub(crate) fn expect(
     }
 }
 
+#[inline(always)]
 fn check_actions(model: &Model<'_>, actions: &[f32]) -> Result<(), Error> {
     if actions.len() != model.action_len() {
         return Err(Error::Length {
@@ -156,6 +206,7 @@ fn check_actions(model: &Model<'_>, actions: &[f32]) -> Result<(), Error> {
 }
 
 /// A UAV's action: pilot density, then its motion, unless its battery grounds it or sends it home.
+#[inline(always)]
 fn act(model: &Model<'_>, state: &mut StateMut<'_>, i: usize, u_dir: f32, u_pilot: f32) {
     let config = model.config();
     let density =
@@ -180,6 +231,59 @@ fn act(model: &Model<'_>, state: &mut StateMut<'_>, i: usize, u_dir: f32, u_pilo
     state.cells[i] = to.to_word();
 }
 
+/// [`act`] for the UAVs of a block.
+#[inline(always)]
+fn act_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block, actions: &[f32]) {
+    let config = model.config();
+    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+    let (width, height) = (config.grid_width as i32, config.grid_height as i32);
+    let (mut u_dir, mut u_pilot) = ([0.0; WIDTH], [0.0; WIDTH]);
+    let pairs = actions[2 * block.first..].chunks_exact(2);
+    for (lane, pair) in pairs.take(block.count).enumerate() {
+        (u_dir[lane], u_pilot[lane]) = (pair[0], pair[1]);
+    }
+    lanes::in_memory(&mut u_dir);
+    lanes::in_memory(&mut u_pilot);
+    let battery = block.load(state.battery);
+    let (mut pilot, mut grounded, mut returning) = ([0; WIDTH], [0; WIDTH], [0; WIDTH]);
+    for lane in 0..WIDTH {
+        pilot[lane] = stored(action::pilot_density(u_pilot[lane], low, high));
+        grounded[lane] = ones(battery[lane] == 0);
+        returning[lane] = ones(battery[lane] < model.energy().rtb_uj) & !grounded[lane];
+    }
+    block.store(&pilot, state.pilot);
+    block.put_bits(lanes::gather_bits(&grounded), state.grounded);
+    let mut home = lanes::gather_bits(&returning) & block.mask();
+    block.put_bits(home, state.returning);
+
+    let cells = Cells::load(block, state.cells);
+    let mut to = [0; WIDTH];
+    for lane in 0..WIDTH {
+        // The bins of `action::motion`: up, down, left, right, stay.
+        let bin = (f64::from(action::clip(u_dir[lane])) + 1.0) * 2.5;
+        let up = i32::from(bin < 1.0) - i32::from(bin >= 1.0 && bin < 2.0);
+        let right = i32::from(bin >= 3.0 && bin < 4.0) - i32::from(bin >= 2.0 && bin < 3.0);
+        let flies = !(grounded[lane] as i32);
+        let (x, y) = (cells.x[lane], cells.y[lane]);
+        let (there_x, there_y) = (x + (right & flies), y + (up & flies));
+        let inside = there_x >= 0 && there_x < width && there_y >= 0 && there_y < height;
+        let x = if inside { there_x } else { x };
+        let y = if inside { there_y } else { y };
+        to[lane] = x as u64 | (y as u64) << 32;
+    }
+    let from = block.load(state.cells);
+    block.store(&from, state.previous);
+    block.store(&to, state.cells);
+    while home != 0 {
+        let i = block.first + home.trailing_zeros() as usize;
+        home &= home - 1;
+        let from = Cell::from_word(state.previous[i]);
+        let motion = motion::toward(from, model.nearest_depot(from).0);
+        let to = motion::destination(from, motion, config.grid_width, config.grid_height);
+        state.cells[i] = to.to_word();
+    }
+}
+
 /// Charging billed to the fleet in a step, and its carbon.
 #[derive(Clone, Copy)]
 struct Emitted {
@@ -188,6 +292,7 @@ struct Emitted {
 }
 
 /// Every battery, then the fleet's grid energy and carbon, each rounded once a step.
+#[inline(always)]
 fn settle_energy(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -333,6 +438,7 @@ fn ones(yes: bool) -> u64 {
 }
 
 /// Cells visited for the first time, and moves into cells visited before this step.
+#[inline(always)]
 fn cover(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -356,6 +462,7 @@ fn cover(
 }
 
 /// Confirmations, informed hotspots and the spread of knowledge.
+#[inline(always)]
 fn count_knowledge(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happenings) {
     let t = u64::from(state.header.t());
     for j in 0..model.hotspot_count() {
@@ -373,6 +480,7 @@ fn count_knowledge(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happe
 }
 
 /// Whether the episode ends here, and the potentials of the state it has come to.
+#[inline(always)]
 fn finish(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -394,6 +502,7 @@ fn finish(
 }
 
 /// The reward of each UAV: the team's terms, and of its own what it is credited with.
+#[inline(always)]
 fn credit(
     model: &Model<'_>,
     state: &mut StateMut<'_>,

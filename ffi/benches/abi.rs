@@ -35,9 +35,11 @@ fn main() {
         let what = format!("step and observe, N = {uavs}");
         one_by_one(uavs, true, &mut |paths| report(&what, paths));
     }
-    for (environments, uavs) in [(64, 5), (256, 10)] {
-        let what = format!("batch step of {environments} environments, N = {uavs}");
-        batch(environments, uavs, &mut |paths| report(&what, paths));
+    for (environments, uavs, hotspots) in [(64, 5, 5), (256, 10, 5), (256, 15, 7)] {
+        let what = format!("batch step of {environments} environments, N = {uavs}, n = {hotspots}");
+        batch(environments, uavs, hotspots, &mut |paths| {
+            report(&what, paths)
+        });
     }
 }
 
@@ -62,7 +64,7 @@ fn count(arguments: &[String]) {
         }
     };
     match number(3) {
-        Some(environments) => batch(environments, uavs as u32, &mut run),
+        Some(environments) => batch(environments, uavs as u32, 5, &mut run),
         None => one_by_one(uavs as u32, false, &mut run),
     }
 }
@@ -131,7 +133,7 @@ fn one_by_one(uavs: u32, observed: bool, use_paths: &mut dyn FnMut(Paths<'_>)) {
         }
     };
 
-    let c_model = c_model(uavs);
+    let c_model = c_model(uavs, Config::default().hotspot_count);
     let c_sim = c_sim(c_model);
     let c_step = black_box(jcas_sim_step as unsafe extern "C" fn(_, _, _, _) -> i32);
     let c_observe = black_box(jcas_sim_observe as unsafe extern "C" fn(_, _, _) -> i32);
@@ -167,9 +169,10 @@ fn one_by_one(uavs: u32, observed: bool, use_paths: &mut dyn FnMut(Paths<'_>)) {
     }
 }
 
-fn batch(environments: usize, uavs: u32, use_paths: &mut dyn FnMut(Paths<'_>)) {
+fn batch(environments: usize, uavs: u32, hotspots: u32, use_paths: &mut dyn FnMut(Paths<'_>)) {
     let config = Config {
         uav_count: uavs,
+        hotspot_count: hotspots,
         ..Config::default()
     };
     let model = Model::new(config).expect("a legal configuration");
@@ -205,7 +208,7 @@ fn batch(environments: usize, uavs: u32, use_paths: &mut dyn FnMut(Paths<'_>)) {
             .expect("a legal step");
     };
 
-    let c_model = c_model(uavs);
+    let c_model = c_model(uavs, hotspots);
     let mut c_batch = ptr::null_mut();
     let observation_count = c_buffers.observations.len();
     // SAFETY: living handles, buffers of these lengths.
@@ -292,8 +295,8 @@ impl Buffers {
     }
 }
 
-fn c_model(uavs: u32) -> *mut jcas_model {
-    let text = format!("uav_count = {uavs}");
+fn c_model(uavs: u32, hotspots: u32) -> *mut jcas_model {
+    let text = format!("uav_count = {uavs}\nhotspot_count = {hotspots}");
     let mut config = std::mem::MaybeUninit::<jcas_config>::uninit();
     let mut model = ptr::null_mut();
     // SAFETY: places of these sizes, a text of this length; no message is wanted.

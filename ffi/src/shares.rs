@@ -193,7 +193,14 @@ impl<'a> Round<'a> {
             )
         };
         let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
-        model.batch_step(states, &mut scratch, actions, self.auto_reset, &mut out)
+        jcas_dispatch::batch_step(
+            model,
+            states,
+            &mut scratch,
+            actions,
+            self.auto_reset,
+            &mut out,
+        )
     }
 }
 

@@ -182,7 +182,8 @@ fn measure_batch(
                 truncated: &mut truncated,
                 ..BatchOut::default()
             };
-            model.batch_step(
+            jcas_dispatch::batch_step(
+                model,
                 &mut states,
                 &mut scratch,
                 rows[step % ACTION_STEPS],

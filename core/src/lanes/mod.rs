@@ -159,11 +159,16 @@ pub(crate) fn sum(lanes: &Lanes<u64>) -> u64 {
 /// The set of lanes that are not 0.
 #[inline(always)]
 pub(crate) fn gather_bits(lanes: &Lanes<u64>) -> u64 {
+    let mut set = [0u32; WIDTH];
+    for lane in 0..WIDTH {
+        set[lane] = if lanes[lane] == 0 { 0 } else { 1 << lane };
+    }
+    in_memory(&mut set);
     let mut bits = 0;
     for lane in 0..WIDTH {
-        bits |= u64::from(lanes[lane] != 0) << lane;
+        bits |= set[lane];
     }
-    bits
+    u64::from(bits)
 }
 
 /// The cells of a block.

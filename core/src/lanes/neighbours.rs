@@ -1,6 +1,5 @@
 //! The neighbours of every UAV, nearest first, in small fleets.
 
-use crate::bits;
 use crate::lanes::{Block, Cells, Lanes, WIDTH, in_memory};
 use crate::model::Model;
 use crate::state::StateRef;
@@ -43,6 +42,13 @@ const fn exchanges() -> [(usize, usize); 63] {
     }
     pairs
 }
+
+/// Whether an index is a UAV's.
+static PRESENT: Lanes<f32> = {
+    let mut present = [1.0; WIDTH];
+    present[UAVS] = 0.0;
+    present
+};
 
 /// For each UAV its neighbours by distance, ties to the lower index.
 pub(crate) struct Ranking {
@@ -101,32 +107,24 @@ impl Ranking {
         Some(Self { keys, cells })
     }
 
-    /// Writes (present, Δx/(W-1), Δy/(H-1)) of UAV i's neighbours, and returns their number.
+    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each slot of UAV i.
     #[inline(always)]
-    pub(crate) fn write(
-        &self,
-        i: usize,
-        links: u64,
-        spans: (f32, f32),
-        slots: &mut [f32],
-    ) -> usize {
+    pub(crate) fn write(&self, i: usize, spans: (f32, f32), slots: &mut [f32]) {
         let (x, y) = (self.cells.x[i], self.cells.y[i]);
-        let (mut dx, mut dy) = ([0.0; WIDTH], [0.0; WIDTH]);
+        let mut offsets = [[0.0; 2]; WIDTH];
         for lane in 0..WIDTH {
-            dx[lane] = (self.cells.x[lane] - x) as f32 / spans.0;
-            dy[lane] = (self.cells.y[lane] - y) as f32 / spans.1;
+            offsets[lane] = [
+                (self.cells.x[lane] - x) as f32 / spans.0,
+                (self.cells.y[lane] - y) as f32 / spans.1,
+            ];
         }
-        in_memory(&mut dx);
-        in_memory(&mut dy);
-        let mut present = [1.0; WIDTH];
-        (present[UAVS], dx[UAVS], dy[UAVS]) = (0.0, 0.0, 0.0);
+        offsets[UAVS] = [0.0; 2];
+        in_memory(&mut offsets);
         for (slot, keys) in slots.chunks_exact_mut(3).zip(&self.keys) {
             let index = keys[i] as usize % WIDTH;
-            slot[0] = present[index];
-            slot[1] = dx[index];
-            slot[2] = dy[index];
+            slot[0] = PRESENT[index];
+            slot[1..].copy_from_slice(&offsets[index]);
         }
-        bits::count(&[links])
     }
 }
 

@@ -232,27 +232,27 @@ impl VectorEnvironment for Fleet {
         let [terminated, truncated] = &mut self.ended;
         let mut scratch =
             Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
-        self.model
-            .batch_step(
-                &mut self.states,
-                &mut scratch,
-                &self.held,
-                true,
-                &mut BatchOut {
-                    observations: &mut self.observations,
-                    global: &mut self.global,
-                    rewards: &mut self.rewards,
-                    components: &mut self.components,
-                    terminated,
-                    truncated,
-                    final_observations: &mut out.final_observations,
-                    final_global: &mut out.final_global,
-                    final_metrics: &mut self.metrics,
-                    uav_components: &mut self.uav_components,
-                    ..BatchOut::default()
-                },
-            )
-            .expect("actions of a head are numbers, and missions start anew by themselves");
+        jcas_dispatch::batch_step(
+            &self.model,
+            &mut self.states,
+            &mut scratch,
+            &self.held,
+            true,
+            &mut BatchOut {
+                observations: &mut self.observations,
+                global: &mut self.global,
+                rewards: &mut self.rewards,
+                components: &mut self.components,
+                terminated,
+                truncated,
+                final_observations: &mut out.final_observations,
+                final_global: &mut out.final_global,
+                final_metrics: &mut self.metrics,
+                uav_components: &mut self.uav_components,
+                ..BatchOut::default()
+            },
+        )
+        .expect("actions of a head are numbers, and missions start anew by themselves");
         out.finished.clear();
         for m in 0..self.environments {
             out.terminated[m] = self.ended[0][m] == 1;

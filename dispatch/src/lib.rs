@@ -1,0 +1,113 @@
+//! The batch step of the kernel, compiled once for each instruction set that is worth it, and chosen when it runs.
+//!
+//! The kernel has one source and gives the same bits on every instruction set; only its speed differs. It must be
+//! compiled into a function that has an instruction set's features, which is `unsafe` to call where a processor may
+//! lack them: that call is all that this crate does.
+#![deny(clippy::undocumented_unsafe_blocks)]
+
+use jcas_core::batch::BatchOut;
+use jcas_core::{Error, Model, Scratch};
+
+/// An instruction set that the batch step is compiled for, and that this machine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstructionSet(Set);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Set {
+    /// What the whole program is compiled for.
+    Baseline,
+    /// x86-64-v3 of the psABI: 256-bit vectors. Without fused multiply-add, which no result may depend on.
+    #[cfg(target_arch = "x86_64")]
+    V3,
+}
+
+impl InstructionSet {
+    /// What the whole program is compiled for.
+    pub const BASELINE: Self = Self(Set::Baseline);
+
+    /// The fastest that this machine has.
+    #[must_use]
+    pub fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if has_v3() {
+            return Self(Set::V3);
+        }
+        Self::BASELINE
+    }
+
+    /// All that this machine has.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let best = Self::best();
+        core::iter::once(Self::BASELINE).chain((best != Self::BASELINE).then_some(best))
+    }
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Set::Baseline => "baseline",
+            #[cfg(target_arch = "x86_64")]
+            Set::V3 => "x86-64-v3",
+        }
+    }
+
+    /// [`Model::batch_step`] with this instruction set.
+    ///
+    /// # Errors
+    /// As [`Model::batch_step`].
+    pub fn batch_step(
+        self,
+        model: &Model<'_>,
+        states: &mut [u64],
+        scratch: &mut Scratch<'_>,
+        actions: &[f32],
+        auto_reset: bool,
+        out: &mut BatchOut<'_>,
+    ) -> Result<(), Error> {
+        match self.0 {
+            Set::Baseline => model.batch_step(states, scratch, actions, auto_reset, out),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: only `best` makes this variant, where the machine has what it needs.
+            Set::V3 => unsafe { batch_step_v3(model, states, scratch, actions, auto_reset, out) },
+        }
+    }
+}
+
+/// [`Model::batch_step`] with the best instruction set of this machine.
+///
+/// # Errors
+/// As [`Model::batch_step`].
+pub fn batch_step(
+    model: &Model<'_>,
+    states: &mut [u64],
+    scratch: &mut Scratch<'_>,
+    actions: &[f32],
+    auto_reset: bool,
+    out: &mut BatchOut<'_>,
+) -> Result<(), Error> {
+    InstructionSet::best().batch_step(model, states, scratch, actions, auto_reset, out)
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_v3() -> bool {
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
+}
+
+/// # Safety
+/// The processor has what [`has_v3`] looks for.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn batch_step_v3(
+    model: &Model<'_>,
+    states: &mut [u64],
+    scratch: &mut Scratch<'_>,
+    actions: &[f32],
+    auto_reset: bool,
+    out: &mut BatchOut<'_>,
+) -> Result<(), Error> {
+    model.batch_step_here(states, scratch, actions, auto_reset, out)
+}
