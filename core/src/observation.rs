@@ -109,16 +109,9 @@ pub fn observe_global(
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_count());
     let (per_uav, rest) = out.split_at_mut(6 * uavs);
     let (per_hotspot, common) = rest.split_at_mut(4 * hotspots);
-    for block in lanes::blocks(uavs) {
-        let own = view.own(block);
-        let rows = per_uav[6 * block.first..].chunks_exact_mut(6);
-        for (lane, row) in rows.enumerate().take(block.count) {
-            for (value, lanes) in row.iter_mut().zip(&own) {
-                *value = lanes[lane];
-            }
-            let known = bits::count(state.knowledge_of(block.first + lane));
-            row[OWN] = known as f32 / hotspots as f32;
-        }
+    for (i, row) in per_uav.chunks_exact_mut(6).enumerate() {
+        row[..OWN].copy_from_slice(&view.own(i));
+        row[OWN] = bits::count(state.knowledge_of(i)) as f32 / hotspots as f32;
     }
     for (j, row) in per_hotspot.chunks_exact_mut(4).enumerate() {
         let (x, y) = view.position(state.hotspot_cell(j));
@@ -220,58 +213,116 @@ impl<'v> View<'v> {
     /// What each UAV sees of itself, and what stands behind its neighbours: connectivity, sustainability, progress.
     #[inline(always)]
     fn write_own(&self, block: Block, rows: &mut [f32]) {
-        let (own, mut depots) = (self.own(block), [0.0; WIDTH]);
-        let distances = self
-            .model
-            .depot_distances(&Cells::load(block, self.state.cells));
-        for lane in 0..WIDTH {
-            depots[lane] = (f64::from(distances[lane] as i32) * self.per_span) as f32;
-        }
-        let (mut degrees, row) = ([0.0; WIDTH], self.model.uav_words());
-        let mut neighbours = [0; WIDTH];
-        for word in 0..row {
-            let links = block.load_word(self.state.links, row, word);
-            for lane in 0..WIDTH {
-                neighbours[lane] += links[lane].count_ones() as i32;
+        let rows = (block.first..).zip(rows.chunks_exact_mut(self.model.observation_len()));
+        if block.count < lanes::FLEET {
+            for (i, row) in rows {
+                row[..OWN].copy_from_slice(&self.own(i));
+                let degree = bits::count(self.state.links_of(i)) as i32;
+                let distance = self.model.depot_distance(self.state.cell(i)) as i32;
+                self.write_common(self.connection(degree), self.to_depot(distance), row);
             }
-        }
-        for lane in 0..WIDTH {
-            degrees[lane] = (f64::from(neighbours[lane]) * self.per_other) as f32;
-        }
-        let rows = rows.chunks_exact_mut(self.model.observation_len());
-        for (lane, row) in rows.enumerate().take(WIDTH) {
-            for (value, lanes) in row.iter_mut().zip(&own) {
-                *value = lanes[lane];
+        } else {
+            let own = self.own_in_lanes(block);
+            let (connection, to_depot) = self.common_in_lanes(block);
+            for (lane, (_, row)) in rows.enumerate().take(WIDTH) {
+                for (value, lanes) in row.iter_mut().zip(&own) {
+                    *value = lanes[lane];
+                }
+                self.write_common(connection[lane], to_depot[lane], row);
             }
-            row[self.common..self.common + COMMON].copy_from_slice(&[
-                degrees[lane],
-                self.carbon,
-                depots[lane],
-                self.progress[0],
-                self.progress[1],
-                self.progress[2],
-            ]);
         }
     }
 
-    /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of each UAV of a block.
+    /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of UAV i.
     #[inline(always)]
-    fn own(&self, block: Block) -> [Lanes<f32>; OWN] {
-        let cells = Cells::load(block, self.state.cells);
-        let (battery, pilot) = (block.load(self.state.battery), block.load(self.state.pilot));
-        let throughputs = block.load(self.state.throughput);
+    fn own(&self, i: usize) -> [f32; OWN] {
+        self.own_of(
+            self.state.cells[i],
+            self.state.battery[i],
+            self.state.pilot[i],
+            self.state.throughput[i],
+        )
+    }
+
+    #[inline(always)]
+    fn own_of(&self, cell: u64, battery: u64, pilot: u64, throughput: u64) -> [f32; OWN] {
+        let above = f64::from_bits(pilot) - self.pilot_min;
+        [
+            cell as u32 as i32 as f32 / self.spans.0,
+            (cell >> 32) as i32 as f32 / self.spans.1,
+            (battery as f64 * self.per_capacity) as f32,
+            (above * self.per_pilot_span) as f32,
+            f64::from_bits(throughput) as f32,
+        ]
+    }
+
+    /// [`Self::own`] of each UAV of a block.
+    #[inline(always)]
+    fn own_in_lanes(&self, block: Block) -> [Lanes<f32>; OWN] {
+        let (cells, battery) = (block.load(self.state.cells), block.load(self.state.battery));
+        let (pilot, throughput) = (
+            block.load(self.state.pilot),
+            block.load(self.state.throughput),
+        );
         let mut own = [[0.0; WIDTH]; OWN];
-        let [x, y, soc, density, throughput] = &mut own;
         for lane in 0..WIDTH {
-            x[lane] = cells.x[lane] as f32 / self.spans.0;
-            y[lane] = cells.y[lane] as f32 / self.spans.1;
-            soc[lane] = (battery[lane] as f64 * self.per_capacity) as f32;
-            let above = f64::from_bits(pilot[lane]) - self.pilot_min;
-            density[lane] = (above * self.per_pilot_span) as f32;
-            throughput[lane] = f64::from_bits(throughputs[lane]) as f32;
+            let one = self.own_of(cells[lane], battery[lane], pilot[lane], throughput[lane]);
+            for (lanes, value) in own.iter_mut().zip(one) {
+                lanes[lane] = value;
+            }
         }
         own.iter_mut().for_each(in_memory);
         own
+    }
+
+    /// Neighbours/(N-1).
+    #[inline(always)]
+    fn connection(&self, neighbours: i32) -> f32 {
+        (f64::from(neighbours) * self.per_other) as f32
+    }
+
+    /// Depot distance/(W+H-2).
+    #[inline(always)]
+    fn to_depot(&self, distance: i32) -> f32 {
+        (f64::from(distance) * self.per_span) as f32
+    }
+
+    /// [`Self::connection`] and [`Self::to_depot`] of each UAV of a block.
+    #[inline(always)]
+    fn common_in_lanes(&self, block: Block) -> (Lanes<f32>, Lanes<f32>) {
+        let (mut degrees, row) = ([0; WIDTH], self.model.uav_words());
+        if row == 1 {
+            degrees = block
+                .load(self.state.links)
+                .map(|links| links.count_ones() as i32);
+        } else {
+            let links = self.state.links[block.first * row..].chunks_exact(row);
+            for (degree, links) in degrees[..block.count].iter_mut().zip(links) {
+                *degree = bits::count(links) as i32;
+            }
+        }
+        let distances = self
+            .model
+            .depot_distances(&Cells::load(block, self.state.cells));
+        let (mut connection, mut to_depot) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for lane in 0..WIDTH {
+            connection[lane] = self.connection(degrees[lane]);
+            to_depot[lane] = self.to_depot(distances[lane] as i32);
+        }
+        (connection, to_depot)
+    }
+
+    /// Connectivity, sustainability and progress.
+    #[inline(always)]
+    fn write_common(&self, connection: f32, to_depot: f32, row: &mut [f32]) {
+        row[self.common..self.common + COMMON].copy_from_slice(&[
+            connection,
+            self.carbon,
+            to_depot,
+            self.progress[0],
+            self.progress[1],
+            self.progress[2],
+        ]);
     }
 
     /// What the configuration adds: a window of the map, the unsearched shares, a tag.

@@ -380,10 +380,12 @@ fn settle_block(
     let (plan, row) = (model.energy(), model.uav_words());
     let (cells, previous) = (block.load(state.cells), block.load(state.previous));
     let mut any_link = [0; WIDTH];
-    for word in 0..row {
-        let links = block.load_word(state.links, row, word);
-        for lane in 0..WIDTH {
-            any_link[lane] |= links[lane];
+    if row == 1 {
+        any_link = block.load(state.links);
+    } else {
+        let links = state.links[block.first * row..].chunks_exact(row);
+        for (any, links) in any_link[..block.count].iter_mut().zip(links) {
+            *any = u64::from(!bits::is_empty(links));
         }
     }
     let (mut moved, mut linked) = ([0; WIDTH], [0; WIDTH]);
