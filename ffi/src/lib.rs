@@ -2,7 +2,7 @@
 //! comments of exported items are therefore written in the terms of C.
 //!
 //! Exported functions are thin: they check pointers, lengths and handles, then call the safe kernel.
-//! This is the only crate of the workspace with `unsafe` code, and each block says why it is sound.
+//! Each `unsafe` block says why it is sound.
 #![deny(clippy::undocumented_unsafe_blocks)]
 // C programmers read the safety conditions in the header's introduction, once.
 #![allow(clippy::missing_safety_doc)]
