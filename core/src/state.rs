@@ -503,11 +503,8 @@ impl<'a> StateRef<'a> {
     #[inline(always)]
     pub(crate) fn write_uav_rewards(&self, out: &mut [f32]) {
         let mut rewards = self.rewards();
-        for (reward, own) in out
-            .iter_mut()
-            .zip(self.own_rewards.chunks_exact(OWN_COMPONENTS))
-        {
-            for (slot, &index) in reward::OWN.iter().enumerate() {
+        for (reward, own) in out.iter_mut().zip(self.own_rewards.chunks_exact(OWN_KEPT)) {
+            for (slot, &index) in OWN.iter().enumerate().take(OWN_KEPT) {
                 rewards[index] = f64::from_bits(own[slot]);
             }
             *reward = reward::total(&rewards) as f32;

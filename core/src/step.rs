@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::header::{Phase, stored};
 use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
-use crate::reward::{self, BlockDeeds, Deeds, Happenings, OWN_COMPONENTS};
+use crate::reward::{self, BlockDeeds, Deeds, Happenings, OWN_KEPT};
 use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
 use crate::{action, carbon, knowledge, link, motion, potential, search, sensing};
@@ -529,8 +529,7 @@ fn credit(
         let own = model
             .reward()
             .own_in_lanes(uavs, (emitted.co2_ng, emitted.billed_uj), &deeds);
-        let rows =
-            state.own_rewards[block.first * OWN_COMPONENTS..].chunks_exact_mut(OWN_COMPONENTS);
+        let rows = state.own_rewards[block.first * OWN_KEPT..].chunks_exact_mut(OWN_KEPT);
         for (lane, row) in rows.take(block.count).enumerate() {
             for (value, lanes) in row.iter_mut().zip(&own) {
                 *value = lanes[lane];
