@@ -531,11 +531,13 @@ impl Flights<'_> {
     }
 }
 
-/// A mission with another's numbers of UAVs and hotspots.
+/// A mission with another's numbers of UAVs and hotspots, and with its tags: where a mission shows none, a policy that
+/// reads them numbers the UAVs itself.
 fn sized_as(config: &Config, other: &Config) -> Config {
     Config {
         uav_count: other.uav_count,
         hotspot_count: other.hotspot_count,
+        uav_tag: other.uav_tag,
         ..*config
     }
 }
