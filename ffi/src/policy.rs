@@ -159,8 +159,8 @@ pub unsafe extern "C" fn jcas_policy_load(
 }
 
 /// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams, sweep,
-/// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap, so that
-/// jcas_policy_act may allocate.
+/// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap,
+/// so that jcas_policy_act may allocate.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid, max, adaptive
 /// or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
