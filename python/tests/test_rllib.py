@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import signal
 import socket
@@ -100,6 +101,14 @@ def where(algorithm):
     return algorithm.env_runner_group.foreach_env_runner(place, local_env_runner=False)
 
 
+def test_an_iteration_without_samples_is_a_row():
+    from jcas.rllib.training import iteration_row
+
+    row = iteration_row({"training_iteration": 3, "fault_tolerance": {"num_healthy_workers": 0}}, 1.0)
+    assert row["iteration"] == 3 and row["env_runners"] == 0
+    assert math.isnan(row["team_return"]) and math.isnan(row["entropy"])
+
+
 def test_two_nodes_train_and_survive_a_killed_runner(cluster):
     import jcas
     from jcas.rllib import Hyperparameters, ppo_config
@@ -125,9 +134,10 @@ def test_two_nodes_train_and_survive_a_killed_runner(cluster):
         after = where(algorithm)
         assert len({node for node, _ in after}) == 2 and killed not in [process for _, process in after]
 
-        while len(returns) < 14:
+        # On a busy machine an iteration may end without samples.
+        while len(measured := [value for value in returns if not math.isnan(value)]) < 14:
             returns.append(iteration_row(algorithm.train(), 0.0)["team_return"])
-        assert sum(returns[-3:]) / 3 > sum(returns[:3]) / 3 + 1.0, returns
+        assert sum(measured[-3:]) / 3 > sum(measured[:3]) / 3 + 1.0, returns
     finally:
         algorithm.stop()
 

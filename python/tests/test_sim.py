@@ -117,7 +117,7 @@ def test_a_model_outlives_its_name():
     assert sim.step(np.zeros((3, 2), np.float32)).reward == pytest.approx(sim.metrics()["return_sum"])
 
 
-UNSEEN = {"radar_cross_section_dbsm": -90.0}
+UNSEEN = {"detection_threshold_db": 300.0}
 """Hotspots that nobody finds, so that no mission ends early."""
 
 

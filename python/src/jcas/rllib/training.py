@@ -154,17 +154,21 @@ class Run:
 
 
 def iteration_row(result: dict[str, Any], seconds: float) -> dict[str, Any]:
-    """Pick what is worth keeping out of RLlib's result."""
-    sampled = result["env_runners"]
+    """Pick what is worth keeping out of RLlib's result.
+
+    Runners that are late by more than RLlib waits for, or that died, leave an iteration without samples.
+    """
+    sampled = result.get("env_runners", {})
+    learned = result.get("learners", {}).get(SHARED_POLICY, {})
     nan = float("nan")
     return {
         "iteration": result["training_iteration"],
-        "env_steps": int(result["num_env_steps_sampled_lifetime"]),
+        "env_steps": int(result.get("num_env_steps_sampled_lifetime", 0)),
         "seconds": seconds,
         "team_return": float(sampled.get("team_return", nan)),
         "success": float(sampled.get("success", nan)),
         "mission_steps": float(sampled.get("mission_steps", nan)),
-        "entropy": float(result["learners"][SHARED_POLICY].get("entropy", nan)),
+        "entropy": float(learned.get("entropy", nan)),
         "env_runners": int(result["fault_tolerance"]["num_healthy_workers"]),
     }
 
