@@ -147,6 +147,12 @@ struct View<'v> {
     progress: [f32; 3],
 }
 
+/// The tag of a UAV by its index, i/(N-1): what `uav_tag = "index"` shows.
+#[must_use]
+pub fn index_tag(index: usize, uav_count: usize) -> f32 {
+    (index as f64 * inverse((uav_count - 1) as f64)) as f32
+}
+
 fn inverse(value: f64) -> f64 {
     if value > 0.0 { 1.0 / value } else { 0.0 }
 }
@@ -369,7 +375,7 @@ impl<'v> View<'v> {
             let draw = rng::bits64(self.state.seed(), 0, i as u32, 0, Purpose::Tag);
             rng::unit(draw) as f32
         } else {
-            (i as f64 * self.per_other) as f32
+            index_tag(i, self.model.uav_count())
         }
     }
 

@@ -3,6 +3,8 @@
 //! Any number of hotspots and neighbours is flown with the same weights. Two features are worked out
 //! rather than learnt: how near a hotspot is in cells, and how many UAVs are at or around it.
 
+use jcas_core::observation::index_tag;
+
 use super::dense::{LANES, Layer, relu};
 use super::mlp::ROWS;
 use super::plan::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
@@ -34,15 +36,6 @@ fn nearness(distance: f32, reach: f32) -> f32 {
 /// Manhattan distance in cells.
 fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
     dx.abs() * cells[0] + dy.abs() * cells[1]
-}
-
-/// The tag of UAV `index` of `uavs`, as missions with `uav_tag = "index"` show it.
-fn tag(index: usize, uavs: usize) -> f32 {
-    if uavs > 1 {
-        (index as f64 * (1.0 / (uavs - 1) as f64)) as f32
-    } else {
-        0.0
-    }
 }
 
 /// Takes the first `length` elements off.
@@ -100,7 +93,7 @@ impl Set {
         let observations = observations.chunks_exact(sizes.observation_len);
         let outs = inputs.chunks_exact_mut(self.trunk.inputs());
         for (index, (row, out)) in observations.zip(outs).enumerate() {
-            let tag = tag((first + index) % sizes.uavs, sizes.uavs);
+            let tag = index_tag((first + index) % sizes.uavs, sizes.uavs);
             self.pool(weights, row, tag, sizes, out, scratch);
         }
         self.trunk.apply(weights, inputs, scratch)
