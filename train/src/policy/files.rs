@@ -215,6 +215,9 @@ impl Stored {
     /// Refuses a mission whose observations the network cannot read, saying which and why.
     pub fn check(&self, model: &Model<'_>) -> Result<(), TrainError> {
         let config = model.config();
+        // A set network that reads a tag where the mission shows none numbers the UAVs itself.
+        let shown = set::added(&shape_of(model));
+        let untagged = config.uav_tag == UavTag::Off;
         match &self.card.architecture {
             Architecture::Mlp { sizes } if sizes[0] != model.observation_len() => {
                 Err(TrainError::Fit(format!(
@@ -229,17 +232,13 @@ impl Stored {
                     model.neighbour_slots(),
                 )))
             }
-            // One that reads a tag where the mission shows none numbers the UAVs itself.
             Architecture::SetActor { added, .. }
-                if *added != set::added(&shape_of(model))
-                    && (*added != set::added(&shape_of(model)) + 1
-                        || config.uav_tag != UavTag::Off) =>
+                if *added != shown && !(untagged && *added == shown + 1) =>
             {
                 Err(TrainError::Fit(format!(
                     "policy {}: reads {added} fields of search map, directions and tag, this mission \
-                     shows {} (map_window_radius, map_directions, uav_tag)",
+                     shows {shown} (map_window_radius, map_directions, uav_tag)",
                     self.card.name,
-                    set::added(&shape_of(model)),
                 )))
             }
             _ if self.card.config.target_visibility != config.target_visibility => {
