@@ -236,17 +236,21 @@ fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     plan.configs = vec![tagged];
     plan.train(false, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
-    let ways = |config: Config| {
+    // At the start all UAVs see the same but for their tags.
+    let outputs = |config: Config| {
         let model = Model::new(config).unwrap();
         stored.check(&model).unwrap();
-        let mut policy = stored.policy(None);
         let mut sim = jcas_core::Sim::new(&model);
-        jcas_evaluate::mission::fly_episode(&model, &mut sim, &mut policy, 5).unwrap();
-        let state = sim.state();
-        let batteries = (0..model.uav_count()).map(|uav| state.battery_uj(uav));
-        batteries.collect::<Vec<_>>()
+        sim.reset(5);
+        let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+        sim.observe(&mut observations).unwrap();
+        let mut policy = stored.policy(None);
+        policy.outputs(&model, &observations).unwrap()
     };
-    assert_eq!(ways(tagged), ways(config()));
+    let shown = outputs(tagged);
+    assert_eq!(shown, outputs(config()));
+    let rows: Vec<_> = shown.chunks_exact(shown.len() / 4).collect();
+    assert!(rows.windows(2).all(|pair| pair[0] != pair[1]));
 
     let mapped = Config {
         map_directions: jcas_core::MapDirections::Shown,
