@@ -4,7 +4,6 @@
 //! tested on an environment small enough to know the best return of.
 
 pub mod beacon;
-pub mod contribution;
 pub mod fleet;
 pub mod lesson;
 pub mod progress;

@@ -87,9 +87,6 @@ pub struct Settings {
     /// Paid to each UAV while training for each cell that it comes nearer to the unconfirmed hotspot nearest
     /// to it; nothing in a step that confirms one.
     pub progress_reward: f64,
-    /// Paid to each UAV while training for a confirmation that would not be without it, in expectation: the
-    /// chance that it detects an unconfirmed hotspot and exactly one fewer of the others do than confirm it.
-    pub contribution_reward: f64,
 
     /// Iterations between evaluations; 0: only at the end.
     pub evaluate_every: usize,
@@ -212,7 +209,6 @@ impl Settings {
             reward_factors: BTreeMap::new(),
             step_cost: 0.0,
             progress_reward: 0.0,
-            contribution_reward: 0.0,
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,

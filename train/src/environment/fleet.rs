@@ -1,6 +1,5 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
-use super::contribution::Contribution;
 use super::lesson::Lesson;
 use super::progress::Progress;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
@@ -20,8 +19,6 @@ pub struct Treatment {
     pub step_cost: f64,
     /// Paid to each UAV for each cell of its own progress.
     pub progress_reward: f64,
-    /// Paid to each UAV for each confirmation that it makes certain.
-    pub contribution_reward: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
 }
@@ -33,7 +30,6 @@ impl Treatment {
             factors: [1.0; COMPONENTS],
             step_cost: settings.step_cost,
             progress_reward: settings.progress_reward,
-            contribution_reward: settings.contribution_reward,
             constant_pilot,
         };
         for (name, &factor) in &settings.reward_factors {
@@ -77,9 +73,7 @@ pub struct Fleet {
     components: Vec<f64>,
     uav_components: Vec<f64>,
     progress: Progress,
-    contribution: Contribution,
-    /// What training pays each UAV of a mission, and what it is paid for.
-    extra: [Vec<f64>; 2],
+    cells: Vec<f64>,
     rewards: Vec<f32>,
     ended: [Vec<u8>; 2],
     metrics: Vec<Metrics>,
@@ -105,8 +99,7 @@ impl Fleet {
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
             progress: Progress::new(environments, uavs),
-            contribution: Contribution::new(environments, model.hotspot_count()),
-            extra: [vec![0.0; uavs], vec![0.0; uavs]],
+            cells: vec![0.0; uavs],
             rewards: vec![0.0; environments],
             ended: [vec![0; environments], vec![0; environments]],
             metrics: vec![Metrics::default(); environments],
@@ -141,46 +134,36 @@ impl Fleet {
         for (m, state) in states.enumerate() {
             let state = self.model.state(state).expect("a state of this model");
             self.progress.start(m, &self.model, &state);
-            self.contribution.start(m, &state);
         }
     }
 
-    /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training pays it besides, so
-    /// that their mean is the team's with the fleet's mean of that. A mission that ended has begun anew:
-    /// nothing besides then.
+    /// The rewards of a mission's step: every UAV's is its own of the kernel's and its own progress, so that
+    /// their mean is the team's with the fleet's mean progress. A mission that ended has begun anew: no
+    /// progress then.
     fn pay(&mut self, m: usize, out: &mut StepOut) {
         let words = self.model.state_words();
         let state = &self.states[m * words..(m + 1) * words];
         let state = self.model.state(state).expect("a state of this model");
-        let [extra, gained] = &mut self.extra;
         if out.terminated[m] || out.truncated[m] {
             self.progress.start(m, &self.model, &state);
-            self.contribution.start(m, &state);
-            extra.fill(0.0);
+            self.cells.fill(0.0);
         } else {
-            self.progress.gained(m, &self.model, &state, extra);
-            extra
-                .iter_mut()
-                .for_each(|extra| *extra *= self.treatment.progress_reward);
-            if self.treatment.contribution_reward != 0.0 {
-                self.contribution.gained(m, &self.model, &state, gained);
-                for (extra, gained) in extra.iter_mut().zip(gained) {
-                    *extra += self.treatment.contribution_reward * *gained;
-                }
-            }
+            self.progress
+                .gained(m, &self.model, &state, &mut self.cells);
         }
-        let uavs = extra.len();
+        let weight = self.treatment.progress_reward;
+        let uavs = self.cells.len();
         if out.rewards.len() > self.environments {
             let components = self.uav_components.chunks_exact(COMPONENTS);
             let own = out.rewards.iter_mut().zip(components).skip(m * uavs);
-            for ((reward, components), extra) in own.zip(&*extra) {
-                *reward = (self.treatment.reward(components) + extra) as f32;
+            for ((reward, components), cells) in own.zip(&self.cells) {
+                *reward = (self.treatment.reward(components) + weight * cells) as f32;
             }
         } else {
             let components = &self.components[m * COMPONENTS..(m + 1) * COMPONENTS];
             let team = self.treatment.reward(components);
-            let mean = extra.iter().sum::<f64>() / uavs as f64;
-            out.rewards[m] = (team + mean) as f32;
+            let mean = self.cells.iter().sum::<f64>() / uavs as f64;
+            out.rewards[m] = (team + weight * mean) as f32;
         }
     }
 }
