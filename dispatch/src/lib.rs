@@ -73,21 +73,6 @@ impl InstructionSet {
     }
 }
 
-/// [`Model::batch_step`] with the best instruction set of this machine.
-///
-/// # Errors
-/// As [`Model::batch_step`].
-pub fn batch_step(
-    model: &Model<'_>,
-    states: &mut [u64],
-    scratch: &mut Scratch<'_>,
-    actions: &[f32],
-    auto_reset: bool,
-    out: &mut BatchOut<'_>,
-) -> Result<(), Error> {
-    InstructionSet::best().batch_step(model, states, scratch, actions, auto_reset, out)
-}
-
 #[cfg(target_arch = "x86_64")]
 fn has_v3() -> bool {
     is_x86_feature_detected!("avx2")

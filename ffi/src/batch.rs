@@ -8,7 +8,8 @@ use jcas_core::{Error, Metrics, Model, Scratch, observation, reward};
 use crate::batch_block::{BatchBlock, Plan, Sizes};
 use crate::handle::{self, Memory, Open, model, see};
 use crate::memory::{
-    Buffer, Plain, Record, Words, input, optional_output, output, place, read_record, text_out,
+    Buffer, Plain, Record, Words, input, optional_output, output, place, put_layout, read_record,
+    text_out,
 };
 use crate::model::jcas_model;
 use crate::records::jcas_metrics;
@@ -181,14 +182,9 @@ pub unsafe extern "C" fn jcas_batch_layout(
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `options`.
         let plan = unsafe { read_record(options) }?.plan()?;
-        // SAFETY: the caller's promise for `size`.
-        let size = unsafe { place(size) }?;
-        // SAFETY: the caller's promise for `alignment`.
-        let alignment = unsafe { place(alignment) }?;
-        let layout = plan.layout(model.get())?;
-        size.put(layout.size());
-        alignment.put(layout.align());
-        Ok(())
+        let layout = || plan.layout(model.get());
+        // SAFETY: the caller's promises for `size` and `alignment`.
+        unsafe { put_layout(size, alignment, layout) }
     })
 }
 

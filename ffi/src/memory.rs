@@ -1,5 +1,6 @@
 //! Pointers from C become slices and records, once checked. Every raw pointer of a caller passes here.
 
+use std::alloc::Layout;
 use std::ffi::c_char;
 use std::fmt::{self, Display, Write};
 use std::slice;
@@ -198,6 +199,23 @@ impl<T> Place<'_, T> {
         // SAFETY: `place` and `record` checked the pointer, the caller promised the memory.
         unsafe { self.0.write(value) }
     }
+}
+
+/// Writes the size and alignment of a block, which is laid out once both places are seen to be there.
+///
+/// # Safety
+/// As [`place`], for both.
+pub(crate) unsafe fn put_layout(
+    size: *mut usize,
+    alignment: *mut usize,
+    layout: impl FnOnce() -> Result<Layout, Fault>,
+) -> Result<(), Fault> {
+    // SAFETY: passed on.
+    let (size, alignment) = unsafe { (place(size)?, place(alignment)?) };
+    let layout = layout()?;
+    size.put(layout.size());
+    alignment.put(layout.align());
+    Ok(())
 }
 
 /// A place for a record whose caller has set `struct_size`.

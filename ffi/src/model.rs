@@ -8,7 +8,7 @@ use jcas_core::Config;
 use crate::config::jcas_config;
 use crate::config_text::legal;
 use crate::handle::{Memory, ModelBlock, model};
-use crate::memory::{output, place, record, sized_record};
+use crate::memory::{output, place, put_layout, record, sized_record};
 use crate::records::{
     JCAS_OBSERVATION_FIELDS, jcas_model_info, jcas_observation_field, jcas_radio,
 };
@@ -35,14 +35,9 @@ pub unsafe extern "C" fn jcas_model_layout(
     guard(|| {
         // SAFETY: the caller's promises for `config` and `message`.
         let config = unsafe { legal(config, message, message_capacity) }?;
-        // SAFETY: the caller's promise for `size`.
-        let size = unsafe { place(size) }?;
-        // SAFETY: the caller's promise for `alignment`.
-        let alignment = unsafe { place(alignment) }?;
-        let layout = ModelBlock::layout(&config)?;
-        size.put(layout.size());
-        alignment.put(layout.align());
-        Ok(())
+        let layout = || ModelBlock::layout(&config);
+        // SAFETY: the caller's promises for `size` and `alignment`.
+        unsafe { put_layout(size, alignment, layout) }
     })
 }
 

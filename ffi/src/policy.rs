@@ -10,7 +10,7 @@ use jcas_core::Model;
 use crate::batch::jcas_batch;
 use crate::batch_block::BatchBlock;
 use crate::handle::{Memory, model, see};
-use crate::memory::{Said, bytes, message, output, place};
+use crate::memory::{Said, bytes, message, output, place, put_layout};
 use crate::model::jcas_model;
 use crate::policy_block::{PolicyBlock, fault};
 use crate::sim::jcas_sim;
@@ -73,17 +73,14 @@ pub unsafe extern "C" fn jcas_policy_layout(
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
-        // SAFETY: the caller's promise for `size`.
-        let size = unsafe { place(size) }?;
-        // SAFETY: the caller's promise for `alignment`.
-        let alignment = unsafe { place(alignment) }?;
-        // SAFETY: the caller's promises for `file` and `message`.
-        let (network, _) =
-            unsafe { network(model.get(), file, length, message, message_capacity) }?;
-        let layout = PolicyBlock::layout(model.get(), Some(&network))?;
-        size.put(layout.size());
-        alignment.put(layout.align());
-        Ok(())
+        let layout = || {
+            // SAFETY: the caller's promises for `file` and `message`.
+            let (network, _) =
+                unsafe { network(model.get(), file, length, message, message_capacity) }?;
+            PolicyBlock::layout(model.get(), Some(&network))
+        };
+        // SAFETY: the caller's promises for `size` and `alignment`.
+        unsafe { put_layout(size, alignment, layout) }
     })
 }
 

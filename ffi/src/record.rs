@@ -6,7 +6,7 @@ use jcas_core::header::Phase;
 
 use crate::config::jcas_config;
 use crate::handle::{Open, change, model, open};
-use crate::memory::{Plain, Record, Said, bytes, message, place, read_record, sized_record};
+use crate::memory::{Plain, Record, Said, bytes, message, put_layout, read_record, sized_record};
 use crate::model::jcas_model;
 use crate::sim::jcas_sim;
 use crate::status::{
@@ -63,14 +63,9 @@ pub unsafe extern "C" fn jcas_trace_layout(
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
-        // SAFETY: the caller's promise for `size`.
-        let size = unsafe { place(size) }?;
-        // SAFETY: the caller's promise for `alignment`.
-        let alignment = unsafe { place(alignment) }?;
-        let layout = Workspace::layout(model.get())?;
-        size.put(layout.size());
-        alignment.put(layout.align());
-        Ok(())
+        let layout = || Workspace::layout(model.get());
+        // SAFETY: the caller's promises for `size` and `alignment`.
+        unsafe { put_layout(size, alignment, layout) }
     })
 }
 

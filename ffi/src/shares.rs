@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use jcas_core::batch::BatchOut;
 use jcas_core::header::Phase;
 use jcas_core::{Error, Model, Scratch, reward};
+use jcas_dispatch::InstructionSet;
 
 use crate::batch::jcas_task;
 use crate::status::{Fault, JCAS_ERROR_INTERNAL};
@@ -193,7 +194,7 @@ impl<'a> Round<'a> {
             )
         };
         let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
-        jcas_dispatch::batch_step(
+        InstructionSet::best().batch_step(
             model,
             states,
             &mut scratch,

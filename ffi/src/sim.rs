@@ -6,7 +6,7 @@ use jcas_core::observation;
 use jcas_core::{Error, Scratch};
 
 use crate::handle::{Memory, Open, SimBlock, change, model, see};
-use crate::memory::{Words, input, output, place, record, text_out};
+use crate::memory::{Words, input, output, place, put_layout, record, text_out};
 use crate::model::jcas_model;
 use crate::records::jcas_outcome;
 use crate::status::{JCAS_OK, guard, jcas_status};
@@ -40,14 +40,9 @@ pub unsafe extern "C" fn jcas_sim_layout(
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
-        // SAFETY: the caller's promise for `size`.
-        let size = unsafe { place(size) }?;
-        // SAFETY: the caller's promise for `alignment`.
-        let alignment = unsafe { place(alignment) }?;
-        let layout = SimBlock::layout(model.get())?;
-        size.put(layout.size());
-        alignment.put(layout.align());
-        Ok(())
+        let layout = || SimBlock::layout(model.get());
+        // SAFETY: the caller's promises for `size` and `alignment`.
+        unsafe { put_layout(size, alignment, layout) }
     })
 }
 

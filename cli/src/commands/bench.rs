@@ -6,6 +6,7 @@ use clap::Args;
 use jcas_core::batch::BatchOut;
 use jcas_core::rng::{self, Purpose};
 use jcas_core::{Error, Model, Scratch, Sim};
+use jcas_dispatch::InstructionSet;
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
@@ -182,7 +183,7 @@ fn measure_batch(
                 truncated: &mut truncated,
                 ..BatchOut::default()
             };
-            jcas_dispatch::batch_step(
+            InstructionSet::best().batch_step(
                 model,
                 &mut states,
                 &mut scratch,

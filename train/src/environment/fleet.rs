@@ -8,6 +8,7 @@ use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Metrics, Model, Scratch};
+use jcas_dispatch::InstructionSet;
 use std::sync::Arc;
 
 /// What training changes about the missions it flies.
@@ -215,27 +216,28 @@ impl VectorEnvironment for Fleet {
         let [terminated, truncated] = &mut self.ended;
         let mut scratch =
             Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
-        jcas_dispatch::batch_step(
-            &self.model,
-            &mut self.states,
-            &mut scratch,
-            &self.held,
-            true,
-            &mut BatchOut {
-                observations: &mut self.observations,
-                global: &mut self.global,
-                rewards: &mut self.rewards,
-                components: &mut self.components,
-                terminated,
-                truncated,
-                final_observations: &mut out.final_observations,
-                final_global: &mut out.final_global,
-                final_metrics: &mut self.metrics,
-                uav_components: &mut self.uav_components,
-                ..BatchOut::default()
-            },
-        )
-        .expect("actions of a head are numbers, and missions start anew by themselves");
+        InstructionSet::best()
+            .batch_step(
+                &self.model,
+                &mut self.states,
+                &mut scratch,
+                &self.held,
+                true,
+                &mut BatchOut {
+                    observations: &mut self.observations,
+                    global: &mut self.global,
+                    rewards: &mut self.rewards,
+                    components: &mut self.components,
+                    terminated,
+                    truncated,
+                    final_observations: &mut out.final_observations,
+                    final_global: &mut out.final_global,
+                    final_metrics: &mut self.metrics,
+                    uav_components: &mut self.uav_components,
+                    ..BatchOut::default()
+                },
+            )
+            .expect("actions of a head are numbers, and missions start anew by themselves");
         out.finished.clear();
         for m in 0..self.environments {
             out.terminated[m] = self.ended[0][m] == 1;
