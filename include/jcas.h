@@ -2,18 +2,19 @@
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  *
- * Three kinds of object, each behind an opaque handle:
- *   jcas_model  a validated configuration and its tables; never changes.
- *   jcas_sim    one state of a model: one running mission.
- *   jcas_batch  many states of a model, stepped together.
+ * Four kinds of object, each behind an opaque handle:
+ *   jcas_model   a validated configuration and its tables; never changes.
+ *   jcas_sim     one state of a model: one running mission.
+ *   jcas_batch   many states of a model, stepped together.
+ *   jcas_policy  what flies a fleet: a trained network or a baseline.
  *
  * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative JCAS_ERROR_...
  *   After an error every output, buffer and handle is as it was, but for the length of a text that did not
  *   fit. `Statuses:` at a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be.
  * Memory. ..._new takes memory from the system; ..._init builds in memory of the caller, sized by
- *   ..._layout. Both end with ..._free; every simulation and batch before its model. Pointers that are
- *   passed in are not kept, but for the memory of ..._init, the model of a simulation or batch, and what a
- *   jcas_recorder points to.
+ *   ..._layout. Both end with ..._free; every other object before its model. Pointers that are passed in
+ *   are not kept, but for the memory of ..._init, the model of an object, and what a jcas_recorder points
+ *   to.
  *   Only ..._new and jcas_policy_load allocate, in one piece for each object, so that a program with an
  *   allocator of its own gives it to everything by ..._layout and ..._init. Threads of a batch have stacks
  *   from the system.
@@ -26,11 +27,12 @@
  *   unless the function takes it as an argument. A struct grows at its end and with the minor version of
  *   the interface; a library takes every size that the struct has had since the major version began, and
  *   no other. So far each has had one: any other size is STRUCT_SIZE.
- * Messages. `message`, where a function has one, receives why a configuration was refused, as a C string
- *   cut to message_capacity bytes; untouched otherwise. It may be NULL.
+ * Messages. `message`, where a function has one, receives why a configuration, a policy or a trace was
+ *   refused, as a C string cut to message_capacity bytes; untouched otherwise. It may be NULL.
  *   A configuration that is legal may still be hopeless: with a quorum above N nothing is ever confirmed.
- * Threads. A const jcas_model may be used by any number of threads at once. A jcas_sim or jcas_batch may
- *   be used by one thread at a time; functions that take it as const may run at once with each other.
+ * Threads. A const jcas_model may be used by any number of threads at once. A jcas_sim, jcas_batch or
+ *   jcas_policy may be used by one thread at a time; functions that take it as const may run at once with
+ *   each other.
  *   The library has no global state; a batch's threads are its own and end with it. A batch with threads
  *   steps only in the process that built it: after a fork the child gets FORKED and builds its own.
  * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
