@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Metrics, Model, Scratch, hash};
 
-use crate::handle::{Block, Memory, ModelBlock, check};
+use crate::handle::{Block, Kind, Memory, ModelBlock, check};
 use crate::shares::{Round, Runner, check_all};
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RESOURCES};
 use crate::team::{Job, Team, Thread, join, processors, start};
@@ -38,7 +38,7 @@ pub(crate) struct BatchBlock {
 
 // SAFETY: `repr(C)`, the seal comes first.
 unsafe impl Block for BatchBlock {
-    const SEAL: u64 = u64::from_le_bytes(*b"jcas bat");
+    const KIND: Kind = Kind::Batch;
 }
 
 /// How large a batch is and who steps it.

@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | model | [`ModelBlock`], then the words of its tables |
 //! | simulation | [`SimBlock`], then the words of the state, of the working memory, and a spare state |
+//! | batch | [`BatchBlock`](crate::batch_block::BatchBlock), then its states, working memory and threads |
 //! | policy | [`PolicyBlock`](crate::policy_block::PolicyBlock), then what its network works with |
 
 use std::alloc::{Layout, alloc, dealloc};
@@ -15,24 +16,46 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use jcas_core::{Config, Error, Model, Scratch, StateMut};
 
-use crate::batch_block::BatchBlock;
-use crate::policy_block::PolicyBlock;
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_IN_USE, JCAS_ERROR_LENGTH,
     JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES, guard,
 };
 use crate::trace::{Host, Recording, Sink, Workspace};
 
-/// A kind of block.
+/// What a handle is to.
+#[derive(Clone, Copy)]
+pub(crate) enum Kind {
+    Model,
+    Sim,
+    Batch,
+    Policy,
+}
+
+impl Kind {
+    const ALL: [Self; 4] = [Self::Model, Self::Sim, Self::Batch, Self::Policy];
+
+    /// The seal of a block of this kind at an address.
+    fn seal(self, address: usize) -> u64 {
+        let name = match self {
+            Self::Model => b"jcas mdl",
+            Self::Sim => b"jcas sim",
+            Self::Batch => b"jcas bat",
+            Self::Policy => b"jcas pol",
+        };
+        u64::from_le_bytes(*name) ^ address as u64
+    }
+}
+
+/// A block of a kind.
 ///
 /// # Safety
 /// Implement it only for `repr(C)` structs whose first field is the seal, a `u64`.
 pub(crate) unsafe trait Block: Sized {
-    const SEAL: u64;
+    const KIND: Kind;
 
     /// The seal of a block at an address.
     fn seal(at: *const Self) -> u64 {
-        Self::SEAL ^ at.addr() as u64
+        Self::KIND.seal(at.addr())
     }
 }
 
@@ -60,11 +83,11 @@ pub(crate) struct SimBlock {
 
 // SAFETY: `repr(C)`, the seal comes first.
 unsafe impl Block for ModelBlock {
-    const SEAL: u64 = u64::from_le_bytes(*b"jcas mdl");
+    const KIND: Kind = Kind::Model;
 }
 // SAFETY: as above.
 unsafe impl Block for SimBlock {
-    const SEAL: u64 = u64::from_le_bytes(*b"jcas sim");
+    const KIND: Kind = Kind::Sim;
 }
 
 /// Where a block lies.
@@ -143,13 +166,7 @@ pub(crate) unsafe fn check_lent(at: *mut u8, size: usize, layout: Layout) -> Res
 unsafe fn holds_a_handle(at: *mut u8) -> bool {
     // SAFETY: the caller's promise; volatile, as nobody may have written there before.
     let seal = unsafe { at.cast::<u64>().read_volatile() };
-    [
-        ModelBlock::seal(at.cast()),
-        SimBlock::seal(at.cast()),
-        BatchBlock::seal(at.cast()),
-        PolicyBlock::seal(at.cast()),
-    ]
-    .contains(&seal)
+    Kind::ALL.iter().any(|kind| kind.seal(at.addr()) == seal)
 }
 
 /// A block of type `B` followed by `words` words.

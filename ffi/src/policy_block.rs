@@ -1,8 +1,8 @@
 //! A policy behind its handle.
 //!
 //! A network's block is followed by the words of its kernel working memory, then by its weights, its own
-//! working memory, the observations and the actions: flying it allocates nothing. A baseline keeps its plans on the heap,
-//! one for each simulation of a batch.
+//! working memory, the observations and the actions: flying it allocates nothing. A baseline keeps its plans on
+//! the heap, one for each simulation of a batch.
 
 use std::alloc::Layout;
 use std::slice;
@@ -11,7 +11,7 @@ use jcas_core::{Error, Model, Scratch, StateRef, observation};
 use jcas_policy::network::{Flight, FlyError, Network};
 use jcas_policy::{Baseline, BaselineKind, PilotMode, Policy};
 
-use crate::handle::{Block, Memory, ModelBlock, block_layout, check, words_after};
+use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
 use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
 
 #[repr(C)]
@@ -24,7 +24,7 @@ pub(crate) struct PolicyBlock {
 
 // SAFETY: `repr(C)`, the seal comes first.
 unsafe impl Block for PolicyBlock {
-    const SEAL: u64 = u64::from_le_bytes(*b"jcas pol");
+    const KIND: Kind = Kind::Policy;
 }
 
 /// Who flies.

@@ -11,14 +11,13 @@ use jcas_core::header::Phase;
 use jcas_core::{Error, Model, Scratch, reward};
 use jcas_dispatch::InstructionSet;
 
-use crate::batch::jcas_task;
 use crate::status::{Fault, JCAS_ERROR_INTERNAL};
-use crate::team::Job;
+use crate::team::{Job, Task};
 
 /// The caller's way to run tasks.
 #[derive(Clone, Copy)]
 pub(crate) struct Runner {
-    pub(crate) run: unsafe extern "C" fn(jcas_task, *mut c_void, u32, *mut c_void),
+    pub(crate) run: unsafe extern "C" fn(Option<Task>, *mut c_void, u32, *mut c_void),
     pub(crate) context: *mut c_void,
 }
 

@@ -4,10 +4,12 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
+pub(crate) type Task = unsafe extern "C" fn(*mut c_void, u32);
+
 /// Tasks with the numbers 0 to `count` - 1. Any order will do, also at once, also twice.
 #[derive(Clone, Copy)]
 pub(crate) struct Job {
-    pub(crate) task: unsafe extern "C" fn(*mut c_void, u32),
+    pub(crate) task: Task,
     pub(crate) context: *mut c_void,
     pub(crate) count: u32,
 }
