@@ -1,6 +1,7 @@
 //! The scalars of a state, one word each.
 
 use crate::reward::{COMPONENTS, KEPT, Rewards};
+use crate::word::stored;
 
 /// How far the present step has come; what may be called next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,12 +65,6 @@ pub struct HeaderRef<'a>(pub(crate) &'a [u64]);
 /// Scalars to write.
 #[derive(Debug)]
 pub struct HeaderMut<'a>(pub(crate) &'a mut [u64]);
-
-/// Bits of a real as the state stores it: never a negative zero.
-#[inline]
-pub(crate) fn stored(value: f64) -> u64 {
-    (value + 0.0).to_bits()
-}
 
 macro_rules! scalar {
     ($( $(#[$meta:meta])* $get:ident, $set:ident, $index:ident, $type:ty, $read:expr, $write:expr; )+) => {

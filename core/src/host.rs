@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::step::expect;
-use crate::{knowledge, link, potential, search, sensing};
+use crate::{graph, knowledge, potential, sensing};
 
 fn check_len(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
     if expected == got {
@@ -79,7 +79,7 @@ impl Model<'_> {
         expect(state, Phase::Moved, "step_sense_over", "step_begin")?;
         let expected = self.uav_count() * self.hotspot_count();
         check_len("detections", expected, detections.len())?;
-        search::mark(self, state);
+        sensing::look_around(self, state);
         sensing::learn_from(self, state, scratch, detections);
         state.header.set_phase(Phase::Sensed);
         Ok(())
@@ -156,7 +156,7 @@ impl Model<'_> {
             }
         }
         match throughput {
-            None => link::measure_throughput(self, state),
+            None => graph::measure_throughput(self, state),
             Some(measured) => {
                 let mut fleet = 0.0;
                 for (i, &value) in measured.iter().enumerate() {
@@ -262,7 +262,7 @@ impl Model<'_> {
             state.previous[i] = cell.to_word();
             bits::set(state.visited, self.cell_index(cell));
         }
-        link::build_graph(self, state, scratch);
+        graph::build_graph(self, state, scratch);
         potential::update(self, state, scratch, false);
         Ok(())
     }
@@ -287,7 +287,7 @@ impl Model<'_> {
         state.battery[uav] = charge_uj;
         if state.header.t() == 0 {
             bits::assign(state.grounded, uav, charge_uj == 0);
-            link::build_graph(self, state, scratch);
+            graph::build_graph(self, state, scratch);
         }
         potential::update(self, state, scratch, false);
         Ok(())
@@ -315,7 +315,7 @@ impl Model<'_> {
             state.given[i] = 0;
             bits::assign(state.grounded, i, charge == 0);
         }
-        link::build_graph(self, state, scratch);
+        graph::build_graph(self, state, scratch);
         potential::update(self, state, scratch, false);
         Ok(())
     }

@@ -36,6 +36,7 @@ pub mod carbon;
 pub mod config;
 pub mod energy;
 pub mod error;
+mod graph;
 pub mod hash;
 pub mod header;
 mod host;
@@ -63,6 +64,7 @@ pub mod snapshot;
 pub mod state;
 pub mod step;
 mod validity;
+mod word;
 
 pub use action::Motion;
 pub use config::{

@@ -38,9 +38,11 @@ pub struct Metrics {
     pub pilot_density_mean: f64,
 }
 
-impl Metrics {
-    pub(crate) fn of(state: &StateRef<'_>) -> Self {
-        let header = &state.header;
+impl StateRef<'_> {
+    /// Summary of the episode so far.
+    #[must_use]
+    pub fn metrics(&self) -> Metrics {
+        let header = &self.header;
         let kwh = |ledger: &[u64]| {
             let mut sum = 0u64;
             for entry in ledger {
@@ -56,17 +58,17 @@ impl Metrics {
                 sum / f64::from(steps)
             }
         };
-        Self {
+        Metrics {
             steps,
-            terminated: state.terminated(),
-            truncated: state.truncated(),
-            confirmed: state.confirmed_count() as u32,
-            informed: state.informed_count() as u32,
+            terminated: self.terminated(),
+            truncated: self.truncated(),
+            confirmed: self.confirmed_count() as u32,
+            informed: self.informed_count() as u32,
             moves: header.moves(),
             return_sum: header.return_sum(),
-            energy_kwh: kwh(state.spent),
-            accepted_kwh: kwh(state.accepted),
-            shortfall_kwh: kwh(state.shortfall),
+            energy_kwh: kwh(self.spent),
+            accepted_kwh: kwh(self.accepted),
+            shortfall_kwh: kwh(self.shortfall),
             grid_kwh: header.grid_uj() as f64 / MICROJOULES_PER_KWH,
             co2_kg: carbon::kilograms(header.co2_ng()),
             throughput_mean: per_step(header.throughput_sum()),

@@ -3,11 +3,11 @@
 
 use crate::bits;
 use crate::config::Cell;
-use crate::header::stored;
 use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
+use crate::word::stored;
 
 /// Works out both potentials of each UAV in the present state, and their means, and stores them; all are 0 in
 /// a terminal state.

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
-use crate::{link, potential};
+use crate::{graph, potential};
 
 impl Model<'_> {
     /// Begins an episode in `words`, whatever they held before. Everything random follows from `seed`.
@@ -42,7 +42,7 @@ impl Model<'_> {
             state.set_pilot_density(i, self.config().pilot_density_min);
         }
         bits::set(state.visited, self.cell_index(depot));
-        link::build_graph(self, &mut state, scratch);
+        graph::build_graph(self, &mut state, scratch);
         potential::update(self, &mut state, scratch, false);
         state.header.set_phase(Phase::Ready);
         Ok(())

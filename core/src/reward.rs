@@ -2,8 +2,8 @@
 //! for one UAV. The mean of R_i over the fleet is R_t.
 
 use crate::config::{Config, InformPayment};
-use crate::header::stored;
 use crate::lanes::{Lanes, WIDTH};
+use crate::word::stored;
 
 /// How many components there are.
 pub const COMPONENTS: usize = 12;

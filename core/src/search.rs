@@ -1,10 +1,8 @@
-//! Search maps: what each UAV knows to have been looked at. They spread as knowledge does
+//! Search maps: the cells that a UAV looks at, and the shares of a map that are left. Maps spread as knowledge does
 //! ([`crate::knowledge::consensus`]).
 
 use crate::bits;
 use crate::config::{Cell, Config};
-use crate::model::Model;
-use crate::state::StateMut;
 
 /// What a UAV looks at around its cell: offsets with Δx² + Δy² ≤ `squared`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,22 +58,6 @@ impl Disc {
                 let row = (cell.y - dy) * width;
                 bits::set_range(map, (row + begin) as usize, (row + end) as usize);
             }
-        }
-    }
-}
-
-/// Every UAV that is not grounded looks around its cell.
-pub(crate) fn mark(model: &Model<'_>, state: &mut StateMut<'_>) {
-    let row = model.map_words();
-    if row == 0 {
-        return;
-    }
-    let (width, height) = (model.config().grid_width, model.config().grid_height);
-    for i in 0..model.uav_count() {
-        if !bits::get(state.grounded, i) {
-            let cell = state.cell(i);
-            let map = &mut state.searched[i * row..(i + 1) * row];
-            model.disc().mark(map, cell, width, height);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Sense and learn: independent detections, the quorum that confirms, who knows at once.
+//! Sense and learn: what is looked at, independent detections, the quorum that confirms, who knows at once.
 
 use crate::bits;
 use crate::config::Cell;
@@ -11,6 +11,22 @@ use crate::state::StateMut;
 
 /// Hotspots whose draws share a block of the generator.
 const DRAWS: usize = 4;
+
+/// Every UAV that is not grounded looks around its cell: its search map then knows what lies within the radius.
+pub(crate) fn look_around(model: &Model<'_>, state: &mut StateMut<'_>) {
+    let row = model.map_words();
+    if row == 0 {
+        return;
+    }
+    let (width, height) = (model.config().grid_width, model.config().grid_height);
+    for i in 0..model.uav_count() {
+        if !bits::get(state.grounded, i) {
+            let cell = state.cell(i);
+            let map = &mut state.searched[i * row..(i + 1) * row];
+            model.disc().mark(map, cell, width, height);
+        }
+    }
+}
 
 /// Draws a detection for every UAV that is not grounded and every hotspot that it does not know;
 /// confirms hotspots with at least θ positives; UAVs learn what they detected and is confirmed.

@@ -7,9 +7,9 @@ use crate::config::Cell;
 use crate::error::Error;
 use crate::header::{self, HeaderMut, HeaderRef, Phase};
 use crate::layout::Layout;
-use crate::metrics::Metrics;
 use crate::model::Model;
 use crate::reward::{self, OWN, OWN_KEPT, Rewards};
+use crate::word::stored;
 
 /// Declares both views of a state from one list, so that they cannot disagree on the layout.
 macro_rules! state {
@@ -202,29 +202,29 @@ impl StateMut<'_> {
 
     #[inline]
     pub(crate) fn set_pilot_density(&mut self, i: usize, density: f64) {
-        self.pilot[i] = header::stored(density);
+        self.pilot[i] = stored(density);
     }
 
     #[inline]
     pub(crate) fn set_throughput(&mut self, i: usize, throughput: f64) {
-        self.throughput[i] = header::stored(throughput);
+        self.throughput[i] = stored(throughput);
     }
 
     #[inline]
     pub(crate) fn set_goal_potential(&mut self, i: usize, potential: f64) {
-        self.goal_potential[i] = header::stored(potential);
+        self.goal_potential[i] = stored(potential);
     }
 
     #[inline]
     pub(crate) fn set_charge_potential(&mut self, i: usize, potential: f64) {
-        self.charge_potential[i] = header::stored(potential);
+        self.charge_potential[i] = stored(potential);
     }
 
     /// Keeps those components of a UAV's reward that are its own.
     #[inline]
     pub(crate) fn set_own_rewards(&mut self, i: usize, rewards: &Rewards) {
         for slot in 0..OWN_KEPT {
-            self.own_rewards[i * OWN_KEPT + slot] = header::stored(rewards[OWN[slot]]);
+            self.own_rewards[i * OWN_KEPT + slot] = stored(rewards[OWN[slot]]);
         }
     }
 }
@@ -528,11 +528,5 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn charge_potential(&self, i: usize) -> f64 {
         f64::from_bits(self.charge_potential[i])
-    }
-
-    /// Summary of the episode so far.
-    #[must_use]
-    pub fn metrics(&self) -> Metrics {
-        Metrics::of(self)
     }
 }

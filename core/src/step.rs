@@ -5,13 +5,14 @@ use crate::bits;
 use crate::config::{Cell, ChargeBilling};
 use crate::energy::{Activities, Activity, settle};
 use crate::error::Error;
-use crate::header::{Phase, stored};
+use crate::header::Phase;
 use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
 use crate::reward::{self, BlockDeeds, Deeds, Happenings, OWN_KEPT};
 use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
-use crate::{action, carbon, knowledge, link, motion, potential, search, sensing};
+use crate::word::stored;
+use crate::{action, carbon, graph, knowledge, motion, potential, sensing};
 
 /// What a step came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +124,7 @@ fn sense(
     scratch: &mut Scratch<'_>,
 ) -> Result<(), Error> {
     expect(state, Phase::Moved, "step_sense", "step_begin")?;
-    search::mark(model, state);
+    sensing::look_around(model, state);
     sensing::sense_and_learn(model, state, scratch);
     state.header.set_phase(Phase::Sensed);
     Ok(())
@@ -136,7 +137,7 @@ fn communicate(
     scratch: &mut Scratch<'_>,
 ) -> Result<(), Error> {
     expect(state, Phase::Sensed, "step_communicate", "step_sense")?;
-    link::build_graph(model, state, scratch);
+    graph::build_graph(model, state, scratch);
     knowledge::communicate(model, state, scratch);
     state.header.set_phase(Phase::Communicated);
     Ok(())

@@ -60,7 +60,7 @@ pub fn a_mean_throughput_is_bounded() {
     let load = real_between(0.0, 1.0);
     let sum = real_between(0.0, 1e6);
     let degree = between(0, 1) as u32;
-    let mean = crate::link::mean_throughput(load, sum, degree);
+    let mean = crate::graph::mean_throughput(load, sum, degree);
     kani::cover!(mean > 1.0, "a throughput");
     kani::cover!(degree == 0, "no neighbour");
     assert!(mean >= 0.0 && mean <= 1e6);
@@ -91,7 +91,7 @@ fn is_a_throughput(value: f64) -> bool {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::link::mean_throughput,
+        crate::graph::mean_throughput,
         crate::proofs::stubs::any_mean_throughput
     )
 )]
@@ -102,7 +102,7 @@ pub fn building_the_graph_keeps_its_contract() {
     let mut after = before;
     let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
     let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
-    crate::link::build_graph(&model, &mut open(&model, &mut after), &mut scratch);
+    crate::graph::build_graph(&model, &mut open(&model, &mut after), &mut scratch);
     let new = view(&model, &after);
     kani::cover!(model.uav_count() > 1 && new.linked(0, 1), "a link");
     kani::cover!(new.grounded(0), "a grounded UAV");
@@ -124,7 +124,7 @@ pub fn building_the_graph_keeps_its_contract() {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::link::mean_throughput,
+        crate::graph::mean_throughput,
         crate::proofs::stubs::any_mean_throughput
     )
 )]
@@ -134,7 +134,7 @@ pub fn measuring_the_throughput_keeps_its_contract() {
     let before = any_radios(&model);
     kani::assume(links_join_two(&model, &view(&model, &before)));
     let mut after = before;
-    crate::link::measure_throughput(&model, &mut open(&model, &mut after));
+    crate::graph::measure_throughput(&model, &mut open(&model, &mut after));
     let new = view(&model, &after);
     kani::cover!(new.throughput(0) > 0.0, "a throughput");
     kani::cover!(new.mean_throughput() == 0.0, "none");
@@ -154,7 +154,7 @@ pub fn measuring_the_throughput_keeps_its_contract() {
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 pub fn spreading_keeps_the_state_valid() {
     let mut tables = [0; TABLE_WORDS];

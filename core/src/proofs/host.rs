@@ -197,7 +197,7 @@ fn any_throughputs() -> [f64; MOST] {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::link::measure_throughput,
+        crate::graph::measure_throughput,
         crate::proofs::stubs::any_measured_throughput
     )
 )]
@@ -280,7 +280,7 @@ pub fn moving_a_hotspot_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,
@@ -312,7 +312,7 @@ fn any_charge(model: &Model<'_>) -> u64 {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,
@@ -340,7 +340,7 @@ pub fn setting_a_battery_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,

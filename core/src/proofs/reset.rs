@@ -20,7 +20,7 @@ use crate::state::StateMut;
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::link::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,
