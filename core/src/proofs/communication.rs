@@ -5,38 +5,14 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::state::{
-    SCRATCH_WORDS, STATE_WORDS, any_fleet, carries_scalars, differ, nothing_is_forgotten, open,
-    view,
+    SCRATCH_WORDS, STATE_WORDS, any_fleet, carries_scalars, differ, links_join_two,
+    nothing_is_forgotten, open, radios_are_valid, view,
 };
 use crate::bits;
 use crate::header::{self, Phase};
 use crate::model::Model;
-use crate::model::any_model::{TABLE_WORDS, any_model};
 use crate::scratch::Scratch;
 use crate::state::StateRef;
-
-/// What building a graph needs of a state: cells on the grid, pilot densities in their range.
-pub(super) fn radios_are_valid(model: &Model<'_>, state: &StateRef<'_>) -> bool {
-    let config = model.config();
-    for i in 0..model.uav_count() {
-        let density = state.pilot_density(i);
-        let in_range = density >= config.pilot_density_min && density <= config.pilot_density_max;
-        if !in_range || !model.contains(state.cell(i)) {
-            return false;
-        }
-    }
-    bits::fits(state.grounded, model.uav_count())
-}
-
-/// Links are of the fleet, and nobody's to itself.
-pub(super) fn links_join_two(model: &Model<'_>, state: &StateRef<'_>) -> bool {
-    for i in 0..model.uav_count() {
-        if !bits::fits(state.links_of(i), model.uav_count()) || state.linked(i, i) {
-            return false;
-        }
-    }
-    true
-}
 
 /// Any words whose radios are valid.
 #[cfg(kani)]
@@ -96,12 +72,10 @@ fn is_a_throughput(value: f64) -> bool {
     )
 )]
 pub fn building_the_graph_keeps_its_contract() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_radios(&model);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     crate::graph::build_graph(&model, &mut open(&model, &mut after), &mut scratch);
     let new = view(&model, &after);
     kani::cover!(model.uav_count() > 1 && new.linked(0, 1), "a link");
@@ -129,8 +103,7 @@ pub fn building_the_graph_keeps_its_contract() {
     )
 )]
 pub fn measuring_the_throughput_keeps_its_contract() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_radios(&model);
     kani::assume(links_join_two(&model, &view(&model, &before)));
     let mut after = before;
@@ -157,12 +130,10 @@ pub fn measuring_the_throughput_keeps_its_contract() {
     kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 pub fn spreading_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Sensed);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let done = model.step_communicate(&mut open(&model, &mut after), &mut scratch);
     assert!(done.is_ok());
     let (old, new) = (view(&model, &before), view(&model, &after));
@@ -183,8 +154,7 @@ pub fn spreading_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(3))]
 #[cfg_attr(kani, kani::solver(cadical))]
 pub fn working_memory_does_not_matter_to_consensus() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let mut one = any_fleet(&model, Phase::Sensed);
     let mut other = one;
     let mut scratch: [u64; SCRATCH_WORDS] = kani::any();

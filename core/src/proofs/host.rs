@@ -6,15 +6,13 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::state::{
-    SCRATCH_WORDS, STATE_WORDS, any_fleet, any_state, carries_scalars, confirms_by_quorum, differ,
+    STATE_WORDS, any_fleet, any_state, carries_scalars, confirms_by_quorum, differ,
     nothing_is_forgotten, open, view,
 };
 use crate::config::Cell;
 use crate::header::Phase;
 use crate::host::given_after;
 use crate::model::Model;
-use crate::model::any_model::{TABLE_WORDS, any_model};
-use crate::scratch::Scratch;
 
 /// UAVs of the smallest model, and of any that the stand-in makes; no model has more hotspots.
 const MOST: usize = if cfg!(kani) { 2 } else { 5 };
@@ -81,8 +79,7 @@ fn any_index(count: usize) -> usize {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
 pub fn setting_positions_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Moved);
     let mut after = before;
     let cells = any_cells();
@@ -97,8 +94,7 @@ pub fn setting_positions_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
 pub fn grounding_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Moved);
     let mut after = before;
     let uav = any_index(model.uav_count());
@@ -115,8 +111,7 @@ pub fn grounding_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
 pub fn confirming_a_hotspot_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Moved);
     let mut after = before;
     let hotspot = any_index(model.hotspot_count());
@@ -133,12 +128,10 @@ pub fn confirming_a_hotspot_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
 pub fn sensing_over_detections_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Moved);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let detections: [u8; MOST * MOST] = kani::any();
     let detections = &detections[..model.uav_count() * model.hotspot_count()];
     let done = model.step_sense_over(&mut open(&model, &mut after), &mut scratch, detections);
@@ -202,12 +195,10 @@ fn any_throughputs() -> [f64; MOST] {
     )
 )]
 pub fn communicating_over_links_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Sensed);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let (links, measured) = (any_links(&model), any_throughputs());
     let (links, uavs) = (
         &links[..model.uav_count() * model.uav_count()],
@@ -234,12 +225,10 @@ pub fn communicating_over_links_keeps_the_state_valid() {
     kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_hotspots_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_state(&model, Phase::Ready);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let cells = any_cells();
     let cells = &cells[..model.hotspot_count()];
     let done = model.set_hotspots(&mut open(&model, &mut after), &mut scratch, cells);
@@ -257,12 +246,10 @@ pub fn setting_hotspots_keeps_the_state_valid() {
     kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn moving_a_hotspot_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_state(&model, Phase::Ready);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let (hotspot, cell) = (any_index(model.hotspot_count()), any_cell());
     let mut state = open(&model, &mut after);
     let done = model.move_hotspot(&mut state, &mut scratch, hotspot, cell);
@@ -287,12 +274,10 @@ pub fn moving_a_hotspot_keeps_the_state_valid() {
     kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_starts_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_state(&model, Phase::Ready);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let cells = any_cells();
     let cells = &cells[..model.uav_count()];
     let done = model.set_starts(&mut open(&model, &mut after), &mut scratch, cells);
@@ -319,12 +304,10 @@ fn any_charge(model: &Model<'_>) -> u64 {
     kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_a_battery_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_state(&model, Phase::Ready);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let (uav, charge) = (any_index(model.uav_count()), any_charge(&model));
     let mut state = open(&model, &mut after);
     let done = model.set_battery(&mut state, &mut scratch, uav, charge);
@@ -347,12 +330,10 @@ pub fn setting_a_battery_keeps_the_state_valid() {
     kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_batteries_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_state(&model, Phase::Ready);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let mut charges = [0; MOST];
     for index in 0..MOST {
         charges[index] = any_charge(&model);

@@ -5,6 +5,21 @@
 //! without Kani `cargo test` runs the same harness on random inputs (`standin`).
 //! What each one claims, and on which assumptions, is in `verification/proofs.toml`.
 
+/// Any model, over tables that the harness holds; or any words as the working memory of a model's steps.
+macro_rules! given {
+    ($model:ident) => {
+        given!($model = any_model);
+    };
+    ($model:ident = $any:ident) => {
+        let mut tables = [0; $crate::model::any_model::TABLE_WORDS];
+        let $model = $crate::model::any_model::$any(&mut tables);
+    };
+    ($scratch:ident for $model:ident) => {
+        let mut words: [u64; $crate::proofs::state::SCRATCH_WORDS] = kani::any();
+        let mut $scratch = $crate::scratch::Scratch::new(&$model, &mut words).unwrap();
+    };
+}
+
 pub(crate) mod inputs;
 #[cfg(not(kani))]
 pub(crate) mod standin;

@@ -7,15 +7,11 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use super::state::{
-    ACTIONS, SCRATCH_WORDS, STATE_WORDS, any_actions, any_fleet, differ, open, view,
-};
+use super::state::{ACTIONS, STATE_WORDS, any_actions, any_fleet, differ, open, view};
 use crate::config::Cell;
 use crate::error::Error;
 use crate::header::{self, Phase};
 use crate::model::Model;
-use crate::model::any_model::{TABLE_WORDS, any_model};
-use crate::scratch::Scratch;
 
 /// Room for a cell or a charge more than the smallest model, or any that the stand-in makes, has UAVs.
 const MORE: usize = ACTIONS / 2 + 1;
@@ -42,8 +38,7 @@ fn out_of_order(phase: Phase, refusal: Result<(), Error>) {
 fn parts_are_refused(model: &Model<'_>, phase: Phase) {
     let before = any_words(phase);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    given!(scratch for model);
     let (actions, mut state) = (any_actions(), open(model, &mut after));
     let actions = &actions[..model.action_len()];
     if phase != Phase::Ready {
@@ -67,8 +62,7 @@ fn parts_are_refused(model: &Model<'_>, phase: Phase) {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(5))]
 pub fn parts_out_of_their_order_change_nothing() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     parts_are_refused(&model, Phase::Ready);
     parts_are_refused(&model, Phase::Moved);
     parts_are_refused(&model, Phase::Sensed);
@@ -82,8 +76,7 @@ pub fn parts_out_of_their_order_change_nothing() {
 fn host_calls_are_refused(model: &Model<'_>, phase: Phase) {
     let before = any_words(phase);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    given!(scratch for model);
     let mut state = open(model, &mut after);
     let (cells, charges, bytes) = ([Cell { x: 0, y: 0 }; MORE], [0; MORE], [0; PAIRS]);
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_count());
@@ -119,8 +112,7 @@ fn host_calls_are_refused(model: &Model<'_>, phase: Phase) {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(5))]
 pub fn host_calls_out_of_their_order_change_nothing() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     host_calls_are_refused(&model, Phase::Ready);
     host_calls_are_refused(&model, Phase::Moved);
     host_calls_are_refused(&model, Phase::Sensed);
@@ -145,8 +137,7 @@ fn lengths_are_refused_at_the_start(model: &Model<'_>) {
     let mut before = any_words(Phase::Ready);
     before[header::T] = 0;
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    given!(scratch for model);
     let (actions, cells, charges) = ([0.0; ACTIONS + 1], [Cell { x: 0, y: 0 }; MORE], [0; MORE]);
     let (state, scratch) = (&mut open(model, &mut after), &mut scratch);
     for which in 0..3 {
@@ -165,8 +156,7 @@ fn lengths_are_refused_at_the_start(model: &Model<'_>) {
 fn lengths_are_refused_within_a_step(model: &Model<'_>) {
     let (moved, sensed) = (any_words(Phase::Moved), any_words(Phase::Sensed));
     let (mut after_moved, mut after_sensed) = (moved, sensed);
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    given!(scratch for model);
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_count());
     let (cells, bytes, reals) = ([Cell { x: 0, y: 0 }; MORE], [0; PAIRS], [0.0; MORE]);
     for which in 0..3 {
@@ -190,8 +180,7 @@ fn lengths_are_refused_within_a_step(model: &Model<'_>) {
 fn short_memory_is_refused(model: &Model<'_>) {
     let before: [u64; STATE_WORDS] = kani::any();
     let (mut after, mut spare) = (before, [0; STATE_WORDS]);
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    given!(scratch for model);
     let words = model.state_words();
     for which in 0..2 {
         let len = other_lengths(words)[which];
@@ -205,8 +194,7 @@ fn short_memory_is_refused(model: &Model<'_>) {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(5))]
 pub fn data_of_another_length_changes_nothing() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     short_memory_is_refused(&model);
     lengths_are_refused_at_the_start(&model);
     lengths_are_refused_within_a_step(&model);
@@ -217,8 +205,7 @@ pub fn data_of_another_length_changes_nothing() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(5))]
 pub fn a_step_with_a_nan_changes_nothing() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Ready);
     let mut after = before;
     let mut actions = any_actions();

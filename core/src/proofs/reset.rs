@@ -3,11 +3,9 @@
 
 #[cfg(not(kani))]
 use super::standin as kani;
-use super::state::{SCRATCH_WORDS, STATE_WORDS, view};
+use super::state::{STATE_WORDS, view};
 use crate::header::Phase;
-use crate::model::any_model::{TABLE_WORDS, any_charged_model, any_spread_model};
 use crate::reset::{initial_charge_uj, place_hotspots};
-use crate::scratch::Scratch;
 use crate::state::StateMut;
 
 /// The base: whatever the memory held and whatever the seed.
@@ -27,11 +25,9 @@ use crate::state::StateMut;
     kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn reset_makes_a_valid_state() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_charged_model(&mut tables);
+    given!(model = any_charged_model);
     let mut words: [u64; STATE_WORDS] = kani::any();
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let done = model.reset(&mut words[..model.state_words()], &mut scratch, kani::any());
     assert!(done.is_ok());
     let state = view(&model, &words);
@@ -57,8 +53,7 @@ const SPREAD_WORDS: usize = STATE_WORDS;
 #[cfg_attr(kani, kani::unwind(4))]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 pub fn hotspots_lie_apart() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_spread_model(&mut tables);
+    given!(model = any_spread_model);
     let mut words = [0; SPREAD_WORDS];
     let mut state = StateMut::split(*model.layout(), &mut words[..model.state_words()]);
     place_hotspots(&model, &mut state, kani::any());
@@ -79,8 +74,7 @@ pub fn hotspots_lie_apart() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 pub fn a_drawn_charge_fits_the_battery() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_charged_model(&mut tables);
+    given!(model = any_charged_model);
     let charge_uj = initial_charge_uj(&model, kani::any(), 0);
     kani::cover!(charge_uj == 0, "empty");
     kani::cover!(charge_uj == model.energy().capacity_uj, "full");

@@ -11,7 +11,6 @@ use crate::error::{Corruption, Error};
 use crate::hash::Fnv1a;
 use crate::header::Phase;
 use crate::model::Model;
-use crate::model::any_model::{TABLE_WORDS, any_model};
 use crate::snapshot::put;
 
 /// Bytes around a state: magic, version, fingerprint, checksum.
@@ -73,8 +72,7 @@ fn any_words(model: &Model<'_>) -> [u64; STATE_WORDS] {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(13))]
 pub fn any_words_can_be_judged() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let words = any_words(&model);
     let state = view(&model, &words);
     let valid = state.is_valid(&model);
@@ -111,8 +109,7 @@ pub fn both_writers_of_the_checksum_agree() {
     kani::stub(crate::hash::Fnv1a::write_u64, crate::proofs::stubs::skip_word)
 )]
 pub fn loading_accepts_only_snapshots_of_valid_states() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let (words, len) = (model.state_words(), model.save_len());
     let bytes = any_bytes(&model);
     let before: [u64; STATE_WORDS] = kani::any();
@@ -142,8 +139,7 @@ pub fn loading_accepts_only_snapshots_of_valid_states() {
     kani::stub(crate::hash::Fnv1a::write_u64, crate::proofs::stubs::skip_word)
 )]
 pub fn loading_what_was_saved_is_the_identity() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let (words, len) = (model.state_words(), model.save_len());
     let phase = if kani::any() {
         Phase::Ready
@@ -189,8 +185,7 @@ fn any_short_bytes(model: &Model<'_>, len: usize) -> [u8; SHORT_BYTES] {
     kani::stub(crate::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
 )]
 pub fn bytes_of_another_length_are_refused() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let words = model.state_words();
     let len = between(0, SHORT_BYTES as u64) as usize;
     let bytes = any_short_bytes(&model, len);

@@ -8,6 +8,7 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
+use crate::bits;
 use crate::header::{self, Phase};
 use crate::model::Model;
 use crate::reward::OWN_KEPT;
@@ -218,4 +219,27 @@ pub(super) fn confirms_by_quorum(model: &Model<'_>, old: &StateRef<'_>, new: &St
         let reached = count >= model.config().quorum;
         assert!(new.confirmed(j) == (old.confirmed(j) || reached));
     }
+}
+
+/// What building a graph needs of a state: cells on the grid, pilot densities in their range.
+pub(super) fn radios_are_valid(model: &Model<'_>, state: &StateRef<'_>) -> bool {
+    let config = model.config();
+    for i in 0..model.uav_count() {
+        let density = state.pilot_density(i);
+        let in_range = density >= config.pilot_density_min && density <= config.pilot_density_max;
+        if !in_range || !model.contains(state.cell(i)) {
+            return false;
+        }
+    }
+    bits::fits(state.grounded, model.uav_count())
+}
+
+/// Links are of the fleet, and nobody's to itself.
+pub(super) fn links_join_two(model: &Model<'_>, state: &StateRef<'_>) -> bool {
+    for i in 0..model.uav_count() {
+        if !bits::fits(state.links_of(i), model.uav_count()) || state.linked(i, i) {
+            return false;
+        }
+    }
+    true
 }

@@ -5,23 +5,19 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::state::{
-    SCRATCH_WORDS, STATE_WORDS, any_actions, any_fleet, any_phase, any_state,
-    carries_mean_throughput, carries_scalars, changes_before_the_end, confirms_by_quorum,
-    nothing_is_forgotten, open, view,
+    STATE_WORDS, any_actions, any_fleet, any_phase, any_state, carries_mean_throughput,
+    carries_scalars, changes_before_the_end, confirms_by_quorum, nothing_is_forgotten, open, view,
 };
 use crate::header::{self, Phase};
 use crate::model::Model;
-use crate::model::any_model::{TABLE_WORDS, any_model};
 use crate::reward::OWN_KEPT;
-use crate::scratch::Scratch;
 use crate::validity::THROUGHPUT_MAX;
 
 /// Actions, return to base, move; time goes on by one and never past the horizon.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(5))]
 pub fn beginning_a_step_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Ready);
     let mut after = before;
     let actions = any_actions();
@@ -54,12 +50,10 @@ pub fn beginning_a_step_keeps_the_state_valid() {
     kani::stub(crate::radar::detection_threshold, crate::proofs::stubs::any_threshold)
 )]
 pub fn sensing_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_fleet(&model, Phase::Moved);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let done = model.step_sense(&mut open(&model, &mut after), &mut scratch);
     assert!(done.is_ok());
     let (old, new) = (view(&model, &before), view(&model, &after));
@@ -91,8 +85,7 @@ fn any_scalars(model: &Model<'_>) -> [u64; STATE_WORDS] {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(17))]
 pub fn carried_scalars_stay_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_scalars(&model);
     let mut after: [u64; STATE_WORDS] = kani::any();
     for index in 0..header::WORDS {
@@ -154,12 +147,10 @@ pub fn carried_scalars_stay_valid() {
 )]
 #[cfg_attr(kani, kani::stub_verified(crate::energy::settle))]
 pub fn ending_a_step_keeps_the_state_valid() {
-    let mut tables = [0; TABLE_WORDS];
-    let model = any_model(&mut tables);
+    given!(model);
     let before = any_state(&model, Phase::Communicated);
     let mut after = before;
-    let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    given!(scratch for model);
     let done = model.step_end(&mut open(&model, &mut after), &mut scratch);
     let (old, new) = (view(&model, &before), view(&model, &after));
     kani::cover!(new.terminated(), "the mission ends");

@@ -7,9 +7,9 @@
 #![allow(dead_code)]
 
 use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
-use super::communication::{links_join_two, radios_are_valid};
 use super::inputs::{between, real_between};
 use super::reward::REWARD_MAX;
+use super::state::{links_join_two, radios_are_valid};
 use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
 use crate::energy::{Activity, EnergyPlan};
 use crate::model::Model;
