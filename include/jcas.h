@@ -16,10 +16,9 @@
  *   are not kept, but for the memory of ..._init, the model of an object, and what a jcas_recorder points
  *   to.
  *   Only ..._new and jcas_policy_load allocate, in one piece for each object, so that a program with an
- *   allocator of its own gives it to everything by ..._layout and ..._init. Threads of a batch have stacks
- *   from the system.
- *   Where memory or threads cannot be had, the status is RESOURCES; nothing aborts, but for the baselines of
- *   jcas_policy_baseline, which plan on the heap.
+ *   allocator of its own gives it to everything by ..._layout and ..._init; and baselines, which plan on the
+ *   heap (jcas_policy_baseline). Threads of a batch have stacks from the system.
+ *   Where memory or threads cannot be had, the status is RESOURCES; nothing aborts.
  * Pointers. Not NULL unless the function says so. A pointer that is NULL or misaligned, a handle of the
  *   wrong kind, closed or copied elsewhere, and a wrong number of elements each give a status; beyond
  *   that the caller promises that the memory is there, and that outputs overlap nothing.
@@ -1640,8 +1639,8 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
                              size_t message_capacity);
 
 // Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams, sweep,
-// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap,
-// so that jcas_policy_act may allocate.
+// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap:
+// jcas_policy_act asks for memory in the first step of an episode and whenever it plans.
 //
 // `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid, max, adaptive
 // or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
@@ -1670,11 +1669,12 @@ jcas_status jcas_policy_set_mode(struct jcas_policy *policy,
 // Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
 //
 // The same bits on every platform. `sim` may be of another model with the same configuration; it is not
-// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed.
+// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed. Where it
+// finds no memory for its plan (RESOURCES), the same call may be made again.
 //
 // `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
 // none changes `sim`.
-// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
 jcas_status jcas_policy_act(struct jcas_policy *policy,
@@ -1687,7 +1687,7 @@ jcas_status jcas_policy_act(struct jcas_policy *policy,
 //
 // `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
 // `policy`, none changes `batch`.
-// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH.
+// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
 jcas_status jcas_policy_act_batch(struct jcas_policy *policy,

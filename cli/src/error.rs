@@ -86,8 +86,8 @@ impl From<jcas_core::Error> for CliError {
     }
 }
 
-impl From<PolicyError> for CliError {
-    fn from(error: PolicyError) -> Self {
+impl From<PolicyError<'_>> for CliError {
+    fn from(error: PolicyError<'_>) -> Self {
         Self::input(error)
     }
 }

@@ -118,8 +118,8 @@ pub fn policy_factory(
     if learned::is_policy(policy) {
         return learned::factory(Path::new(policy), model, None);
     }
-    let kind: BaselineKind = policy.parse()?;
-    let pilot: PilotMode = pilot.parse()?;
+    let kind = BaselineKind::named(policy)?;
+    let pilot = PilotMode::named(pilot)?;
     // Refused here, once, where the model withholds what the baseline reads.
     kind.build(model, pilot)?;
     Ok(Box::new(move || Box::new(kind.build_privileged(pilot))))

@@ -88,7 +88,7 @@ fn pilot_modes_ask_for_their_density() {
         (PilotMode::Min, 0.01),
         (PilotMode::Mid, 0.155),
         (PilotMode::Max, 0.30),
-        ("0.2".parse().unwrap(), 0.2),
+        (PilotMode::named("0.2").unwrap(), 0.2),
     ] {
         let u = mode.action(&model, &sim.state(), 0);
         let got = action::pilot_density(u, 0.01, 0.30);

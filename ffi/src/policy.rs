@@ -156,8 +156,8 @@ pub unsafe extern "C" fn jcas_policy_load(
 }
 
 /// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams, sweep,
-/// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap,
-/// so that jcas_policy_act may allocate.
+/// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap:
+/// jcas_policy_act asks for memory in the first step of an episode and whenever it plans.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid, max, adaptive
 /// or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
@@ -183,15 +183,17 @@ pub unsafe extern "C" fn jcas_policy_baseline(
             return Err(Fault::Status(JCAS_ERROR_NULL));
         }
         // SAFETY: the caller's promise for `name`.
-        let name = unsafe { CStr::from_ptr(name) }.to_string_lossy();
+        let name = unsafe { CStr::from_ptr(name) };
         let pilot = if pilot.is_null() {
-            "adaptive".into()
+            c"adaptive"
         } else {
             // SAFETY: the caller's promise for `pilot`.
-            unsafe { CStr::from_ptr(pilot) }.to_string_lossy()
+            unsafe { CStr::from_ptr(pilot) }
         };
-        let chosen = name.parse().and_then(|kind: BaselineKind| {
-            let mode: PilotMode = pilot.parse()?;
+        // What is no UTF-8 is no name either.
+        let text = |words: &'static CStr| words.to_str().unwrap_or("?");
+        let chosen = BaselineKind::named(text(name)).and_then(|kind| {
+            let mode = PilotMode::named(text(pilot))?;
             kind.build(model.get(), mode)?;
             Ok((kind, mode))
         });
@@ -230,11 +232,12 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
 /// Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
 ///
 /// The same bits on every platform. `sim` may be of another model with the same configuration; it is not
-/// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed.
+/// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed. Where it
+/// finds no memory for its plan (RESOURCES), the same call may be made again.
 ///
 /// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
 /// none changes `sim`.
-/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_act(
@@ -249,6 +252,8 @@ pub unsafe extern "C" fn jcas_policy_act(
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { output(actions, action_count, sim.model.action_len()) }?;
         // SAFETY: the caller's promise for `policy`.
+        unsafe { PolicyBlock::plan(policy.cast(), 0, sim.model, sim.words) }?;
+        // SAFETY: as above.
         unsafe { PolicyBlock::act(policy.cast(), 0, sim.model, sim.words, actions) }
     })
 }
@@ -258,7 +263,7 @@ pub unsafe extern "C" fn jcas_policy_act(
 ///
 /// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
 /// `policy`, none changes `batch`.
-/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_act_batch(
@@ -273,9 +278,14 @@ pub unsafe extern "C" fn jcas_policy_act_batch(
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { output(actions, action_count, batch.sizes().actions) }?;
         let each = actions.chunks_exact_mut(batch.model().action_len());
-        for (index, actions) in each.enumerate() {
+        for index in 0..each.len() {
             let words = batch.state(index)?;
             // SAFETY: the caller's promise for `policy`.
+            unsafe { PolicyBlock::plan(policy.cast(), index, batch.model(), words) }?;
+        }
+        for (index, actions) in each.enumerate() {
+            let words = batch.state(index)?;
+            // SAFETY: as above.
             unsafe { PolicyBlock::act(policy.cast(), index, batch.model(), words, actions) }?;
         }
         Ok(())

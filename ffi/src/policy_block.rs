@@ -1,18 +1,20 @@
 //! A policy behind its handle.
 //!
 //! A network's block is followed by the words of its kernel working memory, then by its weights, its own
-//! working memory, the observations and the actions: flying it allocates nothing. A baseline keeps its plans on
-//! the heap, one for each simulation of a batch.
+//! working memory, the observations and the actions: flying it allocates nothing. A baseline asks the heap for room
+//! for its plans, one for each simulation of a batch.
 
 use std::alloc::Layout;
 use std::slice;
 
 use jcas_core::{Error, Model, Scratch, StateRef, observation};
 use jcas_policy::network::{Flight, FlyError, Network};
-use jcas_policy::{Baseline, BaselineKind, PilotMode, Policy};
+use jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode};
 
 use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
-use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
+use crate::status::{
+    Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN, JCAS_ERROR_RESOURCES,
+};
 
 #[repr(C)]
 pub(crate) struct PolicyBlock {
@@ -117,6 +119,12 @@ pub(crate) fn fault(error: FlyError) -> Fault {
         FlyError::NotFinite { .. } => JCAS_ERROR_NAN,
         _ => JCAS_ERROR_INTERNAL,
     })
+}
+
+impl From<OutOfMemory> for Fault {
+    fn from(_: OutOfMemory) -> Self {
+        Self::Status(JCAS_ERROR_RESOURCES)
+    }
 }
 
 impl PolicyBlock {
@@ -227,8 +235,50 @@ impl PolicyBlock {
         Ok(())
     }
 
-    /// Writes the actions for one state of a model with this policy's configuration. `place` is the
+    /// What acting in one state of a model with this policy's configuration needs memory for. `place` is the
     /// simulation's in its batch.
+    ///
+    /// # Safety
+    /// As [`check`]; no other thread uses the policy.
+    pub(crate) unsafe fn plan(
+        at: *mut Self,
+        place: usize,
+        model: &Model<'_>,
+        words: &[u64],
+    ) -> Result<(), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block that only this call uses; its words are no part of it.
+        let block = unsafe { &mut *at };
+        // SAFETY: a model cannot be freed while it has policies.
+        let own = unsafe { &*block.model }.get();
+        if own.config_hash() != model.config_hash() {
+            return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
+        }
+        let state = model.state(words)?;
+        let Pilot::Baseline { kind, mode, each } = &mut block.pilot else {
+            return Ok(());
+        };
+        let missing = (place + 1).saturating_sub(each.len());
+        each.try_reserve(missing)
+            .map_err(|_| Fault::Status(JCAS_ERROR_RESOURCES))?;
+        while each.len() <= place {
+            each.push(Flown {
+                baseline: kind.build_privileged(*mode),
+                seed: None,
+            });
+        }
+        let flown = &mut each[place];
+        if state.t() == 0 || flown.seed != Some(state.seed()) {
+            flown.seed = None;
+            flown.baseline.try_reset(model, state.seed())?;
+            flown.seed = Some(state.seed());
+        }
+        flown.baseline.try_plan(model, &state)?;
+        Ok(())
+    }
+
+    /// Writes the actions for a state that [`PolicyBlock::plan`] has just seen.
     ///
     /// # Safety
     /// As [`check`]; no other thread uses the policy.
@@ -243,11 +293,6 @@ impl PolicyBlock {
         unsafe { check(at) }?;
         // SAFETY: a living block that only this call uses; its words are no part of it.
         let block = unsafe { &mut *at };
-        // SAFETY: a model cannot be freed while it has policies.
-        let own = unsafe { &*block.model }.get();
-        if own.config_hash() != model.config_hash() {
-            return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
-        }
         let state = model.state(words)?;
         match &mut block.pilot {
             Pilot::Network(learned) => {
@@ -255,19 +300,8 @@ impl PolicyBlock {
                 let parts = unsafe { parts(at, &learned.lengths) };
                 fly(learned, parts, model, &state, actions)
             }
-            Pilot::Baseline { kind, mode, each } => {
-                while each.len() <= place {
-                    each.push(Flown {
-                        baseline: kind.build_privileged(*mode),
-                        seed: None,
-                    });
-                }
-                let flown = &mut each[place];
-                if state.t() == 0 || flown.seed != Some(state.seed()) {
-                    flown.baseline.reset(model, state.seed());
-                    flown.seed = Some(state.seed());
-                }
-                flown.baseline.act(model, &state, actions);
+            Pilot::Baseline { each, .. } => {
+                each[place].baseline.write(model, &state, actions);
                 Ok(())
             }
         }

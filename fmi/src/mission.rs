@@ -234,14 +234,8 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
             .map_err(|error| said(error.to_string()))?;
         return Ok(Some(Box::new(trained)));
     }
-    let kind: BaselineKind = setup
-        .policy
-        .parse()
-        .map_err(|error| format!("policy: {error}"))?;
-    let mode: PilotMode = setup
-        .pilot
-        .parse()
-        .map_err(|error| format!("pilot: {error}"))?;
+    let kind = BaselineKind::named(&setup.policy).map_err(|error| format!("policy: {error}"))?;
+    let mode = PilotMode::named(&setup.pilot).map_err(|error| format!("pilot: {error}"))?;
     let baseline = kind.build(model, mode).map_err(|error| error.to_string())?;
     Ok(Some(Box::new(baseline)))
 }

@@ -19,6 +19,8 @@ pub use trained::Trained;
 #[cfg(any(kani, test))]
 mod proofs;
 
+use core::fmt::Display;
+
 use jcas_core::{Model, StateRef};
 
 /// Decides the actions of a whole fleet, step by step.
@@ -27,8 +29,8 @@ pub trait Policy: Send {
     fn name(&self) -> &str;
 
     /// What reports and traces call its choice of pilot density: a pilot mode, or `learned`.
-    fn pilot(&self) -> &str {
-        "learned"
+    fn pilot(&self) -> &dyn Display {
+        &"learned"
     }
 
     /// Called before the first step of every episode. All randomness has to follow from `seed`.

@@ -244,6 +244,88 @@ static int fly_policy(const jcas_model *model, jcas_sim *sim)
     return 0;
 }
 
+enum { FLEET = 12, TARGETS = 6, MEMBERS = 3 };
+
+/* A mission in which every call for actions first has memory for `k` allocations only. What is refused has
+ * touched nothing, and asked again the baseline flies on as if nothing had been. The hash of the last state. */
+static uint64_t fly_with(long k, jcas_policy *policy, jcas_sim *sim, int *refusals)
+{
+    float asked_for[2 * FLEET];
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    uint64_t hash;
+    OK(jcas_sim_reset(sim, 3));
+    while (!outcome.terminated && !outcome.truncated) {
+        mark(asked_for, sizeof asked_for);
+        left = k;
+        int without = refused(jcas_policy_act(policy, sim, asked_for, 2 * FLEET));
+        left = -1;
+        if (without) {
+            CHECK(untouched(asked_for, sizeof asked_for));
+            OK(jcas_policy_act(policy, sim, asked_for, 2 * FLEET));
+            *refusals += 1;
+        }
+        OK(jcas_sim_step(sim, asked_for, 2 * FLEET, &outcome));
+    }
+    OK(jcas_sim_hash(sim, &hash));
+    return hash;
+}
+
+static void fly_batch_with(long k, jcas_policy *policy, jcas_batch *batch)
+{
+    float asked_for[MEMBERS * 2 * FLEET];
+    mark(asked_for, sizeof asked_for);
+    left = k;
+    int without = refused(jcas_policy_act_batch(policy, batch, asked_for, MEMBERS * 2 * FLEET));
+    left = -1;
+    if (without) {
+        CHECK(untouched(asked_for, sizeof asked_for));
+        OK(jcas_policy_act_batch(policy, batch, asked_for, MEMBERS * 2 * FLEET));
+    }
+}
+
+/* Baselines plan on the heap: at whichever allocation it ends, the call says so. */
+static void fly_baselines(void)
+{
+    static const char *const NAMES[] = {"random", "greedy",   "swarm", "teams",    "sweep",
+                                        "line",   "frontier", "relay", "charging", "clean"};
+    jcas_config fleet = config;
+    jcas_model *model;
+    jcas_sim *sim;
+    jcas_batch *batch;
+    jcas_policy *policy = NULL;
+    char message[200];
+    fleet.uav_count = FLEET;
+    fleet.hotspot_count = TARGETS;
+    OK(jcas_model_new(&fleet, &model, NULL, 0));
+    OK(jcas_sim_new(model, &sim));
+    OK(jcas_batch_new(model, MEMBERS, 1, &batch));
+    FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(model, "swan", NULL, &policy, message, sizeof message));
+    FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(model, "swarm", "2", &policy, message, sizeof message));
+    for (size_t name = 0; name < sizeof NAMES / sizeof *NAMES; name++) {
+        uint64_t hash = 0;
+        int refusals = 0;
+        for (long k = -1; k <= 100; k++) {
+            left = k;
+            while (refused(jcas_policy_baseline(model, NAMES[name], "0.2", &policy, message, sizeof message))) {
+                CHECK(policy == NULL);
+                refusals++;
+                left = -1;
+            }
+            left = -1;
+            fly_batch_with(k, policy, batch);
+            uint64_t now = fly_with(k, policy, sim, &refusals);
+            hash = k == -1 ? now : hash;
+            CHECK(now == hash);
+            OK(jcas_policy_free(policy));
+            policy = NULL;
+        }
+        CHECK(refusals > 0);
+    }
+    OK(jcas_batch_free(batch));
+    OK(jcas_sim_free(sim));
+    OK(jcas_model_free(model));
+}
+
 static void step(jcas_batch *batch)
 {
     jcas_batch_out out = {.struct_size = sizeof out,
@@ -350,6 +432,7 @@ int main(int argc, char **argv)
         refusals += build(k);
     }
     CHECK(refusals > 0 && build(-1) == 0);
+    fly_baselines();
     free(observations);
     puts("no end of memory ended the program");
     return 0;

@@ -91,8 +91,8 @@ impl Mission {
             trained.check(model).map_err(|error| error.to_string())?;
             return Ok(Box::new(trained));
         }
-        let kind: BaselineKind = self.policy.parse().map_err(|error| format!("{error}"))?;
-        let pilot: PilotMode = self.pilot.parse().map_err(|error| format!("{error}"))?;
+        let kind = BaselineKind::named(&self.policy).map_err(|error| error.to_string())?;
+        let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
         let baseline = kind
             .build(model, pilot)
             .map_err(|error| error.to_string())?;
@@ -105,7 +105,7 @@ impl Mission {
         let text = |error: jcas_core::Error| error.to_string();
         let mut flight = Flight::begin(model, seed).map_err(text)?;
         policy.reset(model, seed);
-        let header = flight.header(policy.name(), policy.pilot());
+        let header = flight.header(policy.name(), &policy.pilot().to_string());
         self.place(&mut flight).map_err(text)?;
         let mut actions = vec![0.0; model.action_len()];
         let mut steps = Vec::new();

@@ -24,7 +24,7 @@ pub fn record(
 ) -> Result<End, TraceError> {
     let mut episode = Flight::begin(model, seed)?;
     policy.reset(model, seed);
-    let header = episode.header(policy.name(), policy.pilot());
+    let header = episode.header(policy.name(), &policy.pilot().to_string());
     let mut writer = Writer::new(out, &header)?;
     let mut actions = vec![0.0; 2 * model.uav_count()];
     while !episode.over() {

@@ -1,6 +1,6 @@
 //! A baseline: a way to steer, a choice of pilot density, and what all baselines share.
 
-use core::str::FromStr;
+use core::fmt::Display;
 
 use jcas_core::{Model, Motion, StateRef, TargetVisibility};
 
@@ -12,6 +12,7 @@ use super::gather::gather;
 use super::greedy::Greedy;
 use super::kind::BaselineKind;
 use super::line::Line;
+use super::memory::{OutOfMemory, filled};
 use super::pilot::PilotMode;
 use super::random::Random;
 use super::steering::Steering;
@@ -26,7 +27,11 @@ impl BaselineKind {
     /// # Errors
     /// [`PolicyError::Hidden`] where it reads positions that the model withholds from the UAVs,
     /// [`PolicyError::PilotOutOfRange`] where the mission does not allow the pilot density.
-    pub fn build(self, model: &Model<'_>, pilot: PilotMode) -> Result<Baseline, PolicyError> {
+    pub fn build(
+        self,
+        model: &Model<'_>,
+        pilot: PilotMode,
+    ) -> Result<Baseline, PolicyError<'static>> {
         let hidden = model.config().target_visibility == TargetVisibility::Hidden;
         if hidden && self.reads_positions() {
             return Err(PolicyError::Hidden(self));
@@ -38,69 +43,100 @@ impl BaselineKind {
     /// Builds the baseline even where it reads positions that the UAVs do not know.
     #[must_use]
     pub fn build_privileged(self, pilot: PilotMode) -> Baseline {
-        let steering: Box<dyn Steering> = match self {
-            Self::Random => Box::new(Random::default()),
-            Self::Greedy => Box::new(Greedy),
-            Self::Swarm => Box::new(Swarm),
-            Self::Teams => Box::new(Teams::new(pilot)),
-            Self::Sweep => Box::new(Sweep::new(pilot)),
-            Self::Line => Box::new(Line::new(pilot)),
-            Self::Frontier => Box::new(Frontier::new(pilot)),
-            Self::Relay => Box::new(Frontier::connected(pilot)),
-            Self::Charging => Box::new(Charging::greedy(pilot)),
-            Self::Clean => Box::new(Charging::clean(pilot)),
+        let way = match self {
+            Self::Random => Way::Random(Random::default()),
+            Self::Greedy => Way::Greedy(Greedy),
+            Self::Swarm => Way::Swarm(Swarm),
+            Self::Teams => Way::Teams(Teams::new(pilot)),
+            Self::Sweep => Way::Sweep(Sweep::new(pilot)),
+            Self::Line => Way::Line(Line::new(pilot)),
+            Self::Frontier => Way::Frontier(Frontier::new(pilot)),
+            Self::Relay => Way::Frontier(Frontier::connected(pilot)),
+            Self::Charging => Way::Charging(Charging::greedy(pilot)),
+            Self::Clean => Way::Charging(Charging::clean(pilot)),
         };
         Baseline {
             kind: self,
             pilot,
-            pilot_name: pilot.name(),
-            steering,
+            way,
             motions: Vec::new(),
         }
     }
-}
 
-impl FromStr for BaselineKind {
-    type Err = PolicyError;
-
-    fn from_str(text: &str) -> Result<Self, PolicyError> {
+    /// The baseline of this name.
+    ///
+    /// # Errors
+    /// [`PolicyError::UnknownPolicy`].
+    pub fn named(text: &str) -> Result<Self, PolicyError<'_>> {
         Self::ALL
             .into_iter()
             .find(|kind| kind.name() == text)
-            .ok_or_else(|| PolicyError::UnknownPolicy(text.to_owned()))
+            .ok_or(PolicyError::UnknownPolicy(text))
+    }
+}
+
+/// A way to steer, without a detour through the heap.
+#[derive(Debug)]
+enum Way {
+    Random(Random),
+    Greedy(Greedy),
+    Swarm(Swarm),
+    Teams(Teams),
+    Sweep(Sweep),
+    Line(Line),
+    Frontier(Frontier),
+    Charging(Charging),
+}
+
+impl Way {
+    fn steering(&mut self) -> &mut dyn Steering {
+        match self {
+            Self::Random(way) => way,
+            Self::Greedy(way) => way,
+            Self::Swarm(way) => way,
+            Self::Teams(way) => way,
+            Self::Sweep(way) => way,
+            Self::Line(way) => way,
+            Self::Frontier(way) => way,
+            Self::Charging(way) => way,
+        }
     }
 }
 
 /// A baseline, ready to fly.
+#[derive(Debug)]
 pub struct Baseline {
     kind: BaselineKind,
     pilot: PilotMode,
-    pilot_name: String,
-    steering: Box<dyn Steering>,
+    way: Way,
     motions: Vec<Motion>,
 }
 
-impl Policy for Baseline {
-    fn name(&self) -> &str {
-        self.kind.name()
+impl Baseline {
+    /// As [`Policy::reset`], where memory may end.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]: it has to be called again before the next action.
+    pub fn try_reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
+        self.motions = filled(Motion::Stay, model.uav_count())?;
+        self.way.steering().reset(model, seed)
     }
 
-    fn pilot(&self) -> &str {
-        &self.pilot_name
-    }
-
-    fn reset(&mut self, model: &Model<'_>, seed: u64) {
-        self.steering.reset(model, seed);
-    }
-
-    fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
-        self.motions.clear();
-        self.motions.resize(model.uav_count(), Motion::Stay);
+    /// The part of [`Policy::act`] in which memory may end: decides the motions.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`]: called again in the same state it decides as if it had not failed.
+    pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), OutOfMemory> {
+        self.motions.fill(Motion::Stay);
         if (0..model.hotspot_count()).all(|hotspot| state.confirmed(hotspot)) {
             gather(model, state, &mut self.motions);
-        } else {
-            self.steering.steer(model, state, &mut self.motions);
+            return Ok(());
         }
+        self.way.steering().steer(model, state, &mut self.motions)
+    }
+
+    /// Writes the actions that [`Baseline::try_plan`] has decided in this state.
+    pub fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         for (uav, action) in actions.chunks_exact_mut(2).enumerate() {
             let motion = if stays_to_charge(model, state, uav) {
                 Motion::Stay
@@ -110,5 +146,28 @@ impl Policy for Baseline {
             action[0] = motion.to_action();
             action[1] = self.pilot.action(model, state, uav);
         }
+    }
+}
+
+impl Policy for Baseline {
+    fn name(&self) -> &str {
+        self.kind.name()
+    }
+
+    fn pilot(&self) -> &dyn Display {
+        &self.pilot
+    }
+
+    /// # Panics
+    /// Where memory ends: see [`Baseline::try_reset`].
+    fn reset(&mut self, model: &Model<'_>, seed: u64) {
+        self.try_reset(model, seed).expect("memory for a plan");
+    }
+
+    /// # Panics
+    /// Where memory ends: see [`Baseline::try_plan`].
+    fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        self.try_plan(model, state).expect("memory for a plan");
+        self.write(model, state, actions);
     }
 }

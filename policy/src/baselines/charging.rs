@@ -4,6 +4,7 @@ use jcas_core::energy::kwh;
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
+use super::memory::{OutOfMemory, filled};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 use super::teams::Teams;
@@ -25,6 +26,8 @@ pub struct Charging {
     teams: Teams,
     clean: bool,
     going_home: Vec<bool>,
+    /// The depot nearest to each UAV.
+    depots: Vec<Cell>,
 }
 
 impl Charging {
@@ -35,6 +38,7 @@ impl Charging {
             teams: Teams::new(pilot),
             clean: false,
             going_home: Vec::new(),
+            depots: Vec::new(),
         }
     }
 
@@ -81,38 +85,42 @@ impl Charging {
 }
 
 impl Steering for Charging {
-    fn reset(&mut self, model: &Model<'_>, seed: u64) {
-        self.teams.reset(model, seed);
-        self.going_home.clear();
-        self.going_home.resize(model.uav_count(), false);
+    fn reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
+        self.teams.reset(model, seed)?;
+        self.going_home = filled(false, model.uav_count())?;
+        self.depots = filled(Cell::default(), model.uav_count())?;
+        Ok(())
     }
 
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
         let capacity_kwh = model.config().battery_capacity_kwh;
-        let depots: Vec<Cell> = (0..model.uav_count())
-            .map(|uav| {
-                let here = state.cell(uav);
-                let nearest = model.depots().iter().min_by_key(|d| d.manhattan(here));
-                nearest.copied().unwrap_or(here)
-            })
-            .collect();
-        for (uav, &depot) in depots.iter().enumerate() {
-            let (way, charge_kwh) = (state.cell(uav).manhattan(depot), kwh(state.battery_uj(uav)));
+        for (uav, depot) in self.depots.iter_mut().enumerate() {
+            let here = state.cell(uav);
+            let nearest = model.depots().iter().min_by_key(|d| d.manhattan(here));
+            *depot = nearest.copied().unwrap_or(here);
+        }
+        for uav in 0..model.uav_count() {
+            let way = state.cell(uav).manhattan(self.depots[uav]);
+            let charge_kwh = kwh(state.battery_uj(uav));
             if charge_kwh < self.needed_kwh(model, way) {
                 self.going_home[uav] = true;
             } else if charge_kwh >= FULL * capacity_kwh {
                 self.going_home[uav] = false;
             }
         }
-        let flying = (0..model.uav_count())
-            .map(|uav| can_fly(state, uav) && !self.going_home[uav])
-            .collect();
-        self.teams.steer_with(model, state, flying, motions);
-        for (uav, &depot) in depots.iter().enumerate() {
+        let flies = |uav: usize| can_fly(state, uav) && !self.going_home[uav];
+        self.teams.steer_with(model, state, flies, motions)?;
+        for (uav, motion) in motions.iter_mut().enumerate() {
             if self.going_home[uav] {
-                motions[uav] = self.homeward(model, state, uav, depot);
+                *motion = self.homeward(model, state, uav, self.depots[uav]);
             }
         }
+        Ok(())
     }
 }
 

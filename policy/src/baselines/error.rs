@@ -5,13 +5,13 @@ use core::fmt;
 use super::kind::BaselineKind;
 
 /// Why a baseline cannot be had.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum PolicyError {
+pub enum PolicyError<'a> {
     /// No baseline has this name.
-    UnknownPolicy(String),
+    UnknownPolicy(&'a str),
     /// No pilot mode has this name.
-    UnknownPilot(String),
+    UnknownPilot(&'a str),
     /// The mission does not allow this pilot density.
     PilotOutOfRange {
         /// What was asked for.
@@ -25,7 +25,7 @@ pub enum PolicyError {
     Hidden(BaselineKind),
 }
 
-impl fmt::Display for PolicyError {
+impl fmt::Display for PolicyError<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownPolicy(name) => write!(
@@ -50,4 +50,4 @@ impl fmt::Display for PolicyError {
     }
 }
 
-impl std::error::Error for PolicyError {}
+impl std::error::Error for PolicyError<'_> {}

@@ -5,6 +5,7 @@ use core::ops::Range;
 use jcas_core::motion::{destination, toward};
 use jcas_core::{Cell, Model, Motion, StateRef};
 
+use super::memory::{OutOfMemory, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 
@@ -32,6 +33,20 @@ pub struct Frontier {
     pilot: PilotMode,
     connected: bool,
     teams: Vec<Team>,
+    near: Near,
+}
+
+/// Working memory, with room for an entry for each team.
+#[derive(Clone, Debug, Default)]
+struct Near {
+    /// Targets of the other teams.
+    targets: Vec<Cell>,
+    /// Teams that can fly, and who leads them.
+    leads: Vec<(usize, usize)>,
+    /// Where these are.
+    cells: Vec<Cell>,
+    /// For [`Reach::in_one_piece`].
+    order: Vec<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -50,6 +65,7 @@ impl Frontier {
             pilot,
             connected: false,
             teams: Vec::new(),
+            near: Near::default(),
         }
     }
 
@@ -64,37 +80,52 @@ impl Frontier {
 }
 
 impl Steering for Frontier {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
         let uavs = model.uav_count();
         let count = (uavs / model.config().quorum as usize).max(1);
-        self.teams = (0..count)
-            .map(|team| Team {
+        self.teams.clear();
+        for team in 0..count {
+            let team = Team {
                 uavs: team * uavs / count..(team + 1) * uavs / count,
                 target: None,
-                looked_at: vec![None; model.config().cell_count()],
-            })
-            .collect();
+                looked_at: filled(None, model.config().cell_count())?,
+            };
+            push(&mut self.teams, team)?;
+        }
+        self.near = Near {
+            targets: filled(Cell::default(), count)?,
+            leads: filled((0, 0), count)?,
+            cells: filled(Cell::default(), count)?,
+            order: filled(0, count)?,
+        };
+        Ok(())
     }
 
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
         for index in 0..self.teams.len() {
             let Some(lead) = self.teams[index].lead(state) else {
                 self.teams[index].target = None;
                 continue;
             };
             self.teams[index].look(model, state, lead);
-            let others: Vec<Cell> = self
-                .teams
-                .iter()
-                .enumerate()
-                .filter(|(other, _)| *other != index)
-                .filter_map(|(_, team)| team.target)
-                .collect();
+            let others = &mut self.near.targets;
+            others.clear();
+            let apart = self.teams.iter().enumerate();
+            others.extend(
+                apart
+                    .filter(|(other, _)| *other != index)
+                    .filter_map(|(_, team)| team.target),
+            );
             let reach = self.connected.then(|| Reach::of(model, self.pilot));
             let team = &mut self.teams[index];
             if team.arrived(model, state.t()) {
                 let here = state.cell(lead);
-                team.target = Some(team.choose(model, here, &others, reach.as_ref(), state.t()));
+                team.target = Some(team.choose(model, here, others, reach.as_ref(), state.t()));
             }
             let target = team.target.unwrap_or(state.cell(lead));
             for uav in team.uavs.clone() {
@@ -104,6 +135,7 @@ impl Steering for Frontier {
         if self.connected {
             self.stay_connected(model, state, motions);
         }
+        Ok(())
     }
 }
 
@@ -188,21 +220,25 @@ impl Frontier {
     /// all, they make for the first team's target together.
     fn stay_connected(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
         let config = model.config();
-        let leads: Vec<(usize, usize)> = self
-            .teams
-            .iter()
-            .enumerate()
-            .filter_map(|(team, of)| of.lead(state).map(|lead| (team, lead)))
-            .collect();
+        let Near {
+            leads,
+            cells,
+            order,
+            ..
+        } = &mut self.near;
+        leads.clear();
+        let teams = self.teams.iter().enumerate();
+        leads.extend(teams.filter_map(|(team, of)| of.lead(state).map(|lead| (team, lead))));
         let reach = Reach::of(model, self.pilot);
         // Teams before `index` have made their moves; those after it are where they were.
-        let mut cells: Vec<Cell> = leads.iter().map(|&(_, lead)| state.cell(lead)).collect();
+        cells.clear();
+        cells.extend(leads.iter().map(|&(_, lead)| state.cell(lead)));
         let mut somebody_moves = false;
         for (index, &(team, lead)) in leads.iter().enumerate() {
             let before = cells[index];
             cells[index] =
                 destination(before, motions[lead], config.grid_width, config.grid_height);
-            if reach.in_one_piece(&cells) {
+            if reach.in_one_piece(cells, order) {
                 somebody_moves |= cells[index] != before;
                 continue;
             }
@@ -250,20 +286,25 @@ impl<'m> Reach<'m> {
     }
 
     /// Whether every cell is reached from the first, hearing by hearing.
-    fn in_one_piece(&self, cells: &[Cell]) -> bool {
-        let mut reached = vec![0];
-        let mut left: Vec<usize> = (1..cells.len()).collect();
-        let mut next = 0;
-        while next < reached.len() {
-            let from = cells[reached[next]];
-            next += 1;
-            let (heard, unheard): (Vec<_>, Vec<_>) = left
-                .into_iter()
-                .partition(|&other| self.hears(from, cells[other]));
-            reached.extend(heard);
-            left = unheard;
+    fn in_one_piece(&self, cells: &[Cell], order: &mut [usize]) -> bool {
+        // Those reached come first in the order.
+        let order = &mut order[..cells.len()];
+        for (index, place) in order.iter_mut().enumerate() {
+            *place = index;
         }
-        left.is_empty()
+        let (mut next, mut reached) = (0, 1);
+        while next < reached {
+            let from = cells[order[next]];
+            next += 1;
+            let first = reached;
+            for other in first..order.len() {
+                if self.hears(from, cells[order[other]]) {
+                    order.swap(reached, other);
+                    reached += 1;
+                }
+            }
+        }
+        reached >= order.len()
     }
 }
 
@@ -300,7 +341,8 @@ mod tests {
             policy.act(&model, &sim.state(), &mut actions);
             sim.step(&actions).unwrap();
             let cells: Vec<Cell> = (0..12).map(|i| sim.state().cell(i)).collect();
-            apart += usize::from(!Reach::of(&model, PilotMode::Max).in_one_piece(&cells));
+            let reach = Reach::of(&model, PilotMode::Max);
+            apart += usize::from(!reach.in_one_piece(&cells, &mut [0; 12]));
         }
         (apart, sim.state().t())
     }

@@ -24,14 +24,13 @@ pub fn gather(model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
 /// around it the best is taken, the one with the least total distance among equals.
 fn manhattan_centre(model: &Model<'_>, state: &StateRef<'_>) -> Cell {
     let any_flies = (0..model.uav_count()).any(|uav| can_fly(state, uav));
-    let cells: Vec<Cell> = (0..model.uav_count())
-        .filter(|&uav| !state.grounded(uav) || !any_flies)
-        .map(|uav| state.cell(uav))
-        .collect();
+    let cells = || {
+        (0..model.uav_count())
+            .filter(|&uav| !state.grounded(uav) || !any_flies)
+            .map(|uav| state.cell(uav))
+    };
     let middle = |of: fn(i64, i64) -> i64| {
-        let along = cells
-            .iter()
-            .map(|cell| of(i64::from(cell.x), i64::from(cell.y)));
+        let along = cells().map(|cell| of(i64::from(cell.x), i64::from(cell.y)));
         let (low, high) = along.fold((i64::MAX, i64::MIN), |(low, high), value| {
             (low.min(value), high.max(value))
         });
@@ -45,8 +44,10 @@ fn manhattan_centre(model: &Model<'_>, state: &StateRef<'_>) -> Cell {
     near((u + v).div_euclid(2), config.grid_width)
         .flat_map(|x| near((u - v).div_euclid(2), config.grid_height).map(move |y| Cell { x, y }))
         .min_by_key(|&centre| {
-            let distances = || cells.iter().map(|cell| u64::from(cell.manhattan(centre)));
-            (distances().max(), distances().sum::<u64>())
+            let distances = cells().map(|cell| u64::from(cell.manhattan(centre)));
+            distances.fold((0, 0), |(most, sum), distance| {
+                (distance.max(most), sum + distance)
+            })
         })
         .unwrap_or_default()
 }

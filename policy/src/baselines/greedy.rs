@@ -3,6 +3,7 @@
 use jcas_core::motion::toward;
 use jcas_core::{Model, Motion, StateRef};
 
+use super::memory::OutOfMemory;
 use super::steering::Steering;
 
 /// Every UAV for itself. As the fleet starts from one cell, most of it flies together all the same;
@@ -11,7 +12,12 @@ use super::steering::Steering;
 pub struct Greedy;
 
 impl Steering for Greedy {
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
         for (uav, motion) in motions.iter_mut().enumerate() {
             let here = state.cell(uav);
             let target = (0..model.hotspot_count())
@@ -20,5 +26,6 @@ impl Steering for Greedy {
                 .min_by_key(|&cell| here.manhattan(cell));
             *motion = target.map_or(Motion::Stay, |cell| toward(here, cell));
         }
+        Ok(())
     }
 }

@@ -5,6 +5,7 @@ use core::ops::Range;
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
+use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 
@@ -28,6 +29,8 @@ pub struct Line {
     pilot: PilotMode,
     chosen: Option<(u64, Formation)>,
     rows: Vec<Row>,
+    /// Where each UAV that can fly is.
+    cells: Vec<Option<Cell>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,30 +60,39 @@ impl Line {
             pilot,
             chosen: None,
             rows: Vec::new(),
+            cells: Vec::new(),
         }
     }
 }
 
 impl Steering for Line {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
         let formation = match self.chosen {
             Some((hash, formation)) if hash == model.config_hash() => formation,
-            _ => choose(model, self.pilot.sensing_density(model)),
+            _ => choose(model, self.pilot.sensing_density(model))?,
         };
         self.chosen = Some((model.config_hash(), formation));
-        self.rows = rows(model, formation);
+        self.rows = rows(model, formation)?;
+        self.cells = filled(None, model.uav_count())?;
+        Ok(())
     }
 
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
-        let cells: Vec<Option<Cell>> = (0..model.uav_count())
-            .map(|uav| can_fly(state, uav).then(|| state.cell(uav)))
-            .collect();
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
+        for (uav, cell) in self.cells.iter_mut().enumerate() {
+            *cell = can_fly(state, uav).then(|| state.cell(uav));
+        }
         for row in &mut self.rows {
-            row.advance(model, &cells);
+            row.advance(model, &self.cells);
             for (index, uav) in row.uavs.clone().enumerate() {
                 motions[uav] = toward(state.cell(uav), row.place(model, index));
             }
         }
+        Ok(())
     }
 }
 
@@ -90,52 +102,45 @@ fn extents(model: &Model<'_>) -> (i64, i64, bool) {
     (i64::from(w.min(h)), i64::from(w.max(h)), w > h)
 }
 
-fn rows(model: &Model<'_>, formation: Formation) -> Vec<Row> {
+fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<Row>, OutOfMemory> {
     let (across, along, transposed) = extents(model);
     let depot = model.depots()[0];
     let start = i64::from(if transposed { depot.x } else { depot.y });
     let (lines, uavs) = (i64::from(formation.lines), model.uav_count());
     let strips = i64::from(formation.strips);
-    (0..lines)
-        .map(|line| {
-            let share = |end: i64| (end as usize) * uavs / formation.lines as usize;
-            let uavs = share(line)..share(line + 1);
-            let band = line * along / lines..(line + 1) * along / lines;
-            let mut stations = Vec::new();
-            for strip in 0..strips {
-                let x = (across * (2 * strip + 1) / (2 * strips)).min(across - 1);
-                let ys: Vec<i64> = band.clone().collect();
-                let there = ys.iter().map(|&y| (x, y));
-                if strip % 2 == 0 {
-                    stations.extend(there);
-                } else {
-                    stations.extend(there.rev());
-                }
+    let mut rows = Vec::new();
+    for line in 0..lines {
+        let share = |end: i64| (end as usize) * uavs / formation.lines as usize;
+        let uavs = share(line)..share(line + 1);
+        let band = line * along / lines..(line + 1) * along / lines;
+        // The end of the band that is nearer to where the fleet starts comes first.
+        let near_first = (start - band.start).abs() <= (start - (band.end - 1)).abs();
+        let length = band.end - band.start;
+        let stations = collect((0..strips * length).map(|station| {
+            let (strip, step) = (station / length, station % length);
+            let x = (across * (2 * strip + 1) / (2 * strips)).min(across - 1);
+            if (strip % 2 == 0) == near_first {
+                (x, band.start + step)
+            } else {
+                (x, band.end - 1 - step)
             }
-            // The end of the band that is nearer to where the fleet starts comes first.
-            let near_first = (start - band.start).abs() <= (start - (band.end - 1)).abs();
-            if !near_first {
-                for station in &mut stations {
-                    station.1 = band.start + band.end - 1 - station.1;
-                }
-            }
-            let count = uavs.len() as i64;
-            let spread = across * i64::from(formation.thirds);
-            let places = (0..count)
-                .map(|k| {
-                    let twice = (2 * k - (count - 1)) * spread;
-                    twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
-                })
-                .collect();
-            Row {
-                uavs,
-                places,
-                stations,
-                next: 0,
-                forward: true,
-            }
-        })
-        .collect()
+        }))?;
+        let count = uavs.len() as i64;
+        let spread = across * i64::from(formation.thirds);
+        let places = collect((0..count).map(|k| {
+            let twice = (2 * k - (count - 1)) * spread;
+            twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
+        }))?;
+        let row = Row {
+            uavs,
+            places,
+            stations,
+            next: 0,
+            forward: true,
+        };
+        push(&mut rows, row)?;
+    }
+    Ok(rows)
 }
 
 impl Row {
@@ -178,7 +183,7 @@ impl Row {
 }
 
 /// The formation that is expected to confirm all hotspots soonest; the simplest among equals.
-fn choose(model: &Model<'_>, density: f64) -> Formation {
+fn choose(model: &Model<'_>, density: f64) -> Result<Formation, OutOfMemory> {
     let (across, along, _) = extents(model);
     let mut best = Formation {
         lines: 1,
@@ -194,14 +199,14 @@ fn choose(model: &Model<'_>, density: f64) -> Formation {
                     strips,
                     thirds,
                 };
-                let steps = expected_steps(model, density, formation);
+                let steps = expected_steps(model, density, formation)?;
                 if steps < least {
                     (best, least) = (formation, steps);
                 }
             }
         }
     }
-    best
+    Ok(best)
 }
 
 /// Expected steps until all hotspots are confirmed, each in a random cell, at most [`STEPS`].
@@ -209,13 +214,18 @@ fn choose(model: &Model<'_>, density: f64) -> Formation {
 /// After t steps a hotspot in cell c is unconfirmed with probability m_c(t) = prod (1 - Q), Q that at
 /// least θ of the UAVs detect it in one step. With m the mean over cells, all n are confirmed with
 /// probability (1 - m)^n.
-fn expected_steps(model: &Model<'_>, density: f64, formation: Formation) -> f64 {
+fn expected_steps(
+    model: &Model<'_>,
+    density: f64,
+    formation: Formation,
+) -> Result<f64, OutOfMemory> {
     let (config, uavs) = (model.config(), model.uav_count());
-    let mut rows = rows(model, formation);
-    let mut cells: Vec<Option<Cell>> = vec![Some(model.depots()[0]); uavs];
-    let sampled = sample(config.grid_width, config.grid_height);
-    let detection = Detection::new(model, density);
-    let mut missed = vec![1.0; sampled.len()];
+    let mut rows = rows(model, formation)?;
+    let mut cells = filled(Some(model.depots()[0]), uavs)?;
+    let sampled = collect(sample(config.grid_width, config.grid_height))?;
+    let detection = Detection::new(model, density)?;
+    let mut missed = filled(1.0, sampled.len())?;
+    let mut exactly = filled(0.0, config.quorum as usize)?;
     let mut expected = 0.0;
     for _ in 0..STEPS {
         let mean = missed.iter().sum::<f64>() / missed.len() as f64;
@@ -235,21 +245,19 @@ fn expected_steps(model: &Model<'_>, density: f64, formation: Formation) -> f64 
             }
         }
         for (missed, &cell) in missed.iter_mut().zip(&sampled) {
-            *missed *= below_quorum(config.quorum, &detection, &cells, cell);
+            *missed *= below_quorum(&mut exactly, &detection, &cells, cell);
         }
     }
-    expected
+    Ok(expected)
 }
 
 /// Cells spread evenly over the grid.
-fn sample(width: u32, height: u32) -> Vec<Cell> {
+fn sample(width: u32, height: u32) -> impl Iterator<Item = Cell> {
     let axis = |extent: u32| {
         let count = extent.min(SAMPLES);
         (0..count).map(move |k| (2 * k + 1) * extent / (2 * count))
     };
-    axis(height)
-        .flat_map(|y| axis(width).map(move |x| Cell { x, y }))
-        .collect()
+    axis(height).flat_map(move |y| axis(width).map(move |x| Cell { x, y }))
 }
 
 /// The probability of a detection for every offset.
@@ -259,15 +267,15 @@ struct Detection {
 }
 
 impl Detection {
-    fn new(model: &Model<'_>, density: f64) -> Self {
+    fn new(model: &Model<'_>, density: f64) -> Result<Self, OutOfMemory> {
         let (width, height) = (model.config().grid_width, model.config().grid_height);
-        let offsets = (0..height).flat_map(|dy| (0..width).map(move |dx| (dx, dy)));
-        Self {
+        let offsets = (0..width * height).map(|offset| (offset % width, offset / width));
+        let probabilities =
+            collect(offsets.map(|(dx, dy)| model.detection_probability(dx, dy, density)))?;
+        Ok(Self {
             width,
-            probabilities: offsets
-                .map(|(dx, dy)| model.detection_probability(dx, dy, density))
-                .collect(),
-        }
+            probabilities,
+        })
     }
 
     fn probability(&self, a: Cell, b: Cell) -> f64 {
@@ -276,18 +284,22 @@ impl Detection {
     }
 }
 
-/// The probability that fewer than θ UAVs detect a hotspot in one step, each with its own probability.
-fn below_quorum(quorum: u32, detection: &Detection, uavs: &[Option<Cell>], hotspot: Cell) -> f64 {
-    let quorum = quorum as usize;
-    // exactly[k]: exactly k of the UAVs so far detect it.
-    let mut exactly = vec![0.0; quorum];
+/// The probability that fewer than θ UAVs detect a hotspot in one step, each with its own probability; for
+/// each number k below θ, `exactly[k]` is then that of k.
+fn below_quorum(
+    exactly: &mut [f64],
+    detection: &Detection,
+    uavs: &[Option<Cell>],
+    hotspot: Cell,
+) -> f64 {
+    exactly.fill(0.0);
     exactly[0] = 1.0;
     for cell in uavs.iter().flatten() {
         let p = detection.probability(*cell, hotspot);
-        for k in (0..quorum).rev() {
-            let from_below = if k > 0 { exactly[k - 1] * p } else { 0.0 };
-            exactly[k] = exactly[k] * (1.0 - p) + from_below;
+        for k in (1..exactly.len()).rev() {
+            exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
         }
+        exactly[0] *= 1.0 - p;
     }
     exactly.iter().sum()
 }
@@ -305,8 +317,8 @@ mod tests {
         let there = Cell { x: 6, y: 3 };
         let p = model.detection_probability(3, 0, 0.3);
         for uavs in 1..8 {
-            let detection = Detection::new(&model, 0.3);
-            let got = below_quorum(3, &detection, &vec![Some(here); uavs], there);
+            let detection = Detection::new(&model, 0.3).unwrap();
+            let got = below_quorum(&mut [0.0; 3], &detection, &vec![Some(here); uavs], there);
             assert!((got - (1.0 - quorum_probability(uavs, 3, p))).abs() < 1e-12);
         }
     }
@@ -321,8 +333,8 @@ mod tests {
             uav_count: 6,
             ..Config::default()
         };
-        assert!(choose(&Model::new(strong).unwrap(), 0.3).thirds > 0);
-        let flock = choose(&Model::new(weak).unwrap(), 0.3);
+        assert!(choose(&Model::new(strong).unwrap(), 0.3).unwrap().thirds > 0);
+        let flock = choose(&Model::new(weak).unwrap(), 0.3).unwrap();
         assert_eq!((flock.lines, flock.thirds), (1, 0));
     }
 
@@ -344,7 +356,7 @@ mod tests {
                         strips,
                         thirds: THIRDS,
                     };
-                    for mut row in rows(&model, formation) {
+                    for mut row in rows(&model, formation).unwrap() {
                         for next in 0..row.stations.len() {
                             row.next = next;
                             for index in 0..row.uavs.len() {

@@ -26,6 +26,7 @@
 //! ([`stays_to_charge`]) are shared. Both read what every UAV knows and its charge, which a real fleet would
 //! have to exchange: the baselines are centralised, the learned policies are not.
 
+mod assignment;
 mod baseline;
 mod charge;
 mod charging;
@@ -35,6 +36,7 @@ mod gather;
 mod greedy;
 mod kind;
 mod line;
+mod memory;
 mod pilot;
 mod quorum;
 mod random;
@@ -53,6 +55,7 @@ pub use gather::gather;
 pub use greedy::Greedy;
 pub use kind::BaselineKind;
 pub use line::Line;
+pub use memory::OutOfMemory;
 pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode, action_of};
 pub use quorum::quorum_probability;
 pub use random::Random;

@@ -1,7 +1,6 @@
 //! How a baseline sets its pilot density.
 
 use core::fmt;
-use core::str::FromStr;
 
 use jcas_core::{Config, Model, StateRef, TargetVisibility};
 
@@ -37,17 +36,39 @@ impl PilotMode {
     /// As it is typed.
     #[must_use]
     pub fn name(self) -> String {
+        self.to_string()
+    }
+
+    /// As it is typed, where it is no density.
+    const fn word(self) -> Option<&'static str> {
         match self {
-            Self::Min => "min".to_owned(),
-            Self::Mid => "mid".to_owned(),
-            Self::Max => "max".to_owned(),
-            Self::Adaptive => "adaptive".to_owned(),
-            Self::Held(density) => density.to_string(),
+            Self::Min => Some("min"),
+            Self::Mid => Some("mid"),
+            Self::Max => Some("max"),
+            Self::Adaptive => Some("adaptive"),
+            Self::Held(_) => None,
         }
     }
 
+    /// The mode of this name, or the density that the text says.
+    ///
+    /// # Errors
+    /// [`PolicyError::UnknownPilot`].
+    pub fn named(text: &str) -> Result<Self, PolicyError<'_>> {
+        let held = || {
+            text.parse()
+                .ok()
+                .filter(|density: &f64| density.is_finite())
+        };
+        Self::ALL
+            .into_iter()
+            .find(|mode| mode.word() == Some(text))
+            .or_else(|| held().map(Self::Held))
+            .ok_or(PolicyError::UnknownPilot(text))
+    }
+
     /// Refuses a density that the mission does not allow.
-    pub(super) fn check(self, config: &Config) -> Result<(), PolicyError> {
+    pub(super) fn check(self, config: &Config) -> Result<(), PolicyError<'static>> {
         let (low, high) = (config.pilot_density_min, config.pilot_density_max);
         match self {
             Self::Held(density) if !(low <= density && density <= high) => {
@@ -107,23 +128,9 @@ fn target_in_range(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> bool 
 
 impl fmt::Display for PilotMode {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.name())
-    }
-}
-
-impl FromStr for PilotMode {
-    type Err = PolicyError;
-
-    fn from_str(text: &str) -> Result<Self, PolicyError> {
-        let held = || {
-            text.parse()
-                .ok()
-                .filter(|density: &f64| density.is_finite())
-        };
-        Self::ALL
-            .into_iter()
-            .find(|mode| mode.name() == text)
-            .or_else(|| held().map(Self::Held))
-            .ok_or_else(|| PolicyError::UnknownPilot(text.to_owned()))
+        match (self, self.word()) {
+            (Self::Held(density), _) => density.fmt(out),
+            (_, word) => out.write_str(word.unwrap_or_default()),
+        }
     }
 }

@@ -3,6 +3,7 @@
 use jcas_core::rng::{self, Purpose};
 use jcas_core::{Model, Motion, StateRef};
 
+use super::memory::OutOfMemory;
 use super::steering::Steering;
 
 /// A random walk. Its draws are a pure function of the episode's seed, the step and the UAV, under a
@@ -13,14 +14,21 @@ pub struct Random {
 }
 
 impl Steering for Random {
-    fn reset(&mut self, _model: &Model<'_>, seed: u64) {
+    fn reset(&mut self, _model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
         self.seed = seed;
+        Ok(())
     }
 
-    fn steer(&mut self, _model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+    fn steer(
+        &mut self,
+        _model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
         for (uav, motion) in motions.iter_mut().enumerate() {
             let bits = rng::bits64(self.seed, state.t(), uav as u32, 0, Purpose::Policy);
             *motion = Motion::ALL[rng::below(bits, 5) as usize];
         }
+        Ok(())
     }
 }

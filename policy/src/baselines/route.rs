@@ -2,6 +2,8 @@
 
 use jcas_core::Cell;
 
+use super::memory::{OutOfMemory, collect, filled};
+
 /// Up to this many cells the order is optimal: the table has 2^n rows.
 const EXACT_MAX: usize = 11;
 
@@ -10,19 +12,21 @@ const IMPROVED_MAX: usize = 128;
 
 /// An order in which to visit `targets` from `start` by a short way, and its length in steps. Optimal for
 /// few targets (M. Held and R. M. Karp, 1962), else the nearest next, improved by reversals (2-opt).
-#[must_use]
-pub fn route(start: Cell, targets: &[Cell]) -> (Vec<usize>, u32) {
+///
+/// # Errors
+/// [`OutOfMemory`].
+pub fn route(start: Cell, targets: &[Cell]) -> Result<(Vec<usize>, u32), OutOfMemory> {
     let order = if targets.len() <= EXACT_MAX {
-        shortest(start, targets)
+        shortest(start, targets)?
     } else {
-        let mut order = nearest_next(start, targets);
+        let mut order = nearest_next(start, targets)?;
         if targets.len() <= IMPROVED_MAX {
             improve(start, targets, &mut order);
         }
         order
     };
     let steps = length(start, targets, &order);
-    (order, steps)
+    Ok((order, steps))
 }
 
 fn length(start: Cell, targets: &[Cell], order: &[usize]) -> u32 {
@@ -36,9 +40,9 @@ fn length(start: Cell, targets: &[Cell], order: &[usize]) -> u32 {
 }
 
 /// `best[set][last]`: the shortest way through the set that ends in `last`, and what comes before it.
-fn shortest(start: Cell, targets: &[Cell]) -> Vec<usize> {
+fn shortest(start: Cell, targets: &[Cell]) -> Result<Vec<usize>, OutOfMemory> {
     let count = targets.len();
-    let mut best = vec![(u32::MAX, usize::MAX); (1 << count) * count];
+    let mut best = filled((u32::MAX, usize::MAX), (1 << count) * count)?;
     for (last, &target) in targets.iter().enumerate() {
         best[(1 << last) * count + last].0 = start.manhattan(target);
     }
@@ -55,30 +59,30 @@ fn shortest(start: Cell, targets: &[Cell]) -> Vec<usize> {
         }
     }
     let mut set = (1 << count) - 1;
-    let mut order = Vec::with_capacity(count);
+    let mut order = filled(0, count)?;
     let mut last = (0..count).min_by_key(|&last| best[set * count + last].0);
-    while let Some(target) = last.filter(|_| set != 0) {
-        order.push(target);
+    for place in order.iter_mut().rev() {
+        let Some(target) = last else { break };
+        *place = target;
         let (_, before) = best[set * count + target];
         set &= !(1 << target);
         last = (before < count).then_some(before);
     }
-    order.reverse();
-    order
+    Ok(order)
 }
 
-fn nearest_next(start: Cell, targets: &[Cell]) -> Vec<usize> {
-    let mut left: Vec<usize> = (0..targets.len()).collect();
+fn nearest_next(start: Cell, targets: &[Cell]) -> Result<Vec<usize>, OutOfMemory> {
+    let mut left = collect(0..targets.len())?;
+    let mut order = filled(0, targets.len())?;
     let mut here = start;
-    let mut order = Vec::with_capacity(left.len());
-    while let Some(position) =
-        (0..left.len()).min_by_key(|&position| here.manhattan(targets[left[position]]))
-    {
-        let target = left.remove(position);
-        here = targets[target];
-        order.push(target);
+    for place in &mut order {
+        let nearest =
+            (0..left.len()).min_by_key(|&position| here.manhattan(targets[left[position]]));
+        let Some(position) = nearest else { break };
+        *place = left.remove(position);
+        here = targets[*place];
     }
-    order
+    Ok(order)
 }
 
 /// Reverses stretches of the way while that shortens it. Each pass over all stretches costs their
@@ -152,7 +156,7 @@ mod tests {
             permutations(&mut (0..6).collect(), &mut Vec::new(), &mut |order| {
                 least = least.min(length(start, &targets, order));
             });
-            assert_eq!(route(start, &targets).1, least);
+            assert_eq!(route(start, &targets).unwrap().1, least);
         }
     }
 
@@ -161,8 +165,9 @@ mod tests {
         let start = Cell { x: 0, y: 0 };
         for seed in 0..20 {
             let targets = cells(seed, 40);
-            let (mut order, steps) = route(start, &targets);
-            let first = length(start, &targets, &nearest_next(start, &targets));
+            let (mut order, steps) = route(start, &targets).unwrap();
+            let nearest = nearest_next(start, &targets).unwrap();
+            let first = length(start, &targets, &nearest);
             assert!(steps <= first, "{steps} {first}");
             order.sort_unstable();
             assert!(order.into_iter().eq(0..40));
@@ -171,6 +176,6 @@ mod tests {
 
     #[test]
     fn no_target_needs_no_step() {
-        assert_eq!(route(Cell { x: 1, y: 1 }, &[]), (Vec::new(), 0));
+        assert_eq!(route(Cell { x: 1, y: 1 }, &[]), Ok((Vec::new(), 0)));
     }
 }

@@ -3,6 +3,7 @@
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
+use super::memory::OutOfMemory;
 use super::steering::{Steering, can_fly};
 
 /// One flock. A quorum in one step is a matter of numbers: ten UAVs over a hotspot confirm it in about
@@ -11,11 +12,17 @@ use super::steering::{Steering, can_fly};
 pub struct Swarm;
 
 impl Steering for Swarm {
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
         let target = nearest_to_centroid(model, state);
         for (uav, motion) in motions.iter_mut().enumerate() {
             *motion = target.map_or(Motion::Stay, |cell| toward(state.cell(uav), cell));
         }
+        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
+use super::memory::{OutOfMemory, filled, push};
 use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
 use super::steering::{Steering, can_fly};
@@ -42,7 +43,7 @@ impl Sweep {
 }
 
 impl Steering for Sweep {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
         let config = model.config();
         let (across, along) = (
             config.grid_width.min(config.grid_height),
@@ -51,43 +52,47 @@ impl Steering for Sweep {
         let density = self.pilot.sensing_density(model);
         let (teams, spacing) = choose(model, density, across, along);
         let uavs = model.uav_count();
-        self.teams = (0..teams)
-            .map(|team| {
-                let band =
-                    team as u32 * across / teams as u32..(team as u32 + 1) * across / teams as u32;
-                Team {
-                    uavs: team * uavs / teams..(team + 1) * uavs / teams,
-                    path: lanes(band, spacing, along, config.grid_width > config.grid_height),
-                    next: 0,
-                    forward: true,
-                    under_way: false,
-                }
-            })
-            .collect();
+        self.teams.clear();
+        for team in 0..teams {
+            let band =
+                team as u32 * across / teams as u32..(team as u32 + 1) * across / teams as u32;
+            let team = Team {
+                uavs: team * uavs / teams..(team + 1) * uavs / teams,
+                path: lanes(band, spacing, along, config.grid_width > config.grid_height)?,
+                next: 0,
+                forward: true,
+                under_way: false,
+            };
+            push(&mut self.teams, team)?;
+        }
+        Ok(())
     }
 
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
         let quorum = model.config().quorum as usize;
         for team in &mut self.teams {
-            let flying: Vec<Cell> = team
-                .uavs
-                .clone()
-                .filter(|&uav| can_fly(state, uav))
-                .map(|uav| state.cell(uav))
-                .collect();
-            team.advance(&flying, quorum);
+            let flying = team.uavs.clone().filter(|&uav| can_fly(state, uav));
+            team.advance(flying.map(|uav| state.cell(uav)), quorum);
             for uav in team.uavs.clone() {
                 motions[uav] = toward(state.cell(uav), team.path[team.next]);
             }
         }
+        Ok(())
     }
 }
 
 impl Team {
     /// Moves on to the next cell of the path once enough of the team are in this one: most of those who
     /// can fly, and a quorum where there is one. Begins at the end of the path that is nearer.
-    fn advance(&mut self, flying: &[Cell], quorum: usize) {
-        let Some(&first) = flying.first() else { return };
+    fn advance(&mut self, flying: impl Iterator<Item = Cell> + Clone, quorum: usize) {
+        let Some(first) = flying.clone().next() else {
+            return;
+        };
         let last = self.path.len() - 1;
         if !self.under_way {
             self.under_way = true;
@@ -95,8 +100,9 @@ impl Team {
             self.next = if self.forward { 0 } else { last };
         }
         let here = self.path[self.next];
-        let arrived = flying.iter().filter(|&&cell| cell == here).count();
-        let enough = (flying.len() / 2 + 1).max(quorum.min(flying.len()));
+        let arrived = flying.clone().filter(|&cell| cell == here).count();
+        let count = flying.count();
+        let enough = (count / 2 + 1).max(quorum.min(count));
         if arrived < enough || last == 0 {
             return;
         }
@@ -112,24 +118,31 @@ impl Team {
 }
 
 /// The cells of a band's lanes, every second lane backwards, with the cells between two lanes.
-fn lanes(band: core::ops::Range<u32>, spacing: u32, along: u32, transposed: bool) -> Vec<Cell> {
+fn lanes(
+    band: core::ops::Range<u32>,
+    spacing: u32,
+    along: u32,
+    transposed: bool,
+) -> Result<Vec<Cell>, OutOfMemory> {
     let width = band.end - band.start;
     let count = width.div_ceil(spacing);
+    let between = spacing.saturating_sub(1);
     // Centred, so that no edge of the band lies farther from a lane than it has to.
     let margin = (width - 1 - (count - 1) * spacing) / 2;
-    let mut path = Vec::new();
-    for lane in 0..count {
-        let x = band.start + margin + lane * spacing;
-        let ys: Box<dyn Iterator<Item = u32>> = if lane % 2 == 0 {
-            Box::new(0..along)
-        } else {
-            Box::new((0..along).rev())
+    let cells = count * along + (count - 1) * between;
+    let mut path = filled(Cell::default(), cells as usize)?;
+    for (place, cell) in (0..).zip(&mut path) {
+        let (lane, step) = (place / (along + between), place % (along + between));
+        // Along the lane, then across to the next from where it ends.
+        let (along_it, across) = (step.min(along - 1), step.saturating_sub(along - 1));
+        *cell = Cell {
+            x: band.start + margin + lane * spacing + across,
+            y: if lane % 2 == 0 {
+                along_it
+            } else {
+                along - 1 - along_it
+            },
         };
-        path.extend(ys.map(|y| Cell { x, y }));
-        if lane + 1 < count {
-            let y = if lane % 2 == 0 { along - 1 } else { 0 };
-            path.extend((1..spacing).map(|step| Cell { x: x + step, y }));
-        }
     }
     if transposed {
         for cell in &mut path {
@@ -139,7 +152,7 @@ fn lanes(band: core::ops::Range<u32>, spacing: u32, along: u32, transposed: bool
             };
         }
     }
-    path
+    Ok(path)
 }
 
 /// The number of teams and the spacing of lanes with the best chance; the fewest teams among equals.
@@ -216,7 +229,7 @@ mod tests {
 
     #[test]
     fn lanes_touch_every_cell_once_when_they_lie_side_by_side() {
-        let path = lanes(2..7, 1, 9, false);
+        let path = lanes(2..7, 1, 9, false).unwrap();
         assert_eq!(path.len(), 5 * 9);
         for pair in path.windows(2) {
             assert_eq!(pair[0].manhattan(pair[1]), 1);
@@ -231,7 +244,7 @@ mod tests {
     #[test]
     fn lanes_apart_are_connected_and_within_the_band() {
         for spacing in 1..=6 {
-            let path = lanes(3..9, spacing, 5, false);
+            let path = lanes(3..9, spacing, 5, false).unwrap();
             for pair in path.windows(2) {
                 assert_eq!(pair[0].manhattan(pair[1]), 1, "spacing {spacing}");
             }

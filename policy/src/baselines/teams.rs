@@ -2,9 +2,9 @@
 
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
-use pathfinding::matrix::Matrix;
-use pathfinding::prelude::kuhn_munkres_min;
 
+use super::assignment::cheapest;
+use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
 use super::route::route;
@@ -28,11 +28,13 @@ const TEAMS_MAX: usize = 64;
 pub struct Teams {
     pilot: PilotMode,
     target_of_uav: Vec<Option<Cell>>,
-    planned_for: Option<Situation>,
+    situation: Situation,
+    /// Whether the targets are those of the situation.
+    planned: bool,
 }
 
 /// What a plan depends on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 struct Situation {
     confirmed: Vec<bool>,
     flying: Vec<bool>,
@@ -52,44 +54,51 @@ impl Teams {
         Self {
             pilot,
             target_of_uav: Vec::new(),
-            planned_for: None,
+            situation: Situation::default(),
+            planned: false,
         }
     }
 
-    fn plan(&mut self, model: &Model<'_>, state: &StateRef<'_>, situation: &Situation) {
-        let uavs = indices(&situation.flying, true);
-        let cells: Vec<Cell> = uavs.iter().map(|&uav| state.cell(uav)).collect();
-        let left: Vec<Cell> = indices(&situation.confirmed, false)
-            .into_iter()
-            .map(|hotspot| state.hotspot_cell(hotspot))
-            .collect();
-        self.target_of_uav.clear();
-        self.target_of_uav.resize(model.uav_count(), None);
+    fn plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), OutOfMemory> {
+        let uavs = indices(&self.situation.flying, true)?;
+        let cells = collect(uavs.iter().map(|&uav| state.cell(uav)))?;
+        let left = indices(&self.situation.confirmed, false)?;
+        let left = collect(left.iter().map(|&hotspot| state.hotspot_cell(hotspot)))?;
+        self.target_of_uav.fill(None);
         if uavs.is_empty() || left.is_empty() {
-            return;
+            return Ok(());
         }
-        let (errands, formed) = best_errands(model, self.pilot, &cells, &left);
+        let (errands, formed) = best_errands(model, self.pilot, &cells, &left)?;
         let assigned = if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
-            assign(&cells, &errands)
+            assign(&cells, &errands)?
         } else {
             formed
         };
         for (&uav, errand) in uavs.iter().zip(assigned) {
             self.target_of_uav[uav] = Some(errands[errand].target);
         }
+        Ok(())
     }
 }
 
 impl Steering for Teams {
-    fn reset(&mut self, _model: &Model<'_>, _seed: u64) {
-        self.planned_for = None;
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+        self.target_of_uav = filled(None, model.uav_count())?;
+        self.situation = Situation {
+            confirmed: filled(false, model.hotspot_count())?,
+            flying: filled(false, model.uav_count())?,
+        };
+        self.planned = false;
+        Ok(())
     }
 
-    fn steer(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
-        let flying = (0..model.uav_count())
-            .map(|uav| can_fly(state, uav))
-            .collect();
-        self.steer_with(model, state, flying, motions);
+    fn steer(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        motions: &mut [Motion],
+    ) -> Result<(), OutOfMemory> {
+        self.steer_with(model, state, |uav| can_fly(state, uav), motions)
     }
 }
 
@@ -99,30 +108,38 @@ impl Teams {
         &mut self,
         model: &Model<'_>,
         state: &StateRef<'_>,
-        flying: Vec<bool>,
+        flies: impl Fn(usize) -> bool,
         motions: &mut [Motion],
-    ) {
-        let situation = Situation {
-            confirmed: (0..model.hotspot_count())
-                .map(|hotspot| state.confirmed(hotspot))
-                .collect(),
-            flying,
-        };
-        if self.planned_for.as_ref() != Some(&situation) {
-            self.plan(model, state, &situation);
-            self.planned_for = Some(situation);
+    ) -> Result<(), OutOfMemory> {
+        let confirmed = |hotspot| state.confirmed(hotspot);
+        let changed = update(&mut self.situation.confirmed, confirmed)
+            | update(&mut self.situation.flying, flies);
+        self.planned &= !changed;
+        if !self.planned {
+            self.plan(model, state)?;
+            self.planned = true;
         }
         for (uav, motion) in motions.iter_mut().enumerate() {
             *motion = self.target_of_uav[uav]
                 .map_or(Motion::Stay, |target| toward(state.cell(uav), target));
         }
+        Ok(())
     }
 }
 
-fn indices(flags: &[bool], wanted: bool) -> Vec<usize> {
-    (0..flags.len())
-        .filter(|&index| flags[index] == wanted)
-        .collect()
+/// Sets each flag anew. Whether any has changed.
+fn update(flags: &mut [bool], now: impl Fn(usize) -> bool) -> bool {
+    let mut changed = false;
+    for (index, flag) in flags.iter_mut().enumerate() {
+        let now = now(index);
+        changed |= *flag != now;
+        *flag = now;
+    }
+    changed
+}
+
+fn indices(flags: &[bool], wanted: bool) -> Result<Vec<usize>, OutOfMemory> {
+    collect((0..flags.len()).filter(|&index| flags[index] == wanted))
 }
 
 /// The errands of the division into teams that is forecast to finish first, and each UAV's.
@@ -131,30 +148,30 @@ fn best_errands(
     pilot: PilotMode,
     uavs: &[Cell],
     left: &[Cell],
-) -> (Vec<Errand>, Vec<usize>) {
+) -> Result<(Vec<Errand>, Vec<usize>), OutOfMemory> {
     let quorum = model.config().quorum as usize;
     let detection = model.detection_probability(0, 0, pilot.sensing_density(model));
     let wait = |team: usize| 1.0 / quorum_probability(team, quorum, detection).max(1e-9);
 
     // One team: the shortest way through all.
-    let (order, steps) = route(centroid(uavs), left);
+    let (order, steps) = route(centroid(uavs), left)?;
     let together = Errand {
         target: left[order[0]],
         team: uavs.len(),
     };
-    let mut best = (vec![together], vec![0; uavs.len()]);
+    let mut best = (filled(together, 1)?, filled(0, uavs.len())?);
     let mut best_steps = f64::from(steps) + left.len() as f64 * wait(uavs.len());
     let most = left.len().min(uavs.len() / quorum.max(1)).min(TEAMS_MAX);
     // Every small number; of the large ones each half as large again.
     let numbers = std::iter::successors(Some(2), |&teams| Some((teams + 1).max(teams * 3 / 2 - 3)));
     for teams in numbers.take_while(|&teams| teams <= most) {
-        let (errands, formed) = choose_errands(uavs, left, teams);
-        let steps = forecast(uavs, left, &errands, &formed, &wait);
+        let (errands, formed) = choose_errands(uavs, left, teams)?;
+        let steps = forecast(uavs, left, &errands, &formed, &wait)?;
         if steps < best_steps {
             (best, best_steps) = ((errands, formed), steps);
         }
     }
-    best
+    Ok(best)
 }
 
 /// When several teams would have confirmed everything and met, if every wait for a quorum took its mean
@@ -165,22 +182,15 @@ fn forecast(
     errands: &[Errand],
     errand_of: &[usize],
     wait: &impl Fn(usize) -> f64,
-) -> f64 {
-    let mut free: Vec<Cell> = left
-        .iter()
-        .copied()
-        .filter(|&cell| errands.iter().all(|errand| errand.target != cell))
-        .collect();
-    let mut done: Vec<(f64, Cell)> = errands
-        .iter()
-        .enumerate()
-        .map(|(number, errand)| {
-            let members = (0..uavs.len()).filter(|&uav| errand_of[uav] == number);
-            let farthest = members.map(|uav| uavs[uav].manhattan(errand.target)).max();
-            let steps = f64::from(farthest.unwrap_or(0)) + wait(errand.team);
-            (steps, errand.target)
-        })
-        .collect();
+) -> Result<f64, OutOfMemory> {
+    let is_free = |&cell: &Cell| errands.iter().all(|errand| errand.target != cell);
+    let mut free = collect(left.iter().copied().filter(is_free))?;
+    let mut done = collect(errands.iter().enumerate().map(|(number, errand)| {
+        let members = (0..uavs.len()).filter(|&uav| errand_of[uav] == number);
+        let farthest = members.map(|uav| uavs[uav].manhattan(errand.target)).max();
+        let steps = f64::from(farthest.unwrap_or(0)) + wait(errand.team);
+        (steps, errand.target)
+    }))?;
     while !free.is_empty() {
         let soonest = (0..done.len())
             .min_by(|&a, &b| done[a].0.total_cmp(&done[b].0))
@@ -202,9 +212,10 @@ fn forecast(
         .copied()
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or_default();
-    done.iter()
+    Ok(done
+        .iter()
         .map(|&(steps, here)| steps + f64::from(here.manhattan(last)))
-        .fold(last_steps, f64::max)
+        .fold(last_steps, f64::max))
 }
 
 /// The cell nearest to the mean position.
@@ -221,10 +232,14 @@ fn centroid(uavs: &[Cell]) -> Cell {
 
 /// Forms teams of equal size, one after the other: of all hotspots left the one whose nearest free UAVs
 /// have the least way to go. Returns the errands and each UAV's.
-fn choose_errands(uavs: &[Cell], left: &[Cell], teams: usize) -> (Vec<Errand>, Vec<usize>) {
-    let mut groups = groups(uavs);
-    let mut errands: Vec<Errand> = Vec::with_capacity(teams);
-    let mut errand_of = vec![0; uavs.len()];
+fn choose_errands(
+    uavs: &[Cell],
+    left: &[Cell],
+    teams: usize,
+) -> Result<(Vec<Errand>, Vec<usize>), OutOfMemory> {
+    let (mut groups, next) = groups(uavs)?;
+    let mut errands: Vec<Errand> = Vec::new();
+    let mut errand_of = filled(0, uavs.len())?;
     for number in 0..teams {
         let team = uavs.len() / teams + usize::from(number < uavs.len() % teams);
         let nearest = left
@@ -232,44 +247,75 @@ fn choose_errands(uavs: &[Cell], left: &[Cell], teams: usize) -> (Vec<Errand>, V
             .filter(|&&target| errands.iter().all(|errand| errand.target != target))
             .min_by_key(|&&target| steps_to(target, &mut groups, team));
         let Some(&target) = nearest else { break };
-        groups.sort_by_key(|group| group.cell.manhattan(target));
-        let free = groups
-            .iter_mut()
-            .flat_map(|group| std::iter::from_fn(|| group.free.pop()));
+        sort(&mut groups, target);
+        let free = groups.iter_mut().flat_map(|group| group.take(&next));
         for uav in free.take(team) {
             errand_of[uav] = number;
         }
-        errands.push(Errand { target, team });
+        push(&mut errands, Errand { target, team })?;
     }
-    (errands, errand_of)
+    Ok((errands, errand_of))
 }
 
 /// UAVs in one cell that have no errand yet: they are alike, and most fleets fly in few cells.
 struct Group {
     cell: Cell,
-    free: Vec<usize>,
+    /// How many.
+    count: usize,
+    /// The first of them.
+    first: usize,
+    /// Distance from a target, then the place before it was sorted by.
+    key: u64,
 }
 
-fn groups(uavs: &[Cell]) -> Vec<Group> {
+impl Group {
+    /// Takes one UAV after the other.
+    fn take(&mut self, next: &[usize]) -> impl Iterator<Item = usize> {
+        std::iter::from_fn(move || {
+            self.count = self.count.checked_sub(1)?;
+            let uav = self.first;
+            self.first = next[uav];
+            Some(uav)
+        })
+    }
+}
+
+/// The groups, and the next UAV of the group of each.
+fn groups(uavs: &[Cell]) -> Result<(Vec<Group>, Vec<usize>), OutOfMemory> {
     let mut groups: Vec<Group> = Vec::new();
+    let mut next = filled(0, uavs.len())?;
     for (uav, &cell) in uavs.iter().enumerate().rev() {
-        match groups.iter_mut().find(|group| group.cell == cell) {
-            Some(group) => group.free.push(uav),
-            None => groups.push(Group {
+        if let Some(group) = groups.iter_mut().find(|group| group.cell == cell) {
+            next[uav] = group.first;
+            group.first = uav;
+            group.count += 1;
+        } else {
+            let group = Group {
                 cell,
-                free: vec![uav],
-            }),
+                count: 1,
+                first: uav,
+                key: 0,
+            };
+            push(&mut groups, group)?;
         }
     }
-    groups
+    Ok((groups, next))
+}
+
+/// Brings the nearest groups to the front; those as near as each other keep their order.
+fn sort(groups: &mut [Group], target: Cell) {
+    for (place, group) in (0..).zip(groups.iter_mut()) {
+        group.key = u64::from(group.cell.manhattan(target)) << 32 | place;
+    }
+    groups.sort_unstable_by_key(|group| group.key);
 }
 
 /// What the nearest `team` free UAVs have to fly in total.
 fn steps_to(target: Cell, groups: &mut [Group], team: usize) -> u64 {
-    groups.sort_by_key(|group| group.cell.manhattan(target));
+    sort(groups, target);
     let (mut missing, mut steps) = (team, 0);
     for group in groups {
-        let taken = group.free.len().min(missing);
+        let taken = group.count.min(missing);
         steps += taken as u64 * u64::from(group.cell.manhattan(target));
         missing -= taken;
     }
@@ -277,17 +323,21 @@ fn steps_to(target: Cell, groups: &mut [Group], team: usize) -> u64 {
 }
 
 /// The errand of each UAV for the least total distance; every errand gets its number of UAVs.
-fn assign(uavs: &[Cell], errands: &[Errand]) -> Vec<usize> {
-    let seats: Vec<usize> = errands
-        .iter()
-        .enumerate()
-        .flat_map(|(index, errand)| std::iter::repeat_n(index, errand.team))
-        .collect();
-    let distances = Matrix::from_fn(uavs.len(), seats.len(), |(uav, seat)| {
-        i64::from(uavs[uav].manhattan(errands[seats[seat]].target))
-    });
-    let (_, seat_of_uav) = kuhn_munkres_min(&distances);
-    seat_of_uav.into_iter().map(|seat| seats[seat]).collect()
+fn assign(uavs: &[Cell], errands: &[Errand]) -> Result<Vec<usize>, OutOfMemory> {
+    let teams = errands.iter().enumerate();
+    let seats = collect(teams.flat_map(|(index, errand)| std::iter::repeat_n(index, errand.team)))?;
+    let size = uavs.len();
+    let mut distances = filled(0, size * size)?;
+    for (row, uav) in distances.chunks_exact_mut(size).zip(uavs) {
+        for (distance, &seat) in row.iter_mut().zip(&seats) {
+            *distance = i64::from(uav.manhattan(errands[seat].target));
+        }
+    }
+    let mut seat_of_uav = cheapest(&distances, size)?;
+    for seat in &mut seat_of_uav {
+        *seat = seats[*seat];
+    }
+    Ok(seat_of_uav)
 }
 
 #[cfg(test)]
@@ -302,7 +352,7 @@ mod tests {
     fn teams_are_of_equal_size_and_take_the_nearest_hotspots() {
         let uavs = [cell(0, 0), cell(9, 9), cell(0, 1), cell(9, 8), cell(1, 0)];
         let left = [cell(5, 5), cell(9, 9), cell(0, 0)];
-        let (errands, errand_of) = choose_errands(&uavs, &left, 2);
+        let (errands, errand_of) = choose_errands(&uavs, &left, 2).unwrap();
         assert_eq!(
             errands[0],
             Errand {
@@ -333,6 +383,6 @@ mod tests {
                 team: 2,
             },
         ];
-        assert_eq!(assign(&uavs, &errands), [1, 1, 0, 0]);
+        assert_eq!(assign(&uavs, &errands).unwrap(), [1, 1, 0, 0]);
     }
 }
