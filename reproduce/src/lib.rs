@@ -19,10 +19,12 @@ mod page;
 mod pilot;
 pub mod plan;
 pub mod range;
+mod regimes;
 pub mod results;
 mod search;
 pub mod table;
 mod text;
+mod worth;
 
 use jcas_train::error::TrainError;
 use jcas_train::store::write_whole;
