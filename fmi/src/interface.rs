@@ -1,117 +1,13 @@
-//! The functions of FMI 3.0 for Co-Simulation.
-//!
-//! Every pointer is checked for null before it is read; lengths are the importer's word. No panic crosses: a
-//! caught one is `fmi3Fatal`. What the unit does not offer (Model Exchange, Scheduled Execution, clocks,
-//! derivatives) answers `fmi3Error`, with a message.
+//! The functions of the standard for the life of an instance and its steps.
 
-use std::ffi::{CStr, CString, c_char, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ffi::{CStr, c_char, c_void};
+use std::panic::catch_unwind;
 use std::path::PathBuf;
 use std::ptr::null_mut;
-use std::slice;
 
 use crate::description::token;
-use crate::instance::{Instance, Mode, Values};
-
-/// `fmi3Status`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C)]
-pub enum Status {
-    /// Done.
-    Ok = 0,
-    /// Done, with a remark.
-    Warning = 1,
-    /// Not done; other values may be tried.
-    Discard = 2,
-    /// Not done.
-    Error = 3,
-    /// The instance is lost.
-    Fatal = 4,
-}
-
-pub(crate) type LogMessage =
-    Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
-
-/// An instance as the importer holds it.
-pub struct Handle {
-    instance: Instance,
-    log: LogMessage,
-    logging: bool,
-    environment: *mut c_void,
-    /// Texts that were handed out last; the standard lets them live until the next call.
-    texts: Vec<CString>,
-}
-
-impl Handle {
-    fn say(&self, status: Status, message: &str) {
-        let Some(log) = self.log else { return };
-        if !self.logging {
-            return;
-        }
-        let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
-        // The importer's own function, with its own environment and two texts that outlive the call.
-        unsafe {
-            log(
-                self.environment,
-                status,
-                c"logStatusError".as_ptr(),
-                text.as_ptr(),
-            )
-        }
-    }
-}
-
-/// Runs a call on an instance: null is an error, a refusal is logged, a panic is fatal.
-pub(crate) fn call(
-    handle: *mut Handle,
-    act: impl FnOnce(&mut Handle) -> Result<(), String>,
-) -> Status {
-    // The importer passes what instantiation returned and has not freed, from one thread at a time.
-    let Some(handle) = (unsafe { handle.as_mut() }) else {
-        return Status::Error;
-    };
-    match catch_unwind(AssertUnwindSafe(|| act(handle))) {
-        Ok(Ok(())) => Status::Ok,
-        Ok(Err(message)) => {
-            handle.say(Status::Error, &message);
-            Status::Error
-        }
-        Err(_) => {
-            handle.say(Status::Fatal, "a fault inside the unit");
-            Status::Fatal
-        }
-    }
-}
-
-/// The importer's array; empty where there is none.
-unsafe fn read<'a, T>(pointer: *const T, count: usize, what: &str) -> Result<&'a [T], String> {
-    if count == 0 {
-        return Ok(&[]);
-    }
-    if pointer.is_null() {
-        return Err(format!("{what} is null"));
-    }
-    // Not null; `count` elements by the importer's word.
-    Ok(unsafe { slice::from_raw_parts(pointer, count) })
-}
-
-unsafe fn write<'a, T>(pointer: *mut T, count: usize, what: &str) -> Result<&'a mut [T], String> {
-    if count == 0 {
-        return Ok(&mut []);
-    }
-    if pointer.is_null() {
-        return Err(format!("{what} is null"));
-    }
-    // As above, and not shared while the call lasts.
-    Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
-}
-
-unsafe fn give<T>(pointer: *mut T, value: T) {
-    if !pointer.is_null() {
-        // Not null; one element by the standard.
-        unsafe { pointer.write(value) }
-    }
-}
+use crate::handle::{Handle, LogMessage, Status, call, give};
+use crate::instance::{Instance, Mode};
 
 /// The version of the standard.
 #[unsafe(no_mangle)]
@@ -133,7 +29,8 @@ pub extern "C" fn fmi3SetDebugLogging(
     })
 }
 
-/// An instance, or null: where the token is that of another description, or event mode is asked for.
+/// An instance, or null: where the token is that of another description, or event mode or intermediate updates are
+/// asked for.
 ///
 /// # Safety
 /// Texts are null or end in 0.
@@ -145,7 +42,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     resources: *const c_char,
     _visible: bool,
     logging: bool,
-    _event_mode: bool,
+    event_mode: bool,
     _early_return: bool,
     _intermediate: *const u32,
     intermediate_count: usize,
@@ -190,8 +87,20 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         );
         return null_mut();
     }
+    if event_mode {
+        handle.say(
+            Status::Error,
+            "eventModeUsed = true: there is no event mode",
+        );
+        return null_mut();
+    }
     if intermediate_count > 0 {
-        handle.say(Status::Error, "there are no intermediate updates");
+        handle.say(
+            Status::Error,
+            &format!(
+                "nRequiredIntermediateVariables = {intermediate_count}: there are no intermediate updates"
+            ),
+        );
         return null_mut();
     }
     Box::into_raw(Box::new(handle))
@@ -315,293 +224,40 @@ pub unsafe extern "C" fn fmi3DoStep(
     })
 }
 
-/// Gets all of the variables of one type into one row.
-unsafe fn get<T: Clone>(
-    handle: *mut Handle,
-    references: *const u32,
-    count: usize,
-    values: *mut T,
-    length: usize,
-    of: impl Fn(Values) -> Option<Vec<T>>,
-) -> Status {
-    call(handle, |handle| {
-        let references = unsafe { read(references, count, "valueReferences") }?;
-        let out = unsafe { write(values, length, "values") }?;
-        let mut row = Vec::with_capacity(length);
-        for &vr in references {
-            let found = of(handle.instance.get(vr)?)
-                .ok_or_else(|| format!("value reference {vr} is of another type"))?;
-            row.extend(found);
-        }
-        if row.len() != length {
-            return Err(format!(
-                "nValues = {length}: these variables have {}",
-                row.len()
-            ));
-        }
-        out.clone_from_slice(&row);
-        Ok(())
-    })
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ffi::CString;
+    use std::ptr::null;
 
-/// Sets all of the variables of one type from one row.
-unsafe fn set<T: Clone>(
-    handle: *mut Handle,
-    references: *const u32,
-    count: usize,
-    values: *const T,
-    length: usize,
-    of: impl Fn(&[T]) -> Values,
-) -> Status {
-    call(handle, |handle| {
-        let references = unsafe { read(references, count, "valueReferences") }?;
-        let mut rest = unsafe { read(values, length, "values") }?;
-        let mut changes = Vec::with_capacity(count);
-        for &vr in references {
-            let (kind, elements) = handle.instance.shape(vr)?;
-            let (mine, after) = rest.split_at_checked(elements).ok_or_else(|| {
-                format!("nValues = {length}: value reference {vr} has {elements}")
-            })?;
-            let values = of(mine);
-            if values.kind() != kind {
-                return Err(format!("value reference {vr} is of another type"));
-            }
-            changes.push((vr, values));
-            rest = after;
+    fn instantiated(token: &str, event_mode: bool, intermediate_count: usize) -> bool {
+        let token = CString::new(token).unwrap();
+        // SAFETY: the texts end in 0, and what was made is freed once.
+        unsafe {
+            let handle = fmi3InstantiateCoSimulation(
+                c"fleet".as_ptr(),
+                token.as_ptr(),
+                null(),
+                false,
+                false,
+                event_mode,
+                false,
+                null(),
+                intermediate_count,
+                null_mut(),
+                None,
+                None,
+            );
+            fmi3FreeInstance(handle);
+            !handle.is_null()
         }
-        if !rest.is_empty() {
-            return Err(format!(
-                "nValues = {length}: these variables have {}",
-                length - rest.len()
-            ));
-        }
-        for (vr, values) in changes {
-            handle.instance.set(vr, values)?;
-        }
-        Ok(())
-    })
-}
+    }
 
-macro_rules! numbers {
-    ($($getter:ident, $setter:ident, $type:ty, $kind:ident;)+) => { $(
-        /// Values of variables of this type.
-        ///
-        /// # Safety
-        /// The arrays are null or as long as said.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $getter(handle: *mut Handle, references: *const u32, count: usize, values: *mut $type, length: usize) -> Status {
-            unsafe { get(handle, references, count, values, length, |values| match values { Values::$kind(values) => Some(values), _ => None }) }
-        }
-        /// Sets variables of this type.
-        ///
-        /// # Safety
-        /// The arrays are null or as long as said.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $setter(handle: *mut Handle, references: *const u32, count: usize, values: *const $type, length: usize) -> Status {
-            unsafe { set(handle, references, count, values, length, |values| Values::$kind(values.to_vec())) }
-        }
-    )+ };
-}
-
-numbers! {
-    fmi3GetFloat32, fmi3SetFloat32, f32, Float32;
-    fmi3GetFloat64, fmi3SetFloat64, f64, Float64;
-    fmi3GetUInt32, fmi3SetUInt32, u32, UInt32;
-    fmi3GetUInt64, fmi3SetUInt64, u64, UInt64;
-    fmi3GetBoolean, fmi3SetBoolean, bool, Boolean;
-}
-
-/// Texts; they live until the next call on the instance.
-///
-/// # Safety
-/// The arrays are null or as long as said.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetString(
-    handle: *mut Handle,
-    references: *const u32,
-    count: usize,
-    values: *mut *const c_char,
-    length: usize,
-) -> Status {
-    call(handle, |handle| {
-        let references = unsafe { read(references, count, "valueReferences") }?;
-        let out = unsafe { write(values, length, "values") }?;
-        let mut texts = Vec::with_capacity(length);
-        for &vr in references {
-            let Values::String(found) = handle.instance.get(vr)? else {
-                return Err(format!("value reference {vr} is of another type"));
-            };
-            for text in found {
-                texts.push(CString::new(text).map_err(|error| error.to_string())?);
-            }
-        }
-        if texts.len() != length {
-            return Err(format!(
-                "nValues = {length}: these variables have {}",
-                texts.len()
-            ));
-        }
-        handle.texts = texts;
-        for (slot, text) in out.iter_mut().zip(&handle.texts) {
-            *slot = text.as_ptr();
-        }
-        Ok(())
-    })
-}
-
-/// Sets texts.
-///
-/// # Safety
-/// The arrays are null or as long as said; the texts end in 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetString(
-    handle: *mut Handle,
-    references: *const u32,
-    count: usize,
-    values: *const *const c_char,
-    length: usize,
-) -> Status {
-    call(handle, |handle| {
-        let references = unsafe { read(references, count, "valueReferences") }?;
-        let values = unsafe { read(values, length, "values") }?;
-        if count != length {
-            return Err(format!("nValues = {length}: these variables have {count}"));
-        }
-        for (&vr, &text) in references.iter().zip(values) {
-            if text.is_null() {
-                return Err(format!("the text for value reference {vr} is null"));
-            }
-            // Not null; ends in 0 by the standard.
-            let text = unsafe { CStr::from_ptr(text) }
-                .to_str()
-                .map_err(|error| error.to_string())?;
-            let values = Values::String(vec![text.to_owned()]);
-            if handle.instance.shape(vr)?.0 != values.kind() {
-                return Err(format!("value reference {vr} is of another type"));
-            }
-            handle.instance.set(vr, values)?;
-        }
-        Ok(())
-    })
-}
-
-/// The state of an instance as the importer holds it: the bytes that it is serialised to.
-pub struct SavedState(Vec<u8>);
-
-/// Keeps the state. A state that is passed in is replaced.
-///
-/// # Safety
-/// `state` points to null or to a state of this unit.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFMUState(
-    handle: *mut Handle,
-    state: *mut *mut SavedState,
-) -> Status {
-    call(handle, |handle| {
-        let slot = unsafe { state.as_mut() }.ok_or("FMUState is null")?;
-        let saved = Box::new(SavedState(handle.instance.save()?));
-        if !slot.is_null() {
-            drop(unsafe { Box::from_raw(*slot) });
-        }
-        *slot = Box::into_raw(saved);
-        Ok(())
-    })
-}
-
-/// Goes back to a state that was kept.
-///
-/// # Safety
-/// `state` is null or a state of this unit.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetFMUState(handle: *mut Handle, state: *const SavedState) -> Status {
-    call(handle, |handle| {
-        let saved = unsafe { state.as_ref() }.ok_or("FMUState is null")?;
-        handle.instance = handle.instance.load(&saved.0)?;
-        Ok(())
-    })
-}
-
-/// Frees a state that was kept; null is nothing.
-///
-/// # Safety
-/// `state` points to null or to a state of this unit.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3FreeFMUState(
-    handle: *mut Handle,
-    state: *mut *mut SavedState,
-) -> Status {
-    call(handle, |_| {
-        if let Some(slot) = unsafe { state.as_mut() }
-            && !slot.is_null()
-        {
-            drop(unsafe { Box::from_raw(*slot) });
-            *slot = null_mut();
-        }
-        Ok(())
-    })
-}
-
-/// Bytes of a state.
-///
-/// # Safety
-/// `state` is null or a state of this unit; `size` is null or points to one value.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    handle: *mut Handle,
-    state: *const SavedState,
-    size: *mut usize,
-) -> Status {
-    call(handle, |_| {
-        let saved = unsafe { state.as_ref() }.ok_or("FMUState is null")?;
-        unsafe { give(size, saved.0.len()) };
-        Ok(())
-    })
-}
-
-/// Writes a state.
-///
-/// # Safety
-/// `state` is null or a state of this unit; `bytes` is null or as long as said.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializeFMUState(
-    handle: *mut Handle,
-    state: *const SavedState,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    call(handle, |_| {
-        let saved = unsafe { state.as_ref() }.ok_or("FMUState is null")?;
-        let out = unsafe { write(bytes, size, "serializedState") }?;
-        if out.len() != saved.0.len() {
-            return Err(format!(
-                "size = {size}: this state has {} bytes",
-                saved.0.len()
-            ));
-        }
-        out.copy_from_slice(&saved.0);
-        Ok(())
-    })
-}
-
-/// Reads a state; it is checked whole.
-///
-/// # Safety
-/// `bytes` is null or as long as said; `state` points to null or to a state of this unit.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3DeserializeFMUState(
-    handle: *mut Handle,
-    bytes: *const u8,
-    size: usize,
-    state: *mut *mut SavedState,
-) -> Status {
-    call(handle, |handle| {
-        let slot = unsafe { state.as_mut() }.ok_or("FMUState is null")?;
-        let bytes = unsafe { read(bytes, size, "serializedState") }?;
-        handle.instance.load(bytes)?;
-        if !slot.is_null() {
-            drop(unsafe { Box::from_raw(*slot) });
-        }
-        *slot = Box::into_raw(Box::new(SavedState(bytes.to_vec())));
-        Ok(())
-    })
+    #[test]
+    fn what_the_unit_does_not_offer_is_refused_at_the_start() {
+        assert!(instantiated(&token(), false, 0));
+        assert!(!instantiated("another", false, 0));
+        assert!(!instantiated(&token(), true, 0));
+        assert!(!instantiated(&token(), false, 1));
+    }
 }

@@ -3,7 +3,7 @@
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
-use crate::interface::{Handle, LogMessage, Status, call};
+use crate::handle::{Handle, LogMessage, Status, call};
 
 /// Functions of the standard for what this unit does not offer: each is there, and refuses.
 macro_rules! refused {
