@@ -3,7 +3,7 @@
 
 use crate::curves::Curve;
 use crate::fit;
-use crate::plan::Scale;
+use crate::plan::{CONSTANT_PILOT, Scale};
 use crate::table::{Quantity, Query, Row, Table, numbers_of_hotspots};
 use jcas_core::Preset;
 use jcas_evaluate::statistics::wilson;
@@ -139,6 +139,28 @@ pub struct Reading {
     of_a_cell: bool,
 }
 
+impl Reading {
+    /// Whether a reproduction of this size trains and flies what a measure takes.
+    fn answers(&self, scale: &Scale, measure: Measure) -> bool {
+        let flies = |uavs| {
+            if self.of_a_cell {
+                scale.paper_cells.iter().any(|cell| cell.0 == uavs)
+            } else {
+                scale.fleets.contains(&uavs)
+            }
+        };
+        let trains_whole = self.of_a_cell && scale.shortened().is_none();
+        let holds_pilots = !self.of_a_cell || scale.paper_pilots.contains(&Some(CONSTANT_PILOT));
+        match measure {
+            Measure::At(_, uavs) => flies(uavs),
+            Measure::OverFleets(_) => scale.fleets.iter().all(|&uavs| flies(uavs)),
+            Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => flies(uavs) && holds_pilots,
+            Measure::FlatTrainings => trains_whole,
+            Measure::TrainingTime(uavs) => trains_whole && flies(uavs),
+        }
+    }
+}
+
 /// The readings that a reproduction has.
 pub fn readings(scale: &Scale) -> Vec<Reading> {
     let learners = scale.learners().into_iter().map(|learner| Reading {
@@ -194,16 +216,21 @@ pub struct Judged {
     pub verdict: Verdict,
 }
 
-/// Every claim with every reading that it can be asked of.
+/// The claims that a reproduction of this size does not hold the paper's training to.
+pub fn unasked(scale: &Scale) -> Vec<&'static str> {
+    let readings = readings(scale);
+    let papers = readings.iter().filter(|reading| reading.of_a_cell);
+    let unasked = |claim: &Claim| !papers.clone().any(|r| r.answers(scale, claim.measure));
+    let claims = CLAIMS.iter().filter(|&claim| unasked(claim));
+    claims.map(|claim| claim.text).collect()
+}
+
+/// Every claim with every reading that answers it.
 pub fn judge(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Judged> {
     let readings = readings(scale);
     let mut judged = Vec::new();
     for claim in CLAIMS {
-        let of_training = matches!(
-            claim.measure,
-            Measure::FlatTrainings | Measure::TrainingTime(_)
-        );
-        for reading in readings.iter().filter(|r| r.of_a_cell || !of_training) {
+        for reading in readings.iter().filter(|r| r.answers(scale, claim.measure)) {
             let evidence = Evidence {
                 scale,
                 table,
@@ -450,5 +477,30 @@ mod tests {
             );
         }
         assert_eq!(verdict(Rule::AtLeast(0.0), &[None], &fleets), NotMeasured);
+    }
+
+    /// A full reproduction asks everything of the paper's training; a quick one what its short trainings answer.
+    #[test]
+    fn claims_are_asked_of_what_is_trained() {
+        let told = |scale: &Scale| -> Vec<(&'static str, usize)> {
+            let readings = readings(scale);
+            let of = |claim: &Claim| {
+                readings
+                    .iter()
+                    .filter(|r| r.answers(scale, claim.measure))
+                    .count()
+            };
+            CLAIMS.iter().map(|claim| (claim.text, of(claim))).collect()
+        };
+        let full = Scale::full(1);
+        assert_eq!(unasked(&full), Vec::<&str>::new());
+        // Two readings of the paper's training; ours in two presets, but not about training.
+        let counts: Vec<usize> = told(&full).iter().map(|claim| claim.1).collect();
+        assert_eq!(counts, [4, 4, 4, 4, 4, 4, 4, 2, 2, 2, 2, 2]);
+
+        let quick = Scale::quick(1);
+        let counts: Vec<usize> = told(&quick).iter().map(|claim| claim.1).collect();
+        assert_eq!(counts, [3, 3, 3, 3, 1, 1, 1, 0, 0, 0, 0, 0]);
+        assert_eq!(unasked(&quick).len(), 8);
     }
 }

@@ -325,8 +325,10 @@ fn band(runs: &[&Curve]) -> Vec<Point> {
 }
 
 fn training_times(scale: &Scale, curves: &[Curve]) -> Figure {
+    let shortened = scale.shortened();
+    let how = shortened.map_or(String::new(), |shortened| format!(" ({shortened})"));
     let mut figure = Figure::new("", Axis::new("UAVs", ""), Axis::new("wall time", "s")).note(
-        "62 iterations at the pace measured here; the paper: eight processes of a Xeon Gold 6444Y.",
+        format!("62 iterations at the pace measured here{how}; the paper: eight processes of a Xeon Gold 6444Y."),
     );
     for learner in scale.learners() {
         let measured = scale.fleets.iter().filter_map(|&uavs| {

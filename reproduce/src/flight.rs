@@ -40,3 +40,12 @@ pub(crate) enum Who {
         held: Option<f64>,
     },
 }
+
+/// The pilot rule of who holds a density, or learns to choose it.
+pub(crate) fn pilot_name(constant: Option<f64>) -> &'static str {
+    if constant.is_some() {
+        "constant"
+    } else {
+        ADAPTIVE
+    }
+}

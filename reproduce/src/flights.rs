@@ -1,7 +1,7 @@
 //! Training and flying what the table lacks.
 
 use crate::approach;
-use crate::flight::{Flight, HELD, OURS, Who};
+use crate::flight::{Flight, HELD, OURS, Who, pilot_name};
 use crate::narrator::{Narrator, Progress};
 use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Training, Variation};
 use crate::table::{Key, Table};
@@ -549,12 +549,4 @@ fn is_of(card: &Card, settings: &Settings, configs: &[Config]) -> bool {
             let cell = (config.uav_count, config.hotspot_count);
             sized_as(config, &card.config) == card.config && card.trained_on.contains(&cell)
         })
-}
-
-fn pilot_name(constant: Option<f64>) -> &'static str {
-    if constant.is_some() {
-        "constant"
-    } else {
-        "adaptive"
-    }
 }

@@ -5,6 +5,7 @@ use crate::chapter::{Block, Chapter};
 use crate::claims::{self, Judged, Verdict};
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
+use crate::flight::pilot_name;
 use crate::range::Study;
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
@@ -130,14 +131,21 @@ impl Results<'_> {
 
     /// Which cells were trained with the paper's settings, with how many seeds.
     fn trained(&self) -> String {
+        let shortened = self.scale.shortened();
+        let but = shortened.as_deref().map_or(String::new(), |shortened| {
+            format!(" but for {shortened}, which shows the way and not what the training comes to")
+        });
         let mut text = format!(
-            "Trained with the paper's settings, of {} cells (N × n, seeds where there are several): ",
+            "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are several): ",
             self.scale.cells().len()
         );
         let learners = self.scale.learners();
         let parts: Vec<String> = learners
             .iter()
-            .flat_map(|learner| [(learner, "adaptive"), (learner, "constant")])
+            .flat_map(|learner| {
+                let pilots = self.scale.paper_pilots.iter();
+                pilots.map(move |&pilot| (learner, pilot_name(pilot)))
+            })
             .map(|(learner, pilot)| {
                 let query = Query::new("grid", Preset::Paper.name(), (learner.name, pilot));
                 let cells = self
@@ -162,7 +170,12 @@ impl Results<'_> {
             })
             .collect();
         text += &parts.join("; ");
-        text + "."
+        text += ".";
+        let unasked = claims::unasked(self.scale);
+        if !unasked.is_empty() {
+            text += &format!(" Not asked of such trainings: {}.", unasked.join("; "));
+        }
+        text
     }
 
     fn summary(&self) -> String {

@@ -27,6 +27,8 @@ pub struct Scale {
     pub paper: Settings,
     /// Cells (N, n) that are trained with the paper's settings.
     pub paper_cells: Vec<(u32, u32)>,
+    /// The pilot densities that are held there; none: it is learnt.
+    pub paper_pilots: Vec<Option<f64>>,
     /// What is changed of the paper's settings, one thing at a time, to see what a result hangs on.
     pub variations: Vec<Variation>,
     /// Held pilot densities of the trade-off.
@@ -197,6 +199,7 @@ impl Scale {
             tuned: Settings::preset(Preset::Tuned),
             paper: Settings::preset(Preset::Paper),
             paper_cells: grid(&fleets, &hotspots),
+            paper_pilots: vec![None, Some(CONSTANT_PILOT)],
             variations: variations(),
             densities: vec![0.01, 0.05, 0.10, 0.15, 0.20, 0.25, 0.30],
             renewable_shares: vec![0.0, 0.1, 0.25, 0.5, 0.75, 1.0],
@@ -218,8 +221,8 @@ impl Scale {
     }
 
     /// A smaller version of every part, for minutes instead of hours: half the numbers of hotspots,
-    /// fewer missions, a shorter training, and the paper's own training with small networks, briefly, at the two
-    /// fleets that the paper gives a success rate for.
+    /// fewer missions, a shorter training, and the paper's own training with small networks, briefly, for one number
+    /// of hotspots and a learnt pilot density.
     pub fn quick(seeds: u64) -> Scale {
         let full = Scale::full(seeds);
         let hotspots = vec![3, 7, 11];
@@ -233,7 +236,7 @@ impl Scale {
             actor_hidden: vec![128, 64],
             critic_hidden: vec![128, 64],
             minibatch_rows: 1024,
-            total_steps: 12 * 4096,
+            total_steps: 7 * 4096,
             evaluation_episodes: 10,
             ..full.paper.clone()
         };
@@ -241,7 +244,8 @@ impl Scale {
             name: "quick",
             presets: vec![World::Paper],
             episodes: 40,
-            paper_cells: grid(&[10, 15], &[7]),
+            paper_cells: grid(&full.fleets, &[7]),
+            paper_pilots: vec![None],
             variations: Vec::new(),
             densities: vec![0.01, 0.10, 0.20, 0.30],
             renewable_shares: vec![0.0, 0.5, 1.0],
@@ -266,7 +270,23 @@ impl Scale {
         if self.name == "full" || !paper_hotspots.is_empty() {
             self.paper_cells = grid(&self.fleets, &or(paper_hotspots, &self.hotspots));
         }
+        let fleets = &self.fleets;
+        self.paper_cells.retain(|(uavs, _)| fleets.contains(uavs));
         self
+    }
+
+    /// What the training with the paper's settings lacks of these; none where it is whole.
+    pub fn shortened(&self) -> Option<String> {
+        let whole = Settings::preset(Preset::Paper);
+        (self.paper != whole).then(|| {
+            format!(
+                "{} of its {} iterations, hidden layers of {:?} in place of {:?}",
+                self.paper.iterations(),
+                whole.iterations(),
+                self.paper.actor_hidden,
+                whole.actor_hidden
+            )
+        })
     }
 
     /// Only these parts.
@@ -306,7 +326,7 @@ impl Scale {
         let mut trainings = Vec::new();
         for &seed in &self.seeds {
             for &cell in &self.paper_cells {
-                for constant in [None, Some(CONSTANT_PILOT)] {
+                for &constant in &self.paper_pilots {
                     trainings.push(Training {
                         cell,
                         constant,

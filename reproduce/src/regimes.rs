@@ -21,6 +21,17 @@ impl Varied {
     fn ends_at(&self, value: f64) -> bool {
         [self.values.first(), self.values.last()].contains(&Some(&value))
     }
+
+    /// Those of the values that are among others.
+    fn among(&self, others: impl Iterator<Item = f64>) -> Vec<f64> {
+        let others: Vec<f64> = others.collect();
+        let values = self.values.iter().copied();
+        values.filter(|value| others.contains(value)).collect()
+    }
+
+    fn axis(&self, values: &[f64]) -> Axis {
+        Axis::new(self.label, self.unit).categories(values.iter().map(f64::to_string))
+    }
 }
 
 const LOAD: Varied = Varied {
@@ -190,6 +201,9 @@ fn regimes(scale: &Scale, table: &Table, map: &Map) -> Option<(String, HeatTable
         let at = worths.iter().find(|(place, _)| *place == (row, column))?;
         Some(saved(&at.1))
     };
+    let places = || worths.iter().map(|(place, _)| *place);
+    let rows_flown = rows.among(places().map(|(row, _)| row));
+    let columns_flown = columns.among(places().map(|(_, column)| column));
     let figure = HeatTable {
         title: "Mission time saved by adapting".to_owned(),
         note: format!(
@@ -197,13 +211,12 @@ fn regimes(scale: &Scale, table: &Table, map: &Map) -> Option<(String, HeatTable
             scale.episodes, map.load_db
         ),
         value: Axis::new("mission time saved", "%"),
-        columns: categories(columns),
-        rows: categories(rows),
-        cells: rows
-            .values
+        columns: columns.axis(&columns_flown),
+        rows: rows.axis(&rows_flown),
+        cells: rows_flown
             .iter()
             .map(|&row| {
-                let columns = columns.values.iter();
+                let columns = columns_flown.iter();
                 columns.map(|&column| cell(row, column)).collect()
             })
             .collect(),
@@ -218,10 +231,6 @@ fn unit(unit: &str) -> String {
     } else {
         format!(" {unit}")
     }
-}
-
-fn categories(varied: &Varied) -> Axis {
-    Axis::new(varied.label, varied.unit).categories(varied.values.iter().map(f64::to_string))
 }
 
 #[cfg(test)]
@@ -258,9 +267,13 @@ mod tests {
             table.add(&key, &Summary::of(&[mission; 10], 100)).unwrap();
         }
         let (text, figure) = regimes(&scale, &table, map).unwrap();
-        let saved: Vec<f64> = figure.cells.iter().flatten().copied().flatten().collect();
-        assert_eq!(saved.len(), 1);
-        assert!((saved[0] - 25.0).abs() < 1e-9);
+        let [row] = &figure.cells[..] else {
+            panic!("rows that were not flown: {:?}", figure.cells);
+        };
+        let [Some(saved)] = row[..] else {
+            panic!("columns that were not flown: {row:?}");
+        };
+        assert!((saved - 25.0).abs() < 1e-9);
         assert!(text.contains("in 1 of 1 regimes"), "{text}");
         assert!(
             text.contains("-25.0 % of the best constant's time (ρ = 0.10, 20.0 steps)"),

@@ -1,7 +1,7 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
 use jcas_core::Preset;
-use jcas_reproduce::plan::{Part, Scale, variations};
+use jcas_reproduce::plan::{CONSTANT_PILOT, Part, Scale, variations};
 use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
@@ -56,6 +56,7 @@ fn scale() -> Scale {
         tuned: small(&quick.tuned, 4),
         paper: small(&quick.paper, 2),
         paper_cells: vec![(10, 1), (10, 2)],
+        paper_pilots: vec![None, Some(CONSTANT_PILOT)],
         variations: variations()[..2].to_vec(),
         densities: vec![0.01, 0.3],
         renewable_shares: vec![0.0, 1.0],
