@@ -275,12 +275,12 @@ impl Scale {
         self
     }
 
-    /// What the training with the paper's settings lacks of these; none where it is whole.
+    /// How much of the paper's training its learners are given; none where it is all.
     pub fn shortened(&self) -> Option<String> {
         let whole = Settings::preset(Preset::Paper);
         (self.paper != whole).then(|| {
             format!(
-                "{} of its {} iterations, hidden layers of {:?} in place of {:?}",
+                "{} of the paper's {} iterations, hidden layers of {:?} in place of {:?}",
                 self.paper.iterations(),
                 whole.iterations(),
                 self.paper.actor_hidden,

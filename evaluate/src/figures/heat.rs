@@ -27,11 +27,22 @@ pub struct HeatTable {
     pub decimals: Option<usize>,
 }
 
-const CELL_HEIGHT: f64 = 40.0;
-const CELL_WIDTH: f64 = 84.0;
+/// Least size of a cell; few cells grow until the caption beside them fits.
+const CELL: (f64, f64) = (84.0, 40.0);
 const KEY_HEIGHT: f64 = 46.0;
 
 impl HeatTable {
+    fn cell(&self) -> (f64, f64) {
+        let (width, height) = CELL;
+        let share = |axis: &Axis| {
+            text_width(&axis.caption(), CAPTION.size, true) / axis.categories.len().max(1) as f64
+        };
+        (
+            share(&self.columns).max(width).ceil(),
+            share(&self.rows).max(height).ceil(),
+        )
+    }
+
     fn head_width(&self) -> f64 {
         let heads = self
             .rows
@@ -81,8 +92,9 @@ impl HeatTable {
 impl Draw for HeatTable {
     fn size(&self) -> (u32, u32) {
         let (columns, rows) = (self.columns.categories.len(), self.rows.categories.len());
-        let width = 2.0 * MARGIN + self.head_width() + CELL_WIDTH * columns as f64;
-        let height = 66.0 + 52.0 + CELL_HEIGHT * rows as f64 + KEY_HEIGHT + 10.0;
+        let (cell_width, cell_height) = self.cell();
+        let width = 2.0 * MARGIN + self.head_width() + cell_width * columns as f64;
+        let height = 66.0 + 52.0 + cell_height * rows as f64 + KEY_HEIGHT + 10.0;
         (width.max(480.0) as u32, height as u32)
     }
 
@@ -96,33 +108,34 @@ impl Draw for HeatTable {
         let top = header(canvas, &self.title, &self.note, f64::from(width)) + 44.0;
         let left = MARGIN + self.head_width();
         let extent = self.extent();
+        let (cell_width, cell_height) = self.cell();
         let (columns, rows) = (
             self.columns.categories.len() as f64,
             self.rows.categories.len() as f64,
         );
         canvas.text(
-            (left + columns * CELL_WIDTH / 2.0, top - 32.0),
+            (left + columns * cell_width / 2.0, top - 32.0),
             self.columns.caption(),
             CAPTION,
             Align::Centre,
         );
         canvas.upward_text(
-            (MARGIN + 6.0, top + rows * CELL_HEIGHT / 2.0),
+            (MARGIN + 6.0, top + rows * cell_height / 2.0),
             self.rows.caption(),
             CAPTION,
         );
         for (k, head) in self.columns.categories.iter().enumerate() {
             canvas.text(
-                (left + CELL_WIDTH * (k as f64 + 0.5), top - 10.0),
+                (left + cell_width * (k as f64 + 0.5), top - 10.0),
                 head.as_str(),
                 LABEL,
                 Align::Centre,
             );
         }
         for (row, head) in self.rows.categories.iter().enumerate() {
-            let y = top + CELL_HEIGHT * row as f64;
+            let y = top + cell_height * row as f64;
             canvas.text(
-                (left - 8.0, y + CELL_HEIGHT / 2.0),
+                (left - 8.0, y + cell_height / 2.0),
                 head.as_str(),
                 LABEL,
                 Align::Right,
@@ -134,7 +147,7 @@ impl Draw for HeatTable {
                     .and_then(|cells| cells.get(column))
                     .copied()
                     .flatten();
-                let x = left + CELL_WIDTH * column as f64;
+                let x = left + cell_width * column as f64;
                 self.draw_cell(
                     canvas,
                     (x, y),
@@ -143,7 +156,7 @@ impl Draw for HeatTable {
                 );
             }
         }
-        self.draw_key(canvas, &extent, left, top + rows * CELL_HEIGHT + 26.0);
+        self.draw_key(canvas, &extent, left, top + rows * cell_height + 26.0);
     }
 }
 
@@ -155,7 +168,8 @@ impl HeatTable {
         value: Option<f64>,
         extent: &Extent,
     ) {
-        let (right, bottom) = (x + CELL_WIDTH - 2.0, y + CELL_HEIGHT - 2.0);
+        let (width, height) = self.cell();
+        let (right, bottom) = (x + width - 2.0, y + height - 2.0);
         let middle = ((x + right) / 2.0, (y + bottom) / 2.0);
         let Some(value) = value else {
             canvas.rectangle((x, y), (right, bottom), GRID.opacity(0.5));

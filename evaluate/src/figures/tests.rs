@@ -1,7 +1,7 @@
 //! Figures hold what they are given, come out the same each time, and reach the disk whole.
 
 use super::output::Draw;
-use super::{Axis, Figure, HeatTable, Interval, Mark, Panels, Point, Series};
+use super::{Axis, Figure, HeatTable, Interval, Mark, Panels, Point, Series, font, style};
 
 fn success() -> Figure {
     let series = |name: &str, rise: f64| {
@@ -137,6 +137,23 @@ fn every_kind_is_drawn_the_same_each_time() {
             first.description()
         );
     }
+}
+
+#[test]
+fn captions_fit_beside_a_small_heat_table() {
+    let long = "a caption that is much longer than the one cell beside it";
+    let small = HeatTable {
+        columns: Axis::new(long, "").categories(["3"]),
+        rows: Axis::new(long, "").categories(["5"]),
+        cells: vec![vec![Some(57.0)]],
+        ..table()
+    };
+    let text = font::text_width(long, style::CAPTION.size, true);
+    let (width, height) = small.size();
+    assert!(f64::from(width) >= 2.0 * style::MARGIN + text);
+    assert!(f64::from(height) >= 66.0 + 52.0 + text);
+    // Where they fit, cells have their least size.
+    assert_eq!(table().size(), (480, 66 + 52 + 2 * 40 + 46 + 10));
 }
 
 #[test]
