@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use abi_support::{compile, compilers, root, run};
+use abi_support::{compile, compilers, golden_traces, root, run};
 
 const C: &[&str] = &["gcc", "clang"];
 const CPP: &[&str] = &["g++", "clang++"];
@@ -23,14 +23,7 @@ fn c_tests(names: &[&str]) -> Vec<PathBuf> {
 
 #[test]
 fn golden_traces_have_the_same_hashes_through_the_abi() {
-    let folder = root().join("tests/golden");
-    let mut traces: Vec<PathBuf> = fs::read_dir(folder)
-        .expect("the golden traces are there")
-        .map(|entry| entry.expect("a readable folder").path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "jsonl"))
-        .collect();
-    traces.sort();
-    assert!(traces.len() >= 14);
+    let traces = golden_traces();
     for compiler in compilers(C) {
         let replay = compile(compiler, "c11", "replay", &c_tests(&["replay.c"]));
         let output = run(Command::new(&replay).args(&traces)).stdout;

@@ -9,22 +9,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use abi_support::{compile, compilers, root, run};
+use abi_support::{compile, compilers, golden_traces, root, run};
 use jcas_core::config::Depots;
 use jcas_core::{Cell, Config, Model};
 use jcas_evaluate::policy::{BaselineKind, PilotMode};
 use jcas_evaluate::{replay, trace};
-
-fn golden() -> Vec<PathBuf> {
-    let folder = root().join("tests/golden");
-    let mut traces: Vec<PathBuf> = fs::read_dir(folder)
-        .expect("the golden traces are there")
-        .map(|entry| entry.expect("a readable folder").path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "jsonl"))
-        .collect();
-    traces.sort();
-    traces
-}
 
 /// What `jcas trace record` writes of the mission that the C program has its policy fly.
 fn recorded_here() -> Vec<u8> {
@@ -67,7 +56,7 @@ fn c_records_what_the_command_records_and_what_a_host_supplied() {
         let program = compile(compiler, "c11", "traces", &[source]);
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("recorded-{compiler}"));
         fs::create_dir_all(&folder).expect("the target folder can be written");
-        run(Command::new(program).arg(&folder).args(golden()));
+        run(Command::new(program).arg(&folder).args(golden_traces()));
 
         let flown = fs::read(folder.join("policy.jsonl")).expect("it was written");
         assert!(flown == recorded_here(), "{compiler}: other bytes");

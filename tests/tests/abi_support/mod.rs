@@ -2,6 +2,7 @@
 // Each test file uses its own part of this module.
 #![allow(dead_code)]
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -10,6 +11,19 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("the tests lie in the workspace")
+}
+
+/// The files of the golden traces, in order of their names.
+pub fn golden_traces() -> Vec<PathBuf> {
+    let folder = root().join("tests/golden");
+    let mut traces: Vec<PathBuf> = fs::read_dir(folder)
+        .expect("the golden traces are there")
+        .map(|entry| entry.expect("a readable folder").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "jsonl"))
+        .collect();
+    traces.sort();
+    assert!(traces.len() >= 14, "traces are missing: {traces:?}");
+    traces
 }
 
 /// Runs a command that has to succeed.
