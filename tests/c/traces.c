@@ -256,6 +256,9 @@ static void fill_sink(jcas_sim *sim, jcas_recorder recorder, struct text *text)
     EXPECT(JCAS_ERROR_CORRUPT, verify(text->bytes, text->length, NULL, 0));
 }
 
+static const char ILLEGAL[] = "{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":2,"
+                              "\"core_version\":\"0.1.0\",\"config\":{\"uav_count\":0},";
+
 static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder, const struct text *trace)
 {
     size_t size = 7, alignment = 7;
@@ -301,6 +304,10 @@ static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder, cons
     EXPECT(JCAS_ERROR_NULL, jcas_trace_config(text, length, NULL, sizeof config, NULL, 0));
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_trace_config(text, length, &config, 4, NULL, 0));
     EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_config("\xff", 1, &config, sizeof config, NULL, 0));
+    char refused[128] = "";
+    EXPECT(JCAS_ERROR_CORRUPT,
+           jcas_trace_config(ILLEGAL, sizeof ILLEGAL - 1, &config, sizeof config, refused, sizeof refused));
+    CHECK(strcmp(refused, "line 1: uav_count = 0: must be a whole number from 1 to 4096") == 0);
     CHECK(untouched(&config, sizeof config));
     size = recorder.memory_size;
     void *memory = recorder.memory;

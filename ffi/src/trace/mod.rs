@@ -4,9 +4,11 @@
 mod host;
 mod line;
 mod number;
+mod reader;
 mod recording;
 mod verify;
 
 pub(crate) use host::Host;
+pub(crate) use reader::Refusal;
 pub(crate) use recording::{Recording, Sink, Workspace};
-pub(crate) use verify::{Refusal, configuration, verify};
+pub(crate) use verify::{configuration, verify};

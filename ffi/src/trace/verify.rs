@@ -2,62 +2,15 @@
 //! byte by byte.
 
 use std::fmt::{self, Write};
-use std::str::FromStr;
 
 use jcas_core::hash::Fnv1a;
 use jcas_core::header::Phase;
-use jcas_core::{Cell, Config, Error, Model, Scratch, StateMut};
+use jcas_core::{Config, Error, Model, Scratch, StateMut};
 
-use super::line::{self, CHECKSUM, FORMAT_VERSION, Header};
+use super::line::{self, CHECKSUM, Hashes, Header};
+use super::reader::{Reader, Refusal, STEP, Told, Why, expect, hexadecimal};
 use super::recording::{Parts, hashes};
 use crate::handle::Open;
-use crate::status::{
-    Fault, JCAS_ERROR_CORRUPT, JCAS_ERROR_DIFFERENT, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH,
-};
-
-/// Why a trace is not reproduced, at which line of the file; 0 for the whole of it.
-pub(crate) struct Refusal<'t> {
-    line: usize,
-    why: Why<'t>,
-}
-
-enum Why<'t> {
-    Whole,
-    Form,
-    Model,
-    Kernel(Error),
-    Config,
-    Differs(&'t str),
-    Internal,
-}
-
-impl Refusal<'_> {
-    pub(crate) fn status(&self) -> Fault {
-        Fault::Status(match self.why {
-            Why::Whole | Why::Form | Why::Kernel(_) | Why::Config => JCAS_ERROR_CORRUPT,
-            Why::Model => JCAS_ERROR_MODEL_MISMATCH,
-            Why::Differs(_) => JCAS_ERROR_DIFFERENT,
-            Why::Internal => JCAS_ERROR_INTERNAL,
-        })
-    }
-}
-
-impl fmt::Display for Refusal<'_> {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.line > 0 {
-            write!(out, "line {}: ", self.line)?;
-        }
-        match &self.why {
-            Why::Whole => out.write_str("not a whole trace: must end with a checksum that fits"),
-            Why::Form => out.write_str("not as jcas writes traces"),
-            Why::Model => out.write_str("the simulation has another configuration"),
-            Why::Kernel(error) => error.fmt(out),
-            Why::Config => out.write_str("the configuration is not legal"),
-            Why::Differs(field) => write!(out, "{field} differs from what is flown"),
-            Why::Internal => out.write_str("a fault of the library itself"),
-        }
-    }
-}
 
 /// The configuration that a trace says it was flown with.
 pub(crate) fn configuration(trace: &str) -> Result<Config, Refusal<'_>> {
@@ -107,213 +60,7 @@ fn check_whole(trace: &str) -> Result<(), Refusal<'_>> {
         hash.write(&trace.as_bytes()[..at]);
         (rest == "\"}\n" && hexadecimal(digits)? == hash.finish()).then_some(())
     };
-    whole().ok_or(Refusal {
-        line: 0,
-        why: Why::Whole,
-    })
-}
-
-/// Sixteen digits.
-fn hexadecimal(digits: &str) -> Option<u64> {
-    let legal = digits.len() == 16 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-    legal
-        .then(|| u64::from_str_radix(digits, 16).ok())
-        .flatten()
-}
-
-/// The first line, as far as it is not for comparison alone.
-struct Told<'t> {
-    version: u32,
-    core_version: &'t str,
-    config: Config,
-    seed: u64,
-    policy: &'t str,
-    pilot: &'t str,
-    line: &'t str,
-}
-
-/// A place in a trace.
-#[derive(Clone)]
-struct Reader<'t> {
-    /// This line, whole.
-    line: &'t str,
-    /// What of it is still to be read.
-    rest: &'t str,
-    /// The lines after it.
-    later: &'t str,
-    number: usize,
-}
-
-impl<'t> Reader<'t> {
-    fn new(trace: &'t str) -> Self {
-        let mut reader = Self {
-            line: "",
-            rest: "",
-            later: trace,
-            number: 0,
-        };
-        reader.next_line();
-        reader
-    }
-
-    fn next_line(&mut self) {
-        let end = self.later.find('\n').map_or(self.later.len(), |at| at + 1);
-        let (line, later) = self.later.split_at(end);
-        self.line = line;
-        self.rest = line;
-        self.later = later;
-        self.number += 1;
-    }
-
-    fn refuse(&self, why: Why<'t>) -> Refusal<'t> {
-        Refusal {
-            line: self.number,
-            why,
-        }
-    }
-
-    fn skip(&mut self, text: &str) -> Result<(), Why<'t>> {
-        self.rest = self.rest.strip_prefix(text).ok_or(Why::Form)?;
-        Ok(())
-    }
-
-    /// Up to a character, which stays.
-    fn until(&mut self, stop: impl Fn(char) -> bool) -> Result<&'t str, Why<'t>> {
-        let at = self.rest.find(stop).ok_or(Why::Form)?;
-        let (text, rest) = self.rest.split_at(at);
-        self.rest = rest;
-        Ok(text)
-    }
-
-    fn number<T: FromStr>(&mut self) -> Result<T, Why<'t>> {
-        let digits = |c: char| !matches!(c, '0'..='9' | '-' | '+' | '.' | 'e');
-        self.until(digits)?.parse().map_err(|_| Why::Form)
-    }
-
-    /// What stands between quotes, with its escapes.
-    fn text(&mut self) -> Result<&'t str, Why<'t>> {
-        let mut escaped = false;
-        let at = self.rest.find(|c| {
-            let ends = c == '"' && !escaped;
-            escaped = c == '\\' && !escaped;
-            ends
-        });
-        let (text, rest) = self.rest.split_at(at.ok_or(Why::Form)?);
-        self.rest = rest;
-        Ok(text)
-    }
-
-    fn hex(&mut self) -> Result<u64, Why<'t>> {
-        let (digits, rest) = self.rest.split_at_checked(16).ok_or(Why::Form)?;
-        self.rest = rest;
-        hexadecimal(digits).ok_or(Why::Form)
-    }
-
-    /// `[..]`: calls `each` before every element with its index.
-    fn list(
-        &mut self,
-        mut each: impl FnMut(&mut Self, usize) -> Result<(), Why<'t>>,
-    ) -> Result<usize, Why<'t>> {
-        self.skip("[")?;
-        let mut count = 0;
-        while !self.rest.starts_with(']') {
-            if count > 0 {
-                self.skip(",")?;
-            }
-            each(self, count)?;
-            count += 1;
-        }
-        self.skip("]")?;
-        Ok(count)
-    }
-
-    /// As many elements as `out` has, or fewer; how many.
-    fn fill<T>(
-        &mut self,
-        out: &mut [T],
-        mut read: impl FnMut(&mut Self) -> Result<T, Why<'t>>,
-    ) -> Result<usize, Why<'t>> {
-        self.list(|reader, index| {
-            *out.get_mut(index).ok_or(Why::Form)? = read(reader)?;
-            Ok(())
-        })
-    }
-
-    fn pair<T: FromStr>(&mut self) -> Result<[T; 2], Why<'t>> {
-        self.skip("[")?;
-        let first = self.number()?;
-        self.skip(",")?;
-        let second = self.number()?;
-        self.skip("]")?;
-        Ok([first, second])
-    }
-
-    fn cell(&mut self) -> Result<Cell, Why<'t>> {
-        let [x, y] = self.pair()?;
-        Ok(Cell { x, y })
-    }
-
-    fn header(&mut self) -> Result<Told<'t>, Refusal<'t>> {
-        self.told().map_err(|why| self.refuse(why))
-    }
-
-    fn told(&mut self) -> Result<Told<'t>, Why<'t>> {
-        self.skip("{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":")?;
-        let version = self.number()?;
-        if !(1..=FORMAT_VERSION).contains(&version) {
-            return Err(Why::Form);
-        }
-        self.skip(",\"core_version\":\"")?;
-        let core_version = self.text()?;
-        self.skip("\",\"config\":")?;
-        let text = self.rest;
-        let braced = self.until(|c| c == '}')?.len() + 1;
-        let config = Config::from_json(&text[..braced]).map_err(|_| Why::Config)?;
-        self.skip("},\"config_hash\":\"0x")?;
-        self.hex()?;
-        self.skip("\",\"seed\":\"0x")?;
-        let seed = self.hex()?;
-        self.skip("\",\"policy\":\"")?;
-        let policy = self.text()?;
-        self.skip("\",\"pilot\":\"")?;
-        let pilot = self.text()?;
-        Ok(Told {
-            version,
-            core_version,
-            config,
-            seed,
-            policy,
-            pilot,
-            line: self.line,
-        })
-    }
-
-    /// The actions of the next step in the file, from this line on.
-    fn actions(&self, actions: &mut [f32]) -> Result<(), Why<'t>> {
-        let mut ahead = self.clone();
-        while !ahead.line.starts_with(STEP) {
-            if ahead.later.is_empty() {
-                return Err(Why::Form);
-            }
-            ahead.next_line();
-        }
-        ahead.rest = ahead.line;
-        ahead.skip(STEP)?;
-        ahead.number::<u32>()?;
-        ahead.skip(",\"actions\":")?;
-        let count = ahead.list(|reader, index| {
-            let place = actions.get_mut(2 * index..2 * index + 2);
-            place.ok_or(Why::Form)?.copy_from_slice(&reader.pair()?);
-            Ok(())
-        })?;
-        expect(2 * count == actions.len())
-    }
-}
-
-const STEP: &str = "{\"kind\":\"step\",\"t\":";
-
-fn expect<'t>(legal: bool) -> Result<(), Why<'t>> {
-    if legal { Ok(()) } else { Err(Why::Form) }
+    whole().ok_or(Refusal::WHOLE)
 }
 
 /// The simulation that flies, and what it works in.
@@ -395,30 +142,23 @@ impl Flight<'_> {
             self.act(|model, state, scratch, _| model.step_communicate(state, scratch))?;
         }
         self.act(|model, state, scratch, _| model.step_end(state, scratch).map(|_| ()))?;
-        let Self {
-            model,
-            words,
-            scratch,
-            parts,
-        } = self;
-        let state = model.state(words).map_err(Why::Kernel)?;
-        let hashes = hashes(model, &state, words, scratch, parts.observations);
-        let hashes = hashes.map_err(|_| Why::Internal)?;
+        let hashes = self.hashes()?;
+        let state = self.model.state(self.words).map_err(Why::Kernel)?;
         compare(reader.line, |out| {
-            line::step(out, model, &state, parts.actions, hashes)
+            line::step(out, self.model, &state, self.parts.actions, hashes)
         })
     }
 
+    fn hashes<'t>(&mut self) -> Result<Hashes, Why<'t>> {
+        let state = self.model.state(self.words).map_err(Why::Kernel)?;
+        let observations = &mut *self.parts.observations;
+        hashes(self.model, &state, self.words, self.scratch, observations)
+            .map_err(|_| Why::Internal)
+    }
+
     fn compare_header<'t>(&mut self, told: &Told<'t>) -> Result<(), Why<'t>> {
-        let Self {
-            model,
-            words,
-            scratch,
-            parts,
-        } = self;
-        let state = model.state(words).map_err(Why::Kernel)?;
-        let hashes = hashes(model, &state, words, scratch, parts.observations);
-        let hashes = hashes.map_err(|_| Why::Internal)?;
+        let hashes = self.hashes()?;
+        let state = self.model.state(self.words).map_err(Why::Kernel)?;
         let header = Header {
             version: told.version,
             core_version: &told.core_version,
@@ -426,7 +166,9 @@ impl Flight<'_> {
             pilot: &told.pilot,
             seed: told.seed,
         };
-        compare(told.line, |out| header.write(out, model, &state, hashes))
+        compare(told.line, |out| {
+            header.write(out, self.model, &state, hashes)
+        })
     }
 
     fn end<'t>(&mut self, reader: &Reader<'t>) -> Result<(), Why<'t>> {
