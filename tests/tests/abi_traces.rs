@@ -6,7 +6,7 @@
 mod abi_support;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use abi_support::{compile, compilers, golden_traces, root, run};
