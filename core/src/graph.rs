@@ -2,7 +2,7 @@
 
 use crate::bits;
 use crate::config::Cell;
-use crate::lanes::{self, Block, Cells, WIDTH};
+use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
@@ -104,6 +104,17 @@ fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
     average_throughput(model, state);
 }
 
+/// For each lane of a block all ones but in its own, as a UAV is no neighbour of itself; behind them what holds for
+/// UAVs of other blocks.
+static OTHERS: [Lanes<u64>; WIDTH + 1] = {
+    let (mut others, mut lane) = ([[u64::MAX; WIDTH]; WIDTH + 1], 0);
+    while lane < WIDTH {
+        others[lane][lane] = 0;
+        lane += 1;
+    }
+    others
+};
+
 /// The links of a block's UAVs with the whole fleet, met in ascending order as in [`link_few`].
 #[inline(always)]
 fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
@@ -113,11 +124,10 @@ fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
         !block.bits(state.grounded) & block.mask(),
         block.load(state.pilot),
     );
-    let (mut loads, mut others) = ([0.0; WIDTH], lanes::spread(flies));
+    let flies = lanes::spread(flies);
+    let mut loads = [0.0; WIDTH];
     for lane in 0..WIDTH {
         loads[lane] = 1.0 - f64::from_bits(pilot[lane]);
-        // Itself is no neighbour of a UAV.
-        others[lane] &= !(1 << (block.first + lane));
     }
     let (mut rows, mut sums) = ([0u64; WIDTH], [0.0; WIDTH]);
     let mut flying = !state.grounded[0] & bits::valid_mask(0, model.uav_count());
@@ -126,6 +136,8 @@ fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
         flying &= flying - 1;
         let load = 1.0 - state.pilot_density(k as usize);
         let throughput = full.gather(&cells, state.cell(k as usize));
+        let own = (k as usize).wrapping_sub(block.first);
+        let others = &OTHERS[if own < WIDTH { own } else { WIDTH }];
         for lane in 0..WIDTH {
             let least_load = if loads[lane] < load {
                 loads[lane]
@@ -133,13 +145,15 @@ fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
                 load
             };
             let hears = least_load * throughput[lane] >= least;
-            let mask = 0u64.wrapping_sub(u64::from(hears) & others[lane] >> k);
+            let mask = 0u64.wrapping_sub(u64::from(hears)) & others[lane];
             rows[lane] |= mask & 1 << k;
             sums[lane] += f64::from_bits(throughput[lane].to_bits() & mask);
         }
     }
     let (mut degrees, mut means) = ([0.0; WIDTH], [0; WIDTH]);
     for lane in 0..WIDTH {
+        rows[lane] &= flies[lane];
+        sums[lane] = f64::from_bits(sums[lane].to_bits() & flies[lane]);
         // A UAV without neighbours has a sum of 0, over anything.
         degrees[lane] = f64::from(rows[lane].count_ones().max(1) as i32);
     }

@@ -93,6 +93,8 @@ impl Model<'static> {
 #[derive(Clone, Copy)]
 pub(crate) struct OffsetTable<'t> {
     width: u32,
+    /// How many there are: the words behind them belong to other tables.
+    len: usize,
     values: &'t [u64],
 }
 
@@ -108,7 +110,7 @@ impl OffsetTable<'_> {
     #[inline(always)]
     pub(crate) fn gather(self, rows: &Rows, to: Cell) -> Lanes<f64> {
         let index = rows.offsets(to, self.width);
-        lanes::gather(self.values, &index).map(f64::from_bits)
+        lanes::gather(self.values, self.len, &index).map(f64::from_bits)
     }
 }
 
@@ -458,7 +460,8 @@ impl<'m> Model<'m> {
     pub(crate) fn range_odds(&self) -> OffsetTable<'_> {
         OffsetTable {
             width: self.width,
-            values: &self.words()[..self.cells()],
+            len: self.cells(),
+            values: self.words(),
         }
     }
 
@@ -467,7 +470,8 @@ impl<'m> Model<'m> {
     pub(crate) fn full_throughput(&self) -> OffsetTable<'_> {
         OffsetTable {
             width: self.width,
-            values: &self.words()[self.cells()..2 * self.cells()],
+            len: self.cells(),
+            values: &self.words()[self.cells()..],
         }
     }
 
@@ -507,10 +511,9 @@ impl<'m> Model<'m> {
     /// Manhattan distance of each cell of a block to its nearest depot.
     #[inline(always)]
     pub(crate) fn depot_distances(&self, cells: &Cells) -> Lanes<u32> {
-        let index = cells
-            .rows(self.width)
-            .offsets(Cell { x: 0, y: 0 }, self.width);
-        lanes::gather(&self.words()[2 * self.cells()..], &index).map(|word| (word >> 32) as u32)
+        let index = cells.index(self.width);
+        lanes::gather(&self.words()[2 * self.cells()..], self.cells(), &index)
+            .map(|word| (word >> 32) as u32)
     }
 
     /// Tables of normalised offsets along x and y; index by offset + extent - 1.

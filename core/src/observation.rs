@@ -6,23 +6,35 @@ use crate::bits;
 use crate::config::{Cell, TargetVisibility, UavTag};
 use crate::error::Error;
 use crate::lanes::neighbours::Ranking;
-use crate::lanes::{self, Block, Cells, Lanes, WIDTH, in_memory};
+use crate::lanes::real::Divisors;
+use crate::lanes::{self, Block, Cells, Lanes, WIDTH, in_memory, repeat};
 use crate::model::Model;
 use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
 use crate::search::unsearched_shares;
 use crate::state::StateRef;
 
-/// Hotspots that are written at a time.
+/// Hotspots that are written at a time, and what a UAV sees of each.
 const TARGETS: usize = 8;
+const TARGET: usize = 4;
 
 /// The bits of 1.
 const ONE: u32 = 1.0f32.to_bits();
 
-/// All ones where bit j is set.
-#[inline(always)]
-const fn mask(bits: u32, j: usize) -> u32 {
-    if bits & 1 << j == 0 { 0 } else { u32::MAX }
+/// For each entry of eight hotspots the bit of its hotspot, where it is a position, and where it is what the UAV knows.
+static POSITIONS: [u32; TARGETS * TARGET] = bits_of([0, 1]);
+static KNOWN: [u32; TARGETS * TARGET] = bits_of([3, 3]);
+
+const fn bits_of(entries: [usize; 2]) -> [u32; TARGETS * TARGET] {
+    let (mut bits, mut index) = ([0; TARGETS * TARGET], 0);
+    while index < TARGETS * TARGET {
+        let entry = index % TARGET;
+        if entry == entries[0] || entry == entries[1] {
+            bits[index] = 1 << (index / TARGET);
+        }
+        index += 1;
+    }
+    bits
 }
 
 /// Entries of what a UAV sees of itself.
@@ -71,10 +83,13 @@ pub(crate) fn observe_here(
         let rows = &mut out[block.first * len..][..block.count * len];
         view.write_targets(block, rows);
         for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
-            let slots = &mut row[view.slots..view.common];
+            let row = &mut row[view.slots..];
             match &ranking {
-                Some(ranking) => ranking.write(i, view.spans, slots),
-                None => view.write_neighbours(i, scratch.list(uavs), slots),
+                Some(ranking) => ranking.write(i, model.neighbour_slots(), row),
+                None => {
+                    let slots = &mut row[..view.common - view.slots];
+                    view.write_neighbours(i, scratch.list(uavs), slots);
+                }
             }
         }
         view.write_own(block, rows);
@@ -158,7 +173,7 @@ fn inverse(value: f64) -> f64 {
 }
 
 /// By what offsets along an axis are divided: its extent less 1, at least 1.
-const fn span(extent: u32) -> f32 {
+pub(crate) const fn span(extent: u32) -> f32 {
     if extent > 1 { (extent - 1) as f32 } else { 1.0 }
 }
 
@@ -219,24 +234,28 @@ impl<'v> View<'v> {
     /// What each UAV sees of itself, and what stands behind its neighbours: connectivity, sustainability, progress.
     #[inline(always)]
     fn write_own(&self, block: Block, rows: &mut [f32]) {
-        let rows = (block.first..).zip(rows.chunks_exact_mut(self.model.observation_len()));
+        let len = self.model.observation_len();
         if block.count < lanes::FLEET {
-            for (i, row) in rows {
-                row[..OWN].copy_from_slice(&self.own(i));
+            for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
                 let degree = bits::count(self.state.links_of(i)) as i32;
                 let distance = self.model.depot_distance(self.state.cell(i)) as i32;
-                self.write_common(self.connection(degree), self.to_depot(distance), row);
+                self.put_own(&self.own(i), row);
+                self.put_common(self.connection(degree), self.to_depot(distance), row);
             }
         } else {
             let own = self.own_in_lanes(block);
             let (connection, to_depot) = self.common_in_lanes(block);
-            for (lane, (_, row)) in rows.enumerate().take(WIDTH) {
-                for (value, lanes) in row.iter_mut().zip(&own) {
-                    *value = lanes[lane];
-                }
-                self.write_common(connection[lane], to_depot[lane], row);
+            for (index, row) in rows.chunks_exact_mut(len).enumerate() {
+                let lane = index % WIDTH;
+                self.put_own(&own.each_ref().map(|lanes| lanes[lane]), row);
+                self.put_common(connection[lane], to_depot[lane], row);
             }
         }
+    }
+
+    #[inline(always)]
+    fn put_own(&self, own: &[f32; OWN], row: &mut [f32]) {
+        row[..OWN].copy_from_slice(own);
     }
 
     /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of UAV i.
@@ -315,12 +334,14 @@ impl<'v> View<'v> {
             connection[lane] = self.connection(degrees[lane]);
             to_depot[lane] = self.to_depot(distances[lane] as i32);
         }
+        in_memory(&mut connection);
+        in_memory(&mut to_depot);
         (connection, to_depot)
     }
 
     /// Connectivity, sustainability and progress.
     #[inline(always)]
-    fn write_common(&self, connection: f32, to_depot: f32, row: &mut [f32]) {
+    fn put_common(&self, connection: f32, to_depot: f32, row: &mut [f32]) {
         row[self.common..self.common + COMMON].copy_from_slice(&[
             connection,
             self.carbon,
@@ -384,50 +405,46 @@ impl<'v> View<'v> {
     #[inline(always)]
     fn write_targets(&self, uavs: Block, out: &mut [f32]) {
         let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
-        let cells = &self.state.cells[uavs.first..][..uavs.count];
+        // (x, y, 0, 0) of each UAV, all before the first is read: a load waits for stores that it spans.
+        let mut observers = [[0.0; WIDTH]; TARGET];
+        let cells = self.state.cells[uavs.first..][..uavs.count].iter();
+        for (own, &cell) in observers
+            .as_flattened_mut()
+            .chunks_exact_mut(TARGET)
+            .zip(cells)
+        {
+            own[0] = cell as u32 as i32 as f32;
+            own[1] = (cell >> 32) as i32 as f32;
+        }
+        in_memory(&mut observers);
         let knowledge = &self.state.knowledge[uavs.first * row_words..][..uavs.count * row_words];
-        let everywhere = if self.hidden { 0 } else { u32::MAX };
+        let divisors = Divisors::of([self.spans.0, self.spans.1, 1.0, 1.0]);
         for (block, words) in self.state.hotspots.chunks(TARGETS).enumerate() {
             let (word, shift) = (block * TARGETS / 64, block * TARGETS % 64);
-            let confirmed_bits = (self.state.confirmed[word] >> shift) as u32;
-            let (mut x, mut y, mut confirmed) = ([0; TARGETS], [0; TARGETS], [0; TARGETS]);
-            for j in 0..TARGETS {
-                confirmed[j] = ONE & mask(confirmed_bits, j);
-            }
-            for (j, &word) in words.iter().enumerate() {
-                let cell = Cell::from_word(word);
-                (x[j], y[j]) = (cell.x as i32, cell.y as i32);
-            }
-            in_memory(&mut x);
-            in_memory(&mut y);
-            in_memory(&mut confirmed);
-            let begin = OWN + 4 * block * TARGETS;
-            let uavs = cells.iter().zip(knowledge.chunks_exact(row_words));
-            for (row, (&from, known)) in out.chunks_exact_mut(len).zip(uavs) {
-                let from = Cell::from_word(from);
-                let (from_x, from_y) = (from.x as i32, from.y as i32);
+            let targets = targets(words, self.state.confirmed[word] >> shift);
+            let begin = OWN + TARGET * TARGETS * block;
+            let observers = observers.as_flattened().chunks_exact(TARGET);
+            let uavs = observers.zip(knowledge.chunks_exact(row_words));
+            for (row, (own, known)) in out.chunks_exact_mut(len).zip(uavs) {
+                let own = repeat([own[0], own[1], own[2], own[3]]);
                 let known = (known[word] >> shift) as u32;
-                let seen = known | everywhere;
-                let (mut dx, mut dy, mut knows) = ([0; TARGETS], [0; TARGETS], [0; TARGETS]);
-                for j in 0..TARGETS {
-                    let (x, y) = ((x[j] - from_x) as f32, (y[j] - from_y) as f32);
-                    let mask = mask(seen, j);
-                    dx[j] = (x / self.spans.0).to_bits() & mask;
-                    dy[j] = (y / self.spans.1).to_bits() & mask;
-                    knows[j] = ONE & self::mask(known, j);
-                }
-                in_memory(&mut dx);
-                in_memory(&mut dy);
-                in_memory(&mut knows);
-                let targets = |j: usize| [dx[j], dy[j], confirmed[j], knows[j]].map(f32::from_bits);
-                let row = &mut row[begin..];
-                if let Some(room) = row.first_chunk_mut::<{ 4 * TARGETS }>() {
-                    for j in 0..TARGETS {
-                        room[4 * j..4 * j + 4].copy_from_slice(&targets(j));
+                let mut seen = [[0.0; WIDTH]; PARTS];
+                for part in 0..PARTS {
+                    for lane in 0..WIDTH {
+                        let index = part * WIDTH + lane;
+                        let offset = divisors.offset(own[lane], targets[index], lane).to_bits();
+                        let flag = if known & KNOWN[index] == 0 { 0 } else { ONE };
+                        let hides = self.hidden && !known & POSITIONS[index] != 0;
+                        let offset = if hides { 0 } else { offset };
+                        seen[part][lane] = f32::from_bits(offset | flag);
                     }
+                }
+                let (seen, row) = (seen.as_flattened(), &mut row[begin..]);
+                if let Some(room) = row.first_chunk_mut::<{ TARGET * TARGETS }>() {
+                    room.copy_from_slice(seen);
                 } else {
-                    for j in 0..words.len() {
-                        row[4 * j..4 * j + 4].copy_from_slice(&targets(j));
+                    for (value, &seen) in row[..TARGET * words.len()].iter_mut().zip(seen) {
+                        *value = seen;
                     }
                 }
             }
@@ -463,6 +480,27 @@ impl<'v> View<'v> {
             row[2] = dy;
         }
     }
+}
+
+/// Eight hotspots, in blocks of lanes.
+const PARTS: usize = TARGETS * TARGET / WIDTH;
+
+/// (x, y, confirmed, 0) of up to eight hotspots.
+#[inline(always)]
+fn targets(words: &[u64], confirmed: u64) -> [f32; TARGETS * TARGET] {
+    let mut targets = [0.0; TARGETS * TARGET];
+    for (j, (&word, target)) in words
+        .iter()
+        .zip(targets.chunks_exact_mut(TARGET))
+        .enumerate()
+    {
+        let cell = Cell::from_word(word);
+        target[0] = cell.x as i32 as f32;
+        target[1] = cell.y as i32 as f32;
+        target[2] = flag(confirmed >> j & 1 == 1);
+    }
+    in_memory(&mut targets);
+    targets
 }
 
 /// Up to this many keys, insertion beats a general sort: neighbours in one cell are in order already.

@@ -80,9 +80,11 @@ fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) 
                 let distance = f64::from(nearest[lane]);
                 potentials[lane] = stored(-(weight * (distance / span + unconfirmed)));
             }
-            for &distance in &nearest[..block.count] {
-                total += distance as u64;
+            let mut sum = 0;
+            for lane in 0..WIDTH {
+                sum += if lane < block.count { nearest[lane] } else { 0 };
             }
+            total += sum as u64;
             block.store(&potentials, state.goal_potential);
         }
         let mean = total as f64 / model.uav_count() as f64;
@@ -116,12 +118,10 @@ fn nearest_in_lanes(block: Block, state: &StateMut<'_>, open: &[u64]) -> Lanes<i
         let (x, y) = (to.x as i32, to.y as i32);
         for lane in 0..WIDTH {
             let distance = (cells.x[lane] - x).abs() + (cells.y[lane] - y).abs();
-            nearest[lane] = if distance < nearest[lane] {
-                distance
-            } else {
-                nearest[lane]
-            };
+            nearest[lane] = nearest[lane].min(distance);
         }
+        // Sixteen UAVs and one hotspot at a time, not the other way round.
+        lanes::in_memory(&mut nearest);
     }
     nearest
 }

@@ -240,6 +240,12 @@ pub const fn confirms(confirmed: bool, positives: u64, quorum: u64) -> bool {
 /// k_ij becomes 1 where UAV i detected j and j is confirmed.
 #[inline(always)]
 pub fn learn(knowledge: &mut [u64], detected: &[u64], confirmed: &[u64]) {
+    if let [confirmed] = confirmed {
+        for (known, found) in knowledge.iter_mut().zip(detected) {
+            *known |= found & confirmed;
+        }
+        return;
+    }
     let row = confirmed.len();
     let rows = knowledge
         .chunks_exact_mut(row)

@@ -448,19 +448,37 @@ fn cover(
     tally: &mut Tally<'_>,
     happened: &mut Happenings,
 ) {
-    for i in 0..model.uav_count() {
+    let (in_lanes, one_by_one) = lanes::split(model.uav_count());
+    for block in in_lanes {
+        let (cells, previous) = (block.load(state.cells), block.load(state.previous));
+        let index = Cells::of(&cells).index(model.config().grid_width);
+        let mut moved = [0; WIDTH];
+        for lane in 0..WIDTH {
+            moved[lane] = ones(cells[lane] != previous[lane]);
+        }
+        // Until the cells are counted as visited, their indices wait here.
+        block.store(&index.map(u64::from), tally.new_cells);
+        lanes::in_memory(&mut moved);
+        let revisits = &mut tally.revisits[block.first..][..block.count];
+        for (lane, revisit) in revisits.iter_mut().enumerate() {
+            let (lane, visited) = (lane % WIDTH, &*state.visited);
+            *revisit = u64::from(bits::get(visited, index[lane] as usize)) & moved[lane];
+            happened.revisits += *revisit;
+        }
+    }
+    for i in one_by_one {
         let moved = state.cells[i] != state.previous[i];
         let index = model.cell_index(Cell::from_word(state.cells[i]));
-        let revisit = moved & bits::get(state.visited, index);
-        tally.revisits[i] = u64::from(revisit);
-        happened.revisits += u64::from(revisit);
+        let revisit = u64::from(moved & bits::get(state.visited, index));
+        tally.revisits[i] = revisit;
+        happened.revisits += revisit;
+        tally.new_cells[i] = index as u64;
     }
-    for i in 0..model.uav_count() {
-        let index = model.cell_index(Cell::from_word(state.cells[i]));
-        let new = u64::from(!bits::get(state.visited, index));
-        tally.new_cells[i] = new;
-        happened.new_cells += new;
-        bits::set(state.visited, index);
+    for place in &mut *tally.new_cells {
+        let (word, bit) = (&mut state.visited[*place as usize / 64], *place % 64);
+        *place = !*word >> bit & 1;
+        *word |= 1 << bit;
+        happened.new_cells += *place;
     }
 }
 

@@ -19,6 +19,9 @@ enum Set {
     /// x86-64-v3 of the psABI: 256-bit vectors. Without fused multiply-add, which no result may depend on.
     #[cfg(target_arch = "x86_64")]
     V3,
+    /// x86-64-v4 of the psABI: 512-bit vectors, likewise.
+    #[cfg(target_arch = "x86_64")]
+    V4,
 }
 
 impl InstructionSet {
@@ -29,16 +32,22 @@ impl InstructionSet {
     #[must_use]
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
-        if has_v3() {
+        if has_v4() {
+            return Self(Set::V4);
+        } else if has_v3() {
             return Self(Set::V3);
         }
         Self::BASELINE
     }
 
-    /// All that this machine has.
+    /// All that this machine has, the slowest first.
     pub fn all() -> impl Iterator<Item = Self> {
-        let best = Self::best();
-        core::iter::once(Self::BASELINE).chain((best != Self::BASELINE).then_some(best))
+        #[cfg(target_arch = "x86_64")]
+        let others = [(Set::V3, has_v3()), (Set::V4, has_v4())];
+        #[cfg(not(target_arch = "x86_64"))]
+        let others = [];
+        let there = |(set, has): (Set, bool)| has.then_some(Self(set));
+        core::iter::once(Self::BASELINE).chain(others.into_iter().filter_map(there))
     }
 
     /// Its name.
@@ -48,6 +57,8 @@ impl InstructionSet {
             Set::Baseline => "baseline",
             #[cfg(target_arch = "x86_64")]
             Set::V3 => "x86-64-v3",
+            #[cfg(target_arch = "x86_64")]
+            Set::V4 => "x86-64-v4",
         }
     }
 
@@ -67,8 +78,11 @@ impl InstructionSet {
         match self.0 {
             Set::Baseline => model.batch_step(states, scratch, actions, auto_reset, out),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: only `best` makes this variant, where the machine has what it needs.
+            // SAFETY: only `best` and `all` make this variant, where the machine has what it needs.
             Set::V3 => unsafe { batch_step_v3(model, states, scratch, actions, auto_reset, out) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Set::V4 => unsafe { batch_step_v4(model, states, scratch, actions, auto_reset, out) },
         }
     }
 }
@@ -82,11 +96,38 @@ fn has_v3() -> bool {
         && is_x86_feature_detected!("popcnt")
 }
 
+#[cfg(target_arch = "x86_64")]
+fn has_v4() -> bool {
+    has_v3()
+        && is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512cd")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl")
+}
+
 /// # Safety
 /// The processor has what [`has_v3`] looks for.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn batch_step_v3(
+    model: &Model<'_>,
+    states: &mut [u64],
+    scratch: &mut Scratch<'_>,
+    actions: &[f32],
+    auto_reset: bool,
+    out: &mut BatchOut<'_>,
+) -> Result<(), Error> {
+    model.batch_step_here(states, scratch, actions, auto_reset, out)
+}
+
+/// # Safety
+/// The processor has what [`has_v4`] looks for.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
+)]
+unsafe fn batch_step_v4(
     model: &Model<'_>,
     states: &mut [u64],
     scratch: &mut Scratch<'_>,

@@ -136,6 +136,16 @@ fn copy<T: Copy>(to: &mut [T], from: &[T]) {
     }
 }
 
+/// The same four entries over and over.
+#[inline(always)]
+pub(crate) fn repeat(entries: [f32; 4]) -> Lanes<f32> {
+    let mut lanes = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        lanes[lane] = entries[lane % 4];
+    }
+    lanes
+}
+
 /// For each lane, all ones where its bit is set.
 #[inline(always)]
 pub(crate) fn spread(bits: u64) -> Lanes<u64> {
@@ -181,7 +191,11 @@ pub(crate) struct Cells {
 impl Cells {
     #[inline(always)]
     pub(crate) fn load(block: Block, words: &[u64]) -> Self {
-        let words = block.load(words);
+        Self::of(&block.load(words))
+    }
+
+    #[inline(always)]
+    pub(crate) fn of(words: &Lanes<u64>) -> Self {
         let (mut x, mut y) = ([0; WIDTH], [0; WIDTH]);
         for lane in 0..WIDTH {
             x[lane] = words[lane] as u32 as i32;
@@ -190,6 +204,17 @@ impl Cells {
         in_memory(&mut x);
         in_memory(&mut y);
         Self { x, y }
+    }
+
+    /// Row-major indices in a grid.
+    #[inline(always)]
+    pub(crate) fn index(&self, width: u32) -> Lanes<u32> {
+        let mut index = [0; WIDTH];
+        for lane in 0..WIDTH {
+            index[lane] = (self.y[lane] * width as i32 + self.x[lane]) as u32;
+        }
+        in_memory(&mut index);
+        index
     }
 
     /// Where the rows of a grid begin that the cells are in.
@@ -221,7 +246,6 @@ impl Rows {
             index[lane] =
                 (self.begin[lane] - begin).unsigned_abs() + (self.x[lane] - x).unsigned_abs();
         }
-        in_memory(&mut index);
         index
     }
 }
@@ -233,12 +257,28 @@ pub(crate) fn in_memory<T, const N: usize>(lanes: &mut [T; N]) {
     core::hint::black_box(lanes);
 }
 
-/// The words of a table at an index for each lane.
+/// Up to this many entries, an index is a byte, whose bounds need no check.
+const BYTE: usize = 256;
+
+/// The words of a table, `len` entries long, at an index for each lane. What follows the table may be given too.
 #[inline(always)]
-pub(crate) fn gather(table: &[u64], index: &Lanes<u32>) -> Lanes<u64> {
+pub(crate) fn gather(table: &[u64], len: usize, index: &Lanes<u32>) -> Lanes<u64> {
     let mut words = [0; WIDTH];
-    for lane in 0..WIDTH {
-        words[lane] = table[index[lane] as usize];
+    match table.first_chunk::<BYTE>() {
+        Some(table) if len <= BYTE => {
+            let mut index = index.map(|index| index as u8);
+            in_memory(&mut index);
+            for lane in 0..WIDTH {
+                words[lane] = table[usize::from(index[lane])];
+            }
+        }
+        _ => {
+            let mut index = *index;
+            in_memory(&mut index);
+            for lane in 0..WIDTH {
+                words[lane] = table[index[lane] as usize];
+            }
+        }
     }
     words
 }

@@ -1,7 +1,9 @@
 //! The neighbours of every UAV, nearest first, in small fleets.
 
-use crate::lanes::{Block, Cells, Lanes, WIDTH, in_memory};
+use crate::lanes::real::Divisors;
+use crate::lanes::{Block, Cells, Lanes, WIDTH, in_memory, repeat};
 use crate::model::Model;
+use crate::observation::span;
 use crate::state::StateRef;
 
 /// Bits of a UAV's index in a key; the squared distance takes the bits above.
@@ -9,52 +11,44 @@ const INDEX_BITS: u32 = WIDTH.trailing_zeros();
 /// Where no neighbour is: above every key, and with an index that no UAV has.
 const NONE: i16 = i16::MAX;
 
+/// Reals that place a UAV; the last is written over by the next slot.
+const PLACE: usize = 4;
+/// Reals of a slot.
+const SLOT: usize = 3;
+/// Slots that are written at a time.
+const SLOTS: usize = 7;
+
 /// Most UAVs.
 const UAVS: usize = WIDTH - 1;
 /// Longest squared distance whose key is below [`NONE`].
 const SQUARED_MAX: u32 = (NONE as u32 >> INDEX_BITS) - 1;
 
-/// K. E. Batcher's odd-even merge sort of sixteen keys (AFIPS 1968): the same exchanges whatever the keys, so that
-/// all UAVs sort at once.
-const EXCHANGES: [(usize, usize); 63] = exchanges();
-
-const fn exchanges() -> [(usize, usize); 63] {
-    let mut pairs = [(0, 0); 63];
-    let (mut count, mut p) = (0, 1);
-    while p < WIDTH {
-        let mut k = p;
-        while k >= 1 {
-            let mut j = k % p;
-            while j + k < WIDTH {
-                let mut i = 0;
-                while i < k && i + j + k < WIDTH {
-                    if (i + j) / (2 * p) == (i + j + k) / (2 * p) {
-                        pairs[count] = (i + j, i + j + k);
-                        count += 1;
-                    }
-                    i += 1;
-                }
-                j += 2 * k;
-            }
-            k /= 2;
-        }
-        p *= 2;
-    }
-    pairs
+/// Sixty exchanges that sort sixteen keys, whatever the keys, so that all UAVs sort at once (M. W. Green, 1969; D. E.
+/// Knuth, The Art of Computer Programming 3, 5.3.4). Written out in ten layers, as the compiler makes vector
+/// instructions of a layer, but neither of a loop over the exchanges nor of all of them at once.
+macro_rules! layers {
+    ($layer:ident) => {
+        $layer!(0 1, 2 3, 4 5, 6 7, 8 9, 10 11, 12 13, 14 15);
+        $layer!(0 2, 4 6, 8 10, 12 14, 1 3, 5 7, 9 11, 13 15);
+        $layer!(0 4, 8 12, 1 5, 9 13, 2 6, 10 14, 3 7, 11 15);
+        $layer!(0 8, 1 9, 2 10, 3 11, 4 12, 5 13, 6 14, 7 15);
+        $layer!(5 10, 6 9, 3 12, 13 14, 4 8, 7 11, 1 2);
+        $layer!(1 4, 7 13, 2 8, 11 14);
+        $layer!(2 4, 5 6, 9 10, 11 13, 3 8, 7 12);
+        $layer!(6 8, 10 12, 3 5, 7 9);
+        $layer!(3 4, 5 6, 7 8, 9 10, 11 12);
+        $layer!(6 7, 8 9);
+    };
 }
-
-/// Whether an index is a UAV's.
-static PRESENT: Lanes<f32> = {
-    let mut present = [1.0; WIDTH];
-    present[UAVS] = 0.0;
-    present
-};
 
 /// For each UAV its neighbours by distance, ties to the lower index.
 pub(crate) struct Ranking {
     /// Slot by slot a key for each UAV.
     keys: [Lanes<i16>; WIDTH],
-    cells: Cells,
+    /// (1, x, y, 0) of each UAV as a neighbour, one after the other, and (0, x, y, 0) as an observer.
+    places: [Lanes<f32>; PLACE],
+    observers: [Lanes<f32>; PLACE],
+    divisors: Divisors,
 }
 
 impl Ranking {
@@ -96,35 +90,76 @@ impl Ranking {
             }
             in_memory(row);
         }
-        for (a, b) in EXCHANGES {
-            let (low, high) = (keys[a], keys[b]);
-            for lane in 0..WIDTH {
-                let ordered = low[lane] < high[lane];
-                keys[a][lane] = if ordered { low[lane] } else { high[lane] };
-                keys[b][lane] = if ordered { high[lane] } else { low[lane] };
-            }
+        macro_rules! layer {
+            ($($a:literal $b:literal),+) => {
+                $(
+                    let (lower, upper) = keys.split_at_mut($b);
+                    exchange(&mut lower[$a], &mut upper[0]);
+                )+
+            };
         }
-        Some(Self { keys, cells })
+        layers!(layer);
+        let (mut places, mut observers) = ([[0.0; WIDTH]; PLACE], [[0.0; WIDTH]; PLACE]);
+        for lane in 0..WIDTH {
+            let (x, y, begin) = (f32::from(x[lane]), f32::from(y[lane]), PLACE * lane);
+            places.as_flattened_mut()[begin..][..PLACE].copy_from_slice(&[1.0, x, y, 0.0]);
+            observers.as_flattened_mut()[begin..][..PLACE].copy_from_slice(&[0.0, x, y, 0.0]);
+        }
+        in_memory(&mut places);
+        in_memory(&mut observers);
+        let spans = [model.config().grid_width, model.config().grid_height].map(span);
+        Some(Self {
+            keys,
+            places,
+            observers,
+            divisors: Divisors::of([1.0, spans[0], spans[1], 1.0]),
+        })
     }
 
-    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each slot of UAV i.
+    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each of the slots of UAV i, with which `row` begins, and one real more.
     #[inline(always)]
-    pub(crate) fn write(&self, i: usize, spans: (f32, f32), slots: &mut [f32]) {
-        let (x, y) = (self.cells.x[i], self.cells.y[i]);
-        let mut offsets = [[0.0; 2]; WIDTH];
-        for lane in 0..WIDTH {
-            offsets[lane] = [
-                (self.cells.x[lane] - x) as f32 / spans.0,
-                (self.cells.y[lane] - y) as f32 / spans.1,
-            ];
+    pub(crate) fn write(&self, i: usize, slots: usize, row: &mut [f32]) {
+        let observer = &self.observers.as_flattened()[PLACE * i..][..PLACE];
+        let own = repeat([observer[0], observer[1], observer[2], observer[3]]);
+        let mut offsets = [[0.0; WIDTH]; PLACE];
+        for (offsets, places) in offsets.iter_mut().zip(&self.places) {
+            for lane in 0..WIDTH {
+                offsets[lane] = self.divisors.offset(own[lane], places[lane], lane);
+            }
+            in_memory(offsets);
         }
-        offsets[UAVS] = [0.0; 2];
-        in_memory(&mut offsets);
-        for (slot, keys) in slots.chunks_exact_mut(3).zip(&self.keys) {
-            let index = keys[i] as usize % WIDTH;
-            slot[0] = PRESENT[index];
-            slot[1..].copy_from_slice(&offsets[index]);
+        let offsets = offsets.as_flattened_mut();
+        offsets[PLACE * UAVS..].fill(0.0);
+        let neighbour = |slot: usize| {
+            let index = self.keys[slot][i] as usize % WIDTH;
+            &offsets[PLACE * index..][..PLACE]
+        };
+        let mut slot = 0;
+        while slot + SLOTS <= slots {
+            let room = row[SLOT * slot..]
+                .first_chunk_mut::<{ SLOT * SLOTS + 1 }>()
+                .expect("a real follows the last slot");
+            for next in 0..SLOTS {
+                room[SLOT * next..][..PLACE].copy_from_slice(neighbour(slot + next));
+            }
+            slot += SLOTS;
         }
+        while slot < slots {
+            row[SLOT * slot..][..PLACE].copy_from_slice(neighbour(slot));
+            slot += 1;
+        }
+    }
+}
+
+/// Leaves the lesser key of each UAV in the first slot.
+#[inline(always)]
+fn exchange(first: &mut Lanes<i16>, second: &mut Lanes<i16>) {
+    let (a, b) = (*first, *second);
+    for lane in 0..WIDTH {
+        first[lane] = a[lane].min(b[lane]);
+    }
+    for lane in 0..WIDTH {
+        second[lane] = a[lane].max(b[lane]);
     }
 }
 
@@ -137,12 +172,14 @@ mod tests {
         // A network that sorts every sequence of zeros and ones sorts every sequence.
         for ones in 0..1u32 << WIDTH {
             let mut keys = ones;
-            for (a, b) in EXCHANGES {
-                assert!(a < b);
-                if keys >> a & 1 > keys >> b & 1 {
-                    keys ^= 1 << a | 1 << b;
-                }
+            macro_rules! layer {
+                ($($a:literal $b:literal),+) => {
+                    $( if keys >> $a & 1 > keys >> $b & 1 {
+                        keys ^= 1 << $a | 1 << $b;
+                    } )+
+                };
             }
+            layers!(layer);
             let count = ones.count_ones();
             assert_eq!(keys, (0xFFFF << (16 - count)) & 0xFFFF, "{ones:016b}");
         }

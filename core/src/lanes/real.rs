@@ -1,5 +1,7 @@
 //! Functions of reals without a branch or a conversion, so that lanes of them are vector instructions.
 
+use super::{Lanes, in_memory, repeat};
+
 /// 2^52: added to a real from 0 to 2^51, it leaves the nearest whole number in the low bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
@@ -18,6 +20,38 @@ fn floor(value: f64) -> f64 {
 #[inline(always)]
 pub(crate) fn whole(value: f64) -> u64 {
     (floor(value) + WHOLE).to_bits() ^ WHOLE.to_bits()
+}
+
+/// Four whole numbers from 1 to 1023, over and over, to divide by.
+pub(crate) struct Divisors {
+    /// The upper fourteen bits of their inverses, and the rest.
+    high: Lanes<f32>,
+    low: Lanes<f32>,
+}
+
+impl Divisors {
+    #[inline(always)]
+    pub(crate) fn of(wholes: [f32; 4]) -> Self {
+        let inverses = wholes.map(|whole| 1.0 / f64::from(whole));
+        let high = inverses.map(|inverse| f32::from_bits((inverse as f32).to_bits() & !0x3FF));
+        let mut low = [0.0; 4];
+        for entry in 0..4 {
+            low[entry] = (inverses[entry] - f64::from(high[entry])) as f32;
+        }
+        let (mut high, mut low) = (repeat(high), repeat(low));
+        // What is known of the numbers would be put to use for single lanes, and cost more than it saves.
+        in_memory(&mut high);
+        in_memory(&mut low);
+        Self { high, low }
+    }
+
+    /// `(to - from) / divisor` to the last bit for whole numbers whose difference is from -1023 to 1023, without a
+    /// division: the first product is exact, the second too small for its rounding to matter.
+    #[inline(always)]
+    pub(crate) fn offset(&self, from: f32, to: f32, lane: usize) -> f32 {
+        let offset = to - from;
+        offset * self.high[lane] + offset * self.low[lane]
+    }
 }
 
 // Those of libm's `exp` (FreeBSD's `e_exp.c`).
@@ -118,6 +152,18 @@ mod tests {
         }
         for value in [0.0, 0.5, 1.0 - f64::EPSILON / 2.0, 1.0, 1.5, 2.5] {
             assert_eq!(whole(value), value as u64, "{value}");
+        }
+    }
+
+    #[test]
+    fn offsets_are_divided() {
+        for divisor in 1..1024u16 {
+            let divisors = Divisors::of([f32::from(divisor); 4]);
+            for x in -1023..1024i16 {
+                let divided = f32::from(x) / f32::from(divisor);
+                let offset = divisors.offset(512.0, 512.0 + f32::from(x), 0);
+                assert_eq!(offset.to_bits(), divided.to_bits(), "{x} / {divisor}");
+            }
         }
     }
 
