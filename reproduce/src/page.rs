@@ -133,7 +133,7 @@ impl Results<'_> {
     fn trained(&self) -> String {
         let shortened = self.scale.shortened();
         let but = shortened.as_deref().map_or(String::new(), |shortened| {
-            format!(" but for {shortened}, which shows that it runs and not what it comes to")
+            format!(", but with {shortened}, which shows that it runs and not what it comes to")
         });
         let mut text = format!(
             "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are several): ",
