@@ -83,6 +83,23 @@ export async function openBrowser() {
     return page;
   }
 
+  /** What the thread that draws `page` did during `action`: the timeline's events, in order. */
+  async function trace(page, action) {
+    const events = [];
+    const complete = new Promise((resolve) => {
+      listeners.push(({ method, params }) => {
+        if (method === 'Tracing.dataCollected') events.push(...params.value);
+        if (method === 'Tracing.tracingComplete') resolve();
+      });
+    });
+    await page.call('Tracing.start', { transferMode: 'ReportEvents', traceConfig: { includedCategories: ['devtools.timeline', 'disabled-by-default-devtools.timeline'] } });
+    await action();
+    await page.call('Tracing.end');
+    await complete;
+    const frame = events.findLast(({ name }) => name === 'FireAnimationFrame');
+    return events.filter(({ ph, pid, tid }) => ph === 'X' && pid === frame.pid && tid === frame.tid).sort((a, b) => a.ts - b.ts);
+  }
+
   async function close() {
     child.removeAllListeners('exit');
     const ended = new Promise((resolve) => child.once('exit', resolve));
@@ -91,5 +108,5 @@ export async function openBrowser() {
     rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
   }
 
-  return { openPage, close };
+  return { openPage, trace, close };
 }

@@ -55,18 +55,20 @@ function createFleetTable(table, episode, onSelect) {
       parts.button.setAttribute('aria-pressed', selected);
       parts.meter.classList.toggle('low', frame.soc[id] < lowest);
       parts.bar.style.width = `${100 * frame.soc[id]}%`;
-      parts.soc.textContent = percent(frame.soc[id]);
+      setText(parts.soc, percent(frame.soc[id]));
       const pilot = frame.pilot_density?.[id];
       parts.swatch.style.background = pilot === undefined ? 'var(--ring-back)' : colour(pilotShare(config, pilot));
-      parts.pilot.textContent = pilot === undefined ? '–' : pilot.toFixed(2);
+      setText(parts.pilot, pilot === undefined ? '–' : pilot.toFixed(2));
       parts.knows.forEach((node, hotspot) => {
         const known = frame.knowledge[id].has(hotspot);
-        node.className = `knows${known ? ' yes' : ''}${known && frame.informed.has(hotspot) ? ' all' : ''}`;
+        const name = `knows${known ? ' yes' : ''}${known && frame.informed.has(hotspot) ? ' all' : ''}`;
+        if (node.className === name && node.ariaLabel) return;
+        node.className = name;
         node.setAttribute('aria-label', known ? 'knows' : 'does not know');
       });
-      if (parts.count) parts.count.textContent = `${frame.knowledge[id].size} of ${hotspotCount}`;
+      if (parts.count) setText(parts.count, `${frame.knowledge[id].size} of ${hotspotCount}`);
       const state = uavState(frame, id);
-      parts.state.textContent = state;
+      setText(parts.state, state);
       parts.state.classList.toggle('alarm', state !== 'flying');
     });
   };
@@ -140,6 +142,7 @@ function createEventList(list, episode, onEvent) {
     || '<li class="note">Nothing happened.</li>';
   const items = [...list.querySelectorAll('li')];
   episode.events.forEach((event, k) => items[k].firstChild.addEventListener('click', () => onEvent(event)));
+  let shown;
   return (t) => {
     let latest = null;
     episode.events.forEach((event, k) => {
@@ -147,6 +150,8 @@ function createEventList(list, episode, onEvent) {
       items[k].classList.toggle('now', event.t === t);
       if (event.t <= t) latest = items[k];
     });
+    if (latest === shown) return;
+    shown = latest;
     list.scrollTop = latest ? latest.offsetTop - list.offsetTop - list.clientHeight * 0.6 : 0;
   };
 }

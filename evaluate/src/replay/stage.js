@@ -10,6 +10,11 @@ function element(parent, name, attributes = {}) {
   return node;
 }
 
+/** Writes what is not there yet: what is written is laid out again. */
+function setText(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
 function createStage(svg, episode, onSelect) {
   const { config, header, uavCount } = episode;
   const [width, height] = [config.grid_width * CELL, config.grid_height * CELL];
@@ -99,7 +104,7 @@ function createStage(svg, episode, onSelect) {
     const known = element(group, 'path', { class: 'known', d: `M${-half + 6} ${half}H${half - 6}`, pathLength: 1 });
     element(group, 'rect', { class: 'pick', x: -half - 4, y: -half - 4, width: 2 * half + 8, height: 2 * half + 8, rx: 10 });
     element(group, 'path', { class: 'tick', d: `M${half - 13} ${half - 7}l4 4l8 -9` });
-    const ripples = ['confirmed', 'informed'].map((kind) => ({ kind, node: element(group, 'circle', { class: `ripple ${kind}`, visibility: 'hidden' }) }));
+    const ripples = ['confirmed', 'informed'].map((kind) => ({ kind, node: element(group, 'circle', { class: `ripple ${kind}` }) }));
     return { group, title, known, ripples };
   }
 
@@ -120,7 +125,7 @@ function createStage(svg, episode, onSelect) {
     element(group, 'circle', { class: 'pick', r: 19 });
     const body = element(group, 'circle', { class: 'body', r: 11 });
     element(group, 'circle', { class: 'ring-back', r: 14 });
-    const ring = element(group, 'circle', { class: 'ring', r: 14, pathLength: 1, transform: 'rotate(-90)' });
+    const ring = element(group, 'path', { class: 'ring', d: 'M0 -14A14 14 0 0 1 0 14A14 14 0 0 1 0 -14', pathLength: 1 });
     element(group, 'text', { class: 'name' }).textContent = id;
     element(group, 'path', { class: 'state home', d: 'M-7 -20L0 -26L7 -20' });
     element(group, 'path', { class: 'state cross', d: 'M-6 -6L6 6M6 -6L-6 6' });
@@ -197,10 +202,10 @@ function createStage(svg, episode, onSelect) {
   function drawRipples(time, t) {
     const spread = (node, age, lifetime, from, to) => {
       const shown = age >= 0 && age < lifetime;
-      node.setAttribute('visibility', shown ? 'visible' : 'hidden');
+      node.style.display = shown ? 'inline' : 'none';
       if (!shown) return;
       node.setAttribute('r', from + (to - from) * (age / lifetime));
-      node.setAttribute('opacity', 1 - age / lifetime);
+      node.setAttribute('stroke-opacity', 1 - age / lifetime);
     };
     hotspots.forEach(({ ripples }, id) => {
       for (const { kind, node } of ripples) {
@@ -227,7 +232,7 @@ function createStage(svg, episode, onSelect) {
       }
       group.classList.toggle('selected', selection.hotspot === id);
       known.setAttribute('stroke-dasharray', `${frame.knownBy[id] / uavCount} 2`);
-      title.textContent = `Hotspot ${id}: ${hotspotState(frame, id)}, known to ${frame.knownBy[id]} of ${uavCount} UAVs`;
+      setText(title, `Hotspot ${id}: ${hotspotState(frame, id)}, known to ${frame.knownBy[id]} of ${uavCount} UAVs`);
     });
     const lowest = config.rtb_threshold_kwh / config.battery_capacity_kwh;
     uavs.forEach(({ group, title, halo, body, ring }, id) => {
@@ -235,14 +240,14 @@ function createStage(svg, episode, onSelect) {
       const share = pilot === undefined ? 0 : pilotShare(config, pilot);
       body.style.fill = colour(share);
       halo.setAttribute('r', 15 + 16 * share);
-      halo.setAttribute('opacity', frame.grounded.has(id) ? 0 : 0.05 + 0.2 * share);
+      halo.setAttribute('fill-opacity', frame.grounded.has(id) ? 0 : 0.05 + 0.2 * share);
       ring.setAttribute('stroke-dasharray', `${frame.soc[id]} 2`);
       group.classList.toggle('low', frame.soc[id] < lowest);
       group.classList.toggle('grounded', frame.grounded.has(id));
       group.classList.toggle('returning', frame.returning.has(id) && !frame.grounded.has(id));
       group.classList.toggle('selected', selection.uav === id);
       group.classList.toggle('tiny', layout(t)[id].scale * CELL < glyph * 0.4);
-      title.textContent = `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, knows ${frame.knowledge[id].size} of ${episode.hotspotCount} hotspots`;
+      setText(title, `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, knows ${frame.knowledge[id].size} of ${episode.hotspotCount} hotspots`);
     });
     drawCounts(t);
     const steps = selection.uav === undefined ? [] : episode.frames.slice(0, t + 1).map((past) => centre(past.positions[selection.uav]));
