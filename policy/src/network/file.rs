@@ -82,17 +82,26 @@ pub(crate) fn place(
     }
 }
 
+/// The header of a file and the data after it.
+pub(crate) fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), LoadError> {
+    let (length, rest) = bytes.split_first_chunk::<8>().ok_or(LoadError::Truncated)?;
+    let length = u64::from_le_bytes(*length);
+    if length > HEADER_MAX as u64 {
+        return Err(LoadError::Header("is longer than 1 MiB"));
+    }
+    rest.split_at_checked(length as usize)
+        .ok_or(LoadError::Truncated)
+}
+
+/// A number with one more decimal digit at its end; none where it is too large.
+pub(crate) fn with_digit(number: usize, digit: u8) -> Option<usize> {
+    number.checked_mul(10)?.checked_add(usize::from(digit))
+}
+
 impl<'a> File<'a> {
     /// Checks a whole file.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, LoadError> {
-        let (length, rest) = bytes.split_first_chunk::<8>().ok_or(LoadError::Truncated)?;
-        let length = u64::from_le_bytes(*length);
-        if length > HEADER_MAX as u64 {
-            return Err(LoadError::Header("is longer than 1 MiB"));
-        }
-        let (header, data) = rest
-            .split_at_checked(length as usize)
-            .ok_or(LoadError::Truncated)?;
+        let (header, data) = split(bytes)?;
         let header = core::str::from_utf8(header).map_err(|_| LoadError::Header("is not UTF-8"))?;
         let mut file = Self {
             header,
@@ -315,9 +324,7 @@ impl<'a> Entries<'a> {
         let start = self.at;
         let mut number = 0usize;
         while let Some(digit @ b'0'..=b'9') = self.peek() {
-            number = number
-                .checked_mul(10)
-                .and_then(|tens| tens.checked_add(usize::from(digit - b'0')))
+            number = with_digit(number, digit - b'0')
                 .ok_or(LoadError::Header("has a number that is too large"))?;
             self.at += 1;
         }

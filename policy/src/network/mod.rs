@@ -25,7 +25,9 @@ mod plan;
 mod set;
 
 #[cfg(any(kani, test))]
-pub(crate) use file::place;
+pub(crate) use dense::Layer;
+#[cfg(any(kani, test))]
+pub(crate) use file::{HEADER_MAX, place, split, with_digit};
 
 pub use error::{ArrayName, FlyError, LoadError};
 pub use note::Note;

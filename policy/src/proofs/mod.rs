@@ -1,4 +1,4 @@
-//! The proofs of the gate through which every array of a file passes.
+//! The proofs of the gates through which every file of a policy passes, and every weight.
 //!
 //! They are built as the kernel's are, and run without Kani through the same stand-in.
 
@@ -12,3 +12,5 @@ pub(crate) mod inputs;
 pub(crate) mod standin;
 
 mod arrays;
+mod header;
+mod weights;

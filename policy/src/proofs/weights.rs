@@ -1,0 +1,41 @@
+//! P11: every weight has a place of its own within its layer's memory.
+
+use super::inputs::between;
+#[cfg(not(kani))]
+use super::standin as kani;
+use crate::network::Layer;
+
+/// Widest layer of the proof: three blocks of outputs, the last not full.
+const WIDEST: u64 = 40;
+
+/// Within the layer's memory, and not where another weight is.
+fn weights_lie_apart(layer: &Layer, [input, output]: [usize; 2], other: [usize; 2]) {
+    let at = layer.at(input, output);
+    assert!(at >= layer.weight && at < layer.weight + layer.inputs * layer.width());
+    assert!(at != layer.at(other[0], other[1]) || [input, output] == other);
+}
+
+#[cfg_attr(kani, kani::proof)]
+pub fn weights_lie_apart_within_their_layer() {
+    let layer = Layer {
+        inputs: between(1, WIDEST) as usize,
+        outputs: between(1, WIDEST) as usize,
+        weight: between(0, 1 << 20) as usize,
+        bias: None,
+    };
+    let weight = || {
+        [
+            between(0, layer.inputs as u64 - 1) as usize,
+            between(0, layer.outputs as u64 - 1) as usize,
+        ]
+    };
+    let (one, other) = (weight(), weight());
+    kani::cover!(one[1] >= 32, "a weight of the third block");
+    kani::cover!(one != other, "two weights");
+    weights_lie_apart(&layer, one, other);
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    weights_lie_apart_within_their_layer: 4000 cases, 2 covers;
+}
