@@ -147,7 +147,7 @@ impl Memory {
 pub(crate) unsafe fn check_lent(at: *mut u8, size: usize, layout: Layout) -> Result<(), Fault> {
     if at.is_null() {
         Err(Fault::Status(JCAS_ERROR_NULL))
-    } else if at.addr() % layout.align() != 0 {
+    } else if !at.addr().is_multiple_of(layout.align()) {
         Err(Fault::Status(JCAS_ERROR_ALIGNMENT))
     } else if size < layout.size() {
         Err(Fault::Status(JCAS_ERROR_LENGTH))

@@ -34,6 +34,8 @@ mod record;
 
 mod batch;
 
+mod batch_step;
+
 mod policy;
 
 mod batch_block;
@@ -47,6 +49,7 @@ mod team;
 mod trace;
 
 pub use batch::*;
+pub use batch_step::*;
 pub use config::*;
 pub use config_text::*;
 pub use model::*;

@@ -1,0 +1,497 @@
+//! What is done with a batch: reset, step, observe, save, load, into the caller's contiguous buffers.
+
+use std::ffi::{c_char, c_void};
+
+use jcas_core::batch::BatchOut;
+use jcas_core::{Error, Metrics, Model, Scratch, observation, reward};
+
+use crate::batch::jcas_batch;
+use crate::batch_block::{BatchBlock, Sizes};
+use crate::handle::{self, Open, see};
+use crate::memory::{
+    Buffer, Plain, Record, Words, input, optional_output, output, place, read_record, text_out,
+};
+use crate::records::jcas_metrics;
+use crate::sim::jcas_sim;
+use crate::status::{
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_STRUCT_SIZE, JCAS_OK, guard,
+    jcas_status,
+};
+
+/// Buffers that a batch step writes, for M environments; each pointer with its number of elements.
+/// Optional ones may be NULL with a count of 0. No buffer may overlap another, or the actions.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct jcas_batch_out {
+    /// sizeof(jcas_batch_out).
+    pub struct_size: u32,
+    /// Set it to 0.
+    pub reserved: u32,
+    /// M * uav_count * observation_len: what each UAV observes, after an automatic reset the new
+    /// episode's first.
+    pub observations: *mut f32,
+    /// Elements of observations.
+    pub observation_count: usize,
+    /// M: the team reward.
+    pub rewards: *mut f32,
+    /// Elements of rewards.
+    pub reward_count: usize,
+    /// M: 1 where the step ended the episode because every hotspot is informed, else 0.
+    pub terminated: *mut u8,
+    /// Elements of terminated.
+    pub terminated_count: usize,
+    /// M: 1 where the step ended the episode at the horizon, else 0.
+    pub truncated: *mut u8,
+    /// Elements of truncated.
+    pub truncated_count: usize,
+    /// M * global_len: the global state; optional.
+    pub global: *mut f32,
+    /// Elements of global.
+    pub global_count: usize,
+    /// M * reward_len: the components of each reward; optional.
+    pub components: *mut f64,
+    /// Elements of components.
+    pub component_count: usize,
+    /// M * uav_count * observation_len: where an episode was reset, its last observation; untouched
+    /// elsewhere; optional.
+    pub final_observations: *mut f32,
+    /// Elements of final_observations.
+    pub final_observation_count: usize,
+    /// M * global_len: where an episode was reset, its last global state; untouched elsewhere; optional.
+    pub final_global: *mut f32,
+    /// Elements of final_global.
+    pub final_global_count: usize,
+    /// M: where an episode ended, what it came to; untouched elsewhere; optional.
+    pub final_metrics: *mut jcas_metrics,
+    /// Elements of final_metrics.
+    pub final_metrics_count: usize,
+    /// sizeof(jcas_metrics), or 0 without final_metrics.
+    pub metrics_size: usize,
+    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team's; optional.
+    pub uav_rewards: *mut f32,
+    /// Elements of uav_rewards.
+    pub uav_reward_count: usize,
+}
+
+// SAFETY: any bits are a raw pointer; none is followed unchecked.
+unsafe impl Plain for jcas_batch_out {}
+// SAFETY: `struct_size` comes first.
+unsafe impl Record for jcas_batch_out {}
+
+/// Opens a batch for change, and keeps why what is done with it is refused.
+///
+/// # Safety
+/// As [`BatchBlock::open`].
+unsafe fn change(
+    batch: *mut jcas_batch,
+    act: impl FnOnce(&mut BatchBlock) -> Result<(), Fault>,
+) -> i32 {
+    guard(|| {
+        // SAFETY: passed on.
+        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+        let done = act(batch);
+        batch.refusal = done.err();
+        done
+    })
+}
+
+/// Begins an episode in each environment and observes.
+///
+/// `seeds`: M; not NULL. `observations`: M * uav_count * observation_len; not NULL. `global`: M *
+/// global_len, or NULL with a count of 0. No buffer may overlap another. Threads: only this one uses
+/// `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_reset(
+    batch: *mut jcas_batch,
+    seeds: *const u64,
+    seed_count: usize,
+    observations: *mut f32,
+    observation_count: usize,
+    global: *mut f32,
+    global_count: usize,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        let sizes = batch.sizes();
+        Buffer::check_all(&[
+            Buffer::new("seeds", seeds, seed_count, sizes.count),
+            Buffer::new(
+                "observations",
+                observations,
+                observation_count,
+                sizes.observations,
+            ),
+            Buffer::optional("global", global, global_count, sizes.global),
+        ])?;
+        // SAFETY: the caller's promise for `seeds`.
+        let seeds = unsafe { input(seeds, seed_count, sizes.count) }?;
+        // SAFETY: the caller's promise for `observations`.
+        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
+        // SAFETY: the caller's promise for `global`.
+        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
+        batch.each_mut(|model, m, words, scratch| {
+            model.reset(words, scratch, seeds[m])?;
+            observe(model, m, words, scratch, observations, global)
+        })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Begins an episode in some environments, those where `mask` is not 0, and observes these. The others,
+/// and their rows of the buffers, stay as they are.
+///
+/// `mask`: M; not NULL. The others as for jcas_batch_reset; seeds of the others are not used. Threads: only
+/// this one uses `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_reset_some(
+    batch: *mut jcas_batch,
+    mask: *const u8,
+    mask_count: usize,
+    seeds: *const u64,
+    seed_count: usize,
+    observations: *mut f32,
+    observation_count: usize,
+    global: *mut f32,
+    global_count: usize,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        let sizes = batch.sizes();
+        Buffer::check_all(&[
+            Buffer::new("mask", mask, mask_count, sizes.count),
+            Buffer::new("seeds", seeds, seed_count, sizes.count),
+            Buffer::new(
+                "observations",
+                observations,
+                observation_count,
+                sizes.observations,
+            ),
+            Buffer::optional("global", global, global_count, sizes.global),
+        ])?;
+        // SAFETY: the caller's promise for `mask`.
+        let mask = unsafe { input(mask, mask_count, sizes.count) }?;
+        // SAFETY: the caller's promise for `seeds`.
+        let seeds = unsafe { input(seeds, seed_count, sizes.count) }?;
+        // SAFETY: the caller's promise for `observations`.
+        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
+        // SAFETY: the caller's promise for `global`.
+        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
+        batch.each_mut(|model, m, words, scratch| {
+            if mask[m] == 0 {
+                return Ok(());
+            }
+            model.reset(words, scratch, seeds[m])?;
+            observe(model, m, words, scratch, observations, global)
+        })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Steps every environment once and observes.
+///
+/// With `auto_reset` = 1 an episode that ends is followed at once by the next, whose seed derives from
+/// the ended one's. With 0 an environment whose episode has ended refuses the step, and so the batch does.
+/// All is checked before any environment steps, so nothing has changed after an error.
+///
+/// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out. Threads: only
+/// this one uses `batch`. A batch with threads of its own steps only in the process that built it; after a
+/// fork the child gets JCAS_ERROR_FORKED, may read and free the batch, and builds one of its own.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER, EPISODE_OVER,
+/// FORKED.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_step(
+    batch: *mut jcas_batch,
+    actions: *const f32,
+    action_count: usize,
+    auto_reset: i32,
+    out: *const jcas_batch_out,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        let sizes = batch.sizes();
+        let m = sizes.count;
+        let auto_reset = match auto_reset {
+            0 => false,
+            1 => true,
+            _ => return Err(Fault::Status(JCAS_ERROR_ARGUMENT)),
+        };
+        // SAFETY: the caller's promise for `out`.
+        let c = unsafe { read_record(out) }?;
+        if c.reserved != 0 {
+            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
+        }
+        if !c.final_metrics.is_null() && c.metrics_size != size_of::<jcas_metrics>() {
+            return Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE));
+        }
+        check_step_buffers(&c, actions, action_count, &sizes)?;
+        // SAFETY: the caller's promise for `actions`.
+        let actions = unsafe { input(actions, action_count, sizes.actions) }?;
+        // SAFETY: the caller's promise for each buffer; none overlaps another.
+        let (buffers, metrics) = unsafe {
+            let buffers = BatchOut {
+                observations: output(c.observations, c.observation_count, sizes.observations)?,
+                global: optional_output(c.global, c.global_count, sizes.global)?,
+                rewards: output(c.rewards, c.reward_count, m)?,
+                components: optional_output(
+                    c.components,
+                    c.component_count,
+                    m * reward::COMPONENTS,
+                )?,
+                terminated: output(c.terminated, c.terminated_count, m)?,
+                truncated: output(c.truncated, c.truncated_count, m)?,
+                final_observations: optional_output(
+                    c.final_observations,
+                    c.final_observation_count,
+                    sizes.observations,
+                )?,
+                final_global: optional_output(c.final_global, c.final_global_count, sizes.global)?,
+                final_metrics: &mut [],
+                uav_rewards: optional_output(c.uav_rewards, c.uav_reward_count, sizes.uavs)?,
+                uav_components: &mut [],
+            };
+            let metrics = optional_output(c.final_metrics, c.final_metrics_count, m)?;
+            (buffers, metrics)
+        };
+        let wanted = !metrics.is_empty();
+        let keep = |at: usize, ended: &Metrics| metrics[at] = jcas_metrics::of(ended);
+        batch.step(actions, auto_reset, buffers, wanted, keep)
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Every buffer of a step: there, long enough, apart from the others.
+fn check_step_buffers(
+    c: &jcas_batch_out,
+    actions: *const f32,
+    action_count: usize,
+    sizes: &Sizes,
+) -> Result<(), Fault> {
+    let m = sizes.count;
+    let components = m * reward::COMPONENTS;
+    Buffer::check_all(&[
+        Buffer::new("actions", actions, action_count, sizes.actions),
+        Buffer::new(
+            "observations",
+            c.observations,
+            c.observation_count,
+            sizes.observations,
+        ),
+        Buffer::new("rewards", c.rewards, c.reward_count, m),
+        Buffer::new("terminated", c.terminated, c.terminated_count, m),
+        Buffer::new("truncated", c.truncated, c.truncated_count, m),
+        Buffer::optional("global", c.global, c.global_count, sizes.global),
+        Buffer::optional("components", c.components, c.component_count, components),
+        Buffer::optional(
+            "final_observations",
+            c.final_observations,
+            c.final_observation_count,
+            sizes.observations,
+        ),
+        Buffer::optional(
+            "final_global",
+            c.final_global,
+            c.final_global_count,
+            sizes.global,
+        ),
+        Buffer::optional("final_metrics", c.final_metrics, c.final_metrics_count, m),
+        Buffer::optional("uav_rewards", c.uav_rewards, c.uav_reward_count, sizes.uavs),
+    ])
+}
+
+/// Observes environment `m` into its rows.
+fn observe(
+    model: &Model<'_>,
+    m: usize,
+    words: &[u64],
+    scratch: &mut Scratch<'_>,
+    observations: &mut [f32],
+    global: &mut [f32],
+) -> Result<(), Error> {
+    let state = model.state(words)?;
+    let len = model.uav_count() * model.observation_len();
+    let own = &mut observations[m * len..(m + 1) * len];
+    observation::observe(model, &state, scratch, own)?;
+    if !global.is_empty() {
+        let len = model.global_len();
+        observation::observe_global(model, &state, &mut global[m * len..(m + 1) * len])?;
+    }
+    Ok(())
+}
+
+/// Writes what the environments observe now.
+///
+/// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL with a
+/// count of 0. No buffer may overlap another. Threads: only this one uses `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_observe(
+    batch: *mut jcas_batch,
+    observations: *mut f32,
+    observation_count: usize,
+    global: *mut f32,
+    global_count: usize,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        let sizes = batch.sizes();
+        Buffer::check_all(&[
+            Buffer::new(
+                "observations",
+                observations,
+                observation_count,
+                sizes.observations,
+            ),
+            Buffer::optional("global", global, global_count, sizes.global),
+        ])?;
+        // SAFETY: the caller's promise for `observations`.
+        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
+        // SAFETY: the caller's promise for `global`.
+        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
+        batch.each_mut(|model, m, words, scratch| {
+            observe(model, m, words, scratch, observations, global)
+        })
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Saves every environment: M snapshots, one after the other, each as jcas_sim_save writes it.
+///
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_save(
+    batch: *const jcas_batch,
+    snapshots: *mut c_void,
+    size: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        // SAFETY: the caller's promise for `snapshots`.
+        let out = unsafe { output::<u8>(snapshots.cast(), size, batch.sizes().snapshots) }?;
+        batch.save(out)
+    })
+}
+
+/// Takes up what jcas_batch_save saved, of a batch of equal size and configuration. JCAS_ERROR_CORRUPT or
+/// JCAS_ERROR_MODEL_MISMATCH if any snapshot is not right, and nothing has changed then.
+///
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: only this one uses `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_load(
+    batch: *mut jcas_batch,
+    snapshots: *const c_void,
+    size: usize,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        // SAFETY: the caller's promise for `snapshots`.
+        let saved = unsafe { input::<u8>(snapshots.cast(), size, batch.sizes().snapshots) }?;
+        batch.load(saved)
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// The fingerprint of all states of a batch, in their order (FNV-1a, 64 bits).
+///
+/// `batch`, `states_hash`: not NULL. Threads: none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_hash(
+    batch: *const jcas_batch,
+    states_hash: *mut u64,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        // SAFETY: the caller's promise for `states_hash`.
+        let out = unsafe { place(states_hash) }?;
+        out.put(batch.hash());
+        Ok(())
+    })
+}
+
+/// Copies an environment of a batch into a simulation of an equal configuration, to read every quantity
+/// or to save it.
+///
+/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: none changes `batch`,
+/// only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_get(
+    batch: *const jcas_batch,
+    index: u32,
+    sim: *mut jcas_sim,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let copy = |sim: &mut Open<'_>| {
+            if batch.model().config_hash() != sim.model.config_hash() {
+                return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
+            }
+            sim.replace(batch.state(index as usize)?);
+            Ok(())
+        };
+        // SAFETY: the caller's promise for `sim`.
+        match unsafe { handle::change(sim.cast(), copy) } {
+            JCAS_OK => Ok(()),
+            status => Err(Fault::Status(status)),
+        }
+    })
+}
+
+/// Copies a simulation of an equal configuration into an environment of a batch. It should be between
+/// steps: one in the middle of a step by parts makes jcas_batch_step refuse.
+///
+/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
+/// `batch`, none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_set(
+    batch: *mut jcas_batch,
+    index: u32,
+    sim: *const jcas_sim,
+) -> jcas_status {
+    let act = |batch: &mut BatchBlock| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        if batch.model().config_hash() != sim.model.config_hash() {
+            return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
+        }
+        batch.state_mut(index as usize)?.copy_from_slice(sim.words);
+        Ok(())
+    };
+    // SAFETY: the caller's promise for `batch`.
+    unsafe { change(batch, act) }
+}
+
+/// Why the last call that took this batch without const was refused, in words: which value, and what is
+/// allowed. Empty if that call did what it says. UAVs are counted over the whole batch.
+///
+/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_batch_message(
+    batch: *const jcas_batch,
+    text: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `batch`.
+        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        // SAFETY: the caller's promises for `text` and `length`.
+        unsafe { text_out(&Words(batch.refusal), text, capacity, length) }
+    })
+}
