@@ -194,6 +194,11 @@ fn sorted_indices(config: &Config) -> [u32; MAX_DEPOTS] {
     sorted
 }
 
+/// Longest offset along an axis, at least 1.
+const fn span(extent: u32) -> f32 {
+    if extent > 1 { (extent - 1) as f32 } else { 1.0 }
+}
+
 /// Offsets -(extent-1)..=(extent-1) over (extent - 1), as bits of f32; 0 where the grid is one cell wide.
 fn fill_offsets(words: &mut [u64], extent: u32) {
     let span = f64::from(extent - 1);
@@ -484,6 +489,12 @@ impl<'m> Model<'m> {
     #[inline]
     pub(crate) const fn cell_index(&self, cell: Cell) -> usize {
         (cell.y * self.width + cell.x) as usize
+    }
+
+    /// By what offsets along x and y are divided in an observation: the extent less 1, at least 1.
+    #[inline]
+    pub(crate) const fn offset_spans(&self) -> (f32, f32) {
+        (span(self.width), span(self.height))
     }
 
     /// Whether a cell is on the grid.

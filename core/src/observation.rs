@@ -172,11 +172,6 @@ fn inverse(value: f64) -> f64 {
     if value > 0.0 { 1.0 / value } else { 0.0 }
 }
 
-/// By what offsets along an axis are divided: its extent less 1, at least 1.
-pub(crate) const fn span(extent: u32) -> f32 {
-    if extent > 1 { (extent - 1) as f32 } else { 1.0 }
-}
-
 const fn flag(value: bool) -> f32 {
     if value { 1.0 } else { 0.0 }
 }
@@ -199,7 +194,7 @@ impl<'v> View<'v> {
             per_pilot_span: inverse(config.pilot_density_max - config.pilot_density_min),
             per_span: inverse(f64::from(config.grid_width + config.grid_height - 2)),
             per_other: inverse(f64::from(config.uav_count - 1)),
-            spans: (span(config.grid_width), span(config.grid_height)),
+            spans: model.offset_spans(),
             hidden: config.target_visibility == TargetVisibility::Hidden,
             carbon: model
                 .carbon()

@@ -3,7 +3,6 @@
 use crate::lanes::real::Divisors;
 use crate::lanes::{Block, Cells, Lanes, WIDTH, in_memory, repeat};
 use crate::model::Model;
-use crate::observation::span;
 use crate::state::StateRef;
 
 /// Bits of a UAV's index in a key; the squared distance takes the bits above.
@@ -107,12 +106,12 @@ impl Ranking {
         }
         in_memory(&mut places);
         in_memory(&mut observers);
-        let spans = [model.config().grid_width, model.config().grid_height].map(span);
+        let (span_x, span_y) = model.offset_spans();
         Some(Self {
             keys,
             places,
             observers,
-            divisors: Divisors::of([1.0, spans[0], spans[1], 1.0]),
+            divisors: Divisors::of([1.0, span_x, span_y, 1.0]),
         })
     }
 
