@@ -5,7 +5,7 @@
 //! ```
 //!
 //! UAVs, hotspots, side of the grid, missions of the batch. Random actions, observations and rewards written, ended
-//! missions begun anew; told by the least disturbed tenth of the steps. With `count SET STEPS` behind, nothing but
+//! missions begun anew; told by the least disturbed tenth of the steps, and what a mission takes in memory. With `count SET STEPS` behind, nothing but
 //! that many steps, for a profiler that counts instructions.
 
 use std::time::Instant;
@@ -114,6 +114,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     }
 
+    println!(
+        "bytes a mission: {} state, {} observations, {} actions; once a thread: {} scratch",
+        8 * model.state_words(),
+        4 * model.uav_count() * model.observation_len(),
+        4 * model.action_len(),
+        8 * Scratch::words_for(&model)
+    );
     let sets: Vec<InstructionSet> = InstructionSet::all().collect();
     let mut times = vec![Vec::with_capacity(STEPS * TURNS); sets.len()];
     for _ in 0..TURNS {
