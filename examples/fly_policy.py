@@ -14,8 +14,8 @@ from jcas.evaluation import evaluate
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("policy", type=Path, help="a folder that a trainer wrote, or an .onnx file")
-    parser.add_argument("--uavs", type=int, help="default: as trained")
-    parser.add_argument("--hotspots", type=int, help="default: as trained")
+    parser.add_argument("--uavs", type=int, help="default: as trained, which an .onnx file does not say")
+    parser.add_argument("--hotspots", type=int, help="the same")
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--picture", type=Path, help="draw the end of the first mission")
     options = parser.parse_args()

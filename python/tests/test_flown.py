@@ -26,6 +26,7 @@ def test_the_shipped_policy_flies_any_fleet_and_repeats(uavs: int, hotspots: int
 
 
 def test_it_acts_as_the_same_network_on_numpy() -> None:
+    pytest.importorskip("safetensors")
     model = jcas.Model(uav_count=7, hotspot_count=4)
     policy = jcas.Policy.load(FLEET, model, mode="deterministic")
     numpy_policy = jcas.load_policy(FLEET).for_model(model)
