@@ -4,6 +4,7 @@
 //! tested on an environment small enough to know the best return of.
 
 pub mod beacon;
+pub mod finding;
 pub mod fleet;
 pub mod lesson;
 pub mod progress;

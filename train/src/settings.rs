@@ -87,6 +87,10 @@ pub struct Settings {
     /// Paid to each UAV while training for each cell that it comes nearer to the unconfirmed hotspot nearest
     /// to it; nothing in a step that confirms one.
     pub progress_reward: f64,
+    /// Paid to each UAV while training for each confirmation that it is expected to add, wherever the hotspots
+    /// are.
+    #[serde(default)]
+    pub finding_reward: f64,
 
     /// Iterations between evaluations; 0: only at the end.
     pub evaluate_every: usize,
@@ -209,6 +213,7 @@ impl Settings {
             reward_factors: BTreeMap::new(),
             step_cost: 0.0,
             progress_reward: 0.0,
+            finding_reward: 0.0,
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,

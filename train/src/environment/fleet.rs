@@ -1,5 +1,6 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
+use super::finding::Finding;
 use super::lesson::Lesson;
 use super::progress::Progress;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
@@ -20,6 +21,8 @@ pub struct Treatment {
     pub step_cost: f64,
     /// Paid to each UAV for each cell of its own progress.
     pub progress_reward: f64,
+    /// Paid to each UAV for each confirmation that it is expected to add.
+    pub finding_reward: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
 }
@@ -31,6 +34,7 @@ impl Treatment {
             factors: [1.0; COMPONENTS],
             step_cost: settings.step_cost,
             progress_reward: settings.progress_reward,
+            finding_reward: settings.finding_reward,
             constant_pilot,
         };
         for (name, &factor) in &settings.reward_factors {
@@ -74,7 +78,10 @@ pub struct Fleet {
     components: Vec<f64>,
     uav_components: Vec<f64>,
     progress: Progress,
-    cells: Vec<f64>,
+    /// Where it is paid for.
+    finding: Option<Finding>,
+    /// What training pays each UAV of a mission besides, and what it is paid for.
+    extra: [Vec<f64>; 2],
     rewards: Vec<f32>,
     ended: [Vec<u8>; 2],
     metrics: Vec<Metrics>,
@@ -91,7 +98,6 @@ impl Fleet {
             lesson,
             stage,
             seed: 0,
-            treatment,
             environments,
             states: vec![0; environments * model.state_words()],
             scratch: vec![0; Scratch::words_for(&model)],
@@ -100,11 +106,13 @@ impl Fleet {
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
             progress: Progress::new(environments, uavs),
-            cells: vec![0.0; uavs],
+            finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
+            extra: [vec![0.0; uavs], vec![0.0; uavs]],
             rewards: vec![0.0; environments],
             ended: [vec![0; environments], vec![0; environments]],
             metrics: vec![Metrics::default(); environments],
             held: vec![0.0; environments * 2 * uavs],
+            treatment,
             model,
         };
         fleet.reset(0);
@@ -129,43 +137,59 @@ impl Fleet {
         self.look();
     }
 
-    /// Lets progress count from the states as they are.
+    /// Lets progress and finding count from the states as they are.
     fn look(&mut self) {
         let states = self.states.chunks_exact(self.model.state_words());
         for (m, state) in states.enumerate() {
             let state = self.model.state(state).expect("a state of this model");
             self.progress.start(m, &self.model, &state);
+            if let Some(finding) = &mut self.finding {
+                finding.start(m, &self.model, &state);
+            }
         }
     }
 
-    /// The rewards of a mission's step: every UAV's is its own of the kernel's and its own progress, so that
-    /// their mean is the team's with the fleet's mean progress. A mission that ended has begun anew: no
-    /// progress then.
+    /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training pays it besides, so
+    /// that their mean is the team's with the fleet's mean of that. A mission that ended has begun anew:
+    /// nothing besides then.
     fn pay(&mut self, m: usize, out: &mut StepOut) {
         let words = self.model.state_words();
         let state = &self.states[m * words..(m + 1) * words];
         let state = self.model.state(state).expect("a state of this model");
+        let [extra, gained] = &mut self.extra;
+        extra.fill(0.0);
         if out.terminated[m] || out.truncated[m] {
             self.progress.start(m, &self.model, &state);
-            self.cells.fill(0.0);
+            if let Some(finding) = &mut self.finding {
+                finding.start(m, &self.model, &state);
+            }
         } else {
-            self.progress
-                .gained(m, &self.model, &state, &mut self.cells);
+            self.progress.gained(m, &self.model, &state, gained);
+            add(extra, self.treatment.progress_reward, gained);
+            if let Some(finding) = &mut self.finding {
+                finding.gained(m, &self.model, &state, gained);
+                add(extra, self.treatment.finding_reward, gained);
+            }
         }
-        let weight = self.treatment.progress_reward;
-        let uavs = self.cells.len();
+        let uavs = extra.len();
         if out.rewards.len() > self.environments {
             let components = self.uav_components.chunks_exact(COMPONENTS);
             let own = out.rewards.iter_mut().zip(components).skip(m * uavs);
-            for ((reward, components), cells) in own.zip(&self.cells) {
-                *reward = (self.treatment.reward(components) + weight * cells) as f32;
+            for ((reward, components), extra) in own.zip(&*extra) {
+                *reward = (self.treatment.reward(components) + extra) as f32;
             }
         } else {
             let components = &self.components[m * COMPONENTS..(m + 1) * COMPONENTS];
             let team = self.treatment.reward(components);
-            let mean = self.cells.iter().sum::<f64>() / uavs as f64;
-            out.rewards[m] = (team + weight * mean) as f32;
+            let mean = extra.iter().sum::<f64>() / uavs as f64;
+            out.rewards[m] = (team + mean) as f32;
         }
+    }
+}
+
+fn add(sums: &mut [f64], weight: f64, values: &[f64]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += weight * value;
     }
 }
 
@@ -250,15 +274,18 @@ impl VectorEnvironment for Fleet {
     }
 
     fn save(&self) -> Vec<u8> {
-        std::iter::once(&self.stage)
-            .chain(&self.states)
-            .flat_map(|word| word.to_le_bytes())
+        let finding = self.finding.iter().flat_map(Finding::save);
+        std::iter::once(self.stage)
+            .chain(self.states.iter().copied())
+            .chain(finding)
+            .flat_map(u64::to_le_bytes)
             .collect()
     }
 
-    /// The stage, then the states; observations follow from them.
+    /// The stage, the states, what has not been found where that is paid for; observations follow.
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let expected = (1 + self.states.len()) * 8;
+        let finding = self.finding.as_ref().map_or(0, Finding::words);
+        let expected = (1 + self.states.len() + finding) * 8;
         if bytes.len() != expected {
             return Err(format!(
                 "environment state: {} bytes, this run needs {expected}",
@@ -266,8 +293,11 @@ impl VectorEnvironment for Fleet {
             ));
         }
         let words = std::iter::once(&mut self.stage).chain(&mut self.states);
-        for (word, bytes) in words.zip(bytes.chunks_exact(8)) {
-            *word = u64::from_le_bytes(bytes.try_into().expect("chunks of eight"));
+        let mut saved = bytes
+            .chunks_exact(8)
+            .map(|bytes| u64::from_le_bytes(bytes.try_into().expect("chunks of eight")));
+        for (word, saved) in words.zip(&mut saved) {
+            *word = saved;
         }
         self.model = self.lesson.model(self.stage);
         let words = self.model.state_words();
@@ -285,6 +315,9 @@ impl VectorEnvironment for Fleet {
                 .map_err(|error| error.to_string())?;
         }
         self.look();
+        if let Some(finding) = &mut self.finding {
+            finding.load(saved);
+        }
         Ok(())
     }
 }

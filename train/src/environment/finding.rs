@@ -1,0 +1,261 @@
+//! What each UAV adds to the finding of hotspots: the confirmations that it is expected to make possible.
+//!
+//! A difference reward (Wolpert and Tumer, "Optimal payoff functions for members of collectives", 2001). Known
+//! hotspots are where they are. A hidden one is in any cell alike at first, later as Bayes' rule says of what the
+//! fleet's radar would have missed so far: unlike a confirmation this comes at every step of a search, and
+//! without the luck of where the hotspots lie.
+
+use jcas_core::{Cell, Model, StateRef, TargetVisibility};
+
+/// Chances below this are taken for none.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// What the searches of some missions have not found.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    cells: usize,
+    /// Of each mission and cell, where hotspots are hidden: the chance that one there would be unconfirmed still;
+    /// where they are known: how many there are.
+    missed: Vec<f64>,
+    /// Unconfirmed hotspots of each mission.
+    open: Vec<usize>,
+    /// Cells along each axis beyond which no UAV detects.
+    reach: [u32; 2],
+}
+
+impl Finding {
+    /// Of so many missions, none of which has begun.
+    pub fn new(missions: usize, model: &Model<'_>) -> Finding {
+        let config = model.config();
+        let (width, height) = (config.grid_width, config.grid_height);
+        let detects = |dx, dy| {
+            model.detection_probability(dx, dy, config.pilot_density_max) >= NEGLIGIBLE
+        };
+        let cells = (width * height) as usize;
+        Finding {
+            cells,
+            missed: vec![1.0; missions * cells],
+            open: vec![0; missions],
+            reach: [
+                (0..width).take_while(|&dx| detects(dx, 0)).count() as u32,
+                (0..height).take_while(|&dy| detects(0, dy)).count() as u32,
+            ],
+        }
+    }
+
+    /// A mission begins: nothing has been looked at.
+    pub fn start(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
+        self.missed[mission * self.cells..][..self.cells].fill(1.0);
+        self.look(mission, model, state);
+    }
+
+    /// Counts the hotspots that are unconfirmed now, each in its cell where they are known.
+    fn look(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
+        let open = (0..model.hotspot_count()).filter(|&hotspot| !state.confirmed(hotspot));
+        self.open[mission] = open.clone().count();
+        if model.config().target_visibility == TargetVisibility::Known {
+            let cells = &mut self.missed[mission * self.cells..][..self.cells];
+            cells.fill(0.0);
+            for cell in open.map(|hotspot| state.hotspot_cell(hotspot)) {
+                cells[(cell.y * model.config().grid_width + cell.x) as usize] += 1.0;
+            }
+        }
+    }
+
+    /// Confirmations that each UAV is expected to have added in the step that led to this state: that it detects
+    /// a hotspot and exactly θ − 1 of the others do.
+    pub fn gained(
+        &mut self,
+        mission: usize,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        gains: &mut [f64],
+    ) {
+        gains.fill(0.0);
+        if self.open[mission] == 0 {
+            return;
+        }
+        let config = model.config();
+        let missed = &mut self.missed[mission * self.cells..][..self.cells];
+        let each = self.open[mission] as f64 / missed.iter().sum::<f64>();
+        let quorum = config.quorum as usize;
+        let mut chances = Vec::new();
+        let mut fewer = vec![0.0; quorum];
+        for (index, missed) in (0..).zip(missed).filter(|(_, missed)| **missed > 0.0) {
+            let there = Cell {
+                x: index % config.grid_width,
+                y: index / config.grid_width,
+            };
+            chances_of(self.reach, model, state, there, &mut chances);
+            if chances.len() < quorum {
+                continue;
+            }
+            for &(uav, chance) in &chances {
+                let others = chances.iter().filter(|&&(other, _)| other != uav);
+                happened(&mut fewer, others.map(|&(_, chance)| chance));
+                gains[uav] += each * *missed * chance * fewer[quorum - 1];
+            }
+            happened(&mut fewer, chances.iter().map(|&(_, chance)| chance));
+            *missed *= fewer.iter().sum::<f64>();
+        }
+        self.look(mission, model, state);
+    }
+
+    /// What a run that goes on has to remember.
+    pub fn save(&self) -> impl Iterator<Item = u64> {
+        self.missed.iter().map(|missed| missed.to_bits())
+    }
+
+    /// Goes on where a run was saved, once its missions have been started.
+    pub fn load(&mut self, words: impl Iterator<Item = u64>) {
+        for (missed, word) in self.missed.iter_mut().zip(words) {
+            *missed = f64::from_bits(word);
+        }
+    }
+
+    /// Words of [`Self::save`].
+    pub fn words(&self) -> usize {
+        self.missed.len()
+    }
+}
+
+/// The UAVs that may detect a hotspot in a cell from where they are, and with what chance.
+fn chances_of(
+    reach: [u32; 2],
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    there: Cell,
+    chances: &mut Vec<(usize, f64)>,
+) {
+    chances.clear();
+    for uav in 0..model.uav_count() {
+        let cell = state.cell(uav);
+        let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
+        if dx < reach[0] && dy < reach[1] && !state.grounded(uav) {
+            let chance = model.detection_probability(dx, dy, state.pilot_density(uav));
+            if chance >= NEGLIGIBLE {
+                chances.push((uav, chance));
+            }
+        }
+    }
+}
+
+/// The chances that exactly 0, 1, … of independent events happen.
+fn happened(exactly: &mut [f64], chances: impl Iterator<Item = f64>) {
+    exactly.fill(0.0);
+    exactly[0] = 1.0;
+    for chance in chances {
+        for k in (0..exactly.len()).rev() {
+            let fewer = if k > 0 { exactly[k - 1] } else { 0.0 };
+            exactly[k] = exactly[k] * (1.0 - chance) + fewer * chance;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jcas_core::{Config, Preset, Sim};
+
+    fn happens(count: usize, chances: impl Iterator<Item = f64>) -> f64 {
+        let mut exactly = vec![0.0; count + 1];
+        happened(&mut exactly, chances);
+        exactly[count]
+    }
+
+    #[test]
+    fn coin_tosses() {
+        let fair = |tosses| std::iter::repeat_n(0.5, tosses);
+        assert_eq!(happens(2, fair(4)), 6.0 / 16.0);
+        assert_eq!(happens(0, fair(3)), 1.0 / 8.0);
+        assert_eq!(happens(3, fair(2)), 0.0);
+    }
+
+    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes.
+    fn confirms(sim: &Sim<'_>, model: &Model<'_>, there: Cell, without: Option<usize>) -> f64 {
+        let state = sim.state();
+        let chances: Vec<f64> = (0..model.uav_count())
+            .map(|uav| {
+                let (cell, density) = (state.cell(uav), state.pilot_density(uav));
+                let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
+                let chance = model.detection_probability(dx, dy, density);
+                let counts = chance >= NEGLIGIBLE && without != Some(uav);
+                if counts { chance } else { 0.0 }
+            })
+            .collect();
+        (0..1u32 << chances.len())
+            .filter(|outcome| outcome.count_ones() >= model.config().quorum)
+            .map(|outcome| {
+                let each = chances.iter().enumerate();
+                let each = each.map(|(uav, &chance)| match outcome >> uav & 1 {
+                    1 => chance,
+                    _ => 1.0 - chance,
+                });
+                each.product::<f64>()
+            })
+            .sum()
+    }
+
+    // Two steps of a fleet that moves apart, worked out from all outcomes: what each UAV adds is what the fleet
+    // would confirm less without it, and the second step's hotspots are where the first would have missed them.
+    #[test]
+    fn a_gain_is_the_difference_that_the_uav_makes_to_what_is_not_found_yet() {
+        let config = Config {
+            uav_count: 5,
+            hotspot_count: 4,
+            ..Config::preset(Preset::Search)
+        };
+        let model = Model::new(config).unwrap();
+        let cells: Vec<Cell> = (0..12)
+            .flat_map(|y| (0..12).map(move |x| Cell { x, y }))
+            .collect();
+        let mut missed = vec![1.0; cells.len()];
+        let mut sim = Sim::new(&model);
+        sim.reset(3);
+        let mut finding = Finding::new(2, &model);
+        finding.start(1, &model, &sim.state());
+        let mut gains = [0.0; 5];
+        for _ in 0..2 {
+            let open = finding.open[1] as f64;
+            sim.step(&[0.4, 0.0, -0.4, 0.3, 0.8, -0.5, 0.0, 1.0, -0.8, 0.2])
+                .unwrap();
+            finding.gained(1, &model, &sim.state(), &mut gains);
+            let total: f64 = missed.iter().sum();
+            for (uav, gain) in gains.iter().enumerate() {
+                let expected: f64 = cells
+                    .iter()
+                    .zip(&missed)
+                    .map(|(&there, missed)| {
+                        let with = confirms(&sim, &model, there, None);
+                        missed * (with - confirms(&sim, &model, there, Some(uav)))
+                    })
+                    .sum::<f64>()
+                    * open
+                    / total;
+                assert!(*gain > 0.01, "{gains:?}");
+                assert!((gain - expected).abs() < 1e-12, "{uav}: {gain} {expected}");
+            }
+            for (&there, missed) in cells.iter().zip(&mut missed) {
+                *missed *= 1.0 - confirms(&sim, &model, there, None);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_saved_is_what_goes_on() {
+        let model = Model::new(Config::preset(Preset::Search)).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(5);
+        let mut finding = Finding::new(1, &model);
+        finding.start(0, &model, &sim.state());
+        let mut gains = vec![0.0; model.uav_count()];
+        let actions = vec![0.3; 2 * model.uav_count()];
+        sim.step(&actions).unwrap();
+        finding.gained(0, &model, &sim.state(), &mut gains);
+        let mut other = Finding::new(1, &model);
+        other.start(0, &model, &sim.state());
+        assert_ne!(other.missed, finding.missed);
+        other.load(finding.save());
+        assert_eq!(other.missed, finding.missed);
+    }
+}
