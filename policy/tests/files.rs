@@ -149,6 +149,14 @@ fn what_does_not_fit_is_refused_by_name() {
 }
 
 #[test]
+fn only_a_set_network_reads_the_size_of_the_fleet() {
+    let refusal = load(&small_mlp("fleet_size=read", 12))
+        .unwrap_err()
+        .to_string();
+    assert!(refusal.contains("only a set network"), "{refusal}");
+}
+
+#[test]
 fn a_policy_refuses_missions_that_it_cannot_read() {
     let config = Config {
         uav_count: 1,

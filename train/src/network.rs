@@ -30,6 +30,9 @@ pub enum Architecture {
         /// Fields that search maps and tags add to what a UAV knows of itself.
         #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
+        /// It also reads how many UAVs there are, after those.
+        #[serde(default, skip_serializing_if = "is_false")]
+        fleet_size: bool,
     },
     /// The same over UAVs and hotspots of the global state; one output, the value.
     SetCritic {
@@ -46,6 +49,15 @@ pub enum Architecture {
 #[allow(clippy::trivially_copy_pass_by_ref)] // serde asks for a reference
 fn is_zero(number: &usize) -> bool {
     *number == 0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde asks for a reference
+fn is_false(flag: &bool) -> bool {
+    !*flag
+}
+
+fn actor(added: usize, fleet_size: bool) -> set::Actor {
+    set::Actor { added, fleet_size }
 }
 
 fn critic(of_uav: bool, added: usize) -> set::Critic {
@@ -95,7 +107,8 @@ impl Network {
                 hidden,
                 outputs,
                 added,
-            } => set::actor_blocks(hidden, *outputs, *added),
+                fleet_size,
+            } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size)),
             Architecture::SetCritic {
                 hidden,
                 of_uav,
@@ -157,7 +170,9 @@ impl Network {
                 let inputs = matrix(inputs, sizes[0], &weights[0].device());
                 mlp::forward(weights, inputs)
             }
-            Architecture::SetActor { .. } => set::actor(weights, &inputs, shape),
+            Architecture::SetActor {
+                added, fleet_size, ..
+            } => set::actor(weights, &inputs, actor(*added, *fleet_size), shape),
             Architecture::SetCritic { of_uav, added, .. } => {
                 set::critic(weights, &inputs, critic(*of_uav, *added), shape)
             }
@@ -172,8 +187,11 @@ impl Network {
                 .map(|pair| (pair[0] * pair[1]) as u64)
                 .sum(),
             Architecture::SetActor {
-                hidden, outputs, ..
-            } => set::actor_products(hidden, *outputs, shape),
+                hidden,
+                outputs,
+                added,
+                fleet_size,
+            } => set::actor_products(hidden, *outputs, actor(*added, *fleet_size), shape),
             Architecture::SetCritic {
                 hidden,
                 of_uav,

@@ -50,8 +50,9 @@ impl Actor {
     /// Ready to fly, by the code that every host flies stored policies with; reports call it `name`.
     #[must_use]
     pub fn fly(&self, name: &str, mode: Mode) -> Trained {
+        let note = files::read_besides(&self.network.architecture).trim_start();
         let bytes =
-            files::weights(self, Precision::Single, "").expect("arrays of their own length");
+            files::weights(self, Precision::Single, note).expect("arrays of their own length");
         let trained = Trained::read(name, &bytes).expect("an actor's own file");
         trained.with_flight(Flight {
             mode: mode.into(),

@@ -72,6 +72,14 @@ pub enum Ending {
     Stopped,
 }
 
+fn models(configs: &[Config]) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
+    let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
+    configs
+        .iter()
+        .map(|&config| Model::new(config).map(Arc::new).map_err(refused))
+        .collect()
+}
+
 impl Plan {
     /// Names the run in its checkpoint, so that another is not continued by mistake.
     fn identity(&self) -> String {
@@ -82,14 +90,6 @@ impl Plan {
             .collect();
         let settings = serde_json::to_string(&self.settings).unwrap_or_default();
         format!("configurations {}; settings {settings}", hashes.join(", "))
-    }
-
-    fn models(&self) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
-        let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
-        self.configs
-            .iter()
-            .map(|&config| Model::new(config).map(Arc::new).map_err(refused))
-            .collect()
     }
 
     fn constant_pilot(&self) -> Option<f32> {
@@ -190,12 +190,23 @@ impl Plan {
         }
     }
 
+    /// The missions that it is trained for, each once, however often it is flown.
+    fn missions(&self) -> Vec<Config> {
+        let mut missions: Vec<Config> = Vec::new();
+        for config in &self.configs {
+            if !missions.contains(config) {
+                missions.push(*config);
+            }
+        }
+        missions
+    }
+
     /// The policy as it stands on every mission it is trained for, in both modes.
     fn evaluations(&self, trainer: &Trainer) -> Result<Vec<Evaluation>, TrainError> {
         let actor = Arc::new(self.actor(trainer));
         let episodes = self.settings.evaluation_episodes as u64;
         let mut evaluations = Vec::new();
-        for model in self.models()? {
+        for model in models(&self.missions())? {
             for mode in [Mode::Deterministic, Mode::Sampled] {
                 evaluations.push(evaluate(&model, &actor, mode, episodes, EVALUATION_SEED)?);
             }
@@ -219,7 +230,7 @@ impl Plan {
             constant_pilot_density: self.settings.constant_pilot,
             mode: better_mode(&evaluations),
             trained_on: self
-                .configs
+                .missions()
                 .iter()
                 .map(|c| (c.uav_count, c.hotspot_count))
                 .collect(),
@@ -229,7 +240,7 @@ impl Plan {
             environment_steps: Some(trainer.environment_steps),
             evaluations,
         };
-        let shape = shape_of(&self.models()?[0]);
+        let shape = shape_of(&models(&self.configs)?[0]);
         save(&self.out, &actor, &card, &shape, self.precision)?;
         // A finished run that is only written again has timed nothing.
         if speed.iterations > 0 {

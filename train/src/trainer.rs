@@ -80,8 +80,9 @@ pub fn device_named(name: &str) -> Result<Device, String> {
     }
 }
 
-/// Actor and critic networks that the settings ask for.
-fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
+/// Actor and critic networks that the settings ask for. Where fleets are of several sizes, the set network
+/// reads how many UAVs there are.
+fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Network) {
     let sizes = |input: usize, hidden: &[usize], output: usize| {
         let mut sizes = vec![input];
         sizes.extend_from_slice(hidden);
@@ -103,6 +104,7 @@ fn networks(settings: &Settings, shape: &Shape) -> (Network, Network) {
                 hidden: settings.actor_hidden.clone(),
                 outputs,
                 added: set::added(shape),
+                fleet_size: fleets,
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),
@@ -125,7 +127,10 @@ impl Trainer {
             .first()
             .ok_or("workers: there must be at least one")?
             .shape();
-        let (actor, critic) = networks(&settings, &shape);
+        let fleets = workers
+            .iter()
+            .any(|worker| worker.shape().agents != shape.agents);
+        let (actor, critic) = networks(&settings, &shape, fleets);
         let mut random = stream_for(settings.seed, Purpose::Weights, 0, 0);
         let actor = Trainable::new(actor, 0.01, &mut random);
         let critic = Trainable::new(critic, 1.0, &mut random);

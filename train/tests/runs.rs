@@ -5,7 +5,7 @@ use jcas_core::{Config, Model};
 use jcas_evaluate::policy::Policy;
 use jcas_train::head::Head;
 use jcas_train::metrics::Row;
-use jcas_train::network::values;
+use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
@@ -282,6 +282,38 @@ fn the_set_network_reads_search_maps() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
+fn fleets() -> Vec<Config> {
+    let larger = Config {
+        uav_count: 7,
+        ..config()
+    };
+    vec![config(), larger]
+}
+
+/// Trained for several fleets, the set network reads how many UAVs there are, in flight as in learning.
+#[test]
+fn the_set_network_reads_the_size_of_the_fleet() {
+    let mut plan = plan("fleets", settings(NetworkKind::Set));
+    plan.configs = fleets();
+    // Trained on twice as often, listed and evaluated once.
+    plan.configs.push(plan.configs[1]);
+    plan.train(false, &mut Unwatched).unwrap();
+    let stored = files::load(&plan.out).unwrap();
+    assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
+    assert_eq!(stored.card.evaluations.len(), 2 * 2);
+    let reads = |actor: &Actor| match actor.network.architecture {
+        Architecture::SetActor { fleet_size, .. } => fleet_size,
+        _ => false,
+    };
+    assert!(reads(&stored.actor));
+    for config in plan.configs {
+        let model = Model::new(config).unwrap();
+        stored.check(&model).unwrap();
+        same_outputs(&stored.actor, &model);
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
 /// Sampled actions follow from the mission's seed alone.
 #[test]
 fn sampled_flights_repeat() {
@@ -322,18 +354,20 @@ fn onnxruntime_gives_the_same_actions() {
         eprintln!("{python} has no onnxruntime: not compared");
         return;
     }
-    for (network, head) in [
-        (NetworkKind::Mlp, Head::Gaussian),
-        (NetworkKind::Mlp, Head::Hybrid),
-        (NetworkKind::Set, Head::Hybrid),
+    for (network, head, configs) in [
+        (NetworkKind::Mlp, Head::Gaussian, vec![config()]),
+        (NetworkKind::Mlp, Head::Hybrid, vec![config()]),
+        (NetworkKind::Set, Head::Hybrid, vec![config()]),
+        (NetworkKind::Set, Head::Gaussian, fleets()),
     ] {
-        let plan = plan(
+        let mut plan = plan(
             &format!("onnx-{network:?}-{head:?}"),
             Settings {
                 head,
                 ..settings(network)
             },
         );
+        plan.configs = configs;
         plan.train(false, &mut Unwatched).unwrap();
         let model = Model::new(config()).unwrap();
         let stored = files::load(&plan.out).unwrap();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
-use jcas_core::Config;
+use jcas_core::{Config, TargetVisibility};
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::{Card, Precision};
 use jcas_train::run::{Ending, Observer, Plan};
@@ -19,7 +19,8 @@ const EXAMPLES: &str = "\
 Examples:
   jcas train --uavs 10 --hotspots 5 --out run
   jcas train --training paper --preset paper --uavs 15 --hotspots 3,5,7 --out runs
-  jcas train --uavs 5,10 --hotspots 3,5 --train-set network=set --out run
+  jcas train --uavs 5,10 --hotspots 3,5 --out run
+  jcas train --preset search --uavs 10 --hotspots 5 --out run
   jcas train --out run --resume
   jcas evaluate run";
 
@@ -28,6 +29,8 @@ Examples:
 pub enum TrainingPreset {
     /// What the measurements kept
     Tuned,
+    /// The same for hidden hotspots
+    Search,
     /// The paper's table
     Paper,
 }
@@ -58,9 +61,9 @@ pub struct Train {
         help_heading = "Configuration"
     )]
     hotspots: Vec<u32>,
-    /// Training settings to start from
-    #[arg(long, value_enum, default_value_t = TrainingPreset::Tuned, help_heading = "Training")]
-    training: TrainingPreset,
+    /// Training settings to start from [default: search where hotspots are hidden, else tuned]
+    #[arg(long, value_enum, help_heading = "Training")]
+    training: Option<TrainingPreset>,
     /// TOML or JSON file whose settings replace those of the preset
     #[arg(long, value_name = "FILE", help_heading = "Training")]
     train_config: Option<PathBuf>,
@@ -161,8 +164,13 @@ impl Train {
 
     fn settings(&self) -> Result<Settings, CliError> {
         let preset = match self.training {
-            TrainingPreset::Tuned => Preset::Tuned,
-            TrainingPreset::Paper => Preset::Paper,
+            Some(TrainingPreset::Tuned) => Preset::Tuned,
+            Some(TrainingPreset::Search) => Preset::Search,
+            Some(TrainingPreset::Paper) => Preset::Paper,
+            None => match self.config.source()?.resolve()?.target_visibility {
+                TargetVisibility::Known => Preset::Tuned,
+                TargetVisibility::Hidden => Preset::Search,
+            },
         };
         let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;
         if let Some(path) = &self.train_config {

@@ -76,8 +76,8 @@ pub fn pilot_action(config: &Config, density: f64) -> f32 {
     }
 }
 
-/// Sizes of a model's observations.
-fn sizes(model: &Model<'_>) -> Sizes {
+/// Sizes of a model's observations, and what a policy reads besides.
+fn sizes(model: &Model<'_>, note: Note) -> Sizes {
     let config = model.config();
     Sizes {
         observation_len: model.observation_len(),
@@ -88,6 +88,7 @@ fn sizes(model: &Model<'_>) -> Sizes {
             config.grid_height.saturating_sub(1),
         ],
         uavs: model.uav_count(),
+        fleet_size: note.fleet_size,
     }
 }
 
@@ -125,6 +126,10 @@ impl Network {
         let file = File::open(bytes)?;
         let note = Note::read(file.note)?;
         let (kind, head, weights_len) = plan::read(file, weights)?;
+        let reads_size = matches!(&kind, Kind::Set(set) if set.own_fields() > 0);
+        if note.fleet_size && !reads_size {
+            return Err(LoadError::Note("fleet_size: only a set network reads it"));
+        }
         Ok(Self {
             kind,
             head,
@@ -178,12 +183,13 @@ impl Network {
     /// # Errors
     /// [`FlyError::Observation`], [`FlyError::Visibility`].
     pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
-        let sizes = sizes(model);
+        let sizes = sizes(model, self.note);
         let of_sets = HOTSPOT_FIELDS * sizes.hotspots + SLOT_FIELDS * sizes.slots;
         let (expected, got) = match &self.kind {
             Kind::Mlp(mlp) => (mlp.stack.inputs(), sizes.observation_len),
             Kind::Set(set) => (
-                set.own_fields(),
+                // What no observation shows does not count.
+                set.own_fields() - usize::from(sizes.fleet_size),
                 sizes.observation_len.saturating_sub(of_sets),
             ),
         };
@@ -209,7 +215,7 @@ impl Network {
         mut visit: impl FnMut(usize, &[f32]) -> Result<(), FlyError>,
     ) -> Result<(), FlyError> {
         self.check(model)?;
-        let sizes = sizes(model);
+        let sizes = sizes(model, self.note);
         length("weights", self.weights_len, weights.len())?;
         length("working memory", self.scratch_len(model), scratch.len())?;
         let mut row = 0;

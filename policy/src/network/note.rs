@@ -1,7 +1,7 @@
 //! What a policy's file says about how it is flown: the entry `jcas` of its metadata.
 //!
 //! `key=value` pairs, one space between them, such as `mode=sampled target_visibility=hidden
-//! pilot_density=0.15`. Files of other trainers, and older ones (`{}`), say nothing.
+//! pilot_density=0.15 fleet_size=read`. Files of other trainers, and older ones (`{}`), say nothing.
 
 use jcas_core::TargetVisibility;
 
@@ -17,6 +17,8 @@ pub struct Note {
     pub target_visibility: Option<TargetVisibility>,
     /// Pilot density held, whatever the network says; none: it chooses.
     pub pilot_density: Option<f64>,
+    /// A set network's last own field is the number of UAVs, which no observation shows.
+    pub fleet_size: bool,
 }
 
 impl Default for Note {
@@ -25,6 +27,7 @@ impl Default for Note {
             mode: Mode::Deterministic,
             target_visibility: None,
             pilot_density: None,
+            fleet_size: false,
         }
     }
 }
@@ -62,9 +65,13 @@ impl Note {
                         "pilot_density: must be above 0 and at most 1",
                     ))?);
                 }
+                Some(("fleet_size", "read")) => note.fleet_size = true,
+                Some(("fleet_size", _)) => {
+                    return Err(LoadError::Note("fleet_size: must be read"));
+                }
                 _ => {
                     return Err(LoadError::Note(
-                        "must be of mode=, target_visibility= and pilot_density=",
+                        "must be of mode=, target_visibility=, pilot_density= and fleet_size=",
                     ));
                 }
             }
@@ -81,15 +88,19 @@ mod tests {
     fn a_note_is_read_whole_or_refused() {
         assert_eq!(Note::read(""), Ok(Note::default()));
         assert_eq!(Note::read("{}"), Ok(Note::default()));
-        let note = Note::read("mode=sampled target_visibility=hidden pilot_density=0.15").unwrap();
+        let note =
+            Note::read("mode=sampled target_visibility=hidden pilot_density=0.15 fleet_size=read")
+                .unwrap();
         assert_eq!(note.mode, Mode::Sampled);
         assert_eq!(note.target_visibility, Some(TargetVisibility::Hidden));
         assert_eq!(note.pilot_density, Some(0.15));
+        assert!(note.fleet_size);
         for wrong in [
             "mode=x",
             "target_visibility=",
             "pilot_density=NaN",
             "pilot_density=2",
+            "fleet_size=20",
             "x",
             "mode=sampled ",
         ] {

@@ -25,6 +25,8 @@ pub(crate) struct Sizes {
     pub(crate) cells: [u32; 2],
     /// UAVs of a mission, whose rows follow each other.
     pub(crate) uavs: usize,
+    /// The network reads how many they are.
+    pub(crate) fleet_size: bool,
 }
 
 /// 1 at distance 0, falling evenly to 0 at `reach` cells.
@@ -116,9 +118,11 @@ impl Set {
         let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
         let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
         own[..OWN_FIRST].copy_from_slice(head);
-        let (shown, numbered) = own[OWN_FIRST..].split_at_mut(tail.len());
+        let (shown, unseen) = own[OWN_FIRST..].split_at_mut(tail.len());
         shown.copy_from_slice(tail);
+        let (numbered, counted) = unseen.split_at_mut(unseen.len() - usize::from(sizes.fleet_size));
         numbered.fill(tag);
+        counted.fill(sizes.uavs as f32 / CROWD);
         self.pool_neighbours(weights, slots, neighbours, &mut *scratch);
 
         let context = take(&mut scratch, self.own.inputs);

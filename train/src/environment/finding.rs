@@ -28,9 +28,8 @@ impl Finding {
     pub fn new(missions: usize, model: &Model<'_>) -> Finding {
         let config = model.config();
         let (width, height) = (config.grid_width, config.grid_height);
-        let detects = |dx, dy| {
-            model.detection_probability(dx, dy, config.pilot_density_max) >= NEGLIGIBLE
-        };
+        let detects =
+            |dx, dy| model.detection_probability(dx, dy, config.pilot_density_max) >= NEGLIGIBLE;
         let cells = (width * height) as usize;
         Finding {
             cells,

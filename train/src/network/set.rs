@@ -37,6 +37,22 @@ const TARGET_FEATURES: usize = HOTSPOT_FIELDS + 3;
 /// Of one UAV's own: position difference, known, distance, near.
 const OWN_TARGET_FEATURES: usize = 5;
 
+/// What the actor reads about the UAV itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Actor {
+    /// Fields that maps and tags add to the observation.
+    pub added: usize,
+    /// The number of UAVs too, which no observation shows.
+    pub fleet_size: bool,
+}
+
+impl Actor {
+    /// Fields that are of no hotspot and of no other UAV.
+    fn own(self) -> usize {
+        OWN + self.added + usize::from(self.fleet_size)
+    }
+}
+
 /// Whose value the critic gives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Critic {
@@ -80,8 +96,8 @@ fn trunk(shapes: &mut Shapes, inputs: usize, hidden: &[usize], outputs: usize) {
     }
 }
 
-pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, added: usize) -> Shapes {
-    let own = OWN + added;
+pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Shapes {
+    let own = actor.own();
     let mut shapes = Vec::new();
     layer(&mut shapes, "neighbour.0", SLOT_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "neighbour.1", UAV_WIDTH, UAV_WIDTH);
@@ -113,11 +129,11 @@ pub(super) fn critic_blocks(hidden: &[usize], critic: Critic) -> Shapes {
 }
 
 /// Multiply-adds of one observation's forward pass.
-pub(super) fn actor_products(hidden: &[usize], outputs: usize, shape: &Shape) -> u64 {
+pub(super) fn actor_products(hidden: &[usize], outputs: usize, actor: Actor, shape: &Shape) -> u64 {
     let neighbour = SLOT_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
     // Attention is two products with every hotspot: its scores, and the sum that they weigh.
     let hotspot = HOTSPOT_WIDTH * (HOTSPOT_FEATURES + 2 * HOTSPOT_WIDTH + 2 * HEADS);
-    let own = OWN + added(shape);
+    let own = actor.own();
     let once = HOTSPOT_WIDTH * (own + UAV_WIDTH + HOTSPOT_WIDTH);
     let mut sizes = vec![HEADS * HOTSPOT_WIDTH + UAV_WIDTH + own];
     sizes.extend_from_slice(hidden);
@@ -197,12 +213,17 @@ fn sum(set: Tensor<2>, rows: usize) -> Tensor<2> {
 }
 
 /// Actor outputs for observations (rows × 11 + 4n + 3k + added).
-pub(super) fn actor(weights: &[Tensor<2>], observations: &[f32], shape: &Shape) -> Tensor<2> {
+pub(super) fn actor(
+    weights: &[Tensor<2>],
+    observations: &[f32],
+    actor: Actor,
+    shape: &Shape,
+) -> Tensor<2> {
     let device = weights[0].device();
     let mut weights = Weights(weights.iter());
-    let observed = features::observed(observations, shape);
+    let observed = features::observed(observations, shape, actor);
     let rows = observed.empty.len();
-    let own = matrix(observed.own, OWN + added(shape), &device);
+    let own = matrix(observed.own, actor.own(), &device);
 
     let neighbours = if shape.neighbour_slots == 0 {
         weights.0.by_ref().take(4).for_each(drop);
@@ -347,6 +368,7 @@ mod tests {
                 hidden: vec![24, 16],
                 outputs: 7,
                 added,
+                fleet_size: agents > 1,
             });
             let critic = |of_uav| {
                 let hidden = vec![16];
@@ -394,6 +416,7 @@ mod tests {
             hidden: vec![16],
             outputs: 7,
             added: 0,
+            fleet_size: false,
         };
         let shape = shape(4, 3);
         let row = observation(&shape, &mut crate::random::stream(9, 1));
@@ -439,6 +462,7 @@ mod tests {
             hidden: vec![16, 8],
             outputs: 7,
             added: 0,
+            fleet_size: false,
         };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);

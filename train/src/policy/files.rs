@@ -143,7 +143,18 @@ fn note(card: &Card) -> String {
     let visibility = visibility(card.config.target_visibility);
     let pilot = card.constant_pilot_density;
     let pilot = pilot.map_or(String::new(), |density| format!(" pilot_density={density}"));
-    format!("mode={mode} target_visibility={visibility}{pilot}")
+    let read = read_besides(&card.architecture);
+    format!("mode={mode} target_visibility={visibility}{pilot}{read}")
+}
+
+/// What a network reads that no observation shows, as a part of the note.
+pub(super) fn read_besides(architecture: &Architecture) -> &'static str {
+    match architecture {
+        Architecture::SetActor {
+            fleet_size: true, ..
+        } => " fleet_size=read",
+        _ => "",
+    }
 }
 
 /// A card with the constructor arguments that its reader does not choose.

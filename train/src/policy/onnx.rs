@@ -47,8 +47,10 @@ pub fn encode(actor: &Actor, shape: &Shape) -> Vec<u8> {
         })
         .collect();
     let outputs = match &actor.network.architecture {
-        Architecture::Mlp { .. } => mlp(&mut graph, &weights, hidden),
-        _ => set::actor(&mut graph, &weights, hidden, shape),
+        Architecture::SetActor { fleet_size, .. } => {
+            set::actor(&mut graph, &weights, hidden, *fleet_size, shape)
+        }
+        _ => mlp(&mut graph, &weights, hidden),
     };
     let actions = actions(&mut graph, actor, &outputs);
     graph.output(&outputs, OUTPUTS, actor.head.output_len());

@@ -4,14 +4,14 @@
 //! tensor operations, distances and counts took many small passes over memory.
 
 use super::{
-    COMMON, CROWD, Critic, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN, OWN_FIRST, SLOT_FIELDS,
-    UAV_FIELDS, added,
+    Actor, COMMON, CROWD, Critic, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS,
+    UAV_FIELDS,
 };
 use crate::environment::Shape;
 
 /// Inputs of the actor's products.
 pub(super) struct Observed {
-    /// The UAV itself, rows × ([`OWN`] + [`added`]).
+    /// The UAV itself, rows × [`Actor::own`].
     pub own: Vec<f32>,
     /// Neighbour slots and whether they are taken, rows × slots × ([`SLOT_FIELDS`] + 1).
     pub slots: Vec<f32>,
@@ -42,13 +42,13 @@ fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
 }
 
 /// Reads observations (rows × 11 + 4n + 3k + added).
-pub(super) fn observed(rows: &[f32], shape: &Shape) -> Observed {
+pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
     let (n, k) = (shape.hotspots, shape.neighbour_slots);
     let length = shape.observation_len;
     let count = rows.len() / length;
     let cells = shape.position_cells();
     let mut out = Observed {
-        own: Vec::with_capacity(count * (OWN + added(shape))),
+        own: Vec::with_capacity(count * actor.own()),
         slots: Vec::with_capacity(count * k * (SLOT_FIELDS + 1)),
         empty: Vec::with_capacity(count),
         hotspots: Vec::with_capacity(count * n * HOTSPOT_FEATURES),
@@ -59,6 +59,9 @@ pub(super) fn observed(rows: &[f32], shape: &Shape) -> Observed {
         let (slots, tail) = rest.split_at(SLOT_FIELDS * k);
         out.own.extend_from_slice(head);
         out.own.extend_from_slice(tail);
+        if actor.fleet_size {
+            out.own.push(shape.agents as f32 / CROWD);
+        }
         let mut taken = 0.0;
         for slot in slots.chunks_exact(SLOT_FIELDS) {
             let present = slot[0];

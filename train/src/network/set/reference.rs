@@ -2,7 +2,7 @@
 
 use super::{COMMON, CROWD, HEADS, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS, UAV_WIDTH};
 use crate::environment::Shape;
-use crate::network::{Block, Network};
+use crate::network::{Architecture, Block, Network};
 
 /// Blocks of a network in their order.
 struct Blocks<'a> {
@@ -77,7 +77,13 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
     let mut blocks = Blocks::of(network, parameters);
     let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
     let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
-    let own = [&row[..OWN_FIRST], &row[tail_first..]].concat();
+    let mut own = [&row[..OWN_FIRST], &row[tail_first..]].concat();
+    if let Architecture::SetActor {
+        fleet_size: true, ..
+    } = network.architecture
+    {
+        own.push(shape.agents as f32 / CROWD);
+    }
     let hotspots = || row[OWN_FIRST..slots_first].chunks_exact(HOTSPOT_FIELDS);
     let present = || {
         let slots = row[slots_first..tail_first].chunks_exact(SLOT_FIELDS);

@@ -72,7 +72,13 @@ impl Builder<'_> {
     }
 }
 
-pub(super) fn actor(graph: &mut Graph, weights: &[Value], input: Value, shape: &Shape) -> Value {
+pub(super) fn actor(
+    graph: &mut Graph,
+    weights: &[Value],
+    input: Value,
+    fleet_size: bool,
+    shape: &Shape,
+) -> Value {
     let mut b = Builder {
         graph,
         weights: weights.iter(),
@@ -83,7 +89,15 @@ pub(super) fn actor(graph: &mut Graph, weights: &[Value], input: Value, shape: &
     let tail_first = slots_first + SLOT_FIELDS * k;
     let head = b.graph.columns(&input, 0, OWN_FIRST);
     let tail = b.graph.columns(&input, tail_first, shape.observation_len);
-    let own = b.graph.concat(&[&head, &tail], 1);
+    let own = if fleet_size {
+        let first = b.graph.columns(&input, 0, 1);
+        let zero = b.scaled(&first, 0.0);
+        let size = b.graph.constant(&[1, 1], &[shape.agents as f32 / CROWD]);
+        let size = b.graph.binary("Add", &zero, &size);
+        b.graph.concat(&[&head, &tail, &size], 1)
+    } else {
+        b.graph.concat(&[&head, &tail], 1)
+    };
 
     let (hotspot_x, hotspot_y) = (b.field(&hotspots, 0), b.field(&hotspots, 1));
     let distance = b.distance(&hotspot_x, &hotspot_y, shape);
