@@ -10,7 +10,8 @@
  *
  * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative JCAS_ERROR_...
  *   After an error every output, buffer and handle is as it was, but for the length of a text that did not
- *   fit. `Statuses:` at a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be.
+ *   fit, and for the actions of jcas_policy_act_batch where a network gives no finite number. `Statuses:` at
+ *   a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be.
  * Memory. ..._new takes memory from the system; ..._init builds in memory of the caller, sized by
  *   ..._layout. Both end with ..._free; every other object before its model. Pointers that are passed in
  *   are not kept, but for the memory of ..._init, the model of an object, and what a jcas_recorder points
