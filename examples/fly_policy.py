@@ -2,10 +2,13 @@
 
 pip install "./python[policy,onnx,render]"
 python examples/fly_policy.py policies/fleet --uavs 15 --hotspots 7 --picture policy.png
+python examples/fly_policy.py policies/search --uavs 20
 """
 
 import argparse
 from pathlib import Path
+
+import numpy as np
 
 import jcas
 from jcas.evaluation import evaluate
@@ -25,7 +28,12 @@ def main() -> None:
     config = jcas.Config(policy.config, **{name: value for name, value in fields.items() if value is not None})
     model = jcas.Model(config)
     policy = policy.for_model(model)
-    print(evaluate(policy.act, model, episodes=options.episodes, policy=options.policy.stem))
+    rng = np.random.default_rng(1)
+
+    def act(observations: np.ndarray) -> np.ndarray:
+        return policy.act(observations, deterministic=policy.mode == "deterministic", rng=rng)
+
+    print(evaluate(act, model, episodes=options.episodes, policy=options.policy.stem))
 
     if options.picture:
         from PIL import Image
@@ -34,7 +42,7 @@ def main() -> None:
         observation, _ = env.reset(seed=1)
         over = False
         while not over:
-            observation, _, terminated, truncated, _ = env.step(policy.act(observation))
+            observation, _, terminated, truncated, _ = env.step(act(observation))
             over = terminated or truncated
         Image.fromarray(env.render()).save(options.picture)
 

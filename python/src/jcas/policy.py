@@ -53,6 +53,7 @@ class MlpPolicy:
         inputs: mean and scale by which observations are normalised first.
         constant_pilot: a pilot command that is held whatever the outputs say.
         config: the configuration that the policy was trained on.
+        mode: how it is meant to be flown, `deterministic` or `sampled`; :meth:`act` does as it is told.
 
     """
 
@@ -64,6 +65,7 @@ class MlpPolicy:
         inputs: tuple[Array, Array] | None = None,
         constant_pilot: float | None = None,
         config: Config | None = None,
+        mode: str = "deterministic",
     ) -> None:
         if head not in HEAD_OUTPUTS:
             raise PolicyError(f"head = {head!r}: must be one of {', '.join(HEAD_OUTPUTS)}")
@@ -78,6 +80,7 @@ class MlpPolicy:
         self.inputs = inputs
         self.constant_pilot = constant_pilot
         self.config = config
+        self.mode = mode
 
     @property
     def observation_len(self) -> int:
@@ -188,6 +191,7 @@ class OnnxPolicy:
             raise PolicyError(f"{path}: not read by ONNX Runtime: {error}") from error
         self.head = head
         self.config = config
+        self.mode = "deterministic"
         self.observation_len = int(self._session.get_inputs()[0].shape[1])
 
     def for_model(self, model: Model) -> OnnxPolicy:
@@ -232,15 +236,17 @@ def load_policy(path: str | os.PathLike[str]) -> Policy:
     except KeyError as error:
         raise PolicyError(f"{card_path}: there is no {error}") from error
     arrays, pilot = _load_arrays(given / WEIGHTS), _pilot_command(card, config)
+    mode = card.get("mode", "deterministic")
     try:
         if kind == "set_actor":
-            return SetPolicy(arrays, head, config, pilot)
+            size = bool(architecture.get("fleet_size", False))
+            return SetPolicy(arrays, head, config, pilot, mode=mode, fleet_size=size)
         if kind != "mlp":
             raise PolicyError(f"architecture = {kind}: must be mlp or set_actor")
         depth = len(architecture["sizes"]) - 1
         layers = [Layer(arrays[f"{index}.weight"], arrays[f"{index}.bias"].reshape(-1)) for index in range(depth)]
         inputs = (arrays["inputs.offset"], arrays["inputs.scale"]) if normalised else None
-        return MlpPolicy(layers, head, inputs=inputs, constant_pilot=pilot, config=config)
+        return MlpPolicy(layers, head, inputs=inputs, constant_pilot=pilot, config=config, mode=mode)
     except KeyError as error:
         raise PolicyError(f"{given / WEIGHTS}: there is no array {error}") from error
     except PolicyError as error:

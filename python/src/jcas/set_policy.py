@@ -28,46 +28,71 @@ CROWD = 8.0
 
 @dataclass(frozen=True)
 class Sizes:
-    """What an observation's length does not tell: how many hotspots and neighbour slots, on which grid."""
+    """What an observation's length does not tell: how many UAVs, hotspots and neighbour slots, on which grid."""
 
+    uavs: int
     hotspots: int
     slots: int
     cells: tuple[float, float]
+    added: int
+    """Fields of search map, directions and tag, which the configuration adds."""
+    tagged: bool
 
     @classmethod
     def of(cls, model: Model) -> Sizes:
         """Read the sizes of a model."""
         config = model.config
         cells = float(config["grid_width"] - 1), float(config["grid_height"] - 1)
-        return cls(model.hotspot_count, model.neighbour_slots, cells)
+        always = OWN + HOTSPOT_FIELDS * model.hotspot_count + SLOT_FIELDS * model.neighbour_slots
+        return cls(
+            model.uav_count,
+            model.hotspot_count,
+            model.neighbour_slots,
+            cells,
+            added=model.observation_len - always,
+            tagged=config["uav_tag"] != "off",
+        )
 
     @property
     def observation_len(self) -> int:
         """Length of an observation."""
-        return OWN + HOTSPOT_FIELDS * self.hotspots + SLOT_FIELDS * self.slots
+        return OWN + HOTSPOT_FIELDS * self.hotspots + SLOT_FIELDS * self.slots + self.added
 
 
 class SetPolicy:
     """An actor over sets, bound to the sizes of one model; :meth:`for_model` binds it to those of another.
+
+    One that reads tags numbers the UAVs itself where a mission shows none: rows are then those of whole fleets.
 
     Args:
         arrays: weights and biases by name, as `policy.safetensors` holds them.
         head: `gaussian` or `hybrid`, see :class:`~jcas.MlpPolicy`.
         config: the configuration that the policy was trained on.
         constant_pilot: a pilot command that is held whatever the outputs say.
+        mode: how it is meant to be flown, `deterministic` or `sampled`; :meth:`act` does as it is told.
+        fleet_size: the network's last own field is the number of UAVs, which no observation shows.
 
     """
 
     def __init__(
-        self, arrays: Mapping[str, Floats], head: Head, config: Config, constant_pilot: float | None = None
+        self,
+        arrays: Mapping[str, Floats],
+        head: Head,
+        config: Config,
+        constant_pilot: float | None = None,
+        *,
+        mode: str = "deterministic",
+        fleet_size: bool = False,
     ) -> None:
         self.head = head
         self.config = config
         self.constant_pilot = constant_pilot
+        self.mode = mode
         self._arrays = {name: np.asarray(array, np.float32) for name, array in arrays.items()}
         self._depth = sum(name.startswith("trunk.") and name.endswith(".weight") for name in arrays)
         self.sizes = Sizes.of(Model(config))
-        self._check_arrays()
+        self._fleet_size = fleet_size
+        self._added = self._check_arrays()
 
     @property
     def observation_len(self) -> int:
@@ -78,12 +103,16 @@ class SetPolicy:
         """Return the policy that flies a model of any size; one whose observations are made otherwise is refused."""
         bound = copy.copy(self)
         bound.sizes = Sizes.of(model)
-        if bound.sizes.observation_len != model.observation_len:
+        if bound.sizes.added != self._added and not bound._numbers:
             raise PolicyError(
-                f"the policy reads {bound.sizes.observation_len} fields of {model.hotspot_count} hotspots and "
-                f"{model.neighbour_slots} neighbours, observations of this configuration have {model.observation_len}"
+                f"the policy reads {self._added} fields of search map, directions and tag, observations of this "
+                f"configuration have {bound.sizes.added} (map_window_radius, map_directions, uav_tag)"
             )
         return bound
+
+    @property
+    def _numbers(self) -> bool:
+        return not self.sizes.tagged and self.sizes.added + 1 == self._added
 
     def act(
         self, observations: Floats, *, deterministic: bool = True, rng: np.random.Generator | None = None
@@ -103,7 +132,7 @@ class SetPolicy:
         n, k = self.sizes.hotspots, self.sizes.slots
         hotspots_end = OWN_FIRST + HOTSPOT_FIELDS * n
         slots_end = hotspots_end + SLOT_FIELDS * k
-        own = np.concatenate([rows[:, :OWN_FIRST], rows[:, slots_end:]], axis=1)
+        own = np.concatenate([rows[:, :OWN_FIRST], rows[:, slots_end:], self._unseen(len(rows))], axis=1)
         hotspots = rows[:, OWN_FIRST:hotspots_end].reshape(-1, n, HOTSPOT_FIELDS)
         slots = rows[:, hotspots_end:slots_end].reshape(-1, k, SLOT_FIELDS)
 
@@ -123,6 +152,17 @@ class SetPolicy:
             hidden = _relu(self._linear(f"trunk.{layer}", hidden))
         outputs = self._linear(f"trunk.{self._depth - 1}", hidden)
         return np.asarray(outputs.reshape(*given.shape[:-1], -1), np.float32)
+
+    def _unseen(self, rows: int) -> Floats:
+        """What no observation shows: each UAV's tag where missions have none, and how many UAVs there are."""
+        uavs, columns = self.sizes.uavs, []
+        if self._numbers:
+            if rows % uavs:
+                raise PolicyError(f"{rows} observations: must be those of whole fleets of {uavs} UAVs, in their order")
+            columns.append(np.tile(np.arange(uavs) * (1 / max(uavs - 1, 1)), rows // uavs))
+        if self._fleet_size:
+            columns.append(np.full(rows, uavs / CROWD))
+        return np.array(columns, np.float32).reshape(len(columns), rows).T
 
     def _neighbours(self, slots: Floats) -> Floats:
         present = slots[..., :1]
@@ -150,21 +190,27 @@ class SetPolicy:
     def _linear(self, name: str, inputs: Floats) -> Floats:
         return np.asarray(inputs @ self._arrays[f"{name}.weight"] + self._arrays[f"{name}.bias"], np.float32)
 
-    def _check_arrays(self) -> None:
+    def _check_arrays(self) -> int:
+        """Refuse arrays that are no such network; else say how many fields the configuration has to add."""
         widths = {"neighbour.0.weight": SLOT_FIELDS, "hotspot.0.weight": HOTSPOT_FIELDS + 5}
         try:
             for name, width in widths.items():
                 if self._arrays[name].shape[0] != width:
                     raise PolicyError(f"{name} has shape {self._arrays[name].shape}: must have {width} rows")
             hotspot, uav = self._arrays["hotspot.1.weight"].shape[1], self._arrays["neighbour.1.weight"].shape[1]
+            own = self._arrays["hotspot.own"].shape[0] - uav
             first, last = self._arrays["trunk.0.weight"], self._arrays[f"trunk.{self._depth - 1}.weight"]
         except KeyError as error:
             raise PolicyError(f"there is no array {error}") from error
-        if first.shape[0] != HEADS * hotspot + uav + OWN or last.shape[1] != HEAD_OUTPUTS[self.head]:
+        added = own - OWN - self._fleet_size
+        if added < 0:
+            raise PolicyError(f"hotspot.own has {own + uav} rows: must have {OWN + self._fleet_size + uav} or more")
+        if first.shape[0] != HEADS * hotspot + uav + own or last.shape[1] != HEAD_OUTPUTS[self.head]:
             raise PolicyError(
                 f"trunk of {first.shape[0]} inputs and {last.shape[1]} outputs: must have "
-                f"{HEADS * hotspot + uav + OWN} and, for a {self.head} head, {HEAD_OUTPUTS[self.head]}"
+                f"{HEADS * hotspot + uav + own} and, for a {self.head} head, {HEAD_OUTPUTS[self.head]}"
             )
+        return added
 
 
 def _relu(values: Floats) -> Floats:
