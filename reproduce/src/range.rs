@@ -283,7 +283,7 @@ impl Study {
         let mut text = format!(
             "The paper gives two success rates, {} at N = {} and {} at N = {}, each an average of {} missions, but \
              not the threshold of its radar, which it calls derived. We take the threshold to be the sensing SNR at a \
-             *sensing range*, fly each policy at ranges from {} to {} cells with everything else as the paper has it ({} \
+             **sensing range**, fly each policy at ranges from {} to {} cells with everything else as the paper has it ({} \
              missions for each N, n and range, mean over n), and ask which one range makes both rates the most likely \
              (binomial likelihood, straight lines between the logits of neighbouring ranges, likelihood-ratio interval). \
              The deviance, on one degree of freedom, says what one range leaves unexplained.\n",

@@ -4,6 +4,8 @@ use std::sync::OnceLock;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
 
+use super::canvas::Type;
+
 /// The name that plotters writes into SVG; [`super::output`] replaces it by [`FAMILIES`].
 pub(super) const REGISTERED: &str = "jcas-figure-font";
 
@@ -41,11 +43,11 @@ pub(super) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
 }
 
 /// Breaks a text at spaces so that no line is wider than the limit, except for single words.
-pub(super) fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
+pub(super) fn wrap(text: &str, kind: Type, limit: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {
-            Some(line) if text_width(&format!("{line} {word}"), size, false) <= limit => {
+            Some(line) if text_width(&format!("{line} {word}"), kind.size, kind.bold) <= limit => {
                 line.push(' ');
                 line.push_str(word);
             }
@@ -57,6 +59,7 @@ pub(super) fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::style::NOTE;
     use super::*;
 
     #[test]
@@ -69,12 +72,12 @@ mod tests {
 
     #[test]
     fn long_names_are_broken_at_spaces() {
-        let lines = wrap("pilot density held at its largest value", 12.0, 100.0);
+        let lines = wrap("pilot density held at its largest value", NOTE, 120.0);
         assert!(lines.len() > 1);
         assert!(
             lines
                 .iter()
-                .all(|line| text_width(line, 12.0, false) <= 100.0)
+                .all(|line| text_width(line, NOTE.size, NOTE.bold) <= 120.0)
         );
         assert_eq!(lines.join(" "), "pilot density held at its largest value");
     }

@@ -27,7 +27,7 @@ pub(super) fn width(series: &[Series]) -> f64 {
     }
     let lines = series
         .iter()
-        .flat_map(|series| wrap(&series.name, LABEL.size, WIDEST_NAME));
+        .flat_map(|series| wrap(&series.name, LABEL, WIDEST_NAME));
     let widest = lines
         .map(|line| text_width(&line, LABEL.size, false))
         .fold(0.0, f64::max);
@@ -64,7 +64,7 @@ pub(super) fn draw(canvas: &mut Canvas, figure: &Figure, looks: &[usize], plot: 
             Entry {
                 index: *look,
                 mark: series.style.mark,
-                lines: wrap(&series.name, LABEL.size, WIDEST_NAME),
+                lines: wrap(&series.name, LABEL, WIDEST_NAME),
                 end,
                 y: end.unwrap_or(plot.frame.top),
             }

@@ -79,7 +79,7 @@ impl Report {
     /// Starts a section, which the table of contents will list.
     pub fn section(&mut self, heading: &str) -> &mut Self {
         let anchor = format!("section-{}", self.contents.len() + 1);
-        self.push(&format!("<h2 id=\"{anchor}\">{}</h2>", escape(heading)));
+        self.push(&format!("<h2 id=\"{anchor}\">{}</h2>", inline(heading)));
         self.contents.push((anchor, heading.to_owned()));
         self
     }
@@ -129,7 +129,7 @@ impl Report {
         let numeric: Vec<bool> = (0..table.head.len())
             .map(|column| {
                 let mut cells = table.rows.iter().filter_map(|row| row.get(column));
-                cells.all(|cell| is_number(&cell.text))
+                cells.all(|cell| cell.text.is_empty() || is_number(&cell.text))
             })
             .collect();
         let head = |(column, name): (usize, &String)| {
@@ -138,7 +138,7 @@ impl Report {
             } else {
                 ""
             };
-            format!("<th scope=\"col\"{class}>{}</th>", escape(name))
+            format!("<th scope=\"col\"{class}>{}</th>", inline(name))
         };
         let head: String = table.head.iter().enumerate().map(head).collect();
         let rows: String = table
@@ -160,7 +160,7 @@ impl Report {
             .contents
             .iter()
             .map(|(anchor, heading)| {
-                format!("<li><a href=\"#{anchor}\">{}</a></li>\n", escape(heading))
+                format!("<li><a href=\"#{anchor}\">{}</a></li>\n", inline(heading))
             })
             .collect();
         let contents = if self.contents.len() < 2 {
@@ -272,10 +272,13 @@ mod tests {
             .section("Success")
             .figure(&figure, "It rises.")
             .unwrap();
-        report.section("Table").table(&Table {
+        report.section("Table of `N`").table(&Table {
             caption: "Numbers".into(),
-            head: vec!["N".into(), "claim".into()],
-            rows: vec![vec!["5".into(), Cell::from("holds").tone(Tone::Good)]],
+            head: vec!["N".into(), "`claim`".into()],
+            rows: vec![
+                vec!["5".into(), Cell::from("holds").tone(Tone::Good)],
+                vec!["".into(), "open".into()],
+            ],
         });
         report
     }
@@ -302,6 +305,9 @@ mod tests {
         let html = report().html();
         assert!(html.contains("<h1>Fleet &lt;size&gt;</h1>"));
         assert!(html.contains("<p>One <strong>bold</strong> word &amp; <code>a &lt; b</code>.</p>\n<p>Second paragraph.</p>"));
+        assert!(html.contains(">Table of <code>N</code></h2>"));
+        assert!(html.contains(">Table of <code>N</code></a>"));
+        assert!(html.contains("<th scope=\"col\"><code>claim</code></th>"));
         assert_eq!(inline("a * b ** c"), "a * b ** c");
     }
 

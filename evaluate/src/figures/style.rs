@@ -30,11 +30,24 @@ pub(super) const MARGIN: f64 = 22.0;
 
 /// Title and note; gives the height at which they end.
 pub(super) fn header(canvas: &mut Canvas, title: &str, note: &str, width: f64) -> f64 {
-    canvas.text((MARGIN, 28.0), title, TITLE, Align::Left);
-    let mut y = 50.0;
-    for line in wrap(note, NOTE.size, width - 2.0 * MARGIN) {
-        canvas.text((MARGIN, y), line, NOTE, Align::Left);
-        y += 18.0;
+    let mut y = 28.0;
+    for (text, kind, height) in [(title, TITLE, 22.0), (note, NOTE, 18.0)] {
+        for line in wrap(text, kind, width - 2.0 * MARGIN) {
+            canvas.text((MARGIN, y), line, kind, Align::Left);
+            y += height;
+        }
     }
     y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_title_that_is_too_long_goes_on_below() {
+        let end = |title: &str| header(&mut Canvas::default(), title, "a note", 400.0);
+        assert_eq!(end("Success"), 68.0);
+        assert_eq!(end("Success over the sensing range, and the numbers"), 90.0);
+    }
 }
