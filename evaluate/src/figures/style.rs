@@ -28,11 +28,14 @@ pub(super) const LABEL: Type = Type {
 /// Between the edge of the figure and what is in it.
 pub(super) const MARGIN: f64 = 22.0;
 
+/// How much of the width a title or note may take: an SVG's viewer that lacks the font takes a wider one.
+const SPARE: f64 = 0.86;
+
 /// Title and note; gives the height at which they end.
 pub(super) fn header(canvas: &mut Canvas, title: &str, note: &str, width: f64) -> f64 {
     let mut y = 28.0;
     for (text, kind, height) in [(title, TITLE, 22.0), (note, NOTE, 18.0)] {
-        for line in wrap(text, kind, width - 2.0 * MARGIN) {
+        for line in wrap(text, kind, SPARE * (width - 2.0 * MARGIN)) {
             canvas.text((MARGIN, y), line, kind, Align::Left);
             y += height;
         }
