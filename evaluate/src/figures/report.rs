@@ -107,7 +107,7 @@ impl Report {
         self
     }
 
-    /// Adds a figure with what it tells.
+    /// Adds a figure with what it tells, if anything besides what is drawn.
     ///
     /// # Errors
     /// When the figure cannot be drawn.
@@ -117,10 +117,12 @@ impl Report {
         caption: &str,
     ) -> Result<&mut Self, FigureError> {
         let svg = figure.svg()?;
-        self.push(&format!(
-            "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>",
-            inline(caption)
-        ));
+        let caption = if caption.is_empty() {
+            String::new()
+        } else {
+            format!("<figcaption>{}</figcaption>\n", inline(caption))
+        };
+        self.push(&format!("<figure>\n{svg}{caption}</figure>"));
         Ok(self)
     }
 
