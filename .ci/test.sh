@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every Rust test but training's, in a debug build: overflow checks and debug assertions on.
+# Every Rust test in a debug build: overflow checks and debug assertions on. No root, nothing to install.
 set -euo pipefail
 
-cargo test --locked --workspace --exclude jcas-train --exclude jcas-reproduce
+cargo test --locked --workspace

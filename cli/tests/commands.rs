@@ -324,10 +324,10 @@ fn an_interrupted_sweep_keeps_its_finished_cells() {
     while !table.exists() && started.elapsed() < Duration::from_secs(120) {
         std::thread::sleep(Duration::from_millis(20));
     }
-    let pid = sweep.id().to_string();
+    let pid = sweep.id();
     assert!(
-        Command::new("kill")
-            .args(["-INT", &pid])
+        Command::new("sh")
+            .args(["-c", &format!("kill -INT {pid}")])
             .status()
             .unwrap()
             .success()

@@ -1,31 +1,39 @@
 //! Writes include/jcas.h from the sources of this crate, and include/jcas_dl.h from that:
-//! `cargo run -p jcas-ffi --example generate_header`. With `--check` it only says whether both are fresh.
+//! `cargo run -p jcas-ffi --example generate_header`. Its test says whether both are fresh.
 
 use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
 
-fn main() -> ExitCode {
+fn main() {
+    for (path, text) in headers() {
+        let new = path.with_extension("h.new");
+        fs::write(&new, text).expect("include/ can be written");
+        fs::rename(&new, &path).expect("include/ can be written");
+    }
+}
+
+#[test]
+fn headers_are_what_the_sources_generate() {
+    for (path, text) in headers() {
+        let fresh = fs::read_to_string(&path).is_ok_and(|kept| kept == text);
+        assert!(
+            fresh,
+            "{} is stale: cargo run -p jcas-ffi --example generate_header",
+            path.display()
+        );
+    }
+}
+
+/// Where each header lies, and what it has to say.
+fn headers() -> [(PathBuf, String); 2] {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = generate(root);
     let types = function_types(&header);
-    let check = std::env::args().any(|argument| argument == "--check");
-    let mut fresh = true;
-    for (name, generated) in [("jcas.h", header), ("jcas_dl.h", types)] {
-        let path = root.join("../include").join(name);
-        if check {
-            fresh &= fs::read_to_string(&path).is_ok_and(|kept| kept == generated);
-        } else {
-            let new = path.with_extension("h.new");
-            fs::write(&new, generated).expect("include/ can be written");
-            fs::rename(&new, &path).expect("include/ can be written");
-        }
-    }
-    if fresh {
-        return ExitCode::SUCCESS;
-    }
-    eprintln!("include/ is stale: cargo run -p jcas-ffi --example generate_header");
-    ExitCode::FAILURE
+    let include = root.join("../include");
+    [
+        (include.join("jcas.h"), header),
+        (include.join("jcas_dl.h"), types),
+    ]
 }
 
 /// A type for each function of the header, for programs that load the library when they run.

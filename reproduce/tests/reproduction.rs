@@ -70,6 +70,7 @@ fn scale() -> Scale {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     let out = std::env::temp_dir().join(format!("jcas-reproduce-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&out);

@@ -42,7 +42,7 @@ cmake)
     ctest --test-dir build --output-on-failure
     ;;
 subdirectory)
-    cmake -B build -DJCAS_SOURCE="$root" >/dev/null
+    cmake -B build -DJCAS_SOURCE="$root" ${CARGO_TARGET_DIR:+"-DJCAS_CARGO_TARGET_DIR=$CARGO_TARGET_DIR"} >/dev/null
     cmake --build build >/dev/null
     ctest --test-dir build --output-on-failure
     ;;

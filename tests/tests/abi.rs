@@ -9,10 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use abi_support::{compile, compilers, golden_traces, root, run};
-
-const C: &[&str] = &["gcc", "clang"];
-const CPP: &[&str] = &["g++", "clang++"];
+use abi_support::{c_compilers, compile, cpp_compilers, golden_traces, root, run};
 
 fn c_tests(names: &[&str]) -> Vec<PathBuf> {
     names
@@ -24,7 +21,7 @@ fn c_tests(names: &[&str]) -> Vec<PathBuf> {
 #[test]
 fn golden_traces_have_the_same_hashes_through_the_abi() {
     let traces = golden_traces();
-    for compiler in compilers(C) {
+    for compiler in c_compilers() {
         let replay = compile(compiler, "c11", "replay", &c_tests(&["replay.c"]));
         let output = run(Command::new(&replay).args(&traces)).stdout;
         let lines = String::from_utf8(output).expect("text").lines().count();
@@ -41,7 +38,7 @@ fn a_changed_trace_is_noticed() {
     let changed = format!("{}{digit}{}", &text[..at], &text[at + 1..]);
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("changed.jsonl");
     fs::write(&path, changed).expect("the target folder can be written");
-    let compiler = compilers(C)[0];
+    let compiler = c_compilers()[0];
     let replay = compile(compiler, "c11", "replay-changed", &c_tests(&["replay.c"]));
     let output = Command::new(replay).arg(path).output().expect("it runs");
     assert!(!output.status.success());
@@ -57,7 +54,7 @@ fn every_wrong_call_is_refused() {
         "abuse_read.c",
         "abuse_batch.c",
     ]);
-    for compiler in compilers(C) {
+    for compiler in c_compilers() {
         run(&mut Command::new(compile(
             compiler, "c11", "abuse", &sources,
         )));
@@ -66,7 +63,7 @@ fn every_wrong_call_is_refused() {
 
 #[test]
 fn threads_compute_what_one_computes() {
-    let compiler = compilers(C)[0];
+    let compiler = c_compilers()[0];
     run(&mut Command::new(compile(
         compiler,
         "c11",
@@ -77,7 +74,7 @@ fn threads_compute_what_one_computes() {
 
 #[test]
 fn the_end_of_memory_is_a_status() {
-    let compiler = compilers(C)[0];
+    let compiler = c_compilers()[0];
     let program = compile(compiler, "gnu11", "scarce", &c_tests(&["scarce.c"]));
     let policy = root().join("policies/fleet/policy.safetensors");
     run(Command::new(program).arg(policy));
@@ -85,7 +82,7 @@ fn the_end_of_memory_is_a_status() {
 
 #[test]
 fn tasks_snapshots_and_forks_of_batches() {
-    for compiler in compilers(C) {
+    for compiler in c_compilers() {
         let source = c_tests(&["tasks.c"]);
         run(&mut Command::new(compile(
             compiler, "c11", "tasks", &source,
@@ -95,7 +92,7 @@ fn tasks_snapshots_and_forks_of_batches() {
 
 #[test]
 fn nothing_is_allocated_in_the_callers_memory() {
-    for compiler in compilers(C) {
+    for compiler in c_compilers() {
         let source = c_tests(&["no_allocation.c"]);
         run(&mut Command::new(compile(
             compiler,
@@ -109,7 +106,7 @@ fn nothing_is_allocated_in_the_callers_memory() {
 #[test]
 fn owners_own_with_and_without_exceptions() {
     let source = c_tests(&["owners.cpp"]);
-    for compiler in compilers(CPP) {
+    for compiler in cpp_compilers() {
         run(&mut Command::new(compile(
             compiler, "c++17", "owners", &source,
         )));
@@ -152,7 +149,7 @@ fn abuse_leaves_no_function_out() {
 
 #[test]
 fn examples_compile_and_fly() {
-    for compiler in compilers(C) {
+    for compiler in c_compilers() {
         for (name, says) in [
             ("minimal", "5 of 5 hotspots confirmed"),
             ("batch", "313 episodes ended"),
@@ -164,7 +161,7 @@ fn examples_compile_and_fly() {
             assert!(output.contains(says), "{name}: {output}");
         }
     }
-    for compiler in compilers(CPP) {
+    for compiler in cpp_compilers() {
         let source = root().join("examples/cpp/fleet.cpp");
         let program = compile(compiler, "c++17", "fleet", &[source]);
         let output = String::from_utf8(run(&mut Command::new(program)).stdout).expect("text");

@@ -7,7 +7,7 @@ mod abi_support;
 
 use std::process::Command;
 
-use abi_support::{compile, compilers, root, run};
+use abi_support::{c_compilers, compile, root, run};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
 use jcas_evaluate::mission::fly_episode;
@@ -83,7 +83,7 @@ fn policies_in_c_fly_what_they_fly_in_rust() {
         .iter()
         .map(|hash| format!("0x{hash:016x}"))
         .collect();
-    for compiler in compilers(&["gcc", "clang"]) {
+    for compiler in c_compilers() {
         let source = root().join("tests/c/policies.c");
         let program = compile(compiler, "c11", "policies", &[source]);
         let output = run(Command::new(program).arg(policy_file())).stdout;
@@ -95,7 +95,7 @@ fn policies_in_c_fly_what_they_fly_in_rust() {
 #[test]
 fn the_example_flies_the_shipped_policy() {
     let hash = fly_network(&model(15, 7), derive_seed(1, 0), Mode::Deterministic);
-    for compiler in compilers(&["gcc", "clang"]) {
+    for compiler in c_compilers() {
         let source = root().join("examples/c/fly_policy.c");
         let program = compile(compiler, "c11", "fly_policy", &[source]);
         let fly = |what: &std::ffi::OsStr| {

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use abi_support::{compile, compilers, golden_traces, root, run};
+use abi_support::{c_compilers, compile, golden_traces, root, run};
 use jcas_core::config::Depots;
 use jcas_core::{Cell, Config, Model};
 use jcas_evaluate::policy::{BaselineKind, PilotMode};
@@ -36,7 +36,7 @@ fn recorded_here() -> Vec<u8> {
 
 #[test]
 fn the_example_records_what_its_host_owns() {
-    for compiler in compilers(&["gcc", "clang"]) {
+    for compiler in c_compilers() {
         let source = root().join("examples/c/external_mobility.c");
         let program = compile(compiler, "c11", "recording", &[source]);
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("flight-{compiler}.jsonl"));
@@ -51,7 +51,7 @@ fn the_example_records_what_its_host_owns() {
 
 #[test]
 fn c_records_what_the_command_records_and_what_a_host_supplied() {
-    for compiler in compilers(&["gcc", "clang"]) {
+    for compiler in c_compilers() {
         let source = root().join("tests/c/traces.c");
         let program = compile(compiler, "c11", "traces", &[source]);
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("recorded-{compiler}"));

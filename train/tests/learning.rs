@@ -65,6 +65,7 @@ fn the_gaussian_head_learns() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn each_head_learns_from_the_uavs_own_rewards() {
     for head in [Head::Hybrid, Head::Gaussian] {
         for critic_input in [CriticInput::State, CriticInput::StateAndUav] {
@@ -80,6 +81,7 @@ fn each_head_learns_from_the_uavs_own_rewards() {
 /// Eight UAVs: the team's reward is seven parts about the others, so after as many steps the fleet whose
 /// UAVs are paid each its own earns clearly more.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn credit_for_each_uav_learns_faster_than_the_team_s() {
     let earned = |credit: Credit| {
         let settings = Settings {
@@ -100,8 +102,8 @@ fn credit_for_each_uav_learns_faster_than_the_team_s() {
 /// Missions of the kernel, with the networks that the presets use: from random weights fleets come to succeed
 /// where a random walk mostly fails. One learns from the potential of `tuned`; the other, which has to learn for
 /// each hotspot and neighbour anew what the first learns once, from a reward for each UAV's own progress.
-#[cfg(not(debug_assertions))]
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn fleets_learn_missions_from_nothing() {
     use jcas_core::{Config, Preset as World};
     use jcas_train::policy::files::Precision;

@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -41,16 +42,39 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
-/// The compilers that are here, of those that a caller names; at least one has to be.
-pub fn compilers(names: &[&'static str]) -> Vec<&'static str> {
+/// Compilers of a language: the first of these that is here, or with `JCAS_COMPILERS=all` each of them.
+fn compilers(names: &[&'static str]) -> Vec<&'static str> {
     let here = |name: &&'static str| {
         Command::new(name)
             .arg("--version")
             .output()
             .is_ok_and(|output| output.status.success())
     };
-    let found: Vec<_> = names.iter().copied().filter(here).collect();
-    assert!(!found.is_empty(), "none of {names:?} is installed");
+    if std::env::var("JCAS_COMPILERS").is_ok_and(|which| which == "all") {
+        assert!(names.iter().all(here), "not all of {names:?} are installed");
+        return names.to_vec();
+    }
+    names.iter().copied().find(here).into_iter().collect()
+}
+
+/// Says past the harness, which keeps to itself what a test that passes prints, that a check did not run.
+pub fn skip(why: &str) {
+    let _ = writeln!(std::io::stderr(), "skipped: {why}");
+}
+
+/// C compilers, of which there has to be one.
+pub fn c_compilers() -> Vec<&'static str> {
+    let found = compilers(&["gcc", "clang"]);
+    assert!(!found.is_empty(), "neither gcc nor clang is installed");
+    found
+}
+
+/// C++ compilers. A machine may have none; then what needs one says that it was skipped.
+pub fn cpp_compilers() -> Vec<&'static str> {
+    let found = compilers(&["g++", "clang++"]);
+    if found.is_empty() {
+        skip("neither g++ nor clang++ is installed");
+    }
     found
 }
 
