@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod checkpoint;
+pub mod device;
 pub mod environment;
 pub mod error;
 pub mod head;

@@ -1,5 +1,6 @@
 //! One training run: collect a batch, look back on it, learn from it.
 
+use crate::device;
 use crate::environment::{Episode, Shape, VectorEnvironment};
 use crate::network::{Architecture, Network, set};
 use crate::ppo::gae::{self, Trajectories};
@@ -64,22 +65,6 @@ pub struct Trainer {
     device: Device,
 }
 
-/// The device that a settings name stands for, without gradients.
-pub fn device_named(name: &str) -> Result<Device, String> {
-    match name {
-        "cpu" => Ok(Device::flex()),
-        #[cfg(feature = "cuda")]
-        "cuda" => Ok(Device::cuda(0)),
-        #[cfg(feature = "wgpu")]
-        "wgpu" => Ok(Device::wgpu(burn_tensor::DeviceKind::DefaultDevice)),
-        _ => Err(format!(
-            "device: {name:?} is not built in; allowed here: cpu{}{}",
-            if cfg!(feature = "cuda") { ", cuda" } else { "" },
-            if cfg!(feature = "wgpu") { ", wgpu" } else { "" },
-        )),
-    }
-}
-
 /// Actor and critic networks that the settings ask for. Where fleets are of several sizes, the set network
 /// reads how many UAVs there are.
 fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Network) {
@@ -122,7 +107,7 @@ impl Trainer {
         mut workers: Vec<Box<dyn VectorEnvironment>>,
     ) -> Result<Trainer, String> {
         settings.validate()?;
-        let device = device_named(&settings.device)?;
+        let device = device::named(&settings.device)?;
         let shape = workers
             .first()
             .ok_or("workers: there must be at least one")?
