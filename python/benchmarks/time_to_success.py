@@ -2,123 +2,258 @@
 
     python python/benchmarks/time_to_success.py --command target/release/jcas
 
-Same environment, same networks, same PPO settings (the paper's), one run each after the other on this machine.
-Success is what each trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the
-hundredth on: the first to end are those that went well.
+The paper's preset at N = 10, n = 5 unless told otherwise; three seeds, the trainers in turns. Time is processor time,
+user and system, of a trainer's whole tree of processes (read from /proc, so on Linux), which other programs on the
+machine do not lengthen; each run ends at the last of the shares of success, after the paper's 2.5e5 environment steps,
+or when its processor time is up.
+Success is what a trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the hundredth
+on: the first to end are those that went well.
 
-The mission is one that PPO learns from nothing: a small grid, one detection is enough, a radar that sees a
-hotspot below it in every other step, no reward for throughput. `--set` makes another of it.
+`jcas` is `jcas train` as it comes: the set network of the training `tuned`, a categorical motion and a Beta pilot
+density. The others train an MLP of 512-256-128 with normal actions by PPO with the paper's rate, discount, clip and
+epochs, on batches of 4096 environment steps: `jcas-paper` is `jcas train --training paper`; it and RLlib have one actor
+for all UAVs beside a critic of the global state, while Stable-Baselines3 sees every UAV as a mission of its own, and
+its critic reads one observation.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
-import json
+import os
+import signal
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import jcas
-
-EASY = {"grid_width": 8, "grid_height": 8, "quorum": 1, "detection_threshold_db": 7.0, "reward_throughput": 0.0}
+STEPS = "250000"
+"""Environment steps at most, as in the paper."""
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--command", required=True, help="the jcas binary")
-    parser.add_argument("--uavs", type=int, default=5)
-    parser.add_argument("--hotspots", type=int, default=3)
+    parser.add_argument("--command", help="the jcas binary")
+    parser.add_argument("--preset", default="paper")
+    parser.add_argument("--uavs", type=int, default=10)
+    parser.add_argument("--hotspots", type=int, default=5)
     parser.add_argument("--set", action="append", default=[], metavar="FIELD=NUMBER", help="more of the mission")
-    parser.add_argument("--steps", type=int, default=163_840, help="environment steps at most")
-    parser.add_argument("--success", type=float, default=0.75, help="share of missions to reach")
-    parser.add_argument("--runners", type=int, default=2, help="RLlib's processes")
-    parser.add_argument("--trainers", default="jcas,rllib,sb3")
+    parser.add_argument("--success", default="0.73,0.9", help="shares of missions to reach (%(default)s)")
+    parser.add_argument("--seconds", type=float, default=600, help="of processor time, each run (%(default)s)")
+    parser.add_argument("--seeds", default="1,2,3")
+    parser.add_argument("--trainers", default="jcas,jcas-paper,rllib,sb3")
+    parser.add_argument("--credit", choices=("team", "uav"), default="uav", help="of all but jcas")
+    parser.add_argument("--sb3", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    given = dict(assignment.split("=", 1) for assignment in options.set)
-    options.set = EASY | {field: json.loads(value) for field, value in given.items()}
+    if options.sb3:
+        train_sb3(options)
+        return
+    if options.command is None and "jcas" in options.trainers:
+        parser.error("--command: where the jcas binary is")
+
+    shares = [float(share) for share in options.success.split(",")]
+    trainers = options.trainers.split(",")
+    times: dict[str, list[list[float | None]]] = {trainer: [] for trainer in trainers}
+    for seed in map(int, options.seeds.split(",")):
+        for trainer in trainers:
+            reached, last = watch(trainer, seed, shares, options)
+            times[trainer].append(reached)
+            told = ", ".join(shown(seconds, options.seconds) for seconds in reached)
+            print(
+                f"{trainer}, seed {seed}: {told}; at last {last[1]} environment steps, {last[2]:.2f}", file=sys.stderr
+            )
     print(
-        f"{options.uavs} UAVs, {options.hotspots} hotspots, to a success of {options.success:g}, "
-        f"at most {options.steps} environment steps\n"
+        f"{options.preset}, N = {options.uavs}, n = {options.hotspots}, credit of the {options.credit} but for jcas: "
+        "processor seconds to a success of\n"
     )
-    print(f"{'trainer':22}{'to success':>12}{'in all':>10}{'env steps/s':>13}{'last success':>14}")
-    for name in options.trainers.split(","):
-        curve = {"jcas": train_jcas, "rllib": train_rllib, "sb3": train_sb3}[name](options)
-        reached = next((seconds for seconds, _, success in curve if success >= options.success), None)
-        seconds, steps, success = curve[-1]
-        shown = "not reached" if reached is None else f"{reached:.0f} s"
-        print(f"{name:22}{shown:>12}{seconds:>8.0f} s{steps / seconds:>13,.0f}{success:>14.2f}", flush=True)
+    print("| | " + " | ".join(f"{share:g}" for share in shares) + " |")
+    print("| --- |" + " --- |" * len(shares))
+    for trainer, runs in times.items():
+        cells = (", ".join(shown(run[place], options.seconds) for run in runs) for place in range(len(shares)))
+        print(f"| {trainer} | " + " | ".join(cells) + " |")
+    for trainer, runs in times.items():
+        first = [run[0] for run in runs if run[0] is not None]
+        if len(first) == len(runs):
+            print(f"\n{trainer}: median {statistics.median(first):.0f} s to {shares[0]:g}")
 
 
-def assignments(options: argparse.Namespace) -> list[str]:
-    """The mission's fields as both commands read them."""
-    return [word for field, value in options.set.items() for word in ("--set", f"{field}={value}")]
+def shown(seconds: float | None, limit: float) -> str:
+    return f"not within {limit:.0f}" if seconds is None else f"{seconds:.0f}"
 
 
-Curve = list[tuple[float, int, float]]
-"""Seconds since the start, environment steps, share of successes."""
+Point = tuple[float, int, float]
+"""Processor seconds since the start, environment steps, share of successes."""
 
 
-def train_jcas(options: argparse.Namespace) -> Curve:
+def watch(
+    trainer: str, seed: int, shares: list[float], options: argparse.Namespace
+) -> tuple[list[float | None], Point]:
+    """Train until the last share is reached or the time is up."""
+    start, progress = TRAINERS[trainer]
+    reached: list[float | None] = [None] * len(shares)
+    last: Point = (0.0, 0, 0.0)
     with tempfile.TemporaryDirectory() as folder:
-        began = time.monotonic()
-        subprocess.run(
-            [options.command, "train", "--training", "paper", "--uavs", str(options.uavs), "--hotspots",
-             str(options.hotspots), "--steps", str(options.steps),
-             "--out", folder, "--train-set", "evaluation_episodes=1", *assignments(options)],
-            check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        out = Path(folder) / "run"
+        threads = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS")}
+        process = subprocess.Popen(
+            start(out, seed, options), env={**os.environ, **threads, "RAY_USAGE_STATS_ENABLED": "0"},
+            stdout=subprocess.DEVNULL, stderr=(Path(folder) / "errors").open("w"), start_new_session=True,
         )  # fmt: skip
-        total = time.monotonic() - began
-        with (Path(folder) / "metrics.csv").open() as file:
-            rows = list(csv.DictReader(file))
-    seconds = total - sum(float(row["wall_s"]) for row in rows)
-    curve: Curve = []
-    recent: deque[tuple[int, float]] = deque()
-    for row in rows:
-        seconds += float(row["wall_s"])
-        if row["success_rate"]:
-            recent.append((int(row["missions"]), float(row["success_rate"])))
-            while len(recent) > 1 and sum(missions for missions, _ in list(recent)[1:]) >= 100:
-                recent.popleft()
-        flown = sum(missions for missions, _ in recent)
-        share = sum(missions * success for missions, success in recent) / flown if flown >= 100 else 0.0
-        curve.append((seconds, int(row["environment_steps"]), share))
-    return curve
+        try:
+            while None in reached:
+                ended = process.poll() is not None
+                spent = processor_seconds(process.pid)
+                if point := progress(out):
+                    last = (spent, *point)
+                    for place, share in enumerate(shares):
+                        if reached[place] is None and point[1] >= share:
+                            reached[place] = spent
+                if ended and process.returncode:
+                    raise RuntimeError(f"{trainer}: {(Path(folder) / 'errors').read_text()[-2000:]}")
+                if ended or spent > options.seconds:
+                    break
+                time.sleep(0.5)
+        finally:
+            stop(process)
+    return reached, last
 
 
-def train_rllib(options: argparse.Namespace) -> Curve:
-    with tempfile.TemporaryDirectory() as folder:
-        began = time.monotonic()
-        subprocess.run(
-            [sys.executable, "-m", "jcas.rllib", "train", "--uavs", str(options.uavs), "--hotspots",
-             str(options.hotspots), "--steps", str(options.steps), "--runners", str(options.runners), "--out", folder,
-             *assignments(options)],
-            check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-        total = time.monotonic() - began
-        with (Path(folder) / "progress.csv").open() as file:
-            rows = list(csv.DictReader(file))
-    before = total - float(rows[-1]["seconds"])
-    return [(float(row["seconds"]) + before, int(row["env_steps"]), float(row["success"])) for row in rows]
+def tree(root: int) -> list[tuple[int, float]]:
+    """Every process below `root` and itself, with its processor seconds and those of its children that have ended."""
+    tick = os.sysconf("SC_CLK_TCK")
+    parents: dict[int, list[int]] = {}
+    spent: dict[int, float] = {}
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit():
+            continue
+        try:
+            fields = (folder / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        parents.setdefault(int(fields[1]), []).append(int(folder.name))
+        spent[int(folder.name)] = sum(map(int, fields[11:15])) / tick
+    found, left = [], [root]
+    while left:
+        process = left.pop()
+        left += parents.get(process, [])
+        if process in spent:
+            found.append((process, spent[process]))
+    return found
 
 
-def train_sb3(options: argparse.Namespace) -> Curve:
+def processor_seconds(root: int) -> float:
+    return sum(seconds for _, seconds in tree(root))
+
+
+def stop(process: subprocess.Popen[bytes]) -> None:
+    """End a trainer and all that it started: Ray's workers have sessions of their own."""
+    for pid, _ in tree(process.pid):
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    process.wait()
+
+
+def mission(options: argparse.Namespace) -> list[str]:
+    """Options of the mission that both commands read."""
+    fields = [word for assignment in options.set for word in ("--set", assignment)]
+    return ["--uavs", str(options.uavs), "--hotspots", str(options.hotspots), *fields]
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    if not file.exists():
+        return []
+    with file.open() as text:
+        return list(csv.DictReader(text))
+
+
+def jcas_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
+    """With a checkpoint after each batch, because that is when progress goes on file."""
+    return [
+        options.command, "train", "--preset", options.preset, *mission(options), "--steps", STEPS, "--seed", str(seed),
+        "--threads", "1", "--out", str(out), "--train-set", "checkpoint_every=1",
+    ]  # fmt: skip
+
+
+def jcas_paper_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
+    return [*jcas_command(out, seed, options), "--training", "paper", "--train-set", f"credit={options.credit}"]
+
+
+def jcas_progress(out: Path) -> tuple[int, float] | None:
+    """Steps and success over the last batches that hold a hundred missions."""
+    batches = rows(out / "metrics.csv")
+    flown = succeeded = 0.0
+    for row in reversed(batches):
+        if flown < 100 and row["success_rate"]:
+            flown += int(row["missions"])
+            succeeded += int(row["missions"]) * float(row["success_rate"])
+    return (int(batches[-1]["environment_steps"]), succeeded / flown if flown >= 100 else 0.0) if batches else None
+
+
+def rllib_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
+    return [
+        sys.executable, "-m", "jcas.rllib", "train", "--config", options.preset, *mission(options), "--steps",
+        STEPS, "--seed", str(seed), "--runners", "1", "--credit", options.credit, "--out", str(out),
+    ]  # fmt: skip
+
+
+def rllib_progress(out: Path) -> tuple[int, float] | None:
+    """RLlib tells the mean of up to a hundred missions; after three batches it is of a hundred."""
+    batches = rows(out / "progress.csv")
+    if not batches:
+        return None
+    success = batches[-1]["success"] if len(batches) >= 3 else ""
+    return int(float(batches[-1]["env_steps"])), float(success) if success else 0.0
+
+
+def sb3_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
+    return [
+        sys.executable, __file__, "--sb3", str(out), "--seeds", str(seed), "--preset", options.preset,
+        "--credit", options.credit, *mission(options),
+    ]  # fmt: skip
+
+
+def sb3_progress(out: Path) -> tuple[int, float] | None:
+    batches = rows(out / "progress.csv")
+    return (int(batches[-1]["steps"]), float(batches[-1]["success"])) if batches else None
+
+
+Starter = Callable[[Path, int, argparse.Namespace], list[str]]
+Progress = Callable[[Path], tuple[int, float] | None]
+
+TRAINERS: dict[str, tuple[Starter, Progress]] = {
+    "jcas": (jcas_command, jcas_progress),
+    "jcas-paper": (jcas_paper_command, jcas_progress),
+    "rllib": (rllib_command, rllib_progress),
+    "sb3": (sb3_command, sb3_progress),
+}
+
+
+def train_sb3(options: argparse.Namespace) -> None:
+    """PPO of Stable-Baselines3, which writes its progress as it goes."""
     import torch
     from stable_baselines3 import PPO
     from stable_baselines3.common.callbacks import BaseCallback
 
+    import jcas
     from jcas.sb3 import FleetVecEnv
 
-    missions, curve = 32, []
+    torch.set_num_threads(1)
+    options.sb3.mkdir(parents=True)
+    missions, batch = 32, 4096
 
     class Watch(BaseCallback):
         def __init__(self) -> None:
             super().__init__()
             self.last: deque[bool] = deque(maxlen=100)
+            self.progress = (options.sb3 / "progress.csv").open("w", buffering=1)
+            self.progress.write("steps,success\n")
 
         def _on_step(self) -> bool:
             self.last.extend(
@@ -128,17 +263,16 @@ def train_sb3(options: argparse.Namespace) -> Curve:
 
         def _on_rollout_end(self) -> None:
             share = sum(self.last) / 100 if len(self.last) == 100 else 0.0
-            curve.append((time.monotonic() - began, self.num_timesteps // options.uavs, share))
+            self.progress.write(f"{self.num_timesteps // options.uavs},{share}\n")
 
-    began = time.monotonic()
-    config = jcas.Config(uav_count=options.uavs, hotspot_count=options.hotspots, **options.set)
-    envs: Any = FleetVecEnv(config, missions)
+    fields: dict[str, Any] = {name: float(value) for name, value in (pair.split("=", 1) for pair in options.set)}
+    config = jcas.Config(options.preset, uav_count=options.uavs, hotspot_count=options.hotspots, **fields)
+    envs: Any = FleetVecEnv(config, missions, credit=options.credit)
     PPO(
-        "MlpPolicy", envs, learning_rate=3e-4, n_steps=4096 // missions, batch_size=4096, n_epochs=10, gamma=0.95,
-        policy_kwargs={"net_arch": [512, 256, 128], "activation_fn": torch.nn.ReLU}, seed=1,
-    ).learn(options.steps * options.uavs, callback=Watch())  # fmt: skip
-    curve.append((time.monotonic() - began, options.steps, curve[-1][2] if curve else 0.0))
-    return curve
+        "MlpPolicy", envs, learning_rate=3e-4, n_steps=batch // missions, batch_size=batch, n_epochs=10, gamma=0.95,
+        clip_range=0.2, policy_kwargs={"net_arch": [512, 256, 128], "activation_fn": torch.nn.ReLU},
+        seed=int(options.seeds),
+    ).learn(int(STEPS) * options.uavs, callback=Watch())  # fmt: skip
 
 
 if __name__ == "__main__":

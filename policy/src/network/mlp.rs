@@ -1,8 +1,7 @@
 //! Fully connected layers with ReLU between them.
 
-use super::dense::Rows;
+use super::dense::relu;
 use super::plan::{Mlp, Stack};
-use super::product::Product;
 
 /// Normalised inputs are clipped to this many standard deviations.
 const CLIP: f32 = 10.0;
@@ -19,7 +18,6 @@ impl Stack {
     /// Applies the layers to rows of [`Stack::inputs`] numbers; the outputs of each row, padded.
     pub(crate) fn apply<'s>(
         &self,
-        product: Product,
         weights: &[f32],
         inputs: &[f32],
         scratch: &'s mut [f32],
@@ -29,12 +27,17 @@ impl Stack {
         let mut width = 0;
         for (index, layer) in self.layers().iter().enumerate() {
             let next = layer.width();
-            let inputs = if index == 0 {
-                Rows::plain(inputs, self.inputs())
+            if index == 0 {
+                layer.apply(weights, inputs, self.inputs(), &mut to[..rows * next]);
             } else {
-                Rows::rectified(&from[..rows * width], width)
-            };
-            layer.apply(product, weights, inputs, &mut to[..rows * next]);
+                relu(&mut from[..rows * width]);
+                layer.apply(
+                    weights,
+                    &from[..rows * width],
+                    width,
+                    &mut to[..rows * next],
+                );
+            }
             width = next;
             core::mem::swap(&mut from, &mut to);
         }
@@ -51,7 +54,6 @@ impl Mlp {
     /// Outputs for at most [`ROWS`] observations, padded.
     pub(crate) fn outputs<'s>(
         &self,
-        product: Product,
         weights: &[f32],
         observations: &[f32],
         scratch: &'s mut [f32],
@@ -76,6 +78,6 @@ impl Mlp {
                 }
             }
         }
-        self.stack.apply(product, weights, inputs, scratch)
+        self.stack.apply(weights, inputs, scratch)
     }
 }
