@@ -2,6 +2,10 @@
 
 const WIDEST_TABLE = 24;
 
+// Of the fleet's table, as the style sheet has them.
+const ROW_PX = 25;
+const ROWS_SHOWN = 12;
+
 function createTiles(list, episode) {
   const { uavCount, hotspotCount } = episode;
   const names = ['Confirmed', 'Informed', 'Flying', 'Links', 'Battery', 'Grid carbon'];
@@ -46,32 +50,70 @@ function createFleetTable(table, episode, onSelect) {
       + `<td><span class="swatch"></span><span class="pilot"></span></td>${cells}<td class="state-word"></td></tr>`;
   }
 
-  return (t, selection) => {
+  // While a mission plays, only rows in the table's window are there: a hundred, laid out anew, take longer than a
+  // frame. Not while the keyboard is in the table, whose rows it would lose.
+  const scroll = table.parentElement;
+  const MORE = 3;
+  const whole = { first: 0, last: uavCount };
+  let there = whole;
+  let top = 0;
+  scroll.addEventListener('scroll', () => { top = scroll.scrollTop; }, { passive: true });
+
+  function show({ first, last }) {
+    if (first === there.first && last === there.last) return;
+    rows.forEach(({ node }, id) => { node.hidden = id < first || id >= last; });
+    table.style.margin = `${first * ROW_PX}px 0 ${(uavCount - last) * ROW_PX}px`;
+    there = { first, last };
+  }
+
+  function inSight() {
+    const first = Math.floor(top / ROW_PX);
+    return { first: Math.max(0, first - MORE), last: Math.min(uavCount, first + ROWS_SHOWN + MORE) };
+  }
+
+  const behind = new Set();
+  return (t, selection, changed, playing) => {
+    show(playing && !table.contains(document.activeElement) ? inSight() : whole);
+    if (changed) {
+      writeHead(t);
+      rows.forEach((_, id) => behind.add(id));
+    }
+    for (const id of behind) {
+      if (id < there.first || id >= there.last) continue;
+      write(id, t, selection);
+      behind.delete(id);
+    }
+  };
+
+  function writeHead(t) {
     const frame = episode.frames[t];
     table.querySelectorAll('thead th').forEach((head, k) => { if (columns.length && k >= 3 && k < 3 + columns.length) head.className = hotspotState(frame, k - 3); });
-    rows.forEach((parts, id) => {
-      const selected = selection.uav === id;
-      parts.node.classList.toggle('selected', selected);
-      parts.button.setAttribute('aria-pressed', selected);
-      parts.meter.classList.toggle('low', frame.soc[id] < lowest);
-      parts.bar.style.width = `${100 * frame.soc[id]}%`;
-      setText(parts.soc, percent(frame.soc[id]));
-      const pilot = frame.pilot_density?.[id];
-      parts.swatch.style.background = pilot === undefined ? 'var(--ring-back)' : colour(pilotShare(config, pilot));
-      setText(parts.pilot, pilot === undefined ? '–' : pilot.toFixed(2));
-      parts.knows.forEach((node, hotspot) => {
-        const known = frame.knowledge[id].has(hotspot);
-        const name = `knows${known ? ' yes' : ''}${known && frame.informed.has(hotspot) ? ' all' : ''}`;
-        if (node.className === name && node.ariaLabel) return;
-        node.className = name;
-        node.setAttribute('aria-label', known ? 'knows' : 'does not know');
-      });
-      if (parts.count) setText(parts.count, `${frame.knowledge[id].size} of ${hotspotCount}`);
-      const state = uavState(frame, id);
-      setText(parts.state, state);
-      parts.state.classList.toggle('alarm', state !== 'flying');
+  }
+
+  function write(id, t, selection) {
+    const frame = episode.frames[t];
+    const parts = rows[id];
+    const selected = selection.uav === id;
+    parts.node.classList.toggle('selected', selected);
+    parts.button.setAttribute('aria-pressed', selected);
+    parts.meter.classList.toggle('low', frame.soc[id] < lowest);
+    parts.bar.style.width = `${100 * frame.soc[id]}%`;
+    setText(parts.soc, percent(frame.soc[id]));
+    const pilot = frame.pilot_density?.[id];
+    parts.swatch.style.background = pilot === undefined ? 'var(--ring-back)' : colour(pilotShare(config, pilot));
+    setText(parts.pilot, pilot === undefined ? '–' : pilot.toFixed(2));
+    parts.knows.forEach((node, hotspot) => {
+      const known = frame.knowledge[id].has(hotspot);
+      const name = `knows${known ? ' yes' : ''}${known && frame.informed.has(hotspot) ? ' all' : ''}`;
+      if (node.className === name && node.ariaLabel) return;
+      node.className = name;
+      node.setAttribute('aria-label', known ? 'knows' : 'does not know');
     });
-  };
+    if (parts.count) setText(parts.count, `${frame.knowledge[id].size} of ${hotspotCount}`);
+    const state = uavState(frame, id);
+    setText(parts.state, state);
+    parts.state.classList.toggle('alarm', state !== 'flying');
+  }
 }
 
 function createInspector(card, episode, onSeek) {

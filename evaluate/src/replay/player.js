@@ -156,9 +156,9 @@ function draw() {
   parts.stage.draw(stillness.matches ? t : player.time, selection, changed);
   for (const chart of parts.charts) chart.update(player.time, t, changed, selection.uav);
   parts.inspector(player.time, t, selection, changed);
+  parts.fleet(t, selection, changed, player.playing);
   if (!changed) return;
   parts.tiles(t);
-  parts.fleet(t, selection);
   parts.events(t);
   parts.rewards(t);
   $('scrub').value = t;
