@@ -56,8 +56,8 @@ function createFleetTable(table, episode, onSelect) {
   const MORE = 3;
   const whole = { first: 0, last: uavCount };
   let there = whole;
-  let top = 0;
-  scroll.addEventListener('scroll', () => { top = scroll.scrollTop; }, { passive: true });
+  let top = scroll.scrollTop;
+  scroll.onscroll = () => { top = scroll.scrollTop; };
 
   function show({ first, last }) {
     if (first === there.first && last === there.last) return;
