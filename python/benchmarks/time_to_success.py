@@ -56,6 +56,8 @@ def main() -> None:
     if options.command is None and "jcas" in options.trainers:
         parser.error("--command: where the jcas binary is")
 
+    # Told to end, it ends its trainers first.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     shares = [float(share) for share in options.success.split(",")]
     trainers = options.trainers.split(",")
     times: dict[str, list[list[float | None]]] = {trainer: [] for trainer in trainers}
