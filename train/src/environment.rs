@@ -6,6 +6,7 @@
 pub mod beacon;
 pub mod finding;
 pub mod fleet;
+pub mod informing;
 pub mod lesson;
 pub mod progress;
 

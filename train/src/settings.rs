@@ -91,6 +91,9 @@ pub struct Settings {
     /// are.
     #[serde(default)]
     pub finding_reward: f64,
+    /// Paid to each UAV while training for each confirmed hotspot that it comes to know.
+    #[serde(default)]
+    pub informing_reward: f64,
 
     /// Iterations between evaluations; 0: only at the end.
     pub evaluate_every: usize,
@@ -218,6 +221,7 @@ impl Settings {
             step_cost: 0.0,
             progress_reward: 0.0,
             finding_reward: 0.0,
+            informing_reward: 0.0,
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,

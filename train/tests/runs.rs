@@ -33,6 +33,7 @@ fn settings(network: NetworkKind) -> Settings {
         evaluation_episodes: 2,
         checkpoint_every: 2,
         finding_reward: 1.0,
+        informing_reward: 1.0,
         // The radar changes before the third and before the fourth batch.
         curriculum: Some(Curriculum {
             threshold_db: -10.0,

@@ -1,6 +1,7 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
 use super::finding::Finding;
+use super::informing::Informing;
 use super::lesson::Lesson;
 use super::progress::Progress;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
@@ -23,6 +24,8 @@ pub struct Treatment {
     pub progress_reward: f64,
     /// Paid to each UAV for each confirmation that it is expected to add.
     pub finding_reward: f64,
+    /// Paid to each UAV for each confirmed hotspot that it comes to know.
+    pub informing_reward: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
 }
@@ -35,6 +38,7 @@ impl Treatment {
             step_cost: settings.step_cost,
             progress_reward: settings.progress_reward,
             finding_reward: settings.finding_reward,
+            informing_reward: settings.informing_reward,
             constant_pilot,
         };
         for (name, &factor) in &settings.reward_factors {
@@ -78,6 +82,7 @@ pub struct Fleet {
     components: Vec<f64>,
     uav_components: Vec<f64>,
     progress: Progress,
+    informing: Informing,
     /// Where it is paid for.
     finding: Option<Finding>,
     /// What training pays each UAV of a mission besides, and what it is paid for.
@@ -106,6 +111,7 @@ impl Fleet {
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
             progress: Progress::new(environments, uavs),
+            informing: Informing::new(environments, uavs),
             finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             rewards: vec![0.0; environments],
@@ -143,6 +149,7 @@ impl Fleet {
         for (m, state) in states.enumerate() {
             let state = self.model.state(state).expect("a state of this model");
             self.progress.start(m, &self.model, &state);
+            self.informing.start(m, &state);
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
@@ -150,8 +157,8 @@ impl Fleet {
     }
 
     /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training pays it besides, so
-    /// that their mean is the team's with the fleet's mean of that. A mission that ended has begun anew:
-    /// nothing besides then.
+    /// that their mean is the team's with the fleet's mean of that. A mission that ended has begun anew: what
+    /// completed it was news to somebody, nothing else is known of it.
     fn pay(&mut self, m: usize, out: &mut StepOut) {
         let words = self.model.state_words();
         let state = &self.states[m * words..(m + 1) * words];
@@ -159,13 +166,20 @@ impl Fleet {
         let [extra, gained] = &mut self.extra;
         extra.fill(0.0);
         if out.terminated[m] || out.truncated[m] {
+            if out.terminated[m] {
+                self.informing.completed(m, &self.model, gained);
+                add(extra, self.treatment.informing_reward, gained);
+            }
             self.progress.start(m, &self.model, &state);
+            self.informing.start(m, &state);
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
         } else {
             self.progress.gained(m, &self.model, &state, gained);
             add(extra, self.treatment.progress_reward, gained);
+            self.informing.gained(m, &state, gained);
+            add(extra, self.treatment.informing_reward, gained);
             if let Some(finding) = &mut self.finding {
                 finding.gained(m, &self.model, &state, gained);
                 add(extra, self.treatment.finding_reward, gained);
