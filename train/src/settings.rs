@@ -94,6 +94,10 @@ pub struct Settings {
     /// Paid to each UAV while training for each confirmed hotspot that it comes to know.
     #[serde(default)]
     pub informing_reward: f64,
+    /// Paid to each UAV while training, once all hotspots are confirmed, for each cell that it comes nearer to
+    /// the nearest UAV that knows others than it does; nothing in a step that tells somebody something.
+    #[serde(default)]
+    pub meeting_reward: f64,
 
     /// Iterations between evaluations; 0: only at the end.
     pub evaluate_every: usize,
@@ -222,6 +226,7 @@ impl Settings {
             progress_reward: 0.0,
             finding_reward: 0.0,
             informing_reward: 0.0,
+            meeting_reward: 0.0,
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,

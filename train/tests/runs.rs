@@ -34,6 +34,7 @@ fn settings(network: NetworkKind) -> Settings {
         checkpoint_every: 2,
         finding_reward: 1.0,
         informing_reward: 1.0,
+        meeting_reward: 1.0,
         // The radar changes before the third and before the fourth batch.
         curriculum: Some(Curriculum {
             threshold_db: -10.0,

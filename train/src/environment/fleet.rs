@@ -1,7 +1,7 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
 use super::finding::Finding;
-use super::informing::Informing;
+use super::informing::{Informed, Informing};
 use super::lesson::Lesson;
 use super::progress::Progress;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
@@ -26,6 +26,8 @@ pub struct Treatment {
     pub finding_reward: f64,
     /// Paid to each UAV for each confirmed hotspot that it comes to know.
     pub informing_reward: f64,
+    /// Paid to each UAV, once all is confirmed, for each cell nearer to somebody who knows others.
+    pub meeting_reward: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
 }
@@ -39,6 +41,7 @@ impl Treatment {
             progress_reward: settings.progress_reward,
             finding_reward: settings.finding_reward,
             informing_reward: settings.informing_reward,
+            meeting_reward: settings.meeting_reward,
             constant_pilot,
         };
         for (name, &factor) in &settings.reward_factors {
@@ -83,6 +86,7 @@ pub struct Fleet {
     uav_components: Vec<f64>,
     progress: Progress,
     informing: Informing,
+    informed: Informed,
     /// Where it is paid for.
     finding: Option<Finding>,
     /// What training pays each UAV of a mission besides, and what it is paid for.
@@ -112,6 +116,7 @@ impl Fleet {
             uav_components: Vec::new(),
             progress: Progress::new(environments, uavs),
             informing: Informing::new(environments, uavs),
+            informed: Informed::default(),
             finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             rewards: vec![0.0; environments],
@@ -149,7 +154,7 @@ impl Fleet {
         for (m, state) in states.enumerate() {
             let state = self.model.state(state).expect("a state of this model");
             self.progress.start(m, &self.model, &state);
-            self.informing.start(m, &state);
+            self.informing.start(m, &self.model, &state);
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
@@ -167,19 +172,25 @@ impl Fleet {
         extra.fill(0.0);
         if out.terminated[m] || out.truncated[m] {
             if out.terminated[m] {
-                self.informing.completed(m, &self.model, gained);
-                add(extra, self.treatment.informing_reward, gained);
+                self.informing.completed(m, &self.model, &mut self.informed);
+                add(
+                    extra,
+                    self.treatment.informing_reward,
+                    &self.informed.hotspots,
+                );
             }
             self.progress.start(m, &self.model, &state);
-            self.informing.start(m, &state);
+            self.informing.start(m, &self.model, &state);
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
         } else {
             self.progress.gained(m, &self.model, &state, gained);
             add(extra, self.treatment.progress_reward, gained);
-            self.informing.gained(m, &state, gained);
-            add(extra, self.treatment.informing_reward, gained);
+            let informed = &mut self.informed;
+            self.informing.gained(m, &self.model, &state, informed);
+            add(extra, self.treatment.informing_reward, &informed.hotspots);
+            add(extra, self.treatment.meeting_reward, &informed.cells);
             if let Some(finding) = &mut self.finding {
                 finding.gained(m, &self.model, &state, gained);
                 add(extra, self.treatment.finding_reward, gained);

@@ -1,16 +1,30 @@
-//! Each UAV's own news: confirmed hotspots that it has come to know.
+//! How each UAV takes part in the informing of the fleet: hotspots that it has come to know, and, once all are confirmed,
+//! cells that it has come nearer to somebody who knows others than it does.
 //!
-//! A mission ends when everybody knows everything, and what it pays for that goes to all alike: where everything is
-//! confirmed, a UAV out of reach learns from this that the way back is its own.
+//! A mission ends when everybody knows everything, and what it pays for that goes to all alike. Two groups out of each
+//! other's reach learn from this that the way to each other is theirs.
 
 use jcas_core::{Model, StateRef};
 
-/// What the UAVs of some missions knew when they were last looked at.
+/// What the UAVs of some missions knew when they were last looked at, and where.
 #[derive(Clone, Debug)]
 pub struct Informing {
     uavs: usize,
     /// Hotspots that each UAV knows to be confirmed.
     known: Vec<u32>,
+    /// Manhattan distance of each UAV to the nearest that knows others; 0 where there is none, or something is
+    /// left to confirm.
+    ways: Vec<u32>,
+}
+
+/// What the UAVs of a mission did since it was last looked at.
+#[derive(Clone, Debug, Default)]
+pub struct Informed {
+    /// Hotspots that each has come to know.
+    pub hotspots: Vec<f64>,
+    /// Cells that each has come nearer to the nearest UAV that knows others; nobody's in a step that tells
+    /// somebody something, for then it is another.
+    pub cells: Vec<f64>,
 }
 
 impl Informing {
@@ -19,39 +33,66 @@ impl Informing {
         Informing {
             uavs,
             known: vec![0; missions * uavs],
+            ways: vec![0; missions * uavs],
         }
     }
 
-    /// Looks at a mission: whatever it was before, news counts from here.
-    pub fn start(&mut self, mission: usize, state: &StateRef<'_>) {
-        let known = &mut self.known[mission * self.uavs..][..self.uavs];
-        for (uav, known) in known.iter_mut().enumerate() {
-            *known = state
-                .knowledge_of(uav)
-                .iter()
-                .map(|word| word.count_ones())
-                .sum();
+    /// Looks at a mission: whatever it was before, all counts from here.
+    pub fn start(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
+        let place = mission * self.uavs..(mission + 1) * self.uavs;
+        let ways = &mut self.ways[place.clone()];
+        for (uav, known) in self.known[place].iter_mut().enumerate() {
+            let row = state.knowledge_of(uav);
+            *known = row.iter().map(|word| word.count_ones()).sum();
+        }
+        ways.fill(0);
+        if (0..model.hotspot_count()).all(|hotspot| state.confirmed(hotspot)) {
+            for (uav, way) in ways.iter_mut().enumerate() {
+                let (cell, row) = (state.cell(uav), state.knowledge_of(uav));
+                *way = (0..self.uavs)
+                    .filter(|&other| state.knowledge_of(other) != row)
+                    .map(|other| cell.manhattan(state.cell(other)))
+                    .min()
+                    .unwrap_or(0);
+            }
         }
     }
 
-    /// Hotspots that each UAV of a mission has come to know since it was last looked at.
-    pub fn gained(&mut self, mission: usize, state: &StateRef<'_>, hotspots: &mut [f64]) {
-        let place = mission * self.uavs;
-        for (hotspots, &known) in hotspots.iter_mut().zip(&self.known[place..]) {
-            *hotspots = -f64::from(known);
-        }
-        self.start(mission, state);
-        for (hotspots, &known) in hotspots.iter_mut().zip(&self.known[place..]) {
+    /// What each UAV of a mission did since it was last looked at.
+    pub fn gained(
+        &mut self,
+        mission: usize,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        out: &mut Informed,
+    ) {
+        let place = mission * self.uavs..(mission + 1) * self.uavs;
+        let negative = |number: &u32| -f64::from(*number);
+        out.hotspots.clear();
+        out.hotspots
+            .extend(self.known[place.clone()].iter().map(negative));
+        out.cells.clear();
+        out.cells
+            .extend(self.ways[place.clone()].iter().map(|&way| f64::from(way)));
+        self.start(mission, model, state);
+        for (hotspots, &known) in out.hotspots.iter_mut().zip(&self.known[place.clone()]) {
             *hotspots += f64::from(known);
+        }
+        let told = out.hotspots.iter().any(|&hotspots| hotspots > 0.0);
+        for (cells, &way) in out.cells.iter_mut().zip(&self.ways[place]) {
+            *cells = if told { 0.0 } else { *cells - f64::from(way) };
         }
     }
 
     /// The same of a mission that has just been completed, where everybody knows all.
-    pub fn completed(&self, mission: usize, model: &Model<'_>, hotspots: &mut [f64]) {
+    pub fn completed(&self, mission: usize, model: &Model<'_>, out: &mut Informed) {
         let all = model.hotspot_count() as f64;
-        for (hotspots, &known) in hotspots.iter_mut().zip(&self.known[mission * self.uavs..]) {
-            *hotspots = all - f64::from(known);
-        }
+        let known = &self.known[mission * self.uavs..][..self.uavs];
+        out.hotspots.clear();
+        out.hotspots
+            .extend(known.iter().map(|&known| all - f64::from(known)));
+        out.cells.clear();
+        out.cells.resize(self.uavs, 0.0);
     }
 }
 
@@ -60,50 +101,70 @@ mod tests {
     use super::*;
     use jcas_core::{Config, Sim};
 
-    // Of four UAVs that meet at the depot and confirm the hotspot there with certainty, each gains what its row of
-    // knowledge gained, and over the whole mission all of it.
+    const UP: f32 = -0.8;
+    const LEFT: f32 = 0.0;
+    const RIGHT: f32 = 0.4;
+
+    // UAVs walk apart and back, where nobody hears anybody: each gains what its row of knowledge gained, and what it
+    // lacked where a mission is completed. Once all is confirmed, ways count, worked out from the cells.
     #[test]
-    fn news_is_what_the_rows_of_knowledge_gain() {
+    fn news_is_what_rows_of_knowledge_gain_and_ways_lead_to_others() {
         let config = Config {
             uav_count: 4,
             hotspot_count: 2,
             quorum: 1,
-            detection_threshold_db: Some(-60.0),
+            sensing_range_m: Some(100.0),
+            link_throughput_min: 1000.0,
             ..Config::default()
         };
         let model = Model::new(config).unwrap();
         let mut sim = Sim::new(&model);
-        sim.reset(11);
         let mut informing = Informing::new(2, 4);
-        informing.start(1, &sim.state());
-        let before: Vec<usize> = (0..4)
-            .map(|uav| (0..2).filter(|&j| sim.state().knows(uav, j)).count())
-            .collect();
-        let mut completed = [0.0; 4];
-        informing.completed(1, &model, &mut completed);
-        let mut total = [0.0; 4];
-        for _ in 0..40 {
-            let outcome = sim
-                .step(&[-1.0, 1.0, -0.5, 1.0, 0.0, 1.0, 0.5, 1.0])
-                .unwrap();
-            let mut gained = [0.0; 4];
-            informing.gained(1, &sim.state(), &mut gained);
-            for (total, gained) in total.iter_mut().zip(gained) {
-                assert!(gained >= 0.0);
-                *total += gained;
-            }
-            if outcome.terminated {
-                break;
+        let (mut news, mut nearer) = (0.0, 0.0);
+        for seed in 0..20 {
+            sim.reset(seed);
+            informing.start(1, &model, &sim.state());
+            let mut completed = Informed::default();
+            informing.completed(1, &model, &mut completed);
+            let missing = |known: &u32| 2.0 - f64::from(*known);
+            let expected: Vec<f64> = informing.known[4..].iter().map(missing).collect();
+            assert_eq!(completed.hotspots, expected);
+            for step in 0..30 {
+                let (known, ways) = (informing.known[4..].to_vec(), informing.ways[4..].to_vec());
+                let (one, other) = if step % 10 < 5 {
+                    (RIGHT, LEFT)
+                } else {
+                    (LEFT, RIGHT)
+                };
+                let outcome = sim
+                    .step(&[one, 1.0, other, 1.0, one, 1.0, UP, 1.0])
+                    .unwrap();
+                let state = sim.state();
+                let mut gained = Informed::default();
+                informing.gained(1, &model, &state, &mut gained);
+                let told = (0..4).any(|uav| informing.known[4 + uav] > known[uav]);
+                for uav in 0..4 {
+                    let knows = (0..2).filter(|&j| state.knows(uav, j)).count() as f64;
+                    assert_eq!(gained.hotspots[uav], knows - f64::from(known[uav]));
+                    let row = state.knowledge_of(uav);
+                    let way = (0..4)
+                        .filter(|&i| state.knowledge_of(i) != row)
+                        .map(|i| state.cell(i).manhattan(state.cell(uav)))
+                        .min()
+                        .filter(|_| (0..2).all(|j| state.confirmed(j)));
+                    let cells = f64::from(ways[uav]) - f64::from(way.unwrap_or(0));
+                    assert_eq!(gained.cells[uav], if told { 0.0 } else { cells });
+                    news += gained.hotspots[uav];
+                    nearer += gained.cells[uav].abs();
+                }
+                if outcome.terminated || outcome.truncated {
+                    break;
+                }
             }
         }
-        assert_eq!(
-            sim.state().informed_count(),
-            2,
-            "the radar is all but certain"
+        assert!(
+            news > 0.0 && nearer > 0.0,
+            "{news} hotspots, {nearer} cells"
         );
-        for uav in 0..4 {
-            assert_eq!(total[uav], (2 - before[uav]) as f64);
-        }
-        assert_eq!(total, completed);
     }
 }
