@@ -10,7 +10,7 @@ pub mod informing;
 pub mod lesson;
 pub mod progress;
 
-use crate::settings::Credit;
+use crate::settings::{Credit, PilotCredit};
 
 /// Sizes that every environment of one group shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +48,8 @@ impl Shape {
 pub struct StepOut {
     /// Rewards: the team's of each mission (M), or each UAV's own (M·N), as was asked for.
     pub rewards: Vec<f32>,
+    /// What each UAV's pilot density gained in this step, beside a middling one (M·N), where that is asked for.
+    pub pilot_gains: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
     /// The mission was cut at the horizon: its value goes on.
@@ -61,14 +63,18 @@ pub struct StepOut {
 }
 
 impl StepOut {
-    /// Buffers for a group of this shape; their length says whose rewards are asked for.
-    pub fn new(shape: Shape, credit: Credit) -> StepOut {
+    /// Buffers for a group of this shape; their length says what is asked for.
+    pub fn new(shape: Shape, credit: Credit, pilot_credit: PilotCredit) -> StepOut {
         let rewards = match credit {
             Credit::Team => shape.environments,
             Credit::Uav => shape.rows(),
         };
         StepOut {
             rewards: vec![0.0; rewards],
+            pilot_gains: match pilot_credit {
+                PilotCredit::Return => Vec::new(),
+                PilotCredit::Step => vec![0.0; shape.rows()],
+            },
             terminated: vec![false; shape.environments],
             truncated: vec![false; shape.environments],
             final_global: vec![0.0; shape.environments * shape.global_len],

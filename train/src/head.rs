@@ -33,11 +33,11 @@ pub enum Head {
     Hybrid,
 }
 
-/// Log-densities and entropies of a batch of raw actions, one row each (rows × 1).
+/// Log-densities and entropies of a batch of raw actions, one row each.
 pub struct Densities {
-    /// ln π(a|o).
-    pub log_prob: Tensor<2>,
-    /// Entropy of π(·|o).
+    /// ln π(a|o) of motion and of pilot, which are independent given the observation (rows × 2).
+    pub log_probs: Tensor<2>,
+    /// Entropy of π(·|o) (rows × 1).
     pub entropy: Tensor<2>,
 }
 
@@ -50,8 +50,8 @@ impl Head {
         }
     }
 
-    /// Draws a raw action; returns it with its log-density.
-    pub fn sample(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32) {
+    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot.
+    pub fn sample(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
         match self {
             Head::Gaussian => gaussian::sample(outputs, random),
             Head::Hybrid => hybrid::sample(outputs, random),

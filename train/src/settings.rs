@@ -71,6 +71,9 @@ pub struct Settings {
 
     /// Whose reward an action is judged by.
     pub credit: Credit,
+    /// What the pilot density of an action is judged by.
+    #[serde(default)]
+    pub pilot_credit: PilotCredit,
     /// What the critic sees.
     pub critic_input: CriticInput,
 
@@ -125,6 +128,17 @@ pub enum Credit {
     Team,
     /// Each UAV's by its own; their mean is the team's.
     Uav,
+}
+
+/// What the pilot density of an action is judged by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PilotCredit {
+    /// As its motion: by the advantage.
+    #[default]
+    Return,
+    /// By what it gained in its own step, beside a middling density: detections, throughput and energy.
+    Step,
 }
 
 /// What the critic sees.
@@ -217,6 +231,7 @@ impl Settings {
             normalise_values: false,
             normalise_advantages: true,
             credit: Credit::Team,
+            pilot_credit: PilotCredit::Return,
             critic_input: CriticInput::State,
             constant_pilot: None,
             mission: BTreeMap::new(),

@@ -209,7 +209,12 @@ impl Trainer {
             device: &self.device,
         };
         let steps = self.settings.steps_per_batch();
-        let (seed, credit) = (self.settings.seed, self.settings.credit);
+        let &Settings {
+            seed,
+            credit,
+            pilot_credit,
+            ..
+        } = &self.settings;
         let iteration = self.iterations;
         self.workers
             .par_iter_mut()
@@ -218,7 +223,7 @@ impl Trainer {
                 let mut random = stream_for(seed, Purpose::Actions, iteration, index as u64);
                 let worker = worker.as_mut();
                 worker.begin_batch(iteration);
-                collect(worker, &policy, steps, credit, &mut random)
+                collect(worker, &policy, steps, credit, pilot_credit, &mut random)
             })
             .collect()
     }

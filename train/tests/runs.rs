@@ -9,7 +9,7 @@ use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
-use jcas_train::settings::{Curriculum, NetworkKind, Preset, Settings};
+use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -35,6 +35,7 @@ fn settings(network: NetworkKind) -> Settings {
         finding_reward: 1.0,
         informing_reward: 1.0,
         meeting_reward: 1.0,
+        pilot_credit: PilotCredit::Step,
         // The radar changes before the third and before the fourth batch.
         curriculum: Some(Curriculum {
             threshold_db: -10.0,

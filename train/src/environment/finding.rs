@@ -62,15 +62,18 @@ impl Finding {
     }
 
     /// Confirmations that each UAV is expected to have added in the step that led to this state: that it detects
-    /// a hotspot and exactly θ − 1 of the others do.
+    /// a hotspot and exactly θ − 1 of the others do. And how many of them it owes to its pilot density not having
+    /// been in the middle of the range.
     pub fn gained(
         &mut self,
         mission: usize,
         model: &Model<'_>,
         state: &StateRef<'_>,
         gains: &mut [f64],
+        by_pilot: &mut [f64],
     ) {
         gains.fill(0.0);
+        by_pilot.fill(0.0);
         if self.open[mission] == 0 {
             return;
         }
@@ -89,12 +92,14 @@ impl Finding {
             if chances.len() < quorum {
                 continue;
             }
-            for &(uav, chance) in &chances {
-                let others = chances.iter().filter(|&&(other, _)| other != uav);
-                happened(&mut fewer, others.map(|&(_, chance)| chance));
-                gains[uav] += each * *missed * chance * fewer[quorum - 1];
+            for &Chance { uav, now, middling } in &chances {
+                let others = chances.iter().filter(|other| other.uav != uav);
+                happened(&mut fewer, others.map(|other| other.now));
+                let decides = each * *missed * fewer[quorum - 1];
+                gains[uav] += decides * now;
+                by_pilot[uav] += decides * (now - middling);
             }
-            happened(&mut fewer, chances.iter().map(|&(_, chance)| chance));
+            happened(&mut fewer, chances.iter().map(|chance| chance.now));
             *missed *= fewer.iter().sum::<f64>();
         }
         self.look(mission, model, state);
@@ -118,22 +123,34 @@ impl Finding {
     }
 }
 
+/// That a UAV detects a hotspot.
+#[derive(Clone, Copy, Debug)]
+struct Chance {
+    uav: usize,
+    now: f64,
+    /// With a pilot density in the middle of the range.
+    middling: f64,
+}
+
 /// The UAVs that may detect a hotspot in a cell from where they are, and with what chance.
 fn chances_of(
     reach: [u32; 2],
     model: &Model<'_>,
     state: &StateRef<'_>,
     there: Cell,
-    chances: &mut Vec<(usize, f64)>,
+    chances: &mut Vec<Chance>,
 ) {
     chances.clear();
+    let config = model.config();
+    let middle = f64::midpoint(config.pilot_density_min, config.pilot_density_max);
     for uav in 0..model.uav_count() {
         let cell = state.cell(uav);
         let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
         if dx < reach[0] && dy < reach[1] && !state.grounded(uav) {
-            let chance = model.detection_probability(dx, dy, state.pilot_density(uav));
-            if chance >= NEGLIGIBLE {
-                chances.push((uav, chance));
+            let now = model.detection_probability(dx, dy, state.pilot_density(uav));
+            if now >= NEGLIGIBLE {
+                let middling = model.detection_probability(dx, dy, middle);
+                chances.push(Chance { uav, now, middling });
             }
         }
     }
@@ -170,16 +187,27 @@ mod tests {
         assert_eq!(happens(3, fair(2)), 0.0);
     }
 
-    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes.
-    fn confirms(sim: &Sim<'_>, model: &Model<'_>, there: Cell, without: Option<usize>) -> f64 {
+    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes; one of them is away, or
+    /// senses with another pilot density.
+    fn confirms(
+        sim: &Sim<'_>,
+        model: &Model<'_>,
+        there: Cell,
+        other: Option<(usize, Option<f64>)>,
+    ) -> f64 {
         let state = sim.state();
         let chances: Vec<f64> = (0..model.uav_count())
             .map(|uav| {
                 let (cell, density) = (state.cell(uav), state.pilot_density(uav));
                 let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
                 let chance = model.detection_probability(dx, dy, density);
-                let counts = chance >= NEGLIGIBLE && without != Some(uav);
-                if counts { chance } else { 0.0 }
+                match other {
+                    _ if chance < NEGLIGIBLE => 0.0,
+                    Some((changed, density)) if changed == uav => {
+                        density.map_or(0.0, |density| model.detection_probability(dx, dy, density))
+                    }
+                    _ => chance,
+                }
             })
             .collect();
         (0..1u32 << chances.len())
@@ -213,26 +241,29 @@ mod tests {
         sim.reset(3);
         let mut finding = Finding::new(2, &model);
         finding.start(1, &model, &sim.state());
-        let mut gains = [0.0; 5];
+        let (mut gains, mut by_pilot) = ([0.0; 5], [0.0; 5]);
         for _ in 0..2 {
             let open = finding.open[1] as f64;
             sim.step(&[0.4, 0.0, -0.4, 0.3, 0.8, -0.5, 0.0, 1.0, -0.8, 0.2])
                 .unwrap();
-            finding.gained(1, &model, &sim.state(), &mut gains);
+            finding.gained(1, &model, &sim.state(), &mut gains, &mut by_pilot);
             let total: f64 = missed.iter().sum();
-            for (uav, gain) in gains.iter().enumerate() {
-                let expected: f64 = cells
-                    .iter()
-                    .zip(&missed)
-                    .map(|(&there, missed)| {
+            for (uav, (gain, by_pilot)) in gains.iter().zip(by_pilot).enumerate() {
+                let beside = |density: Option<f64>| {
+                    let each = cells.iter().zip(&missed).map(|(&there, missed)| {
                         let with = confirms(&sim, &model, there, None);
-                        missed * (with - confirms(&sim, &model, there, Some(uav)))
-                    })
-                    .sum::<f64>()
-                    * open
-                    / total;
+                        missed * (with - confirms(&sim, &model, there, Some((uav, density))))
+                    });
+                    each.sum::<f64>() * open / total
+                };
+                let (expected, middling) = (beside(None), beside(Some(0.155)));
                 assert!(*gain > 0.01, "{gains:?}");
                 assert!((gain - expected).abs() < 1e-12, "{uav}: {gain} {expected}");
+                assert!(
+                    (by_pilot - middling).abs() < 1e-12,
+                    "{uav}: {by_pilot} {middling}"
+                );
+                assert!(by_pilot.abs() > 1e-6 || uav == 0, "its density is middling");
             }
             for (&there, missed) in cells.iter().zip(&mut missed) {
                 *missed *= 1.0 - confirms(&sim, &model, there, None);
@@ -248,9 +279,10 @@ mod tests {
         let mut finding = Finding::new(1, &model);
         finding.start(0, &model, &sim.state());
         let mut gains = vec![0.0; model.uav_count()];
+        let mut by_pilot = gains.clone();
         let actions = vec![0.3; 2 * model.uav_count()];
         sim.step(&actions).unwrap();
-        finding.gained(0, &model, &sim.state(), &mut gains);
+        finding.gained(0, &model, &sim.state(), &mut gains, &mut by_pilot);
         let mut other = Finding::new(1, &model);
         other.start(0, &model, &sim.state());
         assert_ne!(other.missed, finding.missed);

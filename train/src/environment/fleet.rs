@@ -68,6 +68,14 @@ impl Treatment {
             .sum();
         paid - self.step_cost
     }
+
+    /// What of a UAV's reward comes of its pilot density in the same step.
+    fn pilot_gain(&self, components: &[f64], by_pilot: f64) -> f64 {
+        let own = NAMES.iter().zip(components).zip(&self.factors);
+        let own = own.filter(|((name, _), _)| matches!(**name, "energy" | "throughput"));
+        let paid: f64 = own.map(|((_, component), factor)| component * factor).sum();
+        paid + self.finding_reward * by_pilot
+    }
 }
 
 /// Missions of one configuration side by side.
@@ -91,6 +99,8 @@ pub struct Fleet {
     finding: Option<Finding>,
     /// What training pays each UAV of a mission besides, and what it is paid for.
     extra: [Vec<f64>; 2],
+    /// Confirmations that each UAV of a mission owes to its pilot density.
+    by_pilot: Vec<f64>,
     rewards: Vec<f32>,
     ended: [Vec<u8>; 2],
     metrics: Vec<Metrics>,
@@ -119,6 +129,7 @@ impl Fleet {
             informed: Informed::default(),
             finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
+            by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
             ended: [vec![0; environments], vec![0; environments]],
             metrics: vec![Metrics::default(); environments],
@@ -170,6 +181,7 @@ impl Fleet {
         let state = self.model.state(state).expect("a state of this model");
         let [extra, gained] = &mut self.extra;
         extra.fill(0.0);
+        self.by_pilot.fill(0.0);
         if out.terminated[m] || out.truncated[m] {
             if out.terminated[m] {
                 self.informing.completed(m, &self.model, &mut self.informed);
@@ -192,14 +204,18 @@ impl Fleet {
             add(extra, self.treatment.informing_reward, &informed.hotspots);
             add(extra, self.treatment.meeting_reward, &informed.cells);
             if let Some(finding) = &mut self.finding {
-                finding.gained(m, &self.model, &state, gained);
+                finding.gained(m, &self.model, &state, gained, &mut self.by_pilot);
                 add(extra, self.treatment.finding_reward, gained);
             }
         }
         let uavs = extra.len();
+        let components = || self.uav_components.chunks_exact(COMPONENTS);
+        let own = out.pilot_gains.iter_mut().zip(components());
+        for ((gain, components), by_pilot) in own.skip(m * uavs).zip(&self.by_pilot) {
+            *gain = self.treatment.pilot_gain(components, *by_pilot) as f32;
+        }
         if out.rewards.len() > self.environments {
-            let components = self.uav_components.chunks_exact(COMPONENTS);
-            let own = out.rewards.iter_mut().zip(components).skip(m * uavs);
+            let own = out.rewards.iter_mut().zip(components()).skip(m * uavs);
             for ((reward, components), extra) in own.zip(&*extra) {
                 *reward = (self.treatment.reward(components) + extra) as f32;
             }
@@ -258,9 +274,9 @@ impl VectorEnvironment for Fleet {
                 .chunks_exact_mut(2)
                 .for_each(|action| action[1] = pilot);
         }
-        if out.rewards.len() > self.environments {
-            self.uav_components
-                .resize(out.rewards.len() * COMPONENTS, 0.0);
+        if out.rewards.len() > self.environments || !out.pilot_gains.is_empty() {
+            let rows = self.held.len() / 2;
+            self.uav_components.resize(rows * COMPONENTS, 0.0);
         }
         let [terminated, truncated] = &mut self.ended;
         let mut scratch =

@@ -16,16 +16,15 @@ const LOG_STD: [f32; 2] = [-2.3, 1.0];
 
 const HALF_LN_TAU: f32 = 0.918_938_5;
 
-pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32) {
-    let mut raw = [0.0; 2];
-    let mut log_prob = 0.0;
+pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
+    let (mut raw, mut log_probs) = ([0.0; 2], [0.0; 2]);
     for axis in 0..2 {
         let log_std = outputs[2 + axis].clamp(LOG_STD[0], LOG_STD[1]);
         let z: f32 = StandardNormal.sample(random);
         raw[axis] = outputs[axis] + log_std.exp() * z;
-        log_prob += -0.5 * z * z - log_std - HALF_LN_TAU;
+        log_probs[axis] = -0.5 * z * z - log_std - HALF_LN_TAU;
     }
-    (raw, log_prob)
+    (raw, log_probs)
 }
 
 pub(super) fn deterministic(outputs: &[f32]) -> [f32; 2] {
@@ -39,16 +38,15 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
     let mean = outputs.clone().narrow(1, 0, 2);
     let log_std = outputs.narrow(1, 2, 2).clamp(LOG_STD[0], LOG_STD[1]);
     let z = (raw - mean) / log_std.clone().exp();
-    let log_prob = (z.square().mul_scalar(-0.5) - log_std.clone())
-        .sum_dim(1)
-        .sub_scalar(2.0 * HALF_LN_TAU);
+    let log_probs = (z.square().mul_scalar(-0.5) - log_std.clone()).sub_scalar(HALF_LN_TAU);
     let entropy = log_std.sum_dim(1).add_scalar(1.0 + 2.0 * HALF_LN_TAU);
-    Densities { log_prob, entropy }
+    Densities { log_probs, entropy }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::values;
     use burn_tensor::Device;
 
     // N(0.5, 1) at 1.5 and N(-0.25, e^-1) at -0.25: closed forms of the normal density.
@@ -59,8 +57,13 @@ mod tests {
             &Device::flex(),
         );
         let densities = densities(outputs, &[1.5, -0.25]);
-        let expected = (-0.5 - HALF_LN_TAU) + (1.0 - HALF_LN_TAU);
-        assert!((densities.log_prob.into_scalar::<f32>() - expected).abs() < 1e-6);
+        let log_probs = values(densities.log_probs);
+        for (log_prob, expected) in log_probs
+            .iter()
+            .zip([-0.5 - HALF_LN_TAU, 1.0 - HALF_LN_TAU])
+        {
+            assert!((log_prob - expected).abs() < 1e-6);
+        }
         // Entropy of a normal: ½ ln(2πe σ²), summed over both components.
         let expected = 2.0 * (0.5 + HALF_LN_TAU) - 1.0;
         assert!((densities.entropy.into_scalar::<f32>() - expected).abs() < 1e-6);
@@ -71,11 +74,13 @@ mod tests {
         let mut random = crate::random::stream(3, 0);
         let outputs = [0.2f32, -0.6, -0.7, 0.4];
         for _ in 0..50 {
-            let (raw, log_prob) = sample(&outputs, &mut random);
+            let (raw, log_probs) = sample(&outputs, &mut random);
             let tensor =
                 Tensor::<2>::from_data(TensorData::new(outputs.to_vec(), [1, 4]), &Device::flex());
-            let from_tensors = densities(tensor, &raw).log_prob.into_scalar::<f32>();
-            assert!((log_prob - from_tensors).abs() < 1e-5);
+            let from_tensors = values(densities(tensor, &raw).log_probs);
+            for (log_prob, from_tensors) in log_probs.iter().zip(from_tensors) {
+                assert!((log_prob - from_tensors).abs() < 1e-5);
+            }
         }
     }
 }

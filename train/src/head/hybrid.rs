@@ -52,7 +52,7 @@ fn beta_log_density(alpha: f64, beta: f64, x: f64) -> f64 {
         - ln_gamma(beta)
 }
 
-pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32) {
+pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
     let log_probs = log_softmax_slice(&outputs[..MOTIONS]);
     let mut left: f64 = random.random();
     let mut motion = MOTIONS - 1;
@@ -66,8 +66,9 @@ pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], f32
     let (alpha, beta) = concentrations(outputs);
     let pilot: f64 = Beta::new(alpha, beta).expect("α, β ≥ 1").sample(random);
     let pilot = (pilot as f32).clamp(MARGIN, 1.0 - MARGIN);
-    let log_prob = log_probs[motion] + beta_log_density(alpha, beta, f64::from(pilot));
-    ([motion as f32, pilot], log_prob as f32)
+    let pilot_log_prob = beta_log_density(alpha, beta, f64::from(pilot));
+    let log_probs = [log_probs[motion], pilot_log_prob].map(|log_prob| log_prob as f32);
+    ([motion as f32, pilot], log_probs)
 }
 
 pub(super) fn deterministic(outputs: &[f32]) -> [f32; 2] {
@@ -145,7 +146,7 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
         - log_norm;
 
     Densities {
-        log_prob: motion_log_prob + pilot_log_prob,
+        log_probs: Tensor::cat(vec![motion_log_prob, pilot_log_prob], 1),
         entropy: motion_entropy + pilot_entropy,
     }
 }
@@ -162,7 +163,7 @@ mod tests {
         );
         let densities = densities(outputs, &raw);
         (
-            densities.log_prob.into_scalar::<f32>(),
+            densities.log_probs.sum().into_scalar::<f32>(),
             densities.entropy.into_scalar::<f32>(),
         )
     }
@@ -200,7 +201,8 @@ mod tests {
         for round in 0..200 {
             let outputs: [f32; OUTPUT_LEN] =
                 std::array::from_fn(|_| random.random_range(-3.0f32..6.0));
-            let (raw, log_prob) = sample(&outputs, &mut random);
+            let (raw, log_probs) = sample(&outputs, &mut random);
+            let log_prob = log_probs[0] + log_probs[1];
             assert!((0.0..MOTIONS as f32).contains(&raw[0]) && (0.0..1.0).contains(&raw[1]));
             let (from_tensors, _) = of(raw, outputs);
             assert!(

@@ -4,7 +4,7 @@ use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::Head;
 use crate::network::{Network, values};
 use crate::ppo::normalise::Affine;
-use crate::settings::{Credit, CriticInput};
+use crate::settings::{Credit, CriticInput, PilotCredit};
 use burn_tensor::{Device, Tensor};
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
@@ -22,10 +22,12 @@ pub struct Rollout {
     pub global: Vec<f32>,
     /// Raw samples of the head, T × M·N × 2.
     pub raw_actions: Vec<f32>,
-    /// ln π of the samples, T × M·N.
+    /// ln π of the samples' motion and pilot, T × M·N × 2.
     pub log_probs: Vec<f32>,
     /// T × M, or T × M·N where each UAV is paid its own.
     pub rewards: Vec<f32>,
+    /// What each pilot density gained in its step, T × M·N; empty where nobody asks.
+    pub pilot_gains: Vec<f32>,
     /// T × M.
     pub terminated: Vec<bool>,
     /// T × M.
@@ -77,11 +79,12 @@ pub fn collect(
     policy: &ActingPolicy,
     steps: usize,
     credit: Credit,
+    pilot_credit: PilotCredit,
     random: &mut ChaCha8Rng,
 ) -> Rollout {
     let shape = environment.shape();
-    let mut out = StepOut::new(shape, credit);
-    let mut rollout = Rollout::new(shape, steps, out.rewards.len());
+    let mut out = StepOut::new(shape, credit, pilot_credit);
+    let mut rollout = Rollout::new(shape, steps, &out);
     let weights = policy.network.tensors(policy.parameters, policy.device);
     let mut actions = vec![0.0; shape.rows() * 2];
     for t in 0..steps {
@@ -104,10 +107,10 @@ pub fn collect(
         };
         let samples = outputs.chunks_exact(policy.head.output_len());
         for (row, output) in samples.enumerate() {
-            let (raw, log_prob) = policy.head.sample(output, random);
+            let (raw, log_probs) = policy.head.sample(output, random);
             let place = rows.start + row;
             rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
-            rollout.log_probs[place] = log_prob;
+            rollout.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
             actions[2 * row..2 * row + 2].copy_from_slice(&policy.head.action(raw));
         }
         rollout.inference += started.elapsed();
@@ -133,7 +136,7 @@ fn act(
 }
 
 impl Rollout {
-    fn new(shape: Shape, steps: usize, rewards: usize) -> Rollout {
+    fn new(shape: Shape, steps: usize, out: &StepOut) -> Rollout {
         let (rows, missions) = (steps * shape.rows(), steps * shape.environments);
         Rollout {
             shape,
@@ -141,8 +144,9 @@ impl Rollout {
             observations: vec![0.0; rows * shape.observation_len],
             global: vec![0.0; missions * shape.global_len],
             raw_actions: vec![0.0; rows * 2],
-            log_probs: vec![0.0; rows],
-            rewards: vec![0.0; steps * rewards],
+            log_probs: vec![0.0; rows * 2],
+            rewards: vec![0.0; steps * out.rewards.len()],
+            pilot_gains: Vec::with_capacity(steps * out.pilot_gains.len()),
             terminated: vec![false; missions],
             truncated: vec![false; missions],
             endings: Vec::new(),
@@ -155,6 +159,11 @@ impl Rollout {
         }
     }
 
+    /// Actions held, T × M·N.
+    pub fn rows(&self) -> usize {
+        self.steps * self.shape.rows()
+    }
+
     /// Mission-steps held.
     pub fn missions(&self) -> usize {
         self.steps * self.shape.environments
@@ -165,6 +174,7 @@ impl Rollout {
         let rows = t * missions..(t + 1) * missions;
         let rewards = out.rewards.len();
         self.rewards[t * rewards..(t + 1) * rewards].copy_from_slice(&out.rewards);
+        self.pilot_gains.extend_from_slice(&out.pilot_gains);
         self.terminated[rows.clone()].copy_from_slice(&out.terminated);
         self.truncated[rows.clone()].copy_from_slice(&out.truncated);
         for (m, row) in rows.enumerate() {
@@ -196,7 +206,7 @@ impl Rollout {
     pub fn critic_rows(&self, input: CriticInput) -> usize {
         match input {
             CriticInput::State => self.missions(),
-            CriticInput::StateAndUav => self.log_probs.len(),
+            CriticInput::StateAndUav => self.rows(),
         }
     }
 

@@ -193,10 +193,9 @@ impl Pass<'_> {
         step: &Step,
         random: &mut ChaCha8Rng,
     ) -> Sums {
-        let rows_of = |rollout: &Rollout| rollout.log_probs.len();
         let shards = shards(
             self.rollouts,
-            rows_of,
+            Rollout::rows,
             objective.sample_share,
             step.shard_rows,
             random,
@@ -207,39 +206,45 @@ impl Pass<'_> {
             step,
             self.device,
             |network, weights, minibatch, rows| {
-                let scale = self.advantage_scale(minibatch, objective.normalise_advantages);
+                let scale = self.advantage_scales(minibatch, objective.normalise_advantages);
                 minibatch
                     .par_iter()
                     .map(|shard| {
-                        self.actor_gradient(network, weights, head, objective, shard, scale, rows)
+                        self.actor_gradient(network, weights, head, objective, shard, &scale, rows)
                     })
                     .collect()
             },
         )
     }
 
-    /// Mean and standard deviation of the advantages of a minibatch's rows.
-    fn advantage_scale(&self, minibatch: &[Shard], normalise: bool) -> (f32, f32) {
-        if !normalise {
-            return (0.0, 1.0);
-        }
-        let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
-        for &row in minibatch.iter().flatten() {
-            let advantage = f64::from(self.advantage(row));
-            count += 1.0;
-            sum += advantage;
-            square += advantage * advantage;
-        }
-        let mean = sum / count;
-        let deviation = (square / count - mean * mean).max(0.0).sqrt();
-        (mean as f32, deviation as f32 + 1e-8)
+    /// Mean and standard deviation of each of the advantages of a minibatch's rows.
+    fn advantage_scales(&self, minibatch: &[Shard], normalise: bool) -> Vec<(f32, f32)> {
+        let rows = || minibatch.iter().flatten();
+        let columns = rows().next().map_or(0, |&row| self.advantages(row).count());
+        let scale = |column: usize| {
+            if !normalise {
+                return (0.0, 1.0);
+            }
+            let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
+            for &row in rows() {
+                let advantage = f64::from(self.advantages(row).nth(column).unwrap_or(0.0));
+                count += 1.0;
+                sum += advantage;
+                square += advantage * advantage;
+            }
+            let mean = sum / count;
+            let deviation = (square / count - mean * mean).max(0.0).sqrt();
+            (mean as f32, deviation as f32 + 1e-8)
+        };
+        (0..columns).map(scale).collect()
     }
 
-    /// A UAV's advantage, or its team's where all share one.
-    fn advantage(&self, (rollout, row): Row) -> f32 {
+    /// A UAV's advantage, or its team's where all share one; and its pilot density's own, where it has one.
+    fn advantages(&self, (rollout, row): Row) -> impl Iterator<Item = f32> {
         let rollout = &self.rollouts[rollout as usize];
-        let shared = rollout.log_probs.len() / rollout.advantages.len();
-        rollout.advantages[row as usize / shared]
+        let shared = rollout.rows() / rollout.advantages.len();
+        let own = rollout.pilot_gains.get(row as usize).copied();
+        std::iter::once(rollout.advantages[row as usize / shared]).chain(own)
     }
 
     #[allow(clippy::too_many_arguments)] // one shard's share of one objective
@@ -250,21 +255,26 @@ impl Pass<'_> {
         head: Head,
         objective: &ActorObjective,
         shard: &Shard,
-        (mean, deviation): (f32, f32),
+        scales: &[(f32, f32)],
         minibatch_rows: usize,
     ) -> (Vec<f32>, Sums) {
         let shape = self.shape(shard);
         let (weights, outputs) = self.outputs(network, weights, shard, self.observations(shard));
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
-        let old = matrix(self.gather(shard, 1, |r| &r.log_probs), 1, self.device);
+        let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
             .iter()
-            .map(|&row| (self.advantage(row) - mean) / deviation)
+            .flat_map(|&row| self.advantages(row).zip(scales))
+            .map(|(advantage, (mean, deviation))| (advantage - mean) / deviation)
             .collect();
-        let advantages = matrix(advantages, 1, self.device);
+        let advantages = matrix(advantages, scales.len(), self.device);
 
         let densities = head.densities(outputs, &raw);
-        let log_ratio = densities.log_prob - old;
+        let log_ratios = densities.log_probs - old;
+        let log_ratio = match scales {
+            [_] => log_ratios.sum_dim(1),
+            _ => log_ratios,
+        };
         let ratio = log_ratio.clone().exp();
         let clipped = ratio
             .clone()
@@ -278,12 +288,16 @@ impl Pass<'_> {
             operations: operations(network, &shape, shard.len()),
             ..Sums::default()
         };
-        for (log_ratio, entropy) in values(log_ratio).iter().zip(values(densities.entropy)) {
+        for log_ratio in values(log_ratio) {
             let ratio = log_ratio.exp();
             sums.kl += f64::from(ratio - 1.0 - log_ratio);
-            sums.clipped += f64::from(u8::from((ratio - 1.0).abs() > objective.clip));
-            sums.entropy += f64::from(entropy);
+            let clipped = u8::from((ratio - 1.0).abs() > objective.clip);
+            sums.clipped += f64::from(clipped) / scales.len() as f64;
         }
+        sums.entropy += values(densities.entropy)
+            .into_iter()
+            .map(f64::from)
+            .sum::<f64>();
         let gradients = loss.backward();
         sums.loss = f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64;
         (flat_gradient(network, &weights, gradients), sums)
