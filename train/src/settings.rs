@@ -173,6 +173,9 @@ pub enum Preset {
     Tuned,
     /// The same for missions whose hotspots are hidden: paid for searching, not for coming nearer.
     Search,
+    /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot densities are
+    /// judged by their own step.
+    Mission,
 }
 
 impl std::str::FromStr for Preset {
@@ -183,8 +186,9 @@ impl std::str::FromStr for Preset {
             "paper" => Ok(Preset::Paper),
             "tuned" => Ok(Preset::Tuned),
             "search" => Ok(Preset::Search),
+            "mission" => Ok(Preset::Mission),
             _ => Err(format!(
-                "training preset: {name:?} is not one of paper, tuned, search"
+                "training preset: {name:?} is not one of paper, tuned, search, mission"
             )),
         }
     }
@@ -197,6 +201,7 @@ impl Settings {
             Preset::Paper => Settings::paper(),
             Preset::Tuned => Settings::tuned(),
             Preset::Search => Settings::search(),
+            Preset::Mission => Settings::mission(),
         }
     }
 
@@ -293,6 +298,24 @@ impl Settings {
             .insert("shaping_goal_weight".to_owned(), 0.0.into());
         Settings {
             finding_reward: 20.0,
+            ..settings
+        }
+    }
+
+    fn mission() -> Settings {
+        let mut settings = Settings::tuned();
+        settings.reward_factors.insert("energy".to_owned(), 10.0);
+        Settings {
+            total_steps: 400 * 5120,
+            pilot_credit: PilotCredit::Step,
+            curriculum: Some(Curriculum {
+                threshold_db: -10.0,
+                batches: 100,
+                stages: 25,
+            }),
+            finding_reward: 60.0,
+            informing_reward: 5.0,
+            meeting_reward: 3.0,
             ..settings
         }
     }

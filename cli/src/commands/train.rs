@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
-use jcas_core::{Config, TargetVisibility};
+use jcas_core::{Config, Model, TargetVisibility};
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::{Card, Precision};
 use jcas_train::run::{Ending, Observer, Plan};
@@ -31,6 +31,8 @@ pub enum TrainingPreset {
     Tuned,
     /// The same for hidden hotspots
     Search,
+    /// The same for a radar that detects in the own cell only
+    Mission,
     /// The paper's table
     Paper,
 }
@@ -61,7 +63,8 @@ pub struct Train {
         help_heading = "Configuration"
     )]
     hotspots: Vec<u32>,
-    /// Training settings to start from [default: search where hotspots are hidden, else tuned]
+    /// Training settings to start from [default: search where hotspots are hidden, mission where no UAV detects one from
+    /// a neighbouring cell, else tuned]
     #[arg(long, value_enum, help_heading = "Training")]
     training: Option<TrainingPreset>,
     /// TOML or JSON file whose settings replace those of the preset
@@ -166,11 +169,9 @@ impl Train {
         let preset = match self.training {
             Some(TrainingPreset::Tuned) => Preset::Tuned,
             Some(TrainingPreset::Search) => Preset::Search,
+            Some(TrainingPreset::Mission) => Preset::Mission,
             Some(TrainingPreset::Paper) => Preset::Paper,
-            None => match self.config.source()?.resolve()?.target_visibility {
-                TargetVisibility::Known => Preset::Tuned,
-                TargetVisibility::Hidden => Preset::Search,
-            },
+            None => fitting(&self.config.source()?.resolve()?)?,
         };
         let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;
         if let Some(path) = &self.train_config {
@@ -196,6 +197,17 @@ impl Train {
         settings.validate().map_err(CliError::input)?;
         Ok(settings)
     }
+}
+
+/// The settings that were kept for missions like this one.
+fn fitting(config: &Config) -> Result<Preset, CliError> {
+    let model = Model::new(*config).map_err(CliError::input)?;
+    let from_next_cell = model.detection_probability(1, 0, config.pilot_density_max);
+    Ok(match config.target_visibility {
+        TargetVisibility::Hidden => Preset::Search,
+        TargetVisibility::Known if from_next_cell < 0.01 => Preset::Mission,
+        TargetVisibility::Known => Preset::Tuned,
+    })
 }
 
 /// Puts `setting=value` into a table; `none` takes a setting away, a dot reaches into a table.
