@@ -69,6 +69,8 @@ fn a_c_program_flies_the_shipped_fleet_as_the_command_does() {
                 "simulate",
                 "--policy",
                 named,
+                "--preset",
+                "mission",
                 "--uavs",
                 "15",
                 "--hotspots",

@@ -287,6 +287,8 @@ impl Settings {
                 ("shaping_charge".to_owned(), 0.0),
             ]),
             step_cost: 0.3,
+            informing_reward: 5.0,
+            meeting_reward: 3.0,
             ..Settings::paper()
         }
     }
@@ -298,6 +300,8 @@ impl Settings {
             .insert("shaping_goal_weight".to_owned(), 0.0.into());
         Settings {
             finding_reward: 20.0,
+            informing_reward: 0.0,
+            meeting_reward: 0.0,
             ..settings
         }
     }
@@ -314,8 +318,6 @@ impl Settings {
                 stages: 25,
             }),
             finding_reward: 60.0,
-            informing_reward: 5.0,
-            meeting_reward: 3.0,
             ..settings
         }
     }
