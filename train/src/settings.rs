@@ -137,7 +137,8 @@ pub enum PilotCredit {
     /// As its motion: by the advantage.
     #[default]
     Return,
-    /// By what it gained in its own step, beside a middling density: detections, throughput and energy.
+    /// By what it gained in its own step, beside a middling density: detections as `finding_reward` weighs them,
+    /// throughput and energy.
     Step,
 }
 
@@ -362,6 +363,12 @@ impl Settings {
                 return Err(format!("{field}: {value} is not in (0, 1]"));
             }
         }
+        if self.pilot_credit == PilotCredit::Step && self.finding_reward <= 0.0 {
+            return Err(format!(
+                "pilot_credit: step weighs detections by finding_reward, which is {}, it must be above 0",
+                self.finding_reward
+            ));
+        }
         if let Some(Curriculum {
             batches, stages, ..
         }) = self.curriculum
@@ -392,5 +399,28 @@ impl Settings {
     /// Iterations of the run.
     pub fn iterations(&self) -> u64 {
         self.total_steps.div_ceil(self.batch_steps as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_legal_and_densities_need_something_to_be_judged_by() {
+        for preset in [
+            Preset::Paper,
+            Preset::Tuned,
+            Preset::Search,
+            Preset::Mission,
+        ] {
+            Settings::preset(preset).validate().unwrap();
+        }
+        let settings = Settings {
+            pilot_credit: PilotCredit::Step,
+            ..Settings::preset(Preset::Tuned)
+        };
+        let told = settings.validate().unwrap_err();
+        assert!(told.contains("pilot_credit") && told.contains("finding_reward"));
     }
 }
