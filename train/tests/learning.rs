@@ -116,6 +116,8 @@ fn fleets_learn_missions_from_nothing() {
         mission: [("inform_payment".to_owned(), "once".into())].into(),
         reward_factors: [("shaping_goal".to_owned(), 0.0)].into(),
         progress_reward: 3.0,
+        informing_reward: 0.0,
+        meeting_reward: 0.0,
         ..tuned.clone()
     };
     for (settings, batches) in [(tuned, 20), (of_progress, 70)] {
