@@ -1,14 +1,16 @@
-//! The batch step of the kernel, compiled once for each instruction set that is worth it, and chosen when it runs.
+//! The batch step of the kernel and the products of policies' networks, compiled once for each instruction set that is
+//! worth it, and chosen when they run.
 //!
-//! The kernel has one source and gives the same bits on every instruction set; only its speed differs. It must be
+//! Both have one source and give the same bits on every instruction set; only their speed differs. They must be
 //! compiled into a function that has an instruction set's features, which is `unsafe` to call where a processor may
-//! lack them: that call is all that this crate does.
+//! lack them: those calls are all that this crate does.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Model, Scratch};
+use jcas_policy::network::{Operands, Product};
 
-/// An instruction set that the batch step is compiled for, and that this machine has.
+/// An instruction set that something is compiled for, and that this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstructionSet(Set);
 
@@ -85,6 +87,20 @@ impl InstructionSet {
             Set::V4 => unsafe { batch_step_v4(model, states, scratch, actions, auto_reset, out) },
         }
     }
+
+    /// What multiplies rows with the matrices of a network, with this instruction set.
+    #[must_use]
+    pub fn product(self) -> Product {
+        match self.0 {
+            Set::Baseline => Product::default(),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: only `best` and `all` make this variant, where the machine has what it needs.
+            Set::V3 => Product::new(|operands| unsafe { multiply_v3(operands) }),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Set::V4 => Product::new(|operands| unsafe { multiply_v4(operands) }),
+        }
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -136,4 +152,22 @@ unsafe fn batch_step_v4(
     out: &mut BatchOut<'_>,
 ) -> Result<(), Error> {
     model.batch_step_here(states, scratch, actions, auto_reset, out)
+}
+
+/// # Safety
+/// The processor has what [`has_v3`] looks for.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn multiply_v3(operands: Operands<'_>) {
+    operands.multiply_here::<64>();
+}
+
+/// # Safety
+/// The processor has what [`has_v4`] looks for.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(
+    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
+)]
+unsafe fn multiply_v4(operands: Operands<'_>) {
+    operands.multiply_here::<64>();
 }

@@ -1,14 +1,15 @@
 //! A policy behind its handle.
 //!
-//! A network's block is followed by the words of its kernel working memory, then by its weights, its own
-//! working memory, the observations and the actions: flying it allocates nothing. A baseline asks the heap for room
+//! A network's block is followed by the words of its kernel working memory, then, from a line of the caches on, by
+//! its weights, its own working memory, the observations and the actions: flying it allocates nothing. A baseline asks the heap for room
 //! for its plans, one for each simulation of a batch.
 
 use std::alloc::Layout;
 use std::slice;
 
 use jcas_core::{Error, Model, Scratch, StateRef, observation};
-use jcas_policy::network::{Flight, FlyError, Network};
+use jcas_dispatch::InstructionSet;
+use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
 use jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode};
 
 use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
@@ -77,7 +78,7 @@ impl Lengths {
     }
 
     fn words(&self) -> usize {
-        let floats = self.weights + self.scratch + self.observations + self.actions;
+        let floats = LINE_LEN + self.weights + self.scratch + self.observations + self.actions;
         self.kernel_words + floats.div_ceil(2)
     }
 }
@@ -100,7 +101,8 @@ unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
     let (kernel, rest) = words.split_at_mut(lengths.kernel_words);
     // SAFETY: every pattern of bits is two floats, of half the alignment; the words are not used otherwise.
     let floats = unsafe { slice::from_raw_parts_mut(rest.as_mut_ptr().cast(), 2 * rest.len()) };
-    let (weights, rest) = floats.split_at_mut(lengths.weights);
+    let line = line_offset(floats);
+    let (weights, rest) = floats[line..].split_at_mut(lengths.weights);
     let (scratch, rest) = rest.split_at_mut(lengths.scratch);
     let (observations, rest) = rest.split_at_mut(lengths.observations);
     Parts {
@@ -156,7 +158,7 @@ impl PolicyBlock {
             return Err(Fault::Status(crate::JCAS_ERROR_CORRUPT));
         }
         let pilot = Pilot::Network(Learned {
-            network: *network,
+            network: network.with_product(InstructionSet::best().product()),
             flight: network.flight(model.get().config()),
             lengths,
         });

@@ -1,6 +1,7 @@
 //! A mission in flight: the kernel, and whoever chooses its actions.
 
 use jcas_core::{Cell, Error, Model, Scratch, StateRef, hash, observation};
+use jcas_dispatch::InstructionSet;
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 
 use crate::setup::Setup;
@@ -232,6 +233,7 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
         trained
             .check(model)
             .map_err(|error| said(error.to_string()))?;
+        let trained = trained.with_product(InstructionSet::best().product());
         return Ok(Some(Box::new(trained)));
     }
     let kind = BaselineKind::named(&setup.policy).map_err(|error| format!("policy: {error}"))?;

@@ -5,14 +5,16 @@ use std::sync::Arc;
 use jcas_core::{Model, StateRef};
 
 use crate::Policy;
-use crate::network::{Flight, FlyError, LoadError, Network};
+use crate::network::{Flight, FlyError, LINE_LEN, LoadError, Network, Product, line_offset};
 
 /// A trained fleet, flying one mission at a time, every UAV from its own observation. A clone shares the weights.
 #[derive(Clone)]
 pub struct Trained {
     name: String,
     network: Network,
+    /// From `first` on, which begins a line of the caches.
     weights: Arc<[f32]>,
+    first: usize,
     flight: Option<Flight>,
     observations: Vec<f32>,
     scratch: Vec<f32>,
@@ -24,12 +26,17 @@ impl Trained {
     /// # Errors
     /// [`LoadError`] where they are no policy.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, LoadError> {
-        let mut weights = vec![0.0; Network::read(bytes)?.weights_len()];
-        let network = Network::load(bytes, &mut weights)?;
+        let len = Network::read(bytes)?.weights_len();
+        let mut weights: Arc<[f32]> = vec![0.0; len + LINE_LEN].into();
+        let first = line_offset(&weights);
+        let own =
+            Arc::get_mut(&mut weights).map_or(&mut [][..], |all| &mut all[first..first + len]);
+        let network = Network::load(bytes, own)?;
         Ok(Self {
             name: name.to_owned(),
             network,
-            weights: weights.into(),
+            weights,
+            first,
             flight: None,
             observations: Vec::new(),
             scratch: Vec::new(),
@@ -41,6 +48,15 @@ impl Trained {
     pub fn with_flight(self, flight: Flight) -> Self {
         Self {
             flight: Some(flight),
+            ..self
+        }
+    }
+
+    /// Flown by another compilation of the innermost loops, with the same results.
+    #[must_use]
+    pub fn with_product(self, product: Product) -> Self {
+        Self {
+            network: self.network.with_product(product),
             ..self
         }
     }
@@ -66,7 +82,7 @@ impl Trained {
         let mut outputs = vec![0.0; rows * self.network.head().outputs()];
         self.scratch.resize(self.network.scratch_len(model), 0.0);
         self.network.outputs(
-            &self.weights,
+            &self.weights[self.first..][..self.network.weights_len()],
             model,
             observations,
             &mut self.scratch,
@@ -99,7 +115,7 @@ impl Policy for Trained {
         self.scratch.resize(self.network.scratch_len(model), 0.0);
         self.network
             .act(
-                &self.weights,
+                &self.weights[self.first..][..self.network.weights_len()],
                 flight,
                 model,
                 state,

@@ -3,21 +3,26 @@
 mod mission;
 
 use jcas_policy::head::Mode;
+use jcas_policy::network::Product;
 use mission::{MISSIONS, fly};
 
 #[test]
 fn the_shipped_policy_flies_the_same_missions_everywhere() {
-    assert_eq!(MISSIONS.map(fly), MISSIONS);
+    assert_eq!(
+        MISSIONS.map(|mission| fly(mission, Product::default())),
+        MISSIONS
+    );
 }
 
 #[test]
 fn a_sampled_mission_follows_from_its_seed() {
     let of_seed = |seed| {
-        fly(mission::Mission {
+        let mission = mission::Mission {
             seed,
             mode: Mode::Sampled,
             ..MISSIONS[2]
-        })
+        };
+        fly(mission, Product::default())
     };
     assert_eq!(of_seed(4), of_seed(4));
     assert_ne!(of_seed(4).hash, of_seed(5).hash);

@@ -14,8 +14,8 @@ use std::path::Path;
 use burn_tensor::{Device, Tensor};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
-use jcas_evaluate::policy::network::Network;
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
+use jcas_dispatch::InstructionSet;
+use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, Trained};
 use jcas_train::network::values;
 use jcas_train::policy::files::{self, Stored, WEIGHTS};
 use jcas_train::policy::shape_of;
@@ -41,9 +41,8 @@ fn main() {
     let bytes: Vec<u8> = observations.iter().flat_map(|x| x.to_le_bytes()).collect();
     std::fs::write(to, bytes).expect("a file that can be written");
     let file = std::fs::read(Path::new(folder).join(WEIGHTS)).expect("the policy's weights");
-    let mut weights = vec![0.0; Network::read(&file).expect("a network").weights_len()];
-    let network = Network::load(&file, &mut weights).expect("a network");
-    let mut scratch = vec![0.0; network.scratch_len(&model)];
+    let ours = Trained::read("ours", &file).expect("a network");
+    let mut ours = ours.with_product(InstructionSet::best().product());
     let trainer = Trainer::new(&stored);
     for line in std::io::stdin().lock().lines() {
         let line = line.expect("text");
@@ -54,15 +53,13 @@ fn main() {
         let rows: usize = rows.parse().expect("a number of rows");
         let calls: u64 = calls.parse().expect("a number of calls");
         let seen = &observations[..rows * model.observation_len()];
-        let mut outputs = vec![0.0; rows * network.head().outputs()];
+        let mut outputs = Vec::new();
         for _ in 0..calls {
             let seen = black_box(seen);
-            match who {
-                "ours" => network
-                    .outputs(&weights, &model, seen, &mut scratch, &mut outputs)
-                    .expect("a mission that fits"),
-                _ => outputs = trainer.outputs(&model, seen),
-            }
+            outputs = match who {
+                "ours" => ours.outputs(&model, seen).expect("a mission that fits"),
+                _ => trainer.outputs(&model, seen),
+            };
             black_box(&outputs);
         }
         let told = if calls == 1 { &outputs[..] } else { &[] };

@@ -9,6 +9,7 @@ use crate::network::Network;
 use crate::ppo::normalise::Affine;
 use files::Precision;
 use jcas_core::Model;
+use jcas_dispatch::InstructionSet;
 use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::network::Flight;
 
@@ -54,6 +55,7 @@ impl Actor {
         let bytes =
             files::weights(self, Precision::Single, note).expect("arrays of their own length");
         let trained = Trained::read(name, &bytes).expect("an actor's own file");
+        let trained = trained.with_product(InstructionSet::best().product());
         trained.with_flight(Flight {
             mode: mode.into(),
             pilot: self.constant_pilot,

@@ -1,7 +1,8 @@
 //! Fully connected layers with ReLU between them.
 
-use super::dense::relu;
+use super::dense::Rows;
 use super::plan::{Mlp, Stack};
+use super::product::Product;
 
 /// Normalised inputs are clipped to this many standard deviations.
 const CLIP: f32 = 10.0;
@@ -18,6 +19,7 @@ impl Stack {
     /// Applies the layers to rows of [`Stack::inputs`] numbers; the outputs of each row, padded.
     pub(crate) fn apply<'s>(
         &self,
+        product: Product,
         weights: &[f32],
         inputs: &[f32],
         scratch: &'s mut [f32],
@@ -27,17 +29,12 @@ impl Stack {
         let mut width = 0;
         for (index, layer) in self.layers().iter().enumerate() {
             let next = layer.width();
-            if index == 0 {
-                layer.apply(weights, inputs, self.inputs(), &mut to[..rows * next]);
+            let inputs = if index == 0 {
+                Rows::plain(inputs, self.inputs())
             } else {
-                relu(&mut from[..rows * width]);
-                layer.apply(
-                    weights,
-                    &from[..rows * width],
-                    width,
-                    &mut to[..rows * next],
-                );
-            }
+                Rows::rectified(&from[..rows * width], width)
+            };
+            layer.apply(product, weights, inputs, &mut to[..rows * next]);
             width = next;
             core::mem::swap(&mut from, &mut to);
         }
@@ -54,6 +51,7 @@ impl Mlp {
     /// Outputs for at most [`ROWS`] observations, padded.
     pub(crate) fn outputs<'s>(
         &self,
+        product: Product,
         weights: &[f32],
         observations: &[f32],
         scratch: &'s mut [f32],
@@ -78,6 +76,6 @@ impl Mlp {
                 }
             }
         }
-        self.stack.apply(weights, inputs, scratch)
+        self.stack.apply(product, weights, inputs, scratch)
     }
 }

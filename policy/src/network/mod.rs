@@ -22,6 +22,7 @@ mod file;
 mod mlp;
 mod note;
 mod plan;
+mod product;
 mod set;
 
 #[cfg(any(kani, test))]
@@ -32,6 +33,7 @@ pub(crate) use file::{HEADER_MAX, place, split, with_digit};
 pub use error::{ArrayName, FlyError, LoadError};
 pub use note::Note;
 pub use plan::DEPTH_MAX;
+pub use product::{Operands, Product};
 
 use jcas_core::{Config, Model, StateRef, UavTag};
 
@@ -41,6 +43,16 @@ use file::File;
 use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
 use set::Sizes;
 
+/// Numbers in a line of the caches. Weights are read fastest where they begin with one.
+pub const LINE_LEN: usize = 16;
+
+/// Numbers before the first line of the caches that begins in `memory`; fewer than [`LINE_LEN`].
+#[must_use]
+pub fn line_offset(memory: &[f32]) -> usize {
+    let offset = memory.as_ptr().align_offset(LINE_LEN * size_of::<f32>());
+    offset.min(LINE_LEN - 1)
+}
+
 /// A network, laid out. Its weights are the caller's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Network {
@@ -48,6 +60,7 @@ pub struct Network {
     head: Head,
     weights_len: usize,
     note: Note,
+    product: Product,
 }
 
 /// How a policy is flown.
@@ -135,7 +148,14 @@ impl Network {
             head,
             weights_len,
             note,
+            product: Product::default(),
         })
+    }
+
+    /// Flown by another compilation of the innermost loops, with the same results.
+    #[must_use]
+    pub const fn with_product(self, product: Product) -> Self {
+        Self { product, ..self }
     }
 
     /// Numbers that its weights take.
@@ -221,8 +241,10 @@ impl Network {
         let mut row = 0;
         for observations in observations.chunks(mlp::ROWS * sizes.observation_len) {
             let outputs = match &self.kind {
-                Kind::Mlp(mlp) => mlp.outputs(weights, observations, scratch),
-                Kind::Set(set) => set.outputs(weights, observations, row, sizes, scratch),
+                Kind::Mlp(mlp) => mlp.outputs(self.product, weights, observations, scratch),
+                Kind::Set(set) => {
+                    set.outputs(self.product, weights, observations, row, sizes, scratch)
+                }
             };
             for outputs in outputs.chunks_exact(padded(self.head.outputs())) {
                 visit(row, &outputs[..self.head.outputs()])?;

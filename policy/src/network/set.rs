@@ -5,9 +5,10 @@
 
 use jcas_core::observation::index_tag;
 
-use super::dense::{LANES, Layer, relu};
+use super::dense::{LANES, Layer, Rows, relu};
 use super::mlp::ROWS;
 use super::plan::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
+use super::product::Product;
 
 /// Sums over a set are divided by this.
 const CROWD: f32 = 8.0;
@@ -84,6 +85,7 @@ impl Set {
     /// Outputs for at most [`ROWS`] observations, padded; they are rows `first` and on.
     pub(crate) fn outputs<'s>(
         &self,
+        product: Product,
         weights: &[f32],
         observations: &[f32],
         first: usize,
@@ -96,14 +98,16 @@ impl Set {
         let outs = inputs.chunks_exact_mut(self.trunk.inputs());
         for (index, (row, out)) in observations.zip(outs).enumerate() {
             let tag = index_tag((first + index) % sizes.uavs, sizes.uavs);
-            self.pool(weights, row, tag, sizes, out, scratch);
+            self.pool(product, weights, row, tag, sizes, out, scratch);
         }
-        self.trunk.apply(weights, inputs, scratch)
+        self.trunk.apply(product, weights, inputs, scratch)
     }
 
     /// What the trunk reads of one observation: attended hotspots, pooled neighbours, the UAV's own fields.
+    #[allow(clippy::too_many_arguments)]
     fn pool(
         &self,
+        product: Product,
         weights: &[f32],
         row: &[f32],
         tag: f32,
@@ -123,15 +127,15 @@ impl Set {
         let (numbered, counted) = unseen.split_at_mut(unseen.len() - usize::from(sizes.fleet_size));
         numbered.fill(tag);
         counted.fill(sizes.uavs as f32 / CROWD);
-        self.pool_neighbours(weights, slots, neighbours, &mut *scratch);
+        self.pool_neighbours(product, weights, slots, neighbours, &mut *scratch);
 
         let context = take(&mut scratch, self.own.inputs);
         context[..own.len()].copy_from_slice(own);
         context[own.len()..].copy_from_slice(neighbours);
         let start = take(&mut scratch, self.own.width());
-        let bias = self.bias(weights, &self.hotspot[0]);
-        self.own
-            .apply_from(weights, bias, context, self.own.inputs, start);
+        let rows = Rows::plain(context, self.own.inputs);
+        let bias = self.hotspot[0].bias(weights);
+        self.own.apply_from(product, weights, bias, rows, start);
 
         let features = take(&mut scratch, n * HOTSPOT_FEATURES);
         describe(hotspots, slots, sizes, features);
@@ -139,10 +143,11 @@ impl Set {
         let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
         let [first, second, third] = &self.hotspot;
         let embeddings = &mut one[..n * first.width()];
-        first.apply_from(weights, start, features, HOTSPOT_FEATURES, embeddings);
-        relu(embeddings);
+        let rows = Rows::plain(features, HOTSPOT_FEATURES);
+        first.apply_from(product, weights, start, rows, embeddings);
         let next = &mut other[..n * second.width()];
-        second.apply(weights, embeddings, first.width(), next);
+        let rows = Rows::rectified(embeddings, first.width());
+        second.apply(product, weights, rows, next);
         relu(next);
         // A second round in which every hotspot knows of the others: the order of a tour.
         let sums = take(&mut scratch, second.width());
@@ -150,16 +155,17 @@ impl Set {
         add_up(next, second.width(), sums);
         divide(sums, CROWD);
         let start = take(&mut scratch, self.others.width());
-        let bias = self.bias(weights, third);
+        let rows = Rows::plain(sums, second.width());
         self.others
-            .apply_from(weights, bias, sums, second.width(), start);
+            .apply_from(product, weights, third.bias(weights), rows, start);
         let embeddings = &mut one[..n * third.width()];
-        third.apply_from(weights, start, next, second.width(), embeddings);
+        let rows = Rows::plain(next, second.width());
+        third.apply_from(product, weights, start, rows, embeddings);
         relu(embeddings);
         let scores = take(&mut scratch, n * self.score.width());
         // The scores' bias is the same for every hotspot, so the softmax over hotspots cancels it.
-        self.score
-            .apply_from(weights, &[], embeddings, third.width(), scores);
+        let rows = Rows::plain(embeddings, third.width());
+        self.score.apply_from(product, weights, &[], rows, scores);
         for (head, attended) in attended.chunks_exact_mut(embedded).enumerate() {
             attend(
                 scores,
@@ -172,16 +178,10 @@ impl Set {
         }
     }
 
-    fn bias<'w>(&self, weights: &'w [f32], layer: &Layer) -> &'w [f32] {
-        match layer.bias {
-            Some(first) => &weights[first..first + layer.width()],
-            None => &[],
-        }
-    }
-
     /// The sum over the neighbours that are there.
     fn pool_neighbours(
         &self,
+        product: Product,
         weights: &[f32],
         slots: &[f32],
         pooled: &mut [f32],
@@ -202,10 +202,11 @@ impl Set {
                 count += 1;
             }
             let hidden = &mut hidden[..count * first.width()];
-            first.apply(weights, &inputs[..count * SLOT_FIELDS], SLOT_FIELDS, hidden);
-            relu(hidden);
+            let rows = Rows::plain(&inputs[..count * SLOT_FIELDS], SLOT_FIELDS);
+            first.apply(product, weights, rows, hidden);
             let encoded = &mut encoded[..count * second.width()];
-            second.apply(weights, hidden, first.width(), encoded);
+            let rows = Rows::rectified(hidden, first.width());
+            second.apply(product, weights, rows, encoded);
             relu(encoded);
             add_up(encoded, second.width(), pooled);
         }

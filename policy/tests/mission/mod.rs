@@ -1,10 +1,10 @@
 //! Missions of the shipped policy and the hash of all actions of each, on every platform. The tests of this
-//! crate fly them, and so does `tests/portable` on AArch64 and wasm32.
+//! crate fly them, those of jcas-dispatch with each instruction set, and `tests/portable` on AArch64 and wasm32.
 
 use jcas_core::hash::Fnv1a;
 use jcas_core::{Config, Model, Sim};
 use jcas_policy::head::Mode;
-use jcas_policy::network::{Flight, Network};
+use jcas_policy::network::{Flight, Network, Product};
 
 const FLEET: &[u8] = include_bytes!("../../../policies/fleet/policy.safetensors");
 
@@ -49,8 +49,8 @@ pub const MISSIONS: [Mission; 3] = [
     ),
 ];
 
-/// The same mission as it comes out here.
-pub fn fly(mission: Mission) -> Mission {
+/// The same mission as it comes out here, its network multiplied so.
+pub fn fly(mission: Mission, product: Product) -> Mission {
     let model = Model::new(Config {
         uav_count: mission.uav_count,
         hotspot_count: mission.hotspot_count,
@@ -60,6 +60,7 @@ pub fn fly(mission: Mission) -> Mission {
     let layout = Network::read(FLEET).expect("the shipped policy is whole");
     let mut weights = vec![0.0; layout.weights_len()];
     let network = Network::load(FLEET, &mut weights).expect("the shipped policy is whole");
+    let network = network.with_product(product);
     let flight = Flight {
         mode: mission.mode,
         ..network.flight(model.config())

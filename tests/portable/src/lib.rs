@@ -8,6 +8,7 @@ mod wasm;
 mod mission;
 
 use jcas_evaluate::trace;
+use jcas_policy::network::Product;
 
 /// Name and text of each trace in `tests/golden`.
 const GOLDEN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/golden.rs"));
@@ -38,7 +39,7 @@ pub fn verify_all() -> Report {
         report.text.push_str(&line);
     }
     for expected in mission::MISSIONS {
-        let found = mission::fly(expected);
+        let found = mission::fly(expected, Product::default());
         if found == expected {
             let steps = found.steps;
             report.text += &format!("ok    policies/fleet: {steps} steps\n");

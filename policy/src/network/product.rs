@@ -1,0 +1,185 @@
+//! The innermost loops, which may be compiled for more than one instruction set.
+
+use core::fmt;
+
+use super::dense::{LANES, PANEL, Rows};
+
+/// Inputs worked out together: a panel's weights for them fit the first cache of most processors.
+const DEPTH: usize = 128;
+
+/// Rows worked out together.
+const ROWS: usize = 16;
+
+/// Inputs looked at together.
+const WORD: usize = 64;
+
+/// How rows are multiplied with a matrix: the same sums in the same order, as compiled for one instruction set
+/// or another.
+#[derive(Clone, Copy)]
+pub struct Product(fn(Operands<'_>));
+
+/// What a [`Product`] multiplies, and where the sums go.
+pub struct Operands<'a> {
+    matrix: &'a [f32],
+    inputs: usize,
+    rows: Rows<'a>,
+    sums: &'a mut [f32],
+}
+
+/// All give the same results.
+impl PartialEq for Product {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl fmt::Debug for Product {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("Product")
+    }
+}
+
+impl Default for Product {
+    /// As the whole program is compiled.
+    fn default() -> Self {
+        Self(|operands| operands.multiply_here::<32>())
+    }
+}
+
+impl Product {
+    /// One whose function is [`Operands::multiply_here`] inlined.
+    #[must_use]
+    pub const fn new(multiply: fn(Operands<'_>)) -> Self {
+        Self(multiply)
+    }
+
+    /// Adds rows · W to the sums that are there, row by row.
+    pub(crate) fn add(self, matrix: &[f32], inputs: usize, rows: Rows<'_>, sums: &mut [f32]) {
+        (self.0)(Operands {
+            matrix,
+            inputs,
+            rows,
+            sums,
+        });
+    }
+}
+
+/// Which inputs of a row are not zero, in their order.
+struct Chosen {
+    indices: [u8; DEPTH],
+    count: usize,
+}
+
+impl Chosen {
+    const NONE: Self = Self {
+        indices: [0; DEPTH],
+        count: 0,
+    };
+
+    #[inline(always)]
+    fn choose(&mut self, inputs: &[f32], counts: impl Fn(f32) -> bool + Copy) {
+        self.count = 0;
+        let (words, rest) = inputs.as_chunks::<WORD>();
+        for (index, word) in words.iter().enumerate() {
+            let mut mask = 0;
+            for (bit, &input) in word.iter().enumerate() {
+                mask |= u64::from(counts(input)) << bit;
+            }
+            while mask != 0 {
+                self.push(index * WORD + mask.trailing_zeros() as usize, true);
+                mask &= mask - 1;
+            }
+        }
+        for (index, &input) in rest.iter().enumerate() {
+            self.push(words.len() * WORD + index, counts(input));
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, index: usize, counts: bool) {
+        // Written either way: half of them count, and no branch would guess which.
+        self.indices[self.count] = index as u8;
+        self.count += usize::from(counts);
+    }
+
+    #[inline(always)]
+    fn indices(&self) -> &[u8] {
+        &self.indices[..self.count]
+    }
+}
+
+impl Operands<'_> {
+    /// The product, compiled into its caller: for the instruction set that the caller is compiled for, whose
+    /// registers hold the sums of `WIDE` outputs, a divisor of 64.
+    #[inline(always)]
+    pub fn multiply_here<const WIDE: usize>(self) {
+        let Self {
+            matrix,
+            inputs,
+            rows,
+            sums,
+        } = self;
+        let width = matrix.len() / inputs;
+        let each = rows.values.chunks(ROWS * rows.stride);
+        for (values, sums) in each.zip(sums.chunks_mut(ROWS * width)) {
+            let mut chosen = [Chosen::NONE; ROWS];
+            for first in (0..inputs).step_by(DEPTH) {
+                let depth = DEPTH.min(inputs - first);
+                for (chosen, row) in chosen.iter_mut().zip(values.chunks_exact(rows.stride)) {
+                    let row = &row[first..first + depth];
+                    if rows.rectified {
+                        chosen.choose(row, |input| input > 0.0);
+                    } else {
+                        chosen.choose(row, |input| input != 0.0);
+                    }
+                }
+                let mut from = 0;
+                while from < width {
+                    let panel = PANEL.min(width - from);
+                    let weights = &matrix[from * inputs + first * panel..][..depth * panel];
+                    let whole = panel == PANEL;
+                    for part in (0..panel).step_by(if whole { WIDE } else { LANES }) {
+                        let each = values.chunks_exact(rows.stride).zip(&chosen);
+                        for ((row, chosen), sums) in each.zip(sums.chunks_exact_mut(width)) {
+                            let (row, sums) =
+                                (&row[first..first + depth], &mut sums[from + part..]);
+                            if whole {
+                                add::<WIDE>(row, chosen, &weights[part..], panel, sums);
+                            } else {
+                                add::<LANES>(row, chosen, &weights[part..], panel, sums);
+                            }
+                        }
+                    }
+                    from += panel;
+                }
+            }
+        }
+    }
+}
+
+/// Adds the chosen inputs' products to the first `N` sums; an input's weights lie `stride` after those of the one
+/// before.
+#[inline(always)]
+fn add<const N: usize>(
+    inputs: &[f32],
+    chosen: &Chosen,
+    weights: &[f32],
+    stride: usize,
+    sums: &mut [f32],
+) {
+    let Some(out) = sums.first_chunk_mut::<N>() else {
+        return;
+    };
+    let mut sums = *out;
+    for &index in chosen.indices() {
+        let index = usize::from(index);
+        let Some(weights) = weights[index * stride..].first_chunk::<N>() else {
+            return;
+        };
+        let input = inputs[index];
+        for lane in 0..N {
+            sums[lane] += input * weights[lane];
+        }
+    }
+    *out = sums;
+}
