@@ -18,6 +18,8 @@ use std::sync::Arc;
 pub struct Treatment {
     /// Factor on each reward component.
     pub factors: [f64; COMPONENTS],
+    /// Those of them that a pilot density has to do with in the same step; 0 elsewhere.
+    pilot_factors: [f64; COMPONENTS],
     /// Subtracted in every step.
     pub step_cost: f64,
     /// Paid to each UAV for each cell of its own progress.
@@ -37,6 +39,7 @@ impl Treatment {
     pub fn new(settings: &Settings, constant_pilot: Option<f32>) -> Result<Treatment, String> {
         let mut treatment = Treatment {
             factors: [1.0; COMPONENTS],
+            pilot_factors: [0.0; COMPONENTS],
             step_cost: settings.step_cost,
             progress_reward: settings.progress_reward,
             finding_reward: settings.finding_reward,
@@ -56,26 +59,29 @@ impl Treatment {
                 })?;
             treatment.factors[index] = factor;
         }
+        for (index, name) in NAMES.iter().enumerate() {
+            if matches!(*name, "energy" | "throughput") {
+                treatment.pilot_factors[index] = treatment.factors[index];
+            }
+        }
         Ok(treatment)
     }
 
     /// The reward for these components.
     fn reward(&self, components: &[f64]) -> f64 {
-        let paid: f64 = components
-            .iter()
-            .zip(&self.factors)
-            .map(|(component, factor)| component * factor)
-            .sum();
-        paid - self.step_cost
+        paid(components, &self.factors) - self.step_cost
     }
 
     /// What of a UAV's reward comes of its pilot density in the same step.
     fn pilot_gain(&self, components: &[f64], by_pilot: f64) -> f64 {
-        let own = NAMES.iter().zip(components).zip(&self.factors);
-        let own = own.filter(|((name, _), _)| matches!(**name, "energy" | "throughput"));
-        let paid: f64 = own.map(|((_, component), factor)| component * factor).sum();
-        paid + self.finding_reward * by_pilot
+        paid(components, &self.pilot_factors) + self.finding_reward * by_pilot
     }
+}
+
+/// Components by their factors, summed.
+fn paid(components: &[f64], factors: &[f64; COMPONENTS]) -> f64 {
+    let each = components.iter().zip(factors);
+    each.map(|(component, factor)| component * factor).sum()
 }
 
 /// Missions of one configuration side by side.
