@@ -172,6 +172,8 @@ pub fn variations() -> Vec<Variation> {
 fn uav_credit(settings: &mut Settings) {
     settings.credit = Credit::Uav;
     settings.critic_input = CriticInput::StateAndUav;
+    // Its rows are UAVs now, as the actor's.
+    settings.critic_minibatch_rows = settings.minibatch_rows;
 }
 
 /// Pilot density of the paper's constant model.

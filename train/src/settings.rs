@@ -35,7 +35,7 @@ pub struct Settings {
     pub epochs: usize,
     /// Actor samples (one UAV in one step) of a minibatch.
     pub minibatch_rows: usize,
-    /// Environment steps of a critic minibatch.
+    /// Rows of a critic minibatch: environment steps, or UAVs' where it sees one of them.
     pub critic_minibatch_rows: usize,
     /// Rows that one core works on at a time.
     pub shard_rows: usize,
