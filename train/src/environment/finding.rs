@@ -63,7 +63,8 @@ impl Finding {
 
     /// Confirmations that each UAV is expected to have added in the step that led to this state: that it detects
     /// a hotspot and exactly θ − 1 of the others do. And how many of them it owes to its pilot density not having
-    /// been in the middle of the range.
+    /// been in the middle of the range, taking of the others' densities and the highest those that make it decide
+    /// more: else none of θ UAVs that all sense little would gain by sensing more alone.
     pub fn gained(
         &mut self,
         mission: usize,
@@ -83,6 +84,7 @@ impl Finding {
         let quorum = config.quorum as usize;
         let mut chances = Vec::new();
         let mut fewer = vec![0.0; quorum];
+        let mut fewer_at_most = vec![0.0; quorum];
         for (index, missed) in (0..).zip(missed).filter(|(_, missed)| **missed > 0.0) {
             let there = Cell {
                 x: index % config.grid_width,
@@ -92,12 +94,16 @@ impl Finding {
             if chances.len() < quorum {
                 continue;
             }
-            for &Chance { uav, now, middling } in &chances {
-                let others = chances.iter().filter(|other| other.uav != uav);
-                happened(&mut fewer, others.map(|other| other.now));
-                let decides = each * *missed * fewer[quorum - 1];
-                gains[uav] += decides * now;
-                by_pilot[uav] += decides * (now - middling);
+            for chance in &chances {
+                let others = chances.iter().filter(|other| other.uav != chance.uav);
+                happened(&mut fewer, others.clone().map(|other| other.now));
+                happened(&mut fewer_at_most, others.map(|other| other.highest));
+                let decides = fewer[quorum - 1];
+                gains[chance.uav] += each * *missed * decides * chance.now;
+                by_pilot[chance.uav] += each
+                    * *missed
+                    * decides.max(fewer_at_most[quorum - 1])
+                    * (chance.now - chance.middling);
             }
             happened(&mut fewer, chances.iter().map(|chance| chance.now));
             *missed *= fewer.iter().sum::<f64>();
@@ -130,6 +136,8 @@ struct Chance {
     now: f64,
     /// With a pilot density in the middle of the range.
     middling: f64,
+    /// With the highest.
+    highest: f64,
 }
 
 /// The UAVs that may detect a hotspot in a cell from where they are, and with what chance.
@@ -147,10 +155,15 @@ fn chances_of(
         let cell = state.cell(uav);
         let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
         if dx < reach[0] && dy < reach[1] && !state.grounded(uav) {
-            let now = model.detection_probability(dx, dy, state.pilot_density(uav));
-            if now >= NEGLIGIBLE {
-                let middling = model.detection_probability(dx, dy, middle);
-                chances.push(Chance { uav, now, middling });
+            let with = |density| model.detection_probability(dx, dy, density);
+            let highest = with(config.pilot_density_max);
+            if highest >= NEGLIGIBLE {
+                chances.push(Chance {
+                    uav,
+                    now: with(state.pilot_density(uav)),
+                    middling: with(middle),
+                    highest,
+                });
             }
         }
     }
@@ -187,26 +200,19 @@ mod tests {
         assert_eq!(happens(3, fair(2)), 0.0);
     }
 
-    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes; one of them is away, or
-    /// senses with another pilot density.
-    fn confirms(
-        sim: &Sim<'_>,
-        model: &Model<'_>,
-        there: Cell,
-        other: Option<(usize, Option<f64>)>,
-    ) -> f64 {
+    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes, if they have these pilot
+    /// densities; those without one are away.
+    fn confirms(sim: &Sim<'_>, model: &Model<'_>, there: Cell, densities: &[Option<f64>]) -> f64 {
         let state = sim.state();
-        let chances: Vec<f64> = (0..model.uav_count())
-            .map(|uav| {
-                let (cell, density) = (state.cell(uav), state.pilot_density(uav));
+        let chances: Vec<f64> = (0..)
+            .zip(densities)
+            .map(|(uav, density)| {
+                let cell = state.cell(uav);
                 let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
-                let chance = model.detection_probability(dx, dy, density);
-                match other {
-                    _ if chance < NEGLIGIBLE => 0.0,
-                    Some((changed, density)) if changed == uav => {
-                        density.map_or(0.0, |density| model.detection_probability(dx, dy, density))
-                    }
-                    _ => chance,
+                let with = |density| model.detection_probability(dx, dy, density);
+                match density {
+                    Some(density) if with(0.3) >= NEGLIGIBLE => with(*density),
+                    _ => 0.0,
                 }
             })
             .collect();
@@ -248,26 +254,67 @@ mod tests {
                 .unwrap();
             finding.gained(1, &model, &sim.state(), &mut gains, &mut by_pilot);
             let total: f64 = missed.iter().sum();
+            let now: Vec<_> = (0..5)
+                .map(|uav| Some(sim.state().pilot_density(uav)))
+                .collect();
             for (uav, (gain, by_pilot)) in gains.iter().zip(by_pilot).enumerate() {
-                let beside = |density: Option<f64>| {
-                    let each = cells.iter().zip(&missed).map(|(&there, missed)| {
-                        let with = confirms(&sim, &model, there, None);
-                        missed * (with - confirms(&sim, &model, there, Some((uav, density))))
-                    });
+                // What comes of its own density instead of another, or of being away, in each cell.
+                let own = |there, others: &[Option<f64>], instead: Option<f64>| {
+                    let mut densities = others.to_vec();
+                    densities[uav] = now[uav];
+                    let with = confirms(&sim, &model, there, &densities);
+                    densities[uav] = instead;
+                    with - confirms(&sim, &model, there, &densities)
+                };
+                let sum = |in_cell: &dyn Fn(Cell) -> f64| {
+                    let each = cells.iter().zip(&missed);
+                    let each = each.map(|(&there, missed)| missed * in_cell(there));
                     each.sum::<f64>() * open / total
                 };
-                let (expected, middling) = (beside(None), beside(Some(0.155)));
+                let expected = sum(&|there| own(there, &now, None));
                 assert!(*gain > 0.01, "{gains:?}");
                 assert!((gain - expected).abs() < 1e-12, "{uav}: {gain} {expected}");
+                let expected = sum(&|there| {
+                    let middling = |others| own(there, others, Some(0.155));
+                    let (now, most) = (middling(&now), middling(&[Some(0.3); 5]));
+                    if now.abs() > most.abs() { now } else { most }
+                });
                 assert!(
-                    (by_pilot - middling).abs() < 1e-12,
-                    "{uav}: {by_pilot} {middling}"
+                    (by_pilot - expected).abs() < 1e-12,
+                    "{uav}: {by_pilot} {expected}"
                 );
                 assert!(by_pilot.abs() > 1e-6 || uav == 0, "its density is middling");
             }
             for (&there, missed) in cells.iter().zip(&mut missed) {
-                *missed *= 1.0 - confirms(&sim, &model, there, None);
+                *missed *= 1.0 - confirms(&sim, &model, there, &now);
             }
+        }
+    }
+
+    // Three UAVs over a known hotspot that all sense as little as they can: each is told that it should sense more,
+    // which alone would confirm next to nothing.
+    #[test]
+    fn a_quorum_that_senses_little_is_told_to_sense_more() {
+        let config = Config {
+            uav_count: 3,
+            hotspot_count: 1,
+            ..Config::preset(Preset::Mission)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(1);
+        sim.set_starts(&[sim.state().hotspot_cell(0); 3]).unwrap();
+        let mut finding = Finding::new(1, &model);
+        finding.start(0, &model, &sim.state());
+        let (mut gains, mut by_pilot) = ([0.0; 3], [0.0; 3]);
+        sim.step(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).unwrap();
+        finding.gained(0, &model, &sim.state(), &mut gains, &mut by_pilot);
+        let [low, middling, high] =
+            [0.01, 0.155, 0.3].map(|density| model.detection_probability(0, 0, density));
+        for (gain, by_pilot) in gains.iter().zip(by_pilot) {
+            assert!((gain - low.powi(3)).abs() < 1e-12, "{gains:?}");
+            let expected = high * high * (low - middling);
+            assert!((by_pilot - expected).abs() < 1e-12, "{by_pilot} {expected}");
         }
     }
 
