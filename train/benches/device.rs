@@ -42,7 +42,10 @@ fn measure(name: &str, on: &Device, steps: usize, side: usize) {
     let plain = plain_products_gflops(on, side);
     for preset in [Preset::Paper, Preset::Tuned] {
         let plan = plan(preset, name, steps);
-        let mut trainer = plan.trainer().expect("a plan that is legal");
+        let mut trainer = plan.trainer().unwrap_or_else(|error| {
+            eprintln!("{error}");
+            std::process::exit(2);
+        });
         let network = match trainer.settings.network {
             NetworkKind::Mlp => "MLP",
             NetworkKind::Set => "set",

@@ -138,7 +138,7 @@ pub enum PilotCredit {
     #[default]
     Return,
     /// By what it gained in its own step, beside a middling density: detections as `finding_reward` weighs them,
-    /// throughput and energy.
+    /// as if the others sensed as well as they can where that makes them decide more, throughput and energy.
     Step,
 }
 
