@@ -66,7 +66,8 @@ pub struct Settings {
     pub normalise_inputs: bool,
     /// Scale value targets by running statistics.
     pub normalise_values: bool,
-    /// Centre and scale advantages in each minibatch.
+    /// Centre and scale advantages in each minibatch, those of each fleet and number of hotspots by themselves: where
+    /// little is found yet they are small beside the others'.
     pub normalise_advantages: bool,
 
     /// Whose reward an action is judged by.

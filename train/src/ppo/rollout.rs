@@ -136,7 +136,7 @@ fn act(
 }
 
 impl Rollout {
-    fn new(shape: Shape, steps: usize, out: &StepOut) -> Rollout {
+    pub(super) fn new(shape: Shape, steps: usize, out: &StepOut) -> Rollout {
         let (rows, missions) = (steps * shape.rows(), steps * shape.environments);
         Rollout {
             shape,

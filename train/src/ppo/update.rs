@@ -65,7 +65,7 @@ pub struct ActorObjective {
     pub clip: f32,
     /// Weight of the entropy bonus.
     pub entropy: f64,
-    /// Centre and scale advantages in each minibatch.
+    /// Centre and scale advantages in each minibatch, those of missions of one shape by themselves.
     pub normalise_advantages: bool,
     /// Share of rows to visit.
     pub sample_share: f64,
@@ -206,20 +206,27 @@ impl Pass<'_> {
             step,
             self.device,
             |network, weights, minibatch, rows| {
-                let scale = self.advantage_scales(minibatch, objective.normalise_advantages);
                 minibatch
                     .par_iter()
                     .map(|shard| {
-                        self.actor_gradient(network, weights, head, objective, shard, &scale, rows)
+                        let scales =
+                            self.advantage_scales(minibatch, shard, objective.normalise_advantages);
+                        self.actor_gradient(network, weights, head, objective, shard, &scales, rows)
                     })
                     .collect()
             },
         )
     }
 
-    /// Mean and standard deviation of each of the advantages of a minibatch's rows.
-    fn advantage_scales(&self, minibatch: &[Shard], normalise: bool) -> Vec<(f32, f32)> {
-        let rows = || minibatch.iter().flatten();
+    /// Mean and standard deviation of each of the advantages of a minibatch's rows from missions like the shard's.
+    fn advantage_scales(
+        &self,
+        minibatch: &[Shard],
+        shard: &Shard,
+        normalise: bool,
+    ) -> Vec<(f32, f32)> {
+        let alike = |other: &&Shard| self.shape(other) == self.shape(shard);
+        let rows = || minibatch.iter().filter(alike).flatten();
         let columns = rows().next().map_or(0, |&row| self.advantages(row).count());
         let scale = |column: usize| {
             if !normalise {
@@ -450,4 +457,50 @@ pub fn evaluate(
             values(critic.network.forward(&weights, states, shape))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::StepOut;
+    use crate::ppo::normalise::Running;
+    use crate::settings::{Credit, PilotCredit};
+
+    /// Two steps of one mission.
+    fn rollout(agents: usize, advantages: Vec<f32>) -> Rollout {
+        let shape = Shape {
+            environments: 1,
+            agents,
+            ..Shape::default()
+        };
+        let out = StepOut::new(shape, Credit::Uav, PilotCredit::Return);
+        let mut rollout = Rollout::new(shape, 2, &out);
+        rollout.advantages = advantages;
+        rollout
+    }
+
+    #[test]
+    fn advantages_are_scaled_among_missions_of_one_shape() {
+        let rollouts = [
+            rollout(1, vec![100.0, 300.0]),
+            rollout(2, vec![1.0, 3.0, 1.0, 3.0]),
+        ];
+        let pass = Pass {
+            rollouts: &rollouts,
+            inputs: &Affine::of(&Running::new(0)),
+            device: &Device::flex(),
+        };
+        let minibatch = [
+            vec![(0, 0), (0, 1)],
+            vec![(1, 0), (1, 1)],
+            vec![(1, 2), (1, 3)],
+        ];
+        let scales = |shard: &Shard| pass.advantage_scales(&minibatch, shard, true);
+        assert_eq!(scales(&minibatch[0]), [(200.0, 100.0)]);
+        assert_eq!(scales(&minibatch[2]), [(2.0, 1.0)]);
+        assert_eq!(
+            pass.advantage_scales(&minibatch, &minibatch[0], false),
+            [(0.0, 1.0)]
+        );
+    }
 }
