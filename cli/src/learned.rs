@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use jcas_core::Model;
-use jcas_evaluate::policy::Policy;
+use jcas_evaluate::policy::{PilotMode, Policy};
 use jcas_train::error::TrainError;
 use jcas_train::policy::Mode;
 use jcas_train::policy::files::{CARD, Card, Stored, load};
@@ -18,9 +18,12 @@ pub fn is_policy(name: &str) -> bool {
     Path::new(name).join(CARD).is_file()
 }
 
-/// The pilot rule that a report names: a trained policy follows its own.
+/// The pilot rule that a report names: a trained policy that may adapt follows its own.
 pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
-    if is_policy(policy) { "learned" } else { pilot }
+    match PilotMode::named(pilot) {
+        Ok(PilotMode::Adaptive) if is_policy(policy) => "learned",
+        _ => pilot,
+    }
 }
 
 /// Reads a trained policy and makes sure that it fits the mission.
@@ -46,13 +49,18 @@ pub fn say_changes(policy: &str, changes: &[(&str, String)]) {
     }
 }
 
-/// Makes a trained policy for each worker; `mode` absent: as its card says.
+/// Makes a trained policy for each worker; `mode` absent: as its card says. Its pilot density is its own where it may
+/// adapt, otherwise held.
 pub fn factory(
     folder: &Path,
+    pilot: &str,
     model: &Model<'_>,
     mode: Option<Mode>,
 ) -> Result<PolicyFactory, CliError> {
-    let stored = open(folder, model)?;
+    let mut stored = open(folder, model)?;
+    if let Some(density) = PilotMode::named(pilot)?.held(model.config())? {
+        stored = stored.holding(density, model.config());
+    }
     Ok(Box::new(move || Box::new(stored.policy(mode))))
 }
 

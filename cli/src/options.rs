@@ -99,7 +99,7 @@ pub struct PolicyOptions {
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
     /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed hotspot, min
-    /// elsewhere)
+    /// elsewhere; of a trained policy, its own)
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }
@@ -116,7 +116,7 @@ pub fn policy_factory(
     model: &Model<'_>,
 ) -> Result<PolicyFactory, CliError> {
     if learned::is_policy(policy) {
-        return learned::factory(Path::new(policy), model, None);
+        return learned::factory(Path::new(policy), pilot, model, None);
     }
     let kind = BaselineKind::named(policy)?;
     let pilot = PilotMode::named(pilot)?;

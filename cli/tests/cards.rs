@@ -66,6 +66,32 @@ fn a_trained_policy_flies_the_configuration_on_its_card_everywhere() {
 }
 
 #[test]
+fn a_pilot_density_that_is_asked_for_is_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    policy_of_short_missions(folder);
+    let fly = |command: &[&str], pilot: &str| {
+        let options = ["--episodes=1", "--json", "--pilot", pilot];
+        jcas(folder, &[command, &options].concat())
+    };
+    for command in [&["evaluate", "short"][..], &["simulate", "--policy=short"]] {
+        for (pilot, named, density) in [("0.2", "0.2", 0.2), ("max", "max", 0.3)] {
+            let report: Value =
+                serde_json::from_slice(&fly(command, pilot).stdout).expect("a report");
+            assert_eq!(report["pilot"], named);
+            let flown = report["pilot_density_mean"].as_f64().unwrap();
+            assert!((flown - density).abs() < 1e-6, "{command:?}: {flown}");
+        }
+        let own: Value = serde_json::from_slice(&fly(command, "adaptive").stdout).unwrap();
+        assert_eq!(own["pilot"], "learned");
+        let refused = fly(command, "0.9");
+        let told = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{told}");
+        assert!(told.contains("0.9") && told.contains("0.3"), "{told}");
+    }
+}
+
+#[test]
 fn what_the_options_change_of_a_card_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -8,10 +8,9 @@ use crate::table::{Key, Table};
 use crate::{endurance, pilot, range, search};
 use jcas_core::{Config, Model, Preset};
 use jcas_evaluate::mission::{Campaign, fly};
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
+use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
 use jcas_evaluate::statistics::Summary;
 use jcas_train::error::TrainError;
-use jcas_train::policy::Actor;
 use jcas_train::policy::files::{CARD, Card, Precision, Stored, load};
 use jcas_train::run::{EVALUATION_SEED, Ending, Plan};
 use jcas_train::settings::Settings;
@@ -175,15 +174,9 @@ impl Flights<'_> {
         policy: &Stored,
         held: Option<f64>,
     ) -> Result<(), TrainError> {
-        let Some(density) = held else {
-            return self.campaign(key, config, &|| Box::new(policy.policy(None)));
-        };
-        let actor = Arc::new(Actor {
-            constant_pilot: Some(action_of(&config, density)),
-            ..Actor::clone(&policy.actor)
-        });
-        let mode = policy.card.mode;
-        self.campaign(key, config, &|| Box::new(actor.fly("held", mode)))
+        let held = held.map(|density| policy.holding(density, &config));
+        let policy = held.as_ref().unwrap_or(policy);
+        self.campaign(key, config, &|| Box::new(policy.policy(None)))
     }
 
     /// One campaign, unless it is there.

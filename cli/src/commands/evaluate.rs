@@ -40,7 +40,7 @@ pub enum ModeName {
 pub struct Evaluate {
     /// Folder of a trained policy, or a baseline's name
     policy: String,
-    /// Pilot density of a baseline: a number such as 0.15, min, mid, max, adaptive
+    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive, which of a trained policy is its own
     #[arg(long, value_name = "MODE", default_value = crate::options::DEFAULT_PILOT)]
     pilot: String,
     /// How a learned policy acts
@@ -73,7 +73,7 @@ impl Evaluate {
             ModeName::Sampled => Some(Mode::Sampled),
         };
         let factory = if learned {
-            learned::factory(Path::new(&self.policy), &model, mode)?
+            learned::factory(Path::new(&self.policy), &self.pilot, &model, mode)?
         } else {
             policy_factory(&self.policy, &self.pilot, &model)?
         };

@@ -56,7 +56,7 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     policy: Vec<String>,
-    /// Pilot densities: numbers such as 0.15, min, mid, max, adaptive
+    /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive, which of a trained policy is its own
     #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
     pilot: Vec<String>,
     /// Values of any field; may be repeated

@@ -78,6 +78,22 @@ impl PilotMode {
         }
     }
 
+    /// The density that is held throughout a mission; none where it adapts.
+    ///
+    /// # Errors
+    /// [`PolicyError::PilotOutOfRange`].
+    pub fn held(self, config: &Config) -> Result<Option<f64>, PolicyError<'static>> {
+        self.check(config)?;
+        let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+        Ok(match self {
+            Self::Min => Some(low),
+            Self::Mid => Some(f64::midpoint(low, high)),
+            Self::Max => Some(high),
+            Self::Adaptive => None,
+            Self::Held(density) => Some(density),
+        })
+    }
+
     /// The action component u_pilot of one UAV.
     #[must_use]
     pub fn action(self, model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f32 {

@@ -223,6 +223,19 @@ pub fn load(folder: &Path) -> Result<Stored, TrainError> {
 }
 
 impl Stored {
+    /// The same with its pilot density held in missions of this configuration, whatever its outputs say.
+    #[must_use]
+    pub fn holding(&self, density: f64, config: &Config) -> Stored {
+        let actor = Actor {
+            constant_pilot: Some(action_of(config, density)),
+            ..Actor::clone(&self.actor)
+        };
+        Stored {
+            card: self.card.clone(),
+            actor: Arc::new(actor),
+        }
+    }
+
     /// Refuses a mission whose observations the network cannot read, saying which and why.
     pub fn check(&self, model: &Model<'_>) -> Result<(), TrainError> {
         let config = model.config();
