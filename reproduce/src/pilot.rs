@@ -195,7 +195,7 @@ fn link_cells(config: &Config, density: f64) -> f64 {
 /// What the worlds come to, in a sentence each.
 fn verdict(worlds: &[(String, Vec<Worth>)]) -> String {
     let mut text = "Adaptive is full density within a cell of an unconfirmed hotspot (hidden ones: until all are \
-                    confirmed) and the least elsewhere; of ours, what it has learnt. The best constant has the shortest \
+                    confirmed) and the least elsewhere; of ours, its own. The best constant has the shortest \
                     missions and, of those within its interval, the most throughput. "
         .to_owned();
     for (title, worths) in worlds {
