@@ -11,7 +11,7 @@ use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// What the searches of some missions have not found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     cells: usize,
     /// Of each mission and cell, where hotspots are hidden: the chance that one there would be unconfirmed still;
@@ -19,26 +19,40 @@ pub struct Finding {
     missed: Vec<f64>,
     /// Unconfirmed hotspots of each mission.
     open: Vec<usize>,
+    radar: Radar,
+}
+
+/// How far the radar of a UAV reaches at all.
+#[derive(Clone, Debug, PartialEq)]
+struct Radar {
     /// Cells along each axis beyond which no UAV detects.
     reach: [u32; 2],
+    /// Chances with a pilot density in the middle of the range and with the highest, for each distance within reach,
+    /// along x first.
+    chances: Vec<[f64; 2]>,
+}
+
+/// That a UAV detects a hotspot.
+#[derive(Clone, Copy, Debug)]
+struct Chance {
+    uav: usize,
+    now: f64,
+    /// With a pilot density in the middle of the range.
+    middling: f64,
+    /// With the highest.
+    highest: f64,
 }
 
 impl Finding {
     /// Of so many missions, none of which has begun.
     pub fn new(missions: usize, model: &Model<'_>) -> Finding {
         let config = model.config();
-        let (width, height) = (config.grid_width, config.grid_height);
-        let detects =
-            |dx, dy| model.detection_probability(dx, dy, config.pilot_density_max) >= NEGLIGIBLE;
-        let cells = (width * height) as usize;
+        let cells = (config.grid_width * config.grid_height) as usize;
         Finding {
             cells,
             missed: vec![1.0; missions * cells],
             open: vec![0; missions],
-            reach: [
-                (0..width).take_while(|&dx| detects(dx, 0)).count() as u32,
-                (0..height).take_while(|&dy| detects(0, dy)).count() as u32,
-            ],
+            radar: Radar::new(model),
         }
     }
 
@@ -62,9 +76,9 @@ impl Finding {
     }
 
     /// Confirmations that each UAV is expected to have added in the step that led to this state: that it detects
-    /// a hotspot and exactly θ − 1 of the others do. And how many of them it owes to its pilot density not having
-    /// been in the middle of the range, taking of the others' densities and the highest those that make it decide
-    /// more: else none of θ UAVs that all sense little would gain by sensing more alone.
+    /// a hotspot and exactly θ − 1 of the others do. And, where there is room for it, how many of them it owes to its
+    /// pilot density not having been in the middle of the range, taking of the others' densities and the highest those
+    /// that make it decide more: else none of θ UAVs that all sense little would gain by sensing more alone.
     pub fn gained(
         &mut self,
         mission: usize,
@@ -84,26 +98,26 @@ impl Finding {
         let quorum = config.quorum as usize;
         let mut chances = Vec::new();
         let mut fewer = vec![0.0; quorum];
-        let mut fewer_at_most = vec![0.0; quorum];
+        let mut fewer_at_best = vec![0.0; quorum];
         for (index, missed) in (0..).zip(missed).filter(|(_, missed)| **missed > 0.0) {
             let there = Cell {
                 x: index % config.grid_width,
                 y: index / config.grid_width,
             };
-            chances_of(self.reach, model, state, there, &mut chances);
+            self.radar.chances_of(model, state, there, &mut chances);
             if chances.len() < quorum {
                 continue;
             }
             for chance in &chances {
                 let others = chances.iter().filter(|other| other.uav != chance.uav);
                 happened(&mut fewer, others.clone().map(|other| other.now));
-                happened(&mut fewer_at_most, others.map(|other| other.highest));
                 let decides = fewer[quorum - 1];
                 gains[chance.uav] += each * *missed * decides * chance.now;
-                by_pilot[chance.uav] += each
-                    * *missed
-                    * decides.max(fewer_at_most[quorum - 1])
-                    * (chance.now - chance.middling);
+                if let Some(by_pilot) = by_pilot.get_mut(chance.uav) {
+                    happened(&mut fewer_at_best, others.map(|other| other.highest));
+                    let decides = decides.max(fewer_at_best[quorum - 1]);
+                    *by_pilot += each * *missed * decides * (chance.now - chance.middling);
+                }
             }
             happened(&mut fewer, chances.iter().map(|chance| chance.now));
             *missed *= fewer.iter().sum::<f64>();
@@ -129,41 +143,49 @@ impl Finding {
     }
 }
 
-/// That a UAV detects a hotspot.
-#[derive(Clone, Copy, Debug)]
-struct Chance {
-    uav: usize,
-    now: f64,
-    /// With a pilot density in the middle of the range.
-    middling: f64,
-    /// With the highest.
-    highest: f64,
-}
+impl Radar {
+    fn new(model: &Model<'_>) -> Radar {
+        let config = model.config();
+        let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+        let detects = |dx, dy| model.detection_probability(dx, dy, high) >= NEGLIGIBLE;
+        let (width, height) = (config.grid_width, config.grid_height);
+        let reach = [
+            (0..width).take_while(|&dx| detects(dx, 0)).count() as u32,
+            (0..height).take_while(|&dy| detects(0, dy)).count() as u32,
+        ];
+        let distances = (0..reach[1]).flat_map(|dy| (0..reach[0]).map(move |dx| (dx, dy)));
+        let chances = distances.map(|(dx, dy)| {
+            [f64::midpoint(low, high), high]
+                .map(|density| model.detection_probability(dx, dy, density))
+        });
+        Radar {
+            reach,
+            chances: chances.collect(),
+        }
+    }
 
-/// The UAVs that may detect a hotspot in a cell from where they are, and with what chance.
-fn chances_of(
-    reach: [u32; 2],
-    model: &Model<'_>,
-    state: &StateRef<'_>,
-    there: Cell,
-    chances: &mut Vec<Chance>,
-) {
-    chances.clear();
-    let config = model.config();
-    let middle = f64::midpoint(config.pilot_density_min, config.pilot_density_max);
-    for uav in 0..model.uav_count() {
-        let cell = state.cell(uav);
-        let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
-        if dx < reach[0] && dy < reach[1] && !state.grounded(uav) {
-            let with = |density| model.detection_probability(dx, dy, density);
-            let highest = with(config.pilot_density_max);
-            if highest >= NEGLIGIBLE {
-                chances.push(Chance {
-                    uav,
-                    now: with(state.pilot_density(uav)),
-                    middling: with(middle),
-                    highest,
-                });
+    /// The UAVs that may detect a hotspot in a cell from where they are, and with what chance.
+    fn chances_of(
+        &self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        there: Cell,
+        chances: &mut Vec<Chance>,
+    ) {
+        chances.clear();
+        for uav in 0..model.uav_count() {
+            let cell = state.cell(uav);
+            let (dx, dy) = (cell.x.abs_diff(there.x), cell.y.abs_diff(there.y));
+            if dx < self.reach[0] && dy < self.reach[1] && !state.grounded(uav) {
+                let [middling, highest] = self.chances[(dy * self.reach[0] + dx) as usize];
+                if highest >= NEGLIGIBLE {
+                    chances.push(Chance {
+                        uav,
+                        now: model.detection_probability(dx, dy, state.pilot_density(uav)),
+                        middling,
+                        highest,
+                    });
+                }
             }
         }
     }
@@ -252,7 +274,12 @@ mod tests {
             let open = finding.open[1] as f64;
             sim.step(&[0.4, 0.0, -0.4, 0.3, 0.8, -0.5, 0.0, 1.0, -0.8, 0.2])
                 .unwrap();
+            finding
+                .clone()
+                .gained(1, &model, &sim.state(), &mut gains, &mut []);
+            let alone = gains;
             finding.gained(1, &model, &sim.state(), &mut gains, &mut by_pilot);
+            assert_eq!(gains, alone, "whoever asks");
             let total: f64 = missed.iter().sum();
             let now: Vec<_> = (0..5)
                 .map(|uav| Some(sim.state().pilot_density(uav)))

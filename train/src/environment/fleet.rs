@@ -147,6 +147,15 @@ impl Fleet {
         fleet
     }
 
+    /// What missions of a stage are flown with.
+    fn enter(&mut self, stage: u64) {
+        self.stage = stage;
+        self.model = self.lesson.model(stage);
+        if let Some(finding) = &mut self.finding {
+            *finding = Finding::new(self.environments, &self.model);
+        }
+    }
+
     fn start(&mut self, seed: u64) {
         let seeds: Vec<u64> = (0..self.environments as u64)
             .map(|m| derive_seed(seed, m))
@@ -187,7 +196,11 @@ impl Fleet {
         let state = self.model.state(state).expect("a state of this model");
         let [extra, gained] = &mut self.extra;
         extra.fill(0.0);
-        self.by_pilot.fill(0.0);
+        let by_pilot = match out.pilot_gains.len() {
+            0 => &mut [],
+            _ => &mut self.by_pilot[..],
+        };
+        by_pilot.fill(0.0);
         if out.terminated[m] || out.truncated[m] {
             if out.terminated[m] {
                 self.informing.completed(m, &self.model, &mut self.informed);
@@ -210,14 +223,14 @@ impl Fleet {
             add(extra, self.treatment.informing_reward, &informed.hotspots);
             add(extra, self.treatment.meeting_reward, &informed.cells);
             if let Some(finding) = &mut self.finding {
-                finding.gained(m, &self.model, &state, gained, &mut self.by_pilot);
+                finding.gained(m, &self.model, &state, gained, by_pilot);
                 add(extra, self.treatment.finding_reward, gained);
             }
         }
         let uavs = extra.len();
         let components = || self.uav_components.chunks_exact(COMPONENTS);
         let own = out.pilot_gains.iter_mut().zip(components());
-        for ((gain, components), by_pilot) in own.skip(m * uavs).zip(&self.by_pilot) {
+        for ((gain, components), by_pilot) in own.skip(m * uavs).zip(by_pilot) {
             *gain = self.treatment.pilot_gain(components, *by_pilot) as f32;
         }
         if out.rewards.len() > self.environments {
@@ -262,8 +275,7 @@ impl VectorEnvironment for Fleet {
     fn begin_batch(&mut self, batch: u64) {
         let stage = self.lesson.stage(batch);
         if stage != self.stage {
-            self.stage = stage;
-            self.model = self.lesson.model(stage);
+            self.enter(stage);
             self.start(derive_seed(self.seed, u64::MAX - stage));
         }
     }
@@ -339,14 +351,15 @@ impl VectorEnvironment for Fleet {
                 bytes.len()
             ));
         }
-        let words = std::iter::once(&mut self.stage).chain(&mut self.states);
+        let mut stage = self.stage;
+        let words = std::iter::once(&mut stage).chain(&mut self.states);
         let mut saved = bytes
             .chunks_exact(8)
             .map(|bytes| u64::from_le_bytes(bytes.try_into().expect("chunks of eight")));
         for (word, saved) in words.zip(&mut saved) {
             *word = saved;
         }
-        self.model = self.lesson.model(self.stage);
+        self.enter(stage);
         let words = self.model.state_words();
         let rows = self.model.uav_count() * self.model.observation_len();
         let global_len = self.model.global_len();
@@ -379,5 +392,38 @@ impl Episode {
             energy_kwh: metrics.energy_kwh,
             throughput: metrics.throughput_mean,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Curriculum, Preset};
+    use jcas_core::Config;
+
+    // From a radar that detects nothing to that of the preset, and back by what was saved.
+    #[test]
+    fn a_stage_pays_for_what_its_own_radar_detects() {
+        let settings = Settings {
+            curriculum: Some(Curriculum {
+                threshold_db: 100.0,
+                batches: 1,
+                stages: 1,
+            }),
+            ..Settings::preset(Preset::Search)
+        };
+        let lesson = Lesson::new(&Config::preset(jcas_core::Preset::Search), &settings).unwrap();
+        let treatment = Treatment::new(&settings, None).unwrap();
+        let mut fleet = Fleet::new(lesson, 2, treatment);
+        let (first, saved) = (fleet.finding.clone(), fleet.save());
+        fleet.begin_batch(1);
+        let mut fresh = Finding::new(2, &fleet.model);
+        for (m, words) in fleet.states.chunks(fleet.model.state_words()).enumerate() {
+            fresh.start(m, &fleet.model, &fleet.model.state(words).unwrap());
+        }
+        assert_eq!(fleet.finding.as_ref(), Some(&fresh));
+        assert_ne!(fleet.finding, first);
+        fleet.load(&saved).unwrap();
+        assert_eq!(fleet.finding, first);
     }
 }
