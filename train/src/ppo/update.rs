@@ -206,27 +206,38 @@ impl Pass<'_> {
             step,
             self.device,
             |network, weights, minibatch, rows| {
+                let scales = self.advantage_scales(minibatch, objective.normalise_advantages);
                 minibatch
                     .par_iter()
-                    .map(|shard| {
-                        let scales =
-                            self.advantage_scales(minibatch, shard, objective.normalise_advantages);
-                        self.actor_gradient(network, weights, head, objective, shard, &scales, rows)
+                    .zip(&scales)
+                    .map(|(shard, scales)| {
+                        self.actor_gradient(network, weights, head, objective, shard, scales, rows)
                     })
                     .collect()
             },
         )
     }
 
-    /// Mean and standard deviation of each of the advantages of a minibatch's rows from missions like the shard's.
-    fn advantage_scales(
+    /// For each shard, mean and standard deviation of each of the advantages of all the minibatch's rows that come from
+    /// missions like its own.
+    fn advantage_scales(&self, minibatch: &[Shard], normalise: bool) -> Vec<Vec<(f32, f32)>> {
+        let mut scales: Vec<Vec<(f32, f32)>> = Vec::with_capacity(minibatch.len());
+        for shard in minibatch {
+            let alike = |other: &&Shard| self.shape(other) == self.shape(shard);
+            let first = minibatch.iter().position(|other| alike(&other));
+            let known = first.and_then(|first| scales.get(first)).cloned();
+            let rows = || minibatch.iter().filter(alike).flatten();
+            scales.push(known.unwrap_or_else(|| self.scales_of(rows, normalise)));
+        }
+        scales
+    }
+
+    /// Mean and standard deviation of each of the advantages of these rows.
+    fn scales_of<'r, R: Iterator<Item = &'r Row>>(
         &self,
-        minibatch: &[Shard],
-        shard: &Shard,
+        rows: impl Fn() -> R,
         normalise: bool,
     ) -> Vec<(f32, f32)> {
-        let alike = |other: &&Shard| self.shape(other) == self.shape(shard);
-        let rows = || minibatch.iter().filter(alike).flatten();
         let columns = rows().next().map_or(0, |&row| self.advantages(row).count());
         let scale = |column: usize| {
             if !normalise {
@@ -492,15 +503,11 @@ mod tests {
         };
         let minibatch = [
             vec![(0, 0), (0, 1)],
-            vec![(1, 0), (1, 1)],
-            vec![(1, 2), (1, 3)],
+            vec![(1, 0), (1, 2)],
+            vec![(1, 1), (1, 3)],
         ];
-        let scales = |shard: &Shard| pass.advantage_scales(&minibatch, shard, true);
-        assert_eq!(scales(&minibatch[0]), [(200.0, 100.0)]);
-        assert_eq!(scales(&minibatch[2]), [(2.0, 1.0)]);
-        assert_eq!(
-            pass.advantage_scales(&minibatch, &minibatch[0], false),
-            [(0.0, 1.0)]
-        );
+        let scales = pass.advantage_scales(&minibatch, true);
+        assert_eq!(scales, [[(200.0, 100.0)], [(2.0, 1.0)], [(2.0, 1.0)]]);
+        assert_eq!(pass.advantage_scales(&minibatch, false), [[(0.0, 1.0)]; 3]);
     }
 }
