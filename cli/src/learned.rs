@@ -58,8 +58,10 @@ pub fn factory(
     mode: Option<Mode>,
 ) -> Result<PolicyFactory, CliError> {
     let mut stored = open(folder, model)?;
-    if let Some(density) = PilotMode::named(pilot)?.held(model.config())? {
-        stored = stored.holding(density, model.config());
+    let pilot = PilotMode::named(pilot)?;
+    pilot.check(model.config())?;
+    if let Some(action) = pilot.held(model.config()) {
+        stored = stored.holding(action);
     }
     Ok(Box::new(move || Box::new(stored.policy(mode))))
 }

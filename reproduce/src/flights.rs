@@ -8,7 +8,7 @@ use crate::table::{Key, Table};
 use crate::{endurance, pilot, range, search};
 use jcas_core::{Config, Model, Preset};
 use jcas_evaluate::mission::{Campaign, fly};
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy};
+use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_evaluate::statistics::Summary;
 use jcas_train::error::TrainError;
 use jcas_train::policy::files::{CARD, Card, Precision, Stored, load};
@@ -174,7 +174,7 @@ impl Flights<'_> {
         policy: &Stored,
         held: Option<f64>,
     ) -> Result<(), TrainError> {
-        let held = held.map(|density| policy.holding(density, &config));
+        let held = held.map(|density| policy.clone().holding(action_of(&config, density)));
         let policy = held.as_ref().unwrap_or(policy);
         self.campaign(key, config, &|| Box::new(policy.policy(None)))
     }

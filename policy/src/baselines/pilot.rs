@@ -68,7 +68,10 @@ impl PilotMode {
     }
 
     /// Refuses a density that the mission does not allow.
-    pub(super) fn check(self, config: &Config) -> Result<(), PolicyError<'static>> {
+    ///
+    /// # Errors
+    /// [`PolicyError::PilotOutOfRange`].
+    pub fn check(self, config: &Config) -> Result<(), PolicyError<'static>> {
         let (low, high) = (config.pilot_density_min, config.pilot_density_max);
         match self {
             Self::Held(density) if !(low <= density && density <= high) => {
@@ -78,33 +81,29 @@ impl PilotMode {
         }
     }
 
-    /// The density that is held throughout a mission; none where it adapts.
-    ///
-    /// # Errors
-    /// [`PolicyError::PilotOutOfRange`].
-    pub fn held(self, config: &Config) -> Result<Option<f64>, PolicyError<'static>> {
-        self.check(config)?;
-        let (low, high) = (config.pilot_density_min, config.pilot_density_max);
-        Ok(match self {
-            Self::Min => Some(low),
-            Self::Mid => Some(f64::midpoint(low, high)),
-            Self::Max => Some(high),
+    /// The action component u_pilot that is held throughout a mission; none where it adapts.
+    #[must_use]
+    pub fn held(self, config: &Config) -> Option<f32> {
+        match self {
+            Self::Min => Some(-1.0),
+            Self::Mid => Some(0.0),
+            Self::Max => Some(1.0),
             Self::Adaptive => None,
-            Self::Held(density) => Some(density),
-        })
+            Self::Held(density) => Some(action_of(config, density)),
+        }
     }
 
     /// The action component u_pilot of one UAV.
     #[must_use]
     pub fn action(self, model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f32 {
-        match self {
-            Self::Min => -1.0,
-            Self::Mid => 0.0,
-            Self::Max => 1.0,
-            Self::Adaptive if target_in_range(model, state, uav) => 1.0,
-            Self::Adaptive => -1.0,
-            Self::Held(density) => action_of(model.config(), density),
-        }
+        let adapted = || {
+            if target_in_range(model, state, uav) {
+                1.0
+            } else {
+                -1.0
+            }
+        };
+        self.held(model.config()).unwrap_or_else(adapted)
     }
 
     /// The pilot density at which this mode senses a hotspot that it has reached.

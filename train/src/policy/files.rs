@@ -223,17 +223,11 @@ pub fn load(folder: &Path) -> Result<Stored, TrainError> {
 }
 
 impl Stored {
-    /// The same with its pilot density held in missions of this configuration, whatever its outputs say.
+    /// The same with its pilot action held, whatever its outputs say.
     #[must_use]
-    pub fn holding(&self, density: f64, config: &Config) -> Stored {
-        let actor = Actor {
-            constant_pilot: Some(action_of(config, density)),
-            ..Actor::clone(&self.actor)
-        };
-        Stored {
-            card: self.card.clone(),
-            actor: Arc::new(actor),
-        }
+    pub fn holding(mut self, pilot: f32) -> Stored {
+        Arc::make_mut(&mut self.actor).constant_pilot = Some(pilot);
+        self
     }
 
     /// Refuses a mission whose observations the network cannot read, saying which and why.
