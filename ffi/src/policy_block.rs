@@ -1,8 +1,8 @@
 //! A policy behind its handle.
 //!
 //! A network's block is followed by the words of its kernel working memory, then, from a line of the caches on, by
-//! its weights, its own working memory, the observations and the actions: flying it allocates nothing. A baseline asks the heap for room
-//! for its plans, one for each simulation of a batch.
+//! its weights, its own working memory, the observations and the actions: flying it allocates nothing. A baseline asks
+//! the heap for room for its plans, one for each simulation of a batch.
 
 use std::alloc::Layout;
 use std::slice;
