@@ -14,15 +14,20 @@ const FEW: usize = 48;
 /// array would only cost its solver memory.
 const ROOM: usize = if cfg!(kani) { 2 } else { lanes::FLEET };
 
+/// Whether a fleet's links are looked for pair by pair, in lanes.
+pub(crate) const fn in_lanes(uavs: usize) -> bool {
+    uavs >= lanes::FLEET && uavs <= FEW
+}
+
 /// Builds the graph from positions and pilot densities.
 #[inline(always)]
 pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let uavs = model.uav_count();
     if uavs < lanes::FLEET {
         link_few(model, state);
-    } else if uavs <= FEW {
+    } else if in_lanes(uavs) {
         for block in lanes::blocks(uavs) {
-            link_in_lanes(model, state, block);
+            link_in_lanes(model, state, scratch.pairs(), block);
         }
         average_throughput(model, state);
     } else {
@@ -104,20 +109,14 @@ fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
     average_throughput(model, state);
 }
 
-/// For each lane of a block all ones but in its own, as a UAV is no neighbour of itself; behind them what holds for
-/// UAVs of other blocks.
-static OTHERS: [Lanes<u64>; WIDTH + 1] = {
-    let (mut others, mut lane) = ([[u64::MAX; WIDTH]; WIDTH + 1], 0);
-    while lane < WIDTH {
-        others[lane][lane] = 0;
-        lane += 1;
-    }
-    others
-};
-
 /// The links of a block's UAVs with the whole fleet, met in ascending order as in [`link_few`].
 #[inline(always)]
-fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
+fn link_in_lanes(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    throughput: &mut [Lanes<u64>],
+    block: Block,
+) {
     let (full, least) = (model.full_throughput(), model.link_throughput_min());
     let cells = Cells::load(block, state.cells).rows(model.config().grid_width);
     let (flies, pilot) = (
@@ -130,26 +129,41 @@ fn link_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block) {
         loads[lane] = 1.0 - f64::from_bits(pilot[lane]);
     }
     let (mut rows, mut sums) = ([0u64; WIDTH], [0.0; WIDTH]);
-    let mut flying = !state.grounded[0] & bits::valid_mask(0, model.uav_count());
-    while flying != 0 {
-        let k = flying.trailing_zeros();
-        flying &= flying - 1;
-        let load = 1.0 - state.pilot_density(k as usize);
-        let throughput = full.gather(&cells, state.cell(k as usize));
-        let own = (k as usize).wrapping_sub(block.first);
-        let others = &OTHERS[if own < WIDTH { own } else { WIDTH }];
-        for lane in 0..WIDTH {
-            let least_load = if loads[lane] < load {
-                loads[lane]
-            } else {
-                load
-            };
-            let hears = least_load * throughput[lane] >= least;
-            let mask = 0u64.wrapping_sub(u64::from(hears)) & others[lane];
-            rows[lane] |= mask & 1 << k;
-            sums[lane] += f64::from_bits(throughput[lane].to_bits() & mask);
+    for others in lanes::blocks(model.uav_count()) {
+        for (throughput, &cell) in throughput
+            .iter_mut()
+            .zip(&state.cells[others.first..][..others.count])
+        {
+            full.gather_into(&cells, Cell::from_word(cell), throughput);
+        }
+        if others.first == block.first {
+            // A UAV is no neighbour of itself: nothing is above NaN.
+            for (lane, &index) in block.indices().iter().enumerate() {
+                throughput[index as usize][lane] = f64::NAN.to_bits();
+            }
+        }
+        let pilot = &state.pilot[others.first..][..others.count];
+        let mut flying = others.uavs_in(!others.bits(state.grounded) & others.mask());
+        while flying != 0 {
+            let k = flying.trailing_zeros() as usize % WIDTH;
+            flying &= flying - 1;
+            let (load, bit) = (1.0 - f64::from_bits(pilot[k]), 1 << (others.first + k));
+            let throughput = &throughput[k];
+            for lane in 0..WIDTH {
+                let least_load = if loads[lane] < load {
+                    loads[lane]
+                } else {
+                    load
+                };
+                let hears = least_load * f64::from_bits(throughput[lane]) >= least;
+                let mask = 0u64.wrapping_sub(u64::from(hears));
+                rows[lane] |= mask & bit;
+                sums[lane] += f64::from_bits(throughput[lane] & mask);
+            }
         }
     }
+    lanes::in_memory(&mut rows);
+    lanes::in_memory(&mut sums);
     let (mut degrees, mut means) = ([0.0; WIDTH], [0; WIDTH]);
     for lane in 0..WIDTH {
         rows[lane] &= flies[lane];

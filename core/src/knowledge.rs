@@ -108,12 +108,9 @@ fn consensus_of_words(links: &[u64], rows: &mut [u64]) {
             next = (next | links[i]) & !component;
         }
         unreached &= !component;
-        // A UAV that has reached nobody keeps its row.
-        if component & (component - 1) != 0 {
-            for (i, row) in rows.iter_mut().enumerate() {
-                let mask = 0u64.wrapping_sub(component >> i & 1);
-                *row |= union & mask;
-            }
+        while component != 0 {
+            rows[component.trailing_zeros() as usize] = union;
+            component &= component - 1;
         }
     }
 }

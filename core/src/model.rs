@@ -5,7 +5,7 @@ use crate::carbon::CarbonPlan;
 use crate::config::{Cell, Config, Depots, MAX_DEPOTS, MapDirections, UavTag};
 use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
-use crate::lanes::{self, Cells, Lanes, Rows};
+use crate::lanes::{self, Cells, Lanes, Rows, WIDTH};
 use crate::layout::Layout;
 use crate::reward::RewardPlan;
 use crate::search::{self, Disc};
@@ -109,8 +109,15 @@ impl OffsetTable<'_> {
     /// The values for the cells of a block and one cell.
     #[inline(always)]
     pub(crate) fn gather(self, rows: &Rows, to: Cell) -> Lanes<f64> {
-        let index = rows.offsets(to, self.width);
-        lanes::gather(self.values, self.len, &index).map(f64::from_bits)
+        let mut values = [0; WIDTH];
+        self.gather_into(rows, to, &mut values);
+        values.map(f64::from_bits)
+    }
+
+    /// As [`Self::gather`], the bits of each value written at once.
+    #[inline(always)]
+    pub(crate) fn gather_into(self, rows: &Rows, to: Cell, values: &mut Lanes<u64>) {
+        rows.gather(self.values, self.len, to, self.width, values);
     }
 }
 

@@ -21,20 +21,29 @@ const TARGET: usize = 4;
 /// The bits of 1.
 const ONE: u32 = 1.0f32.to_bits();
 
-/// For each entry of eight hotspots the bit of its hotspot, where it is a position, and where it is what the UAV knows.
-static POSITIONS: [u32; TARGETS * TARGET] = bits_of([0, 1]);
-static KNOWN: [u32; TARGETS * TARGET] = bits_of([3, 3]);
+/// Hotspots whose entries fill a block of lanes.
+const QUARTET: usize = WIDTH / TARGET;
+/// The set of four hotspots.
+const ALL: usize = (1 << QUARTET) - 1;
 
-const fn bits_of(entries: [usize; 2]) -> [u32; TARGETS * TARGET] {
-    let (mut bits, mut index) = ([0; TARGETS * TARGET], 0);
-    while index < TARGETS * TARGET {
-        let entry = index % TARGET;
-        if entry == entries[0] || entry == entries[1] {
-            bits[index] = 1 << (index / TARGET);
+/// By a set of four hotspots the bits of 1 for those entries of theirs that say what the UAV knows, and all ones for
+/// those that say where they are.
+static KNOWN: [Lanes<u32>; ALL + 1] = entries([0, 0, 0, ONE]);
+static POSITIONS: [Lanes<u32>; ALL + 1] = entries([u32::MAX, u32::MAX, 0, 0]);
+
+const fn entries(bits: [u32; TARGET]) -> [Lanes<u32>; ALL + 1] {
+    let (mut sets, mut set) = ([[0; WIDTH]; ALL + 1], 0);
+    while set <= ALL {
+        let mut lane = 0;
+        while lane < WIDTH {
+            if set >> (lane / TARGET) & 1 == 1 {
+                sets[set][lane] = bits[lane % TARGET];
+            }
+            lane += 1;
         }
-        index += 1;
+        set += 1;
     }
-    bits
+    sets
 }
 
 /// Entries of what a UAV sees of itself.
@@ -78,13 +87,20 @@ pub(crate) fn observe_here(
         });
     }
     let view = View::new(model, state);
-    let ranking = Ranking::of(model, state);
+    let mut ranking = Ranking::room(model);
+    if let Some(ranking) = &mut ranking {
+        ranking.rank(state);
+    }
     for block in lanes::blocks(uavs) {
         let rows = &mut out[block.first * len..][..block.count * len];
-        view.write_targets(block, rows);
+        if view.hidden {
+            view.write_targets::<true>(block, rows);
+        } else {
+            view.write_targets::<false>(block, rows);
+        }
         for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
             let row = &mut row[view.slots..];
-            match &ranking {
+            match &mut ranking {
                 Some(ranking) => ranking.write(i, model.neighbour_slots(), row),
                 None => {
                     let slots = &mut row[..view.common - view.slots];
@@ -240,8 +256,7 @@ impl<'v> View<'v> {
         } else {
             let own = self.own_in_lanes(block);
             let (connection, to_depot) = self.common_in_lanes(block);
-            for (index, row) in rows.chunks_exact_mut(len).enumerate() {
-                let lane = index % WIDTH;
+            for (lane, row) in block.lanes().zip(rows.chunks_exact_mut(len)) {
                 self.put_own(&own.each_ref().map(|lanes| lanes[lane]), row);
                 self.put_common(connection[lane], to_depot[lane], row);
             }
@@ -317,8 +332,8 @@ impl<'v> View<'v> {
                 .map(|links| links.count_ones() as i32);
         } else {
             let links = self.state.links[block.first * row..].chunks_exact(row);
-            for (degree, links) in degrees[..block.count].iter_mut().zip(links) {
-                *degree = bits::count(links) as i32;
+            for (lane, links) in block.lanes().zip(links) {
+                degrees[lane] = bits::count(links) as i32;
             }
         }
         let distances = self
@@ -398,7 +413,7 @@ impl<'v> View<'v> {
     /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots at a time. Where there
     /// is room in its row, eight are written where fewer are left: what follows them is written later.
     #[inline(always)]
-    fn write_targets(&self, uavs: Block, out: &mut [f32]) {
+    fn write_targets<const HIDDEN: bool>(&self, uavs: Block, out: &mut [f32]) {
         let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
         // (x, y, 0, 0) of each UAV, all before the first is read: a load waits for stores that it spans.
         let mut observers = [[0.0; WIDTH]; TARGET];
@@ -422,23 +437,14 @@ impl<'v> View<'v> {
             let uavs = observers.zip(knowledge.chunks_exact(row_words));
             for (row, (own, known)) in out.chunks_exact_mut(len).zip(uavs) {
                 let own = repeat([own[0], own[1], own[2], own[3]]);
-                let known = (known[word] >> shift) as u32;
-                let mut seen = [[0.0; WIDTH]; PARTS];
-                for part in 0..PARTS {
-                    for lane in 0..WIDTH {
-                        let index = part * WIDTH + lane;
-                        let offset = divisors.offset(own[lane], targets[index], lane).to_bits();
-                        let flag = if known & KNOWN[index] == 0 { 0 } else { ONE };
-                        let hides = self.hidden && !known & POSITIONS[index] != 0;
-                        let offset = if hides { 0 } else { offset };
-                        seen[part][lane] = f32::from_bits(offset | flag);
-                    }
-                }
-                let (seen, row) = (seen.as_flattened(), &mut row[begin..]);
-                if let Some(room) = row.first_chunk_mut::<{ TARGET * TARGETS }>() {
-                    room.copy_from_slice(seen);
+                let known = (known[word] >> shift) as usize;
+                let row = &mut row[begin..];
+                if let Some(room) = row.first_chunk_mut() {
+                    see::<HIDDEN>(&own, &targets, &divisors, known, room);
                 } else {
-                    for (value, &seen) in row[..TARGET * words.len()].iter_mut().zip(seen) {
+                    let mut seen = [0.0; TARGET * TARGETS];
+                    see::<HIDDEN>(&own, &targets, &divisors, known, &mut seen);
+                    for (value, &seen) in row[..TARGET * words.len()].iter_mut().zip(&seen) {
                         *value = seen;
                     }
                 }
@@ -479,6 +485,28 @@ impl<'v> View<'v> {
 
 /// Eight hotspots, in blocks of lanes.
 const PARTS: usize = TARGETS * TARGET / WIDTH;
+
+/// What a UAV at (x, y, 0, 0), over and over, sees of eight hotspots, of which it knows some.
+#[inline(always)]
+fn see<const HIDDEN: bool>(
+    own: &Lanes<f32>,
+    targets: &[f32; TARGET * TARGETS],
+    divisors: &Divisors,
+    known: usize,
+    seen: &mut [f32; TARGET * TARGETS],
+) {
+    for part in 0..PARTS {
+        let known = (known >> (part * QUARTET)) % (ALL + 1);
+        for lane in 0..WIDTH {
+            let index = part * WIDTH + lane;
+            let mut offset = divisors.offset(own[lane], targets[index], lane).to_bits();
+            if HIDDEN {
+                offset &= !POSITIONS[ALL - known][lane];
+            }
+            seen[index] = f32::from_bits(offset | KNOWN[known][lane]);
+        }
+    }
+}
 
 /// (x, y, confirmed, 0) of up to eight hotspots.
 #[inline(always)]

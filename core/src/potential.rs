@@ -80,9 +80,9 @@ fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) 
                 let distance = f64::from(nearest[lane]);
                 potentials[lane] = stored(-(weight * (distance / span + unconfirmed)));
             }
-            let mut sum = 0;
+            let (mut sum, own) = (0, block.mask() as i32);
             for lane in 0..WIDTH {
-                sum += if lane < block.count { nearest[lane] } else { 0 };
+                sum += nearest[lane] & -(own >> lane & 1);
             }
             total += sum as u64;
             block.store(&potentials, state.goal_potential);
@@ -149,8 +149,10 @@ fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
                 shares[lane] = missing * (span - f64::from(depots[lane] as i32));
                 potentials[lane] = stored(weight * (shares[lane] / most * g));
             }
-            for share in &shares[..block.count] {
-                sum += share;
+            for shares in block.in_order(&shares) {
+                for share in shares {
+                    sum += share;
+                }
             }
             block.store(&potentials, state.charge_potential);
         }

@@ -71,20 +71,20 @@ pub fn block(seed: u64, step: u32, uav: u32, block: u32, purpose: Purpose) -> [u
     )
 }
 
-/// The blocks of sixteen UAVs from `uav` on: word by word, each a row of one for each UAV.
+/// The blocks of sixteen UAVs: word by word, each a row of one for each UAV.
 #[inline(always)]
 #[must_use]
 pub(crate) fn blocks(
     seed: u64,
     step: u32,
-    uav: u32,
+    uavs: &Lanes<u32>,
     index: u32,
     purpose: Purpose,
 ) -> [Lanes<u32>; 4] {
     let mut words = [[0; WIDTH]; 4];
     let [first, second, third, fourth] = &mut words;
     for lane in 0..WIDTH {
-        let one = block(seed, step, uav + lane as u32, index, purpose);
+        let one = block(seed, step, uavs[lane], index, purpose);
         first[lane] = one[0];
         second[lane] = one[1];
         third[lane] = one[2];
@@ -153,9 +153,10 @@ mod tests {
         for (seed, step, uav, index) in
             [(0, 1, 0, 0), (u64::MAX, 99, 4080, 17), (1 << 40, 7, 16, 3)]
         {
-            let rows = blocks(seed, step, uav, index, Purpose::Detect);
-            for lane in 0..WIDTH {
-                let one = block(seed, step, uav + lane as u32, index, Purpose::Detect);
+            let uavs = core::array::from_fn(|lane| uav + (lane as u32 * 7) % 16);
+            let rows = blocks(seed, step, &uavs, index, Purpose::Detect);
+            for (lane, &uav) in uavs.iter().enumerate() {
+                let one = block(seed, step, uav, index, Purpose::Detect);
                 assert_eq!(rows.map(|row| row[lane]), one);
             }
         }

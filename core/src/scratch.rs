@@ -1,6 +1,11 @@
 //! Working memory of a step: nothing in it outlives a call. One per thread serves any number of states.
 
+use crate::graph;
+use crate::lanes::{Lanes, WIDTH};
 use crate::model::Model;
+
+/// Pairs of two blocks.
+const PAIRS: usize = WIDTH * WIDTH;
 
 /// Working memory for the states of one model.
 #[derive(Debug)]
@@ -18,7 +23,13 @@ impl<'a> Scratch<'a> {
         let longest = model.hotspot_words().max(model.map_words());
         let consensus = uavs + model.uav_words() + longest;
         let ending = Tally::WORDS * uavs + model.hotspot_count();
-        sense.max(graph).max(consensus).max(ending).max(uavs)
+        let links = if graph::in_lanes(uavs) { PAIRS } else { 0 };
+        sense
+            .max(graph)
+            .max(consensus)
+            .max(ending)
+            .max(uavs)
+            .max(links)
     }
 
     /// Uses the caller's memory; `None` if it has fewer than [`Scratch::words_for`] words.
@@ -38,6 +49,11 @@ impl<'a> Scratch<'a> {
     /// Bucket boundaries and the UAVs sorted by bucket.
     pub(crate) fn buckets(&mut self, model: &Model<'_>) -> (&mut [u64], &mut [u64]) {
         self.two(model.bucket_count() + 1, model.uav_count())
+    }
+
+    /// A word for each pair of a UAV and a lane.
+    pub(crate) fn pairs(&mut self) -> &mut [Lanes<u64>] {
+        self.words[..PAIRS].as_chunks_mut().0
     }
 
     /// Order of a walk over the graph, UAVs not reached yet, and a component's union of rows.

@@ -155,13 +155,14 @@ fn detect_in_lanes(
     let flies = lanes::spread(!block.bits(state.grounded) & block.mask());
     let rows = Cells::load(block, state.cells).rows(model.config().grid_width);
     let load_odds = load_odds(model, &block.load(state.pilot));
+    let uavs = block.indices().map(|index| block.first as u32 + index);
     let mut wanting: Lanes<u64> = [0; WIDTH];
     for word in 0..row {
         let known = block.load_word(state.knowledge, row, word);
         let (mut unknown, mut found, mut any) = ([0; WIDTH], [0; WIDTH], 0);
         for lane in 0..WIDTH {
             unknown[lane] = !known[lane] & bits::valid_mask(word, hotspots) & flies[lane];
-            wanting[lane] |= unknown[lane];
+            wanting[lane] |= if unknown[lane] == 0 { 0 } else { u64::MAX };
             any |= unknown[lane];
         }
         let sixteenth = hotspots.saturating_sub(word * 64).div_ceil(DRAWS);
@@ -170,8 +171,7 @@ fn detect_in_lanes(
                 continue;
             }
             let (seed, t) = (state.header.seed(), state.header.t());
-            let blocks = (block.first as u32, (word * 16 + part) as u32);
-            let draws = rng::blocks(seed, t, blocks.0, blocks.1, Purpose::Detect);
+            let draws = rng::blocks(seed, t, &uavs, (word * 16 + part) as u32, Purpose::Detect);
             for (lane, draws) in draws.iter().enumerate() {
                 let bit = part * DRAWS + lane;
                 let j = word * 64 + bit;

@@ -160,8 +160,7 @@ fn end(
     let emitted = settle_energy(model, state, &mut tally, &mut happened);
     cover(model, state, &mut tally, &mut happened);
     count_knowledge(model, state, &mut happened);
-    tally.goal_before.copy_from_slice(state.goal_potential);
-    tally.charge_before.copy_from_slice(state.charge_potential);
+    keep_potentials(model, state, &mut tally);
     finish(model, state, &mut rest, &mut happened);
 
     let rewards = model.reward().components(&happened);
@@ -240,7 +239,7 @@ fn act_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block, actio
     let (width, height) = (config.grid_width as i32, config.grid_height as i32);
     let (mut u_dir, mut u_pilot) = ([0.0; WIDTH], [0.0; WIDTH]);
     let pairs = actions[2 * block.first..].chunks_exact(2);
-    for (lane, pair) in pairs.take(block.count).enumerate() {
+    for (lane, pair) in block.lanes().zip(pairs) {
         (u_dir[lane], u_pilot[lane]) = (pair[0], pair[1]);
     }
     lanes::in_memory(&mut u_dir);
@@ -256,6 +255,7 @@ fn act_in_lanes(model: &Model<'_>, state: &mut StateMut<'_>, block: Block, actio
     block.put_bits(lanes::gather_bits(&grounded), state.grounded);
     let mut home = lanes::gather_bits(&returning) & block.mask();
     block.put_bits(home, state.returning);
+    home = block.uavs_in(home);
 
     let cells = Cells::load(block, state.cells);
     let mut to = [0; WIDTH];
@@ -309,8 +309,8 @@ fn settle_energy(
         happened.spent_uj += settled.spent_uj;
         billed_uj += settled.billed_uj;
         moves += settled.moves;
-        for density in &density[..block.count] {
-            pilot += density;
+        for &density in &state.pilot[block.first..][..block.count] {
+            pilot += f64::from_bits(density);
         }
     }
     for i in one_by_one {
@@ -385,8 +385,8 @@ fn settle_block(
         any_link = block.load(state.links);
     } else {
         let links = state.links[block.first * row..].chunks_exact(row);
-        for (any, links) in any_link[..block.count].iter_mut().zip(links) {
-            *any = u64::from(!bits::is_empty(links));
+        for (lane, links) in block.lanes().zip(links) {
+            any_link[lane] = u64::from(!bits::is_empty(links));
         }
     }
     let (mut moved, mut linked) = ([0; WIDTH], [0; WIDTH]);
@@ -430,7 +430,7 @@ fn settle_block(
     Settled {
         spent_uj: lanes::sum(&spent),
         billed_uj: lanes::sum(&billed),
-        moves: lanes::sum(&moved.map(|moved| moved & 1)),
+        moves: u64::from((lanes::gather_bits(&moved) & block.mask()).count_ones()),
     }
 }
 
@@ -460,8 +460,8 @@ fn cover(
         block.store(&index.map(u64::from), tally.new_cells);
         lanes::in_memory(&mut moved);
         let revisits = &mut tally.revisits[block.first..][..block.count];
-        for (lane, revisit) in revisits.iter_mut().enumerate() {
-            let (lane, visited) = (lane % WIDTH, &*state.visited);
+        for (lane, revisit) in block.lanes().zip(revisits) {
+            let visited = &*state.visited;
             *revisit = u64::from(bits::get(visited, index[lane] as usize)) & moved[lane];
             happened.revisits += *revisit;
         }
@@ -479,6 +479,20 @@ fn cover(
         *place = !*word >> bit & 1;
         *word |= 1 << bit;
         happened.new_cells += *place;
+    }
+}
+
+/// The potentials of each UAV before the step.
+#[inline(always)]
+fn keep_potentials(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_>) {
+    let (in_lanes, one_by_one) = lanes::split(model.uav_count());
+    for block in in_lanes {
+        block.store(&block.load(state.goal_potential), tally.goal_before);
+        block.store(&block.load(state.charge_potential), tally.charge_before);
+    }
+    for i in one_by_one {
+        tally.goal_before[i] = state.goal_potential[i];
+        tally.charge_before[i] = state.charge_potential[i];
     }
 }
 
@@ -549,7 +563,7 @@ fn credit(
             .reward()
             .own_in_lanes(uavs, (emitted.co2_ng, emitted.billed_uj), &deeds);
         let rows = state.own_rewards[block.first * OWN_KEPT..].chunks_exact_mut(OWN_KEPT);
-        for (lane, row) in rows.take(block.count).enumerate() {
+        for (lane, row) in block.lanes().zip(rows) {
             for (value, lanes) in row.iter_mut().zip(&own) {
                 *value = lanes[lane];
             }

@@ -1,6 +1,6 @@
 //! Functions of reals without a branch or a conversion, so that lanes of them are vector instructions.
 
-use super::{Lanes, in_memory, repeat};
+use super::{Lanes, Lined, in_memory, repeat};
 
 /// 2^52: added to a real from 0 to 2^51, it leaves the nearest whole number in the low bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
@@ -25,8 +25,8 @@ pub(crate) fn whole(value: f64) -> u64 {
 /// Four whole numbers from 1 to 1023, over and over, to divide by.
 pub(crate) struct Divisors {
     /// The upper fourteen bits of their inverses, and the rest.
-    high: Lanes<f32>,
-    low: Lanes<f32>,
+    high: Lined<Lanes<f32>>,
+    low: Lined<Lanes<f32>>,
 }
 
 impl Divisors {
@@ -38,10 +38,10 @@ impl Divisors {
         for entry in 0..4 {
             low[entry] = (inverses[entry] - f64::from(high[entry])) as f32;
         }
-        let (mut high, mut low) = (repeat(high), repeat(low));
+        let (mut high, mut low) = (Lined(repeat(high)), Lined(repeat(low)));
         // What is known of the numbers would be put to use for single lanes, and cost more than it saves.
-        in_memory(&mut high);
-        in_memory(&mut low);
+        in_memory(&mut high.0);
+        in_memory(&mut low.0);
         Self { high, low }
     }
 
@@ -50,7 +50,7 @@ impl Divisors {
     #[inline(always)]
     pub(crate) fn offset(&self, from: f32, to: f32, lane: usize) -> f32 {
         let offset = to - from;
-        offset * self.high[lane] + offset * self.low[lane]
+        offset * self.high.0[lane] + offset * self.low.0[lane]
     }
 }
 
