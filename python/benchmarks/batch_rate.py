@@ -4,7 +4,7 @@
 
 Both make the same calls of the shared library with the same buffers. `kernel` times `jcas_batch_step` alone, in
 a bare loop; `vector env` times `make_vec(...).step(...)` as it comes, with its checks, arrays of the caller's own and
-infos; `views` the same with `copy=False` and `SameStep`. With --command (a
+infos; `views` the same with `copy=False` and `SameStep`, with two sets of buffers and with one. With --command (a
 `jcas` binary) the Rust program's own `jcas bench` runs in the same rounds.
 """
 
@@ -48,14 +48,18 @@ def main() -> None:
 
     fields = {"num_envs": options.envs, "threads": options.threads, "uav_count": options.uavs}
     envs = jcas.make_vec(**fields)
-    views = jcas.make_vec(**fields, copy=False, autoreset_mode="SameStep")
+    viewed = {
+        f"vector env, views of {sets}": jcas.make_vec(**fields, copy=False, buffer_sets=sets, autoreset_mode="SameStep")
+        for sets in (2, 1)
+    }
     model = envs.model
     actions = np.random.default_rng(0).uniform(-1, 1, (8, *envs.action_space.shape)).astype(np.float32)
     bare = jcas.Batch(model, options.envs, threads=options.threads)
     buffers = jcas.BatchBuffers(model, options.envs)
     bare.reset(np.arange(options.envs, dtype=np.uint64), buffers)
     envs.reset(seed=0)
-    views.reset(seed=0)
+    for views in viewed.values():
+        views.reset(seed=0)
     addresses = [part.ctypes.data for part in actions]
     out, call, handle, count = ctypes.byref(buffers.record), lib.jcas_batch_step, bare.handle, actions[0].size
     agent_steps = options.envs * options.uavs
@@ -65,8 +69,9 @@ def main() -> None:
         kernel = rate(lambda step: call(handle, addresses[step % 8], count, 1, out), agent_steps, options.seconds)
         python = rate(lambda step: envs.step(actions[step % 8]), agent_steps, options.seconds)
         rates.setdefault("kernel", []).append(kernel)
-        viewing = rate(lambda step: views.step(actions[step % 8]), agent_steps, options.seconds)
-        rates.setdefault("vector env, views", []).append(viewing)
+        for name, views in viewed.items():
+            viewing = rate(lambda step, views=views: views.step(actions[step % 8]), agent_steps, options.seconds)
+            rates.setdefault(name, []).append(viewing)
         rates.setdefault("vector env", []).append(python)
         if options.command:
             rates.setdefault("jcas bench (Rust)", []).append(rust_rate(options))
@@ -77,7 +82,7 @@ def main() -> None:
     first = rates["kernel"]
     for name, values in rates.items():
         share = statistics.median(value / base for value, base in zip(values, first, strict=True))
-        print(f"{name:20}{statistics.median(values):>14,.0f} agent-steps/s{100 * share:>8.1f} % of kernel")
+        print(f"{name:24}{statistics.median(values):>14,.0f} agent-steps/s{100 * share:>8.1f} % of kernel")
 
 
 def rust_rate(options: argparse.Namespace) -> float:

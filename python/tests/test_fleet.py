@@ -106,6 +106,20 @@ def test_views_are_the_kernels_own_and_last_one_step_more():
     assert np.shares_memory(first, third) and not np.shares_memory(first, second)
 
 
+def test_with_one_set_of_buffers_each_step_writes_over_the_last():
+    shape = {"num_envs": 2, "uav_count": 3}
+    envs, twin = jcas.make_vec(**shape, copy=False, buffer_sets=1), jcas.make_vec(**shape)
+    actions = np.ones(envs.action_space.shape, np.float32)
+    first, _ = envs.reset(seed=1)
+    twin.reset(seed=1)
+    for _ in range(3):
+        second, rewards, *_ = envs.step(actions)
+        theirs, paid, *_ = twin.step(actions)
+        assert np.shares_memory(first, second) and np.array_equal(second, theirs) and np.array_equal(rewards, paid)
+    with pytest.raises(jcas.ArgumentError, match="buffer_sets = 3: "):
+        jcas.make_vec(**shape, copy=False, buffer_sets=3)
+
+
 @pytest.mark.parametrize("copy", [True, False])
 def test_next_step_autoreset_is_gymnasiums(copy):
     fields = {"uav_count": 3, "hotspot_count": 1, "radar_cross_section_dbsm": 8.0, "quorum": 1, "horizon_steps": 12}

@@ -33,8 +33,8 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     and truncations are the team's, one for each mission, so their arrays have the shape [M].
 
     The arrays that :meth:`reset` and :meth:`step` return are yours. With `copy=False` they are the ones that the
-    kernel writes, of which there are two sets, used in turn: what a step returned stays as it is until the step
-    after the next.
+    kernel writes, of which there are `buffer_sets`, used in turn: with two, what a step returned stays as it is until
+    the step after the next; with one, as in Gymnasium's own vector environments, the next step writes over it.
     """
 
     @shows_fields
@@ -49,6 +49,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         global_state: bool = False,
         copy: bool = True,
+        buffer_sets: int = 2,
         render_mode: str | None = None,
         **fields: Unpack[Fields],
     ) -> None:
@@ -71,7 +72,8 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self._action_shape = (self.num_envs, uavs, 2)
         self._copy = copy
         own = check_credit(credit) == "uav"
-        self._buffers = [BatchBuffers(self.model, self.num_envs, global_state, own) for _ in range(1 if copy else 2)]
+        sets = whole("buffer_sets", buffer_sets, 1, 2)
+        self._buffers = [BatchBuffers(self.model, self.num_envs, global_state, own) for _ in range(1 if copy else sets)]
         self._turn = 0
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._begun: list[Sim] = []
@@ -206,7 +208,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         if self._copy:
             self._buffers[0].renew()
             return self._buffers[0]
-        self._turn ^= 1
+        self._turn = (self._turn + 1) % len(self._buffers)
         return self._buffers[self._turn]
 
     def _given(self, array: Array) -> Array:
@@ -260,6 +262,7 @@ def make_vec(
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     global_state: bool = False,
     copy: bool = True,
+    buffer_sets: int = 2,
     render_mode: str | None = None,
     **fields: Unpack[Fields],
 ) -> FleetVectorEnv:
@@ -274,7 +277,9 @@ def make_vec(
         autoreset_mode: `NextStep` (Gymnasium's default), `SameStep` (the fastest where episodes are short) or
             `Disabled`.
         global_state: give the critic's view in the infos.
-        copy: give arrays that nobody writes to again; False gives views of the kernel's two sets of buffers.
+        copy: give arrays that nobody writes to again; False gives views of the kernel's sets of buffers.
+        buffer_sets: how many sets of buffers take turns with `copy=False`: 2 keep what a step returned through the
+            next one; 1, the fastest, does not.
         render_mode: `rgb_array` or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
 
@@ -288,6 +293,7 @@ def make_vec(
         autoreset_mode=autoreset_mode,
         global_state=global_state,
         copy=copy,
+        buffer_sets=buffer_sets,
         render_mode=render_mode,
         **fields,
     )
