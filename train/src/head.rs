@@ -37,8 +37,19 @@ pub enum Head {
 pub struct Densities {
     /// ln π(a|o) of motion and of pilot, which are independent given the observation (rows × 2).
     pub log_probs: Tensor<2>,
-    /// Entropy of π(·|o) (rows × 1).
-    pub entropy: Tensor<2>,
+    /// Entropies of the two (rows × 2).
+    pub entropies: Tensor<2>,
+}
+
+impl Densities {
+    /// Of the motion alone (rows × 1 each).
+    #[must_use]
+    pub fn of_motion(self) -> Densities {
+        Densities {
+            log_probs: self.log_probs.narrow(1, 0, 1),
+            entropies: self.entropies.narrow(1, 0, 1),
+        }
+    }
 }
 
 impl Head {

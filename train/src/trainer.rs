@@ -8,7 +8,7 @@ use crate::ppo::normalise::{Affine, Running};
 use crate::ppo::rollout::{ActingPolicy, Rollout, collect};
 use crate::ppo::update::{ActorObjective, CriticObjective, Pass, Step, Sums, Trainable, evaluate};
 use crate::random::{Purpose, stream_for};
-use crate::settings::{CriticInput, NetworkKind, Settings};
+use crate::settings::{CriticInput, NetworkKind, PilotCredit, Settings};
 use burn_tensor::Device;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -209,12 +209,11 @@ impl Trainer {
             device: &self.device,
         };
         let steps = self.settings.steps_per_batch();
-        let &Settings {
-            seed,
-            credit,
-            pilot_credit,
-            ..
-        } = &self.settings;
+        let &Settings { seed, credit, .. } = &self.settings;
+        let pilot_credit = match self.settings.constant_pilot {
+            Some(_) => PilotCredit::Return,
+            None => self.settings.pilot_credit,
+        };
         let iteration = self.iterations;
         self.workers
             .par_iter_mut()
@@ -342,6 +341,7 @@ impl Trainer {
                 + (settings.entropy_end - settings.entropy_start) * progress,
             normalise_advantages: settings.normalise_advantages,
             sample_share: settings.sample_share,
+            pilot_held: settings.constant_pilot.is_some(),
         };
 
         let critic_objective = CriticObjective {

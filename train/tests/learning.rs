@@ -64,6 +64,36 @@ fn the_gaussian_head_learns() {
     learns(settings(Head::Gaussian));
 }
 
+/// What is drawn for a held density changes nothing, so there is nothing to learn from it.
+#[test]
+fn a_held_pilot_density_is_not_judged() {
+    for (head, motion, pilot) in [
+        (Head::Hybrid, vec![0, 1, 2, 3, 4], vec![5, 6]),
+        (Head::Gaussian, vec![0, 2], vec![1, 3]),
+    ] {
+        let settings = Settings {
+            constant_pilot: Some(0.1),
+            entropy_start: 0.01,
+            ..settings(head)
+        };
+        let mut trainer = Trainer::new(settings.clone(), workers(&settings)).unwrap();
+        let outputs = head.output_len();
+        let last_layer = |trainer: &Trainer, columns: &[usize]| -> Vec<f32> {
+            let parameters = &trainer.actor.parameters;
+            let first = parameters.len() - (32 + 1) * outputs;
+            let rows = parameters[first..].chunks_exact(outputs);
+            rows.flat_map(|row| columns.iter().map(|&column| row[column]))
+                .collect()
+        };
+        let of = |trainer: &Trainer| [&motion, &pilot].map(|columns| last_layer(trainer, columns));
+        let before = of(&trainer);
+        trainer.iterate();
+        let after = of(&trainer);
+        assert_ne!(before[0], after[0], "{head:?}");
+        assert_eq!(before[1], after[1], "{head:?}");
+    }
+}
+
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn each_head_learns_from_the_uavs_own_rewards() {

@@ -39,8 +39,11 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
     let log_std = outputs.narrow(1, 2, 2).clamp(LOG_STD[0], LOG_STD[1]);
     let z = (raw - mean) / log_std.clone().exp();
     let log_probs = (z.square().mul_scalar(-0.5) - log_std.clone()).sub_scalar(HALF_LN_TAU);
-    let entropy = log_std.sum_dim(1).add_scalar(1.0 + 2.0 * HALF_LN_TAU);
-    Densities { log_probs, entropy }
+    let entropies = log_std.add_scalar(0.5 + HALF_LN_TAU);
+    Densities {
+        log_probs,
+        entropies,
+    }
 }
 
 #[cfg(test)]
@@ -66,7 +69,7 @@ mod tests {
         }
         // Entropy of a normal: ½ ln(2πe σ²), summed over both components.
         let expected = 2.0 * (0.5 + HALF_LN_TAU) - 1.0;
-        assert!((densities.entropy.into_scalar::<f32>() - expected).abs() < 1e-6);
+        assert!((densities.entropies.sum().into_scalar::<f32>() - expected).abs() < 1e-6);
     }
 
     #[test]

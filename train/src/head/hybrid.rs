@@ -147,7 +147,7 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
 
     Densities {
         log_probs: Tensor::cat(vec![motion_log_prob, pilot_log_prob], 1),
-        entropy: motion_entropy + pilot_entropy,
+        entropies: Tensor::cat(vec![motion_entropy, pilot_entropy], 1),
     }
 }
 
@@ -164,7 +164,7 @@ mod tests {
         let densities = densities(outputs, &raw);
         (
             densities.log_probs.sum().into_scalar::<f32>(),
-            densities.entropy.into_scalar::<f32>(),
+            densities.entropies.sum().into_scalar::<f32>(),
         )
     }
 

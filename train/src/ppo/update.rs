@@ -69,6 +69,8 @@ pub struct ActorObjective {
     pub normalise_advantages: bool,
     /// Share of rows to visit.
     pub sample_share: f64,
+    /// The pilot density is held, whatever is drawn: only motions are judged.
+    pub pilot_held: bool,
 }
 
 /// The critic's objective.
@@ -279,7 +281,7 @@ impl Pass<'_> {
         let shape = self.shape(shard);
         let (weights, outputs) = self.outputs(network, weights, shard, self.observations(shard));
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
-        let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
+        let mut old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
             .iter()
             .flat_map(|&row| self.advantages(row).zip(scales))
@@ -287,7 +289,11 @@ impl Pass<'_> {
             .collect();
         let advantages = matrix(advantages, scales.len(), self.device);
 
-        let densities = head.densities(outputs, &raw);
+        let mut densities = head.densities(outputs, &raw);
+        if objective.pilot_held {
+            densities = densities.of_motion();
+            old = old.narrow(1, 0, 1);
+        }
         let log_ratios = densities.log_probs - old;
         let log_ratio = match scales {
             [_] => log_ratios.sum_dim(1),
@@ -298,7 +304,8 @@ impl Pass<'_> {
             .clone()
             .clamp(1.0 - objective.clip, 1.0 + objective.clip);
         let gain = (ratio.clone() * advantages.clone()).min_pair(clipped * advantages);
-        let bonus = densities.entropy.clone().mul_scalar(objective.entropy);
+        let entropy = densities.entropies.sum_dim(1);
+        let bonus = entropy.clone().mul_scalar(objective.entropy);
         let loss = (gain + bonus).sum().neg().div_scalar(minibatch_rows as f64);
 
         let mut sums = Sums {
@@ -312,10 +319,7 @@ impl Pass<'_> {
             let clipped = u8::from((ratio - 1.0).abs() > objective.clip);
             sums.clipped += f64::from(clipped) / scales.len() as f64;
         }
-        sums.entropy += values(densities.entropy)
-            .into_iter()
-            .map(f64::from)
-            .sum::<f64>();
+        sums.entropy += values(entropy).into_iter().map(f64::from).sum::<f64>();
         let gradients = loss.backward();
         sums.loss = f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64;
         (flat_gradient(network, &weights, gradients), sums)
