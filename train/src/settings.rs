@@ -78,7 +78,7 @@ pub struct Settings {
     /// What the critic sees.
     pub critic_input: CriticInput,
 
-    /// Pilot density held at this value; absent: the policy chooses it.
+    /// Pilot density held at this value, and motions alone judged; absent: the policy chooses it.
     pub constant_pilot: Option<f64>,
     /// Fields of the mission's configuration that are others while training.
     pub mission: BTreeMap<String, serde_json::Value>,
