@@ -4,6 +4,7 @@ use jcas_evaluate::statistics::{Estimate, Summary};
 use jcas_train::error::TrainError;
 use jcas_train::store::{csv_bytes, write_whole};
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -115,12 +116,33 @@ impl Row {
     }
 
     fn is_of(&self, key: &Key) -> bool {
-        self.experiment == key.experiment
-            && self.preset == key.preset
-            && (self.uavs, self.hotspots, self.seed) == (key.uavs, key.hotspots, key.seed)
-            && self.policy == key.policy
-            && self.pilot == key.pilot
-            && self.x == key.x
+        let Key {
+            experiment,
+            preset,
+            policy,
+            pilot,
+            ..
+        } = key;
+        let texts = [experiment, preset, policy, pilot].map(String::as_str);
+        self.campaign() == (texts, [key.uavs, key.hotspots], key.seed, key.x.to_bits())
+    }
+
+    /// What no two rows of a table have in common.
+    fn campaign(&self) -> ([&str; 4], [u32; 2], u64, u64) {
+        let Row {
+            experiment,
+            preset,
+            policy,
+            pilot,
+            ..
+        } = self;
+        let texts = [experiment, preset, policy, pilot].map(String::as_str);
+        (
+            texts,
+            [self.uavs, self.hotspots],
+            self.seed,
+            self.x.to_bits(),
+        )
     }
 
     /// A quantity with its interval.
@@ -210,6 +232,19 @@ impl Table {
             let mut reader = csv::Reader::from_path(path).map_err(TrainError::format(path))?;
             for row in reader.deserialize() {
                 rows.push(row.map_err(TrainError::format(path))?);
+            }
+        }
+        let mut campaigns = HashSet::new();
+        for (number, row) in (2..).zip(&rows) {
+            let Row {
+                experiment, policy, ..
+            } = row;
+            if !campaigns.insert(Row::campaign(row)) {
+                let what = format!(
+                    "line {number}: {experiment}, {policy}, N = {}, n = {} is there twice, it must be there once",
+                    row.uavs, row.hotspots
+                );
+                return Err(TrainError::Format(path.to_owned(), what));
             }
         }
         Ok(Table {
@@ -352,4 +387,40 @@ pub fn numbers_of_hotspots(rows: &[&Row]) -> Vec<u32> {
 /// Whether a policy of the table is a script, not learnt.
 pub fn is_baseline(policy: &str) -> bool {
     jcas_evaluate::policy::BaselineKind::named(policy).is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // As where two folders' tables were put together by hand: a mean would count it twice.
+    #[test]
+    fn a_campaign_that_is_there_twice_is_refused() {
+        let path = std::env::temp_dir().join(format!("jcas-table-{}.csv", std::process::id()));
+        let head = "experiment,preset,uavs,hotspots,policy,pilot,seed,x,config_hash,episodes,";
+        let quantities = [
+            "success_rate",
+            "mission_steps",
+            "energy_kwh",
+            "throughput",
+            "co2_kg",
+        ];
+        let columns = quantities.map(|name| format!("{name},{name}_low,{name}_high,"));
+        let row = |seed: u64| {
+            let values = "1,1,1,".repeat(quantities.len());
+            format!("grid,paper,10,5,ppo,adaptive,{seed},0.0,0x0,1000,{values}0.2\n")
+        };
+        let table = |rows: [String; 2]| {
+            let text = format!("{head}{}pilot_density\n{}", columns.concat(), rows.concat());
+            std::fs::write(&path, text).unwrap();
+            Table::open(&path).map(|table| table.rows.len())
+        };
+        assert_eq!(table([row(0), row(1)]).unwrap(), 2);
+        let told = table([row(0), row(0)]).unwrap_err().to_string();
+        std::fs::remove_file(&path).unwrap();
+        assert!(
+            told.contains("line 3: grid, ppo, N = 10, n = 5 is there twice"),
+            "{told}"
+        );
+    }
 }
