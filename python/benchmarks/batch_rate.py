@@ -39,6 +39,7 @@ def rate(step: Callable[[int], Any], agent_steps: int, seconds: float) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--uavs", type=int, default=10)
+    parser.add_argument("--hotspots", type=int, default=5)
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=2)
@@ -46,7 +47,12 @@ def main() -> None:
     parser.add_argument("--command", help="a jcas binary, to run its `bench` beside")
     options = parser.parse_args()
 
-    fields = {"num_envs": options.envs, "threads": options.threads, "uav_count": options.uavs}
+    fields = {
+        "num_envs": options.envs,
+        "threads": options.threads,
+        "uav_count": options.uavs,
+        "hotspot_count": options.hotspots,
+    }
     envs = jcas.make_vec(**fields)
     viewed = {
         f"vector env, views of {sets}": jcas.make_vec(**fields, copy=False, buffer_sets=sets, autoreset_mode="SameStep")
@@ -76,8 +82,8 @@ def main() -> None:
         if options.command:
             rates.setdefault("jcas bench (Rust)", []).append(rust_rate(options))
     print(
-        f"{options.envs} fleets of {options.uavs} UAVs, {options.threads} thread(s), random actions; "
-        f"medians of {options.rounds} rounds of {options.seconds:g} s\n"
+        f"{options.envs} fleets of {options.uavs} UAVs, {options.hotspots} hotspots, {options.threads} thread(s), "
+        f"random actions; medians of {options.rounds} rounds of {options.seconds:g} s\n"
     )
     first = rates["kernel"]
     for name, values in rates.items():
@@ -89,7 +95,7 @@ def rust_rate(options: argparse.Namespace) -> float:
     """Agent-steps a second of the Rust program, which runs on one thread."""
     command = [
         options.command, "bench", "--json", "--environments", str(options.envs), "--uavs", str(options.uavs),
-        "--seconds", str(options.seconds),
+        "--hotspots", str(options.hotspots), "--seconds", str(options.seconds),
     ]  # fmt: skip
     report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     return float(report["agent_steps_per_s"])
