@@ -1,7 +1,7 @@
 // Films a mission of the playground: one picture for each part of a step, for an animated image in a document.
 //
 //   cargo xtask web
-//   node web/film.mjs target/web/index.html '{"preset":"search","policy":"search","seed":4,"set":{"uav_count":15,"hotspot_count":7}}' FOLDER [PARTS]
+//   node web/film.mjs target/web/index.html '{"preset":"search","policy":"search","seed":2,"set":{"uav_count":15,"hotspot_count":7}}' FOLDER [PARTS]
 //   img2webp -loop 0 -lossy -q 70 -d 120 FOLDER/*.png -o film.webp
 
 import { mkdirSync, writeFileSync } from 'node:fs';
