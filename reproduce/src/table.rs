@@ -116,29 +116,15 @@ impl Row {
     }
 
     fn is_of(&self, key: &Key) -> bool {
-        let Key {
-            experiment,
-            preset,
-            policy,
-            pilot,
-            ..
-        } = key;
-        let texts = [experiment, preset, policy, pilot].map(String::as_str);
-        self.campaign() == (texts, [key.uavs, key.hotspots], key.seed, key.x.to_bits())
+        let names = [&key.experiment, &key.preset, &key.policy, &key.pilot];
+        self.campaign() == (names, [key.uavs, key.hotspots], key.seed, key.x.to_bits())
     }
 
     /// What no two rows of a table have in common.
-    fn campaign(&self) -> ([&str; 4], [u32; 2], u64, u64) {
-        let Row {
-            experiment,
-            preset,
-            policy,
-            pilot,
-            ..
-        } = self;
-        let texts = [experiment, preset, policy, pilot].map(String::as_str);
+    fn campaign(&self) -> ([&String; 4], [u32; 2], u64, u64) {
+        let names = [&self.experiment, &self.preset, &self.policy, &self.pilot];
         (
-            texts,
+            names,
             [self.uavs, self.hotspots],
             self.seed,
             self.x.to_bits(),
@@ -227,7 +213,7 @@ pub struct Table {
 impl Table {
     /// What is there already.
     pub fn open(path: &Path) -> Result<Table, TrainError> {
-        let mut rows = Vec::new();
+        let mut rows: Vec<Row> = Vec::new();
         if path.exists() {
             let mut reader = csv::Reader::from_path(path).map_err(TrainError::format(path))?;
             for row in reader.deserialize() {
@@ -236,13 +222,10 @@ impl Table {
         }
         let mut campaigns = HashSet::new();
         for (number, row) in (2..).zip(&rows) {
-            let Row {
-                experiment, policy, ..
-            } = row;
-            if !campaigns.insert(Row::campaign(row)) {
+            if !campaigns.insert(row.campaign()) {
                 let what = format!(
-                    "line {number}: {experiment}, {policy}, N = {}, n = {} is there twice, it must be there once",
-                    row.uavs, row.hotspots
+                    "line {number}: {}, {}, N = {}, n = {} is there twice, it must be there once",
+                    row.experiment, row.policy, row.uavs, row.hotspots
                 );
                 return Err(TrainError::Format(path.to_owned(), what));
             }

@@ -41,17 +41,6 @@ pub struct Densities {
     pub entropies: Tensor<2>,
 }
 
-impl Densities {
-    /// Of the motion alone (rows × 1 each).
-    #[must_use]
-    pub fn of_motion(self) -> Densities {
-        Densities {
-            log_probs: self.log_probs.narrow(1, 0, 1),
-            entropies: self.entropies.narrow(1, 0, 1),
-        }
-    }
-}
-
 impl Head {
     /// Outputs that the actor must have.
     pub fn output_len(self) -> usize {
@@ -90,6 +79,14 @@ impl Head {
         match self {
             Head::Gaussian => gaussian::densities(outputs, raw),
             Head::Hybrid => hybrid::densities(outputs, raw),
+        }
+    }
+
+    /// As [`Self::densities`], of the motion alone (rows × 1 each).
+    pub fn motion_densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities {
+        match self {
+            Head::Gaussian => gaussian::motion_densities(outputs, raw),
+            Head::Hybrid => hybrid::motion_densities(&outputs, raw),
         }
     }
 }

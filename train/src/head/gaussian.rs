@@ -46,6 +46,14 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
     }
 }
 
+pub(super) fn motion_densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
+    let both = densities(outputs, raw);
+    Densities {
+        log_probs: both.log_probs.narrow(1, 0, 1),
+        entropies: both.entropies.narrow(1, 0, 1),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -122,11 +122,16 @@ fn pilots_tensor(raw: &[f32], like: &Tensor<2>) -> Tensor<2> {
     Tensor::<2>::from_data(TensorData::new(pilots, [rows, 1]), &like.device())
 }
 
-pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
+pub(super) fn motion_densities(outputs: &Tensor<2>, raw: &[f32]) -> Densities {
     let log_probs = log_softmax(outputs.clone().narrow(1, 0, MOTIONS), 1);
-    let motion_log_prob = log_probs.clone().gather(1, motions_tensor(raw, &outputs));
-    let motion_entropy = (log_probs.clone().exp() * log_probs).sum_dim(1).neg();
+    Densities {
+        log_probs: log_probs.clone().gather(1, motions_tensor(raw, outputs)),
+        entropies: (log_probs.clone().exp() * log_probs).sum_dim(1).neg(),
+    }
+}
 
+pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
+    let motion = motion_densities(&outputs, raw);
     let pilot = pilots_tensor(raw, &outputs);
     // Columns α, β, α + β, so that each special function runs once.
     let ab = softplus(outputs.narrow(1, MOTIONS, 2), 1.0).add_scalar(1.0);
@@ -146,8 +151,8 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
         - log_norm;
 
     Densities {
-        log_probs: Tensor::cat(vec![motion_log_prob, pilot_log_prob], 1),
-        entropies: Tensor::cat(vec![motion_entropy, pilot_entropy], 1),
+        log_probs: Tensor::cat(vec![motion.log_probs, pilot_log_prob], 1),
+        entropies: Tensor::cat(vec![motion.entropies, pilot_entropy], 1),
     }
 }
 

@@ -281,7 +281,7 @@ impl Pass<'_> {
         let shape = self.shape(shard);
         let (weights, outputs) = self.outputs(network, weights, shard, self.observations(shard));
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
-        let mut old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
+        let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
             .iter()
             .flat_map(|&row| self.advantages(row).zip(scales))
@@ -289,11 +289,11 @@ impl Pass<'_> {
             .collect();
         let advantages = matrix(advantages, scales.len(), self.device);
 
-        let mut densities = head.densities(outputs, &raw);
-        if objective.pilot_held {
-            densities = densities.of_motion();
-            old = old.narrow(1, 0, 1);
-        }
+        let (densities, old) = if objective.pilot_held {
+            (head.motion_densities(outputs, &raw), old.narrow(1, 0, 1))
+        } else {
+            (head.densities(outputs, &raw), old)
+        };
         let log_ratios = densities.log_probs - old;
         let log_ratio = match scales {
             [_] => log_ratios.sum_dim(1),
