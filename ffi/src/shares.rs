@@ -213,14 +213,8 @@ unsafe extern "C" fn take_share(round: *mut c_void, index: u32) {
     unsafe { &*round.cast::<Round<'_>>() }.take(index as usize);
 }
 
-/// What could make any environment refuse a step.
-pub(crate) fn check_all(model: &Model<'_>, states: &[u64], actions: &[f32]) -> Result<(), Error> {
-    if let Some(index) = actions.iter().position(|value| value.is_nan()) {
-        return Err(Error::ActionNan {
-            uav: index / 2,
-            component: index % 2,
-        });
-    }
+/// Whether any environment would refuse a step.
+pub(crate) fn check_ready(model: &Model<'_>, states: &[u64]) -> Result<(), Error> {
     for words in states.chunks_exact(model.state_words()) {
         match model.state(words)?.header.phase() {
             Some(Phase::Ready) => {}

@@ -4,6 +4,10 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
+/// How often a thread looks whether it may go on before it sleeps: some tens of microseconds, which is what waking it
+/// takes, and in which a caller in a loop is back.
+const LOOKS: u32 = 1000;
+
 pub(crate) type Task = unsafe extern "C" fn(*mut c_void, u32);
 
 /// Tasks with the numbers 0 to `count` - 1. Any order will do, also at once, also twice.
@@ -19,32 +23,43 @@ unsafe impl Send for Job {}
 
 /// What the threads are to do.
 struct Orders {
-    /// Rises by one with each job.
-    round: u64,
     job: Option<Job>,
-    /// Threads that have not finished the present job.
-    working: usize,
     quit: bool,
 }
 
 pub(crate) struct Team {
     orders: Mutex<Orders>,
-    /// The next task of the present job.
-    next: AtomicU32,
+    /// Threads that have begun to serve.
+    serving: AtomicU32,
+    /// Rises by one with each job. As `working`, written by who holds the orders, for all to see.
+    round: AtomicU32,
+    /// Threads that have not finished the present job.
+    working: AtomicU32,
+    /// All of them, beside the caller's.
+    threads: u32,
+    looks: u32,
     begin: Condvar,
     end: Condvar,
 }
 
 impl Team {
-    pub(crate) const fn new() -> Self {
+    /// Of so many threads beside the caller's. Where there are not as many processors, who looks would only keep
+    /// another from its work.
+    pub(crate) fn new(threads: u32) -> Self {
         Self {
             orders: Mutex::new(Orders {
-                round: 0,
                 job: None,
-                working: 0,
                 quit: false,
             }),
-            next: AtomicU32::new(0),
+            serving: AtomicU32::new(0),
+            round: AtomicU32::new(0),
+            working: AtomicU32::new(0),
+            threads,
+            looks: if (threads as usize) < processors() {
+                LOOKS
+            } else {
+                0
+            },
             begin: Condvar::new(),
             end: Condvar::new(),
         }
@@ -54,18 +69,19 @@ impl Team {
         self.orders.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs a job on `threads` threads and this one, and returns when it is done.
-    pub(crate) fn run(&self, threads: usize, job: Job) {
-        self.next.store(0, Ordering::Relaxed);
+    /// Runs a job on all threads and this one, and returns when it is done.
+    pub(crate) fn run(&self, job: Job) {
         let mut orders = self.orders();
-        orders.round += 1;
         orders.job = Some(job);
-        orders.working = threads;
+        self.working.store(self.threads, Ordering::Relaxed);
+        self.round.fetch_add(1, Ordering::Release);
         drop(orders);
         self.begin.notify_all();
-        self.take_tasks(job);
+        self.take_tasks(job, 0);
+        let done = || self.working.load(Ordering::Acquire) == 0;
+        self.look_for(done);
         let mut orders = self.orders();
-        while orders.working > 0 {
+        while !done() {
             orders = self
                 .end
                 .wait(orders)
@@ -74,12 +90,22 @@ impl Team {
         orders.job = None;
     }
 
-    fn take_tasks(&self, job: Job) {
-        loop {
-            let index = self.next.fetch_add(1, Ordering::Relaxed);
-            if index >= job.count {
+    /// Waits for something to become true, but not for long.
+    fn look_for(&self, happened: impl Fn() -> bool) {
+        for _ in 0..self.looks {
+            if happened() {
                 return;
             }
+            std::hint::spin_loop();
+        }
+    }
+
+    /// Runs what no other thread has taken of a job, each from a place of its own on: what it wrote in the last
+    /// step is in its cache.
+    fn take_tasks(&self, job: Job, place: u32) {
+        let first = u64::from(job.count) * u64::from(place) / (u64::from(self.threads) + 1);
+        let first = first as u32;
+        for index in (first..job.count).chain(0..first) {
             // SAFETY: the job lives until `run` returns, which waits for every thread.
             unsafe { (job.task)(job.context, index) };
         }
@@ -93,10 +119,13 @@ impl Team {
 
     /// What each thread does: job after job, until it is told to quit.
     fn serve(&self) {
+        let place = 1 + self.serving.fetch_add(1, Ordering::Relaxed);
         let mut done = 0;
         loop {
+            let called = || self.round.load(Ordering::Acquire) != done;
+            self.look_for(called);
             let mut orders = self.orders();
-            while orders.round == done && !orders.quit {
+            while !called() && !orders.quit {
                 orders = self
                     .begin
                     .wait(orders)
@@ -105,15 +134,14 @@ impl Team {
             if orders.quit {
                 return;
             }
-            done = orders.round;
+            done = self.round.load(Ordering::Relaxed);
             let job = orders.job;
             drop(orders);
             if let Some(job) = job {
-                self.take_tasks(job);
+                self.take_tasks(job, place);
             }
-            let mut orders = self.orders();
-            orders.working -= 1;
-            let last = orders.working == 0;
+            let orders = self.orders();
+            let last = self.working.fetch_sub(1, Ordering::Release) == 1;
             drop(orders);
             if last {
                 self.end.notify_one();

@@ -168,6 +168,22 @@ static void abuse_outputs(const struct subject *subject, struct buffers *buffers
     CHECK(untouched(buffers->finals, buffers->observed * sizeof(float)));
 }
 
+/* An environment in the middle of a step refuses, whatever came before, and so nothing steps. */
+static void refuse_in_the_middle(const struct subject *subject, const struct buffers *buffers,
+                                 const jcas_batch_out *out)
+{
+    jcas_batch *batch = subject->batch;
+    struct buffers kept = *buffers;
+    OK(jcas_batch_get(batch, 1, subject->sim));
+    OK(jcas_sim_step_begin(subject->sim, buffers->actions, subject->info.action_len));
+    OK(jcas_batch_set(batch, 1, subject->sim));
+    uint64_t before = hash_of(subject);
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_batch_step(batch, buffers->actions, buffers->acted, 1, out));
+    CHECK(hash_of(subject) == before && memcmp(&kept, buffers, sizeof kept) == 0);
+    OK(jcas_sim_reset(subject->sim, 6));
+    OK(jcas_batch_set(batch, 1, subject->sim));
+}
+
 static void abuse_step(const struct subject *subject, struct buffers *buffers, const jcas_batch_out *out)
 {
     jcas_batch *batch = subject->batch;
@@ -192,18 +208,12 @@ static void abuse_step(const struct subject *subject, struct buffers *buffers, c
     actions[acted - 1] = 0;
     CHECK(hash_of(subject) == before && untouched(buffers->rewards, sizeof buffers->rewards));
 
-    /* An environment in the middle of a step refuses, and so nothing steps. */
-    OK(jcas_batch_get(batch, 1, subject->sim));
-    OK(jcas_sim_step_begin(subject->sim, actions, subject->info.action_len));
-    OK(jcas_batch_set(batch, 1, subject->sim));
-    before = hash_of(subject);
-    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_batch_step(batch, actions, acted, 1, out));
-    CHECK(hash_of(subject) == before && untouched(buffers->rewards, sizeof buffers->rewards));
-    OK(jcas_sim_reset(subject->sim, 6));
-    OK(jcas_batch_set(batch, 1, subject->sim));
-
-    for (uint32_t step = 0; step < subject->config.horizon_steps; step++)
+    refuse_in_the_middle(subject, buffers, out);
+    for (uint32_t step = 0; step < subject->config.horizon_steps; step++) {
         OK(jcas_batch_step(batch, actions, acted, 0, out));
+        if (step == 0)
+            refuse_in_the_middle(subject, buffers, out);
+    }
     CHECK(buffers->truncated[0] == 1 && buffers->metrics[0].steps == subject->config.horizon_steps);
     CHECK(untouched(buffers->finals, buffers->observed * sizeof(float)));
     before = hash_of(subject);

@@ -86,7 +86,9 @@ class BatchBuffers:
 
     def final_metrics_by_name(self, ended: npt.NDArray[np.bool_]) -> dict[str, npt.NDArray[Any]]:
         """Metrics of the episodes that just ended, by name; zeros elsewhere."""
-        return {name: np.where(ended, self.final_metrics[name], 0) for name in METRIC_NAMES}
+        metrics = np.zeros_like(self.final_metrics)
+        metrics[ended] = self.final_metrics[ended]
+        return {name: metrics[name] for name in METRIC_NAMES}
 
     def observed(self) -> tuple[int | None, int, int | None, int]:
         """Addresses and lengths of what a reset writes."""
