@@ -108,7 +108,7 @@ impl Train {
             return Ok(Outcome::Done);
         }
         let plan = self.plan(settings)?;
-        let mut watcher = Watcher::new(plan.settings.iterations());
+        let mut watcher = Watcher::new(&plan);
         let ending = self
             .threads
             .run(|| plan.train(self.resume, &mut watcher))??;
@@ -269,15 +269,21 @@ fn summary(card: &Card, plan: &Plan) -> String {
 /// Shows each iteration on one line, and stops at Ctrl-C.
 struct Watcher {
     bar: ProgressBar,
+    /// Steps of each mission in one iteration, and of a whole mission at most.
+    steps: [usize; 2],
 }
 
 impl Watcher {
-    fn new(iterations: u64) -> Watcher {
+    fn new(plan: &Plan) -> Watcher {
+        let settings = &plan.settings;
+        let horizons = plan.configs.iter().map(|config| config.horizon_steps);
+        let whole = horizons.max().unwrap_or(0);
         let style = indicatif::ProgressStyle::with_template("[{bar:24}] {pos}/{len} {msg}")
             .expect("the template is valid")
             .progress_chars("=> ");
         Watcher {
-            bar: ProgressBar::new(iterations).with_style(style),
+            bar: ProgressBar::new(settings.iterations()).with_style(style),
+            steps: [settings.batch_steps / settings.environments, whole as usize],
         }
     }
 }
@@ -288,8 +294,14 @@ impl Observer for Watcher {
             value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
         };
         self.bar.set_position(row.iteration);
+        let [each, whole] = self.steps;
+        // Those that go well end first.
+        let of = match row.success_rate {
+            Some(_) if row.iteration as usize * each < whole => " of the first to end",
+            _ => "",
+        };
         self.bar.set_message(format!(
-            "return {} success {} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} {:.0} steps/s, {left_s:.0} s left",
+            "return {} success {}{of} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} {:.0} steps/s, {left_s:.0} s left",
             number(row.return_mean, 1),
             number(row.success_rate, 2),
             number(row.mission_steps_mean, 1),
