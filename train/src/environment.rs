@@ -9,6 +9,7 @@ pub mod fleet;
 pub mod informing;
 pub mod lesson;
 pub mod progress;
+pub mod survey;
 
 use crate::settings::{Credit, PilotCredit};
 
@@ -23,6 +24,8 @@ pub struct Shape {
     pub observation_len: usize,
     /// Floats of the global state that the critic sees.
     pub global_len: usize,
+    /// Those of them, at its end, that show where hotspots may still be.
+    pub survey_len: usize,
     /// Hotspots of each mission (n); 0 where the task has none.
     pub hotspots: usize,
     /// Neighbour slots of an observation; 0 where the task has none.

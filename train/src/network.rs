@@ -43,6 +43,9 @@ pub enum Architecture {
         /// As the actor's, of the observation.
         #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
+        /// Fields at the end of the global state that show where hotspots may still be.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        survey: usize,
     },
 }
 
@@ -60,8 +63,12 @@ fn actor(added: usize, fleet_size: bool) -> set::Actor {
     set::Actor { added, fleet_size }
 }
 
-fn critic(of_uav: bool, added: usize) -> set::Critic {
-    set::Critic { of_uav, added }
+fn critic(of_uav: bool, added: usize, survey: usize) -> set::Critic {
+    set::Critic {
+        of_uav,
+        added,
+        survey,
+    }
 }
 
 /// One weight matrix or bias row inside the flat parameter vector.
@@ -113,7 +120,8 @@ impl Network {
                 hidden,
                 of_uav,
                 added,
-            } => set::critic_blocks(hidden, critic(*of_uav, *added)),
+                survey,
+            } => set::critic_blocks(hidden, critic(*of_uav, *added, *survey)),
         };
         let mut offset = 0;
         let blocks = shapes
@@ -173,9 +181,12 @@ impl Network {
             Architecture::SetActor {
                 added, fleet_size, ..
             } => set::actor(weights, &inputs, actor(*added, *fleet_size), shape),
-            Architecture::SetCritic { of_uav, added, .. } => {
-                set::critic(weights, &inputs, critic(*of_uav, *added), shape)
-            }
+            Architecture::SetCritic {
+                of_uav,
+                added,
+                survey,
+                ..
+            } => set::critic(weights, &inputs, critic(*of_uav, *added, *survey), shape),
         }
     }
 
@@ -196,7 +207,8 @@ impl Network {
                 hidden,
                 of_uav,
                 added,
-            } => set::critic_products(hidden, critic(*of_uav, *added), shape),
+                survey,
+            } => set::critic_products(hidden, critic(*of_uav, *added, *survey), shape),
         }
     }
 
@@ -205,9 +217,12 @@ impl Network {
         match &self.architecture {
             Architecture::Mlp { sizes } => (sizes[0] * sizes[1]) as u64,
             Architecture::SetActor { .. } => set::actor_input_products(shape),
-            Architecture::SetCritic { of_uav, added, .. } => {
-                set::critic_input_products(critic(*of_uav, *added), shape)
-            }
+            Architecture::SetCritic {
+                of_uav,
+                added,
+                survey,
+                ..
+            } => set::critic_input_products(critic(*of_uav, *added, *survey), shape),
         }
     }
 }

@@ -77,6 +77,9 @@ pub struct Settings {
     pub pilot_credit: PilotCredit,
     /// What the critic sees.
     pub critic_input: CriticInput,
+    /// The critic sees besides where hotspots may still be, as `finding_reward` counts it, and where the UAVs are.
+    #[serde(default)]
+    pub critic_survey: bool,
 
     /// Pilot density held at this value, and motions alone judged; absent: the policy chooses it.
     pub constant_pilot: Option<f64>,
@@ -240,6 +243,7 @@ impl Settings {
             credit: Credit::Team,
             pilot_credit: PilotCredit::Return,
             critic_input: CriticInput::State,
+            critic_survey: false,
             constant_pilot: None,
             mission: BTreeMap::new(),
             curriculum: None,
@@ -364,11 +368,23 @@ impl Settings {
                 return Err(format!("{field}: {value} is not in (0, 1]"));
             }
         }
-        if self.pilot_credit == PilotCredit::Step && self.finding_reward <= 0.0 {
-            return Err(format!(
-                "pilot_credit: step weighs detections by finding_reward, which is {}, it must be above 0",
-                self.finding_reward
-            ));
+        let needs_finding = [
+            (
+                "pilot_credit: step weighs detections by",
+                self.pilot_credit == PilotCredit::Step,
+            ),
+            (
+                "critic_survey: shows what is counted by",
+                self.critic_survey,
+            ),
+        ];
+        for (what, asked) in needs_finding {
+            if asked && self.finding_reward <= 0.0 {
+                return Err(format!(
+                    "{what} finding_reward, which is {}, it must be above 0",
+                    self.finding_reward
+                ));
+            }
         }
         if let Some(Curriculum {
             batches, stages, ..
@@ -408,7 +424,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn presets_are_legal_and_densities_need_something_to_be_judged_by() {
+    fn presets_are_legal_and_what_hangs_on_finding_asks_for_it() {
         for preset in [
             Preset::Paper,
             Preset::Tuned,
@@ -417,11 +433,20 @@ mod tests {
         ] {
             Settings::preset(preset).validate().unwrap();
         }
+        let refused = |settings: Settings, field: &str| {
+            let told = settings.validate().unwrap_err();
+            assert!(told.contains(field) && told.contains("finding_reward"));
+        };
+        let tuned = Settings::preset(Preset::Tuned);
         let settings = Settings {
             pilot_credit: PilotCredit::Step,
-            ..Settings::preset(Preset::Tuned)
+            ..tuned.clone()
         };
-        let told = settings.validate().unwrap_err();
-        assert!(told.contains("pilot_credit") && told.contains("finding_reward"));
+        refused(settings, "pilot_credit");
+        let settings = Settings {
+            critic_survey: true,
+            ..tuned
+        };
+        refused(settings, "critic_survey");
     }
 }

@@ -95,6 +95,7 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 hidden: settings.critic_hidden.clone(),
                 of_uav: settings.critic_input == CriticInput::StateAndUav,
                 added: set::added(shape),
+                survey: shape.survey_len,
             }),
         ),
     }
@@ -124,9 +125,9 @@ impl Trainer {
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
         if settings.network == NetworkKind::Set
-            && workers
-                .iter()
-                .any(|worker| set::added(&worker.shape()) != set::added(&shape))
+            && workers.iter().map(|worker| worker.shape()).any(|other| {
+                [set::added(&other), other.survey_len] != [set::added(&shape), shape.survey_len]
+            })
         {
             return Err(
                 "network: set reads maps and tags of one size, so all missions must show the same"

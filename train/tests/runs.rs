@@ -33,6 +33,7 @@ fn settings(network: NetworkKind) -> Settings {
         evaluation_episodes: 2,
         checkpoint_every: 2,
         finding_reward: 1.0,
+        critic_survey: true,
         informing_reward: 1.0,
         meeting_reward: 1.0,
         pilot_credit: PilotCredit::Step,

@@ -283,7 +283,7 @@ impl Watcher {
             .progress_chars("=> ");
         Watcher {
             bar: ProgressBar::new(settings.iterations()).with_style(style),
-            steps: [settings.batch_steps / settings.environments, whole as usize],
+            steps: [settings.steps_per_batch(), whole as usize],
         }
     }
 }

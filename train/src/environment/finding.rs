@@ -125,6 +125,11 @@ impl Finding {
         self.look(mission, model, state);
     }
 
+    /// Of each cell: the chance that a hotspot there would be unconfirmed still, or, where they are known, how many are.
+    pub fn missed(&self, mission: usize) -> &[f64] {
+        &self.missed[mission * self.cells..][..self.cells]
+    }
+
     /// What a run that goes on has to remember.
     pub fn save(&self) -> impl Iterator<Item = u64> {
         self.missed.iter().map(|missed| missed.to_bits())

@@ -4,12 +4,13 @@ use super::finding::Finding;
 use super::informing::{Informed, Informing};
 use super::lesson::Lesson;
 use super::progress::Progress;
+use super::survey::Survey;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::settings::Settings;
 use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
-use jcas_core::{Metrics, Model, Scratch};
+use jcas_core::{Metrics, Model, Scratch, StateRef};
 use jcas_dispatch::InstructionSet;
 use std::sync::Arc;
 
@@ -26,6 +27,8 @@ pub struct Treatment {
     pub progress_reward: f64,
     /// Paid to each UAV for each confirmation that it is expected to add.
     pub finding_reward: f64,
+    /// The critic sees where hotspots may still be.
+    pub critic_survey: bool,
     /// Paid to each UAV for each confirmed hotspot that it comes to know.
     pub informing_reward: f64,
     /// Paid to each UAV, once all is confirmed, for each cell nearer to somebody who knows others.
@@ -43,6 +46,7 @@ impl Treatment {
             step_cost: settings.step_cost,
             progress_reward: settings.progress_reward,
             finding_reward: settings.finding_reward,
+            critic_survey: settings.critic_survey,
             informing_reward: settings.informing_reward,
             meeting_reward: settings.meeting_reward,
             constant_pilot,
@@ -96,6 +100,7 @@ pub struct Fleet {
     scratch: Vec<u64>,
     observations: Vec<f32>,
     global: Vec<f32>,
+    final_global: Vec<f32>,
     components: Vec<f64>,
     uav_components: Vec<f64>,
     progress: Progress,
@@ -103,6 +108,8 @@ pub struct Fleet {
     informed: Informed,
     /// Where it is paid for.
     finding: Option<Finding>,
+    /// Where the critic sees it.
+    survey: Option<Survey>,
     /// What training pays each UAV of a mission besides, and what it is paid for.
     extra: [Vec<f64>; 2],
     /// Confirmations that each UAV of a mission owes to its pilot density.
@@ -128,12 +135,16 @@ impl Fleet {
             scratch: vec![0; Scratch::words_for(&model)],
             observations: vec![0.0; environments * uavs * model.observation_len()],
             global: vec![0.0; environments * model.global_len()],
+            final_global: vec![0.0; environments * model.global_len()],
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
             progress: Progress::new(environments, uavs),
             informing: Informing::new(environments, uavs),
             informed: Informed::default(),
             finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
+            survey: treatment
+                .critic_survey
+                .then(|| Survey::new(environments, &model)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
@@ -172,6 +183,7 @@ impl Fleet {
             )
             .expect("buffers are sized for this model");
         self.look();
+        self.draw_all();
     }
 
     /// Lets progress and finding count from the states as they are.
@@ -184,6 +196,36 @@ impl Fleet {
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
+        }
+    }
+
+    fn draw_all(&mut self) {
+        let states = self.states.chunks_exact(self.model.state_words());
+        for (m, state) in states.enumerate() {
+            let state = self.model.state(state).expect("a state of this model");
+            draw(
+                &mut self.survey,
+                self.finding.as_ref(),
+                m,
+                &self.model,
+                &state,
+            );
+        }
+    }
+
+    /// Floats of the global state that the kernel does not write.
+    fn survey_len(&self) -> usize {
+        self.survey.as_ref().map_or(0, Survey::map_len)
+    }
+
+    /// What the critic sees of each mission: the state, and its map behind it.
+    fn join(&self, states: &[f32], maps: fn(&Survey) -> &[f32], out: &mut [f32]) {
+        let (state_len, map_len) = (self.model.global_len(), self.survey_len());
+        let maps = self.survey.as_ref().map_or(&[][..], maps);
+        for (m, row) in out.chunks_exact_mut(state_len + map_len).enumerate() {
+            let (state, map) = row.split_at_mut(state_len);
+            state.copy_from_slice(&states[m * state_len..(m + 1) * state_len]);
+            map.copy_from_slice(&maps[m * map_len..(m + 1) * map_len]);
         }
     }
 
@@ -215,6 +257,9 @@ impl Fleet {
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
+            if let Some(survey) = &mut self.survey {
+                survey.end(m);
+            }
         } else {
             self.progress.gained(m, &self.model, &state, gained);
             add(extra, self.treatment.progress_reward, gained);
@@ -227,6 +272,13 @@ impl Fleet {
                 add(extra, self.treatment.finding_reward, gained);
             }
         }
+        draw(
+            &mut self.survey,
+            self.finding.as_ref(),
+            m,
+            &self.model,
+            &state,
+        );
         let uavs = extra.len();
         let components = || self.uav_components.chunks_exact(COMPONENTS);
         let own = out.pilot_gains.iter_mut().zip(components());
@@ -247,6 +299,19 @@ impl Fleet {
     }
 }
 
+/// Draws a mission where there is a map, of what has not been found.
+fn draw(
+    survey: &mut Option<Survey>,
+    finding: Option<&Finding>,
+    mission: usize,
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+) {
+    if let (Some(survey), Some(finding)) = (survey, finding) {
+        survey.draw(mission, model, state, finding.missed(mission));
+    }
+}
+
 fn add(sums: &mut [f64], weight: f64, values: &[f64]) {
     for (sum, value) in sums.iter_mut().zip(values) {
         *sum += weight * value;
@@ -260,7 +325,8 @@ impl VectorEnvironment for Fleet {
             environments: self.environments,
             agents: self.model.uav_count(),
             observation_len: self.model.observation_len(),
-            global_len: self.model.global_len(),
+            global_len: self.model.global_len() + self.survey_len(),
+            survey_len: self.survey_len(),
             hotspots: self.model.hotspot_count(),
             neighbour_slots: self.model.neighbour_slots(),
             grid: [config.grid_width, config.grid_height],
@@ -282,7 +348,7 @@ impl VectorEnvironment for Fleet {
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
         observations.copy_from_slice(&self.observations);
-        global.copy_from_slice(&self.global);
+        self.join(&self.global, Survey::now, global);
     }
 
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
@@ -314,7 +380,7 @@ impl VectorEnvironment for Fleet {
                     terminated,
                     truncated,
                     final_observations: &mut out.final_observations,
-                    final_global: &mut out.final_global,
+                    final_global: &mut self.final_global,
                     final_metrics: &mut self.metrics,
                     uav_components: &mut self.uav_components,
                     ..BatchOut::default()
@@ -329,6 +395,9 @@ impl VectorEnvironment for Fleet {
             if out.terminated[m] || out.truncated[m] {
                 out.finished.push(Episode::of(&self.metrics[m]));
             }
+        }
+        if !out.finished.is_empty() {
+            self.join(&self.final_global, Survey::last, &mut out.final_global);
         }
     }
 
@@ -378,6 +447,7 @@ impl VectorEnvironment for Fleet {
         if let Some(finding) = &mut self.finding {
             finding.load(saved);
         }
+        self.draw_all();
         Ok(())
     }
 }

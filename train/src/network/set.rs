@@ -60,12 +60,14 @@ pub(super) struct Critic {
     pub of_uav: bool,
     /// Fields that maps and tags add to that observation.
     pub added: usize,
+    /// Fields at the end of the global state that show where hotspots may still be.
+    pub survey: usize,
 }
 
 impl Critic {
     /// Fields that are of no hotspot and of no other UAV.
     fn common(self) -> usize {
-        COMMON + if self.of_uav { OWN + self.added } else { 0 }
+        COMMON + self.survey + if self.of_uav { OWN + self.added } else { 0 }
     }
 
     /// Fields of each hotspot.
@@ -292,13 +294,15 @@ mod tests {
     }
 
     fn with_maps(agents: usize, hotspots: usize, added: usize) -> Shape {
+        let survey_len = added / 2;
         Shape {
             environments: 1,
             agents,
             hotspots,
             neighbour_slots: agents - 1,
             observation_len: 11 + 4 * hotspots + 3 * (agents - 1) + added,
-            global_len: 6 * agents + 4 * hotspots + 4,
+            global_len: 6 * agents + 4 * hotspots + 4 + survey_len,
+            survey_len,
             grid: [12, 12],
         }
     }
@@ -376,6 +380,7 @@ mod tests {
                     hidden,
                     of_uav,
                     added,
+                    survey: shape.survey_len,
                 })
             };
             let critics = [critic(false), critic(true)];
@@ -439,6 +444,7 @@ mod tests {
             hidden: vec![16],
             of_uav: false,
             added: 0,
+            survey: 0,
         };
         let shape = shape(3, 2);
         let row = row(shape.global_len, &mut crate::random::stream(9, 1));

@@ -95,7 +95,7 @@ pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
 /// UAVs.
 pub(super) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Overseen {
     let (agents, n) = (shape.agents, shape.hotspots);
-    let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
+    let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON + critic.survey;
     let length = state_length
         + if critic.of_uav {
             shape.observation_len

@@ -1,0 +1,150 @@
+//! What a critic sees of a search beside the global state: where hotspots may still be, and where the UAVs are.
+
+use jcas_core::{Model, StateRef};
+
+/// Cells along each axis at most; those of larger grids are drawn several as one.
+const AXIS_MAX: u32 = 32;
+/// What a UAV adds to the cell that it is in.
+const UAV: f32 = 0.5;
+
+/// Maps of some missions: chances of all cells, the highest as 1, then UAVs of all cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// Cells of the grid along each axis that are drawn as one.
+    side: u32,
+    /// Cells of a map along each axis.
+    axes: [u32; 2],
+    now: Vec<f32>,
+    /// Where a mission ended in this step: the map before it.
+    last: Vec<f32>,
+}
+
+impl Survey {
+    /// Of so many missions; nothing is drawn yet.
+    pub fn new(missions: usize, model: &Model<'_>) -> Survey {
+        let config = model.config();
+        let grid = [config.grid_width, config.grid_height];
+        let side = grid[0].max(grid[1]).div_ceil(AXIS_MAX);
+        let axes = grid.map(|cells| cells.div_ceil(side));
+        let floats = missions * 2 * (axes[0] * axes[1]) as usize;
+        Survey {
+            side,
+            axes,
+            now: vec![0.0; floats],
+            last: vec![0.0; floats],
+        }
+    }
+
+    /// Floats of a map.
+    pub fn map_len(&self) -> usize {
+        2 * (self.axes[0] * self.axes[1]) as usize
+    }
+
+    /// Maps of the missions as they are.
+    pub fn now(&self) -> &[f32] {
+        &self.now
+    }
+
+    /// Maps of those that ended in this step, as they were before it.
+    pub fn last(&self) -> &[f32] {
+        &self.last
+    }
+
+    /// The mission has ended, and what is drawn next is another.
+    pub fn end(&mut self, mission: usize) {
+        let map = mission * self.map_len()..(mission + 1) * self.map_len();
+        self.last[map.clone()].copy_from_slice(&self.now[map]);
+    }
+
+    /// Draws a mission. `missed`: of each cell of the grid, how likely a hotspot there would not be found yet.
+    pub fn draw(
+        &mut self,
+        mission: usize,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        missed: &[f64],
+    ) {
+        let (len, width) = (self.map_len(), model.config().grid_width);
+        let [side, across] = [self.side, self.axes[0]];
+        let drawn_at = |x: u32, y: u32| (y / side * across + x / side) as usize;
+        let map = &mut self.now[mission * len..(mission + 1) * len];
+        map.fill(0.0);
+        let (open, uavs) = map.split_at_mut(len / 2);
+        let most = missed
+            .iter()
+            .fold(f64::MIN_POSITIVE, |most, &x| most.max(x));
+        let most = most * f64::from(side * side);
+        for (index, missed) in (0..).zip(missed) {
+            open[drawn_at(index % width, index / width)] += (missed / most) as f32;
+        }
+        for uav in 0..model.uav_count() {
+            let cell = state.cell(uav);
+            uavs[drawn_at(cell.x, cell.y)] += UAV;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jcas_core::{Cell, Config, Preset, Sim};
+
+    fn drawn(width: u32, height: u32, starts: &[Cell], missed: &[f64]) -> Survey {
+        let config = Config {
+            grid_width: width,
+            grid_height: height,
+            uav_count: starts.len() as u32,
+            ..Config::preset(Preset::Search)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(1);
+        sim.set_starts(starts).unwrap();
+        let mut survey = Survey::new(2, &model);
+        survey.draw(1, &model, &sim.state(), missed);
+        survey
+    }
+
+    #[test]
+    fn a_cell_is_drawn_where_it_is() {
+        let mut missed = [0.1; 20];
+        missed[7] = 0.4; // x = 2, y = 1
+        let here = Cell { x: 3, y: 2 };
+        let mut survey = drawn(5, 4, &[here, here, Cell { x: 0, y: 3 }], &missed);
+        assert_eq!(survey.map_len(), 40);
+        let (before, map) = survey.now().split_at(40);
+        assert!(before.iter().all(|&x| x == 0.0), "the other mission");
+        for (index, &open) in map[..20].iter().enumerate() {
+            assert_eq!(open, if index == 7 { 1.0 } else { 0.25 });
+        }
+        for (index, &uavs) in map[20..].iter().enumerate() {
+            let expected = match index {
+                13 => 1.0,
+                15 => 0.5,
+                _ => 0.0,
+            };
+            assert_eq!(uavs, expected, "{index}");
+        }
+        survey.end(1);
+        assert_eq!(survey.last(), survey.now());
+    }
+
+    #[test]
+    fn a_large_grid_is_drawn_coarsely() {
+        let starts = [
+            Cell { x: 99, y: 41 },
+            Cell { x: 0, y: 0 },
+            Cell { x: 3, y: 3 },
+        ];
+        let survey = drawn(100, 42, &starts, &[0.5; 4200]);
+        let cells = 25 * 11;
+        assert_eq!(survey.map_len(), 2 * cells);
+        let map = &survey.now()[2 * cells..];
+        assert!((map[0] - 1.0).abs() < 1e-6);
+        assert!(
+            (map[cells - 1] - 0.5).abs() < 1e-6,
+            "half of it is off the grid"
+        );
+        assert_eq!([map[cells], map[2 * cells - 1]], [1.0, 0.5]);
+    }
+}
