@@ -305,13 +305,7 @@ impl Settings {
             .mission
             .insert("shaping_goal_weight".to_owned(), 0.0.into());
         Settings {
-            actor_hidden: vec![256, 128],
-            critic_hidden: vec![256, 128],
-            critic_survey: true,
-            discount: 0.985,
-            entropy_end: -0.03,
-            step_cost: 2.0,
-            finding_reward: 5.0,
+            finding_reward: 20.0,
             informing_reward: 0.0,
             meeting_reward: 0.0,
             ..settings
