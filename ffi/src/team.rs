@@ -4,8 +4,8 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How often a thread looks whether it may go on before it sleeps: some tens of microseconds, which is what waking it
-/// takes, and in which a caller in a loop is back.
+/// How often a thread looks whether it may go on before it sleeps: some tens of microseconds on present x86 processors,
+/// less on others, which is what waking it takes, and in which a caller in a loop is back.
 const LOOKS: u32 = 1000;
 
 pub(crate) type Task = unsafe extern "C" fn(*mut c_void, u32);

@@ -269,21 +269,23 @@ fn summary(card: &Card, plan: &Plan) -> String {
 /// Shows each iteration on one line, and stops at Ctrl-C.
 struct Watcher {
     bar: ProgressBar,
-    /// Steps of each mission in one iteration, and of a whole mission at most.
-    steps: [usize; 2],
+    /// The first iteration by whose end every mission may have ended: before it only those have that went well.
+    first_whole: u64,
 }
 
 impl Watcher {
     fn new(plan: &Plan) -> Watcher {
         let settings = &plan.settings;
         let horizons = plan.configs.iter().map(|config| config.horizon_steps);
-        let whole = horizons.max().unwrap_or(0);
+        let first_whole = horizons
+            .max()
+            .map_or(0, |steps| steps.div_ceil(settings.steps_per_batch() as u32));
         let style = indicatif::ProgressStyle::with_template("[{bar:24}] {pos}/{len} {msg}")
             .expect("the template is valid")
             .progress_chars("=> ");
         Watcher {
             bar: ProgressBar::new(settings.iterations()).with_style(style),
-            steps: [settings.steps_per_batch(), whole as usize],
+            first_whole: first_whole.into(),
         }
     }
 }
@@ -294,10 +296,8 @@ impl Observer for Watcher {
             value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
         };
         self.bar.set_position(row.iteration);
-        let [each, whole] = self.steps;
-        // Those that go well end first.
         let of = match row.success_rate {
-            Some(_) if row.iteration as usize * each < whole => " of the first to end",
+            Some(_) if row.iteration < self.first_whole => " of the first to end",
             _ => "",
         };
         self.bar.set_message(format!(

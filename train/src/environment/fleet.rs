@@ -10,7 +10,7 @@ use crate::settings::Settings;
 use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
-use jcas_core::{Metrics, Model, Scratch, StateRef};
+use jcas_core::{Metrics, Model, Scratch};
 use jcas_dispatch::InstructionSet;
 use std::sync::Arc;
 
@@ -183,7 +183,6 @@ impl Fleet {
             )
             .expect("buffers are sized for this model");
         self.look();
-        self.draw_all();
     }
 
     /// Lets progress and finding count from the states as they are.
@@ -199,17 +198,15 @@ impl Fleet {
         }
     }
 
-    fn draw_all(&mut self) {
+    /// Draws the missions as they are, where the critic sees that.
+    fn draw(&mut self) {
+        let (Some(survey), Some(finding)) = (&mut self.survey, &self.finding) else {
+            return;
+        };
         let states = self.states.chunks_exact(self.model.state_words());
         for (m, state) in states.enumerate() {
             let state = self.model.state(state).expect("a state of this model");
-            draw(
-                &mut self.survey,
-                self.finding.as_ref(),
-                m,
-                &self.model,
-                &state,
-            );
+            survey.draw(m, &self.model, &state, finding.missed(m));
         }
     }
 
@@ -218,10 +215,10 @@ impl Fleet {
         self.survey.as_ref().map_or(0, Survey::map_len)
     }
 
-    /// What the critic sees of each mission: the state, and its map behind it.
-    fn join(&self, states: &[f32], maps: fn(&Survey) -> &[f32], out: &mut [f32]) {
+    /// What the critic sees of each mission: the state, and behind it the map that was last drawn.
+    fn join(&self, states: &[f32], out: &mut [f32]) {
         let (state_len, map_len) = (self.model.global_len(), self.survey_len());
-        let maps = self.survey.as_ref().map_or(&[][..], maps);
+        let maps = self.survey.as_ref().map_or(&[][..], Survey::maps);
         for (m, row) in out.chunks_exact_mut(state_len + map_len).enumerate() {
             let (state, map) = row.split_at_mut(state_len);
             state.copy_from_slice(&states[m * state_len..(m + 1) * state_len]);
@@ -257,9 +254,6 @@ impl Fleet {
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
-            if let Some(survey) = &mut self.survey {
-                survey.end(m);
-            }
         } else {
             self.progress.gained(m, &self.model, &state, gained);
             add(extra, self.treatment.progress_reward, gained);
@@ -272,13 +266,6 @@ impl Fleet {
                 add(extra, self.treatment.finding_reward, gained);
             }
         }
-        draw(
-            &mut self.survey,
-            self.finding.as_ref(),
-            m,
-            &self.model,
-            &state,
-        );
         let uavs = extra.len();
         let components = || self.uav_components.chunks_exact(COMPONENTS);
         let own = out.pilot_gains.iter_mut().zip(components());
@@ -296,19 +283,6 @@ impl Fleet {
             let mean = extra.iter().sum::<f64>() / uavs as f64;
             out.rewards[m] = (team + mean) as f32;
         }
-    }
-}
-
-/// Draws a mission where there is a map, of what has not been found.
-fn draw(
-    survey: &mut Option<Survey>,
-    finding: Option<&Finding>,
-    mission: usize,
-    model: &Model<'_>,
-    state: &StateRef<'_>,
-) {
-    if let (Some(survey), Some(finding)) = (survey, finding) {
-        survey.draw(mission, model, state, finding.missed(mission));
     }
 }
 
@@ -348,7 +322,8 @@ impl VectorEnvironment for Fleet {
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
         observations.copy_from_slice(&self.observations);
-        self.join(&self.global, Survey::now, global);
+        self.draw();
+        self.join(&self.global, global);
     }
 
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
@@ -397,7 +372,8 @@ impl VectorEnvironment for Fleet {
             }
         }
         if !out.finished.is_empty() {
-            self.join(&self.final_global, Survey::last, &mut out.final_global);
+            // With the maps of before the step: what is searched now is of the missions that follow.
+            self.join(&self.final_global, &mut out.final_global);
         }
     }
 
@@ -447,7 +423,6 @@ impl VectorEnvironment for Fleet {
         if let Some(finding) = &mut self.finding {
             finding.load(saved);
         }
-        self.draw_all();
         Ok(())
     }
 }

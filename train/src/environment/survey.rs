@@ -14,9 +14,7 @@ pub struct Survey {
     side: u32,
     /// Cells of a map along each axis.
     axes: [u32; 2],
-    now: Vec<f32>,
-    /// Where a mission ended in this step: the map before it.
-    last: Vec<f32>,
+    maps: Vec<f32>,
 }
 
 impl Survey {
@@ -30,8 +28,7 @@ impl Survey {
         Survey {
             side,
             axes,
-            now: vec![0.0; floats],
-            last: vec![0.0; floats],
+            maps: vec![0.0; floats],
         }
     }
 
@@ -40,20 +37,9 @@ impl Survey {
         2 * (self.axes[0] * self.axes[1]) as usize
     }
 
-    /// Maps of the missions as they are.
-    pub fn now(&self) -> &[f32] {
-        &self.now
-    }
-
-    /// Maps of those that ended in this step, as they were before it.
-    pub fn last(&self) -> &[f32] {
-        &self.last
-    }
-
-    /// The mission has ended, and what is drawn next is another.
-    pub fn end(&mut self, mission: usize) {
-        let map = mission * self.map_len()..(mission + 1) * self.map_len();
-        self.last[map.clone()].copy_from_slice(&self.now[map]);
+    /// Maps of the missions as they were drawn.
+    pub fn maps(&self) -> &[f32] {
+        &self.maps
     }
 
     /// Draws a mission. `missed`: of each cell of the grid, how likely a hotspot there would not be found yet.
@@ -67,7 +53,7 @@ impl Survey {
         let (len, width) = (self.map_len(), model.config().grid_width);
         let [side, across] = [self.side, self.axes[0]];
         let drawn_at = |x: u32, y: u32| (y / side * across + x / side) as usize;
-        let map = &mut self.now[mission * len..(mission + 1) * len];
+        let map = &mut self.maps[mission * len..(mission + 1) * len];
         map.fill(0.0);
         let (open, uavs) = map.split_at_mut(len / 2);
         let most = missed
@@ -110,9 +96,9 @@ mod tests {
         let mut missed = [0.1; 20];
         missed[7] = 0.4; // x = 2, y = 1
         let here = Cell { x: 3, y: 2 };
-        let mut survey = drawn(5, 4, &[here, here, Cell { x: 0, y: 3 }], &missed);
+        let survey = drawn(5, 4, &[here, here, Cell { x: 0, y: 3 }], &missed);
         assert_eq!(survey.map_len(), 40);
-        let (before, map) = survey.now().split_at(40);
+        let (before, map) = survey.maps().split_at(40);
         assert!(before.iter().all(|&x| x == 0.0), "the other mission");
         for (index, &open) in map[..20].iter().enumerate() {
             assert_eq!(open, if index == 7 { 1.0 } else { 0.25 });
@@ -125,8 +111,6 @@ mod tests {
             };
             assert_eq!(uavs, expected, "{index}");
         }
-        survey.end(1);
-        assert_eq!(survey.last(), survey.now());
     }
 
     #[test]
@@ -139,7 +123,7 @@ mod tests {
         let survey = drawn(100, 42, &starts, &[0.5; 4200]);
         let cells = 25 * 11;
         assert_eq!(survey.map_len(), 2 * cells);
-        let map = &survey.now()[2 * cells..];
+        let map = &survey.maps()[2 * cells..];
         assert!((map[0] - 1.0).abs() < 1e-6);
         assert!(
             (map[cells - 1] - 0.5).abs() < 1e-6,
