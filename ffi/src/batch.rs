@@ -70,7 +70,8 @@ impl jcas_batch_options {
 /// `model`: not NULL; must not be freed before the batch. `environments`: M, at least 1. `threads`: how
 /// many step at once; 1: the caller's own, no other is started; 0: one for each processor. Results do not
 /// depend on it. Where there are as many processors, the others look for the next step for up to some
-/// tens of microseconds before they sleep. `batch`: not NULL; receives the handle, to be ended by jcas_batch_free.
+/// tens of microseconds before they sleep. `batch`: not NULL; receives the handle, to be ended by
+/// jcas_batch_free.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]

@@ -63,6 +63,9 @@ pub struct Row {
     pub learning_share: f64,
     /// Rate of matrix products in the learning phase.
     pub learning_gflops: f64,
+    /// Not all missions have had the time to end yet: the means are of those that ended first, which went well.
+    #[serde(skip)]
+    pub first_to_end: bool,
 }
 
 fn mean(episodes: &[Episode], of: impl Fn(&Episode) -> f64) -> Option<f64> {
@@ -106,6 +109,16 @@ impl Row {
             learning_gflops: operations / learning.max(1e-9) / 1e9,
             evaluated_success_rate: None,
             evaluated_mission_steps: None,
+            first_to_end: false,
+        }
+    }
+
+    /// The share of successes in words, and of which missions where not of all.
+    pub fn success(&self) -> String {
+        match (self.success_rate, self.first_to_end) {
+            (None, _) => "-".into(),
+            (Some(rate), false) => format!("{rate:.2}"),
+            (Some(rate), true) => format!("{rate:.2} of the first to end"),
         }
     }
 

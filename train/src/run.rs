@@ -144,6 +144,8 @@ impl Plan {
         let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
         let mut events = EventFile::create(&self.out)?;
         let mut speed = Speed::new(speed::plain_product_gflops());
+        let horizons = self.configs.iter().map(|c| u64::from(c.horizon_steps));
+        let horizon = horizons.max().unwrap_or(0);
         while !trainer.finished() {
             if observer.stop() {
                 checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
@@ -157,6 +159,8 @@ impl Plan {
                 .map(|worker| (worker.shape().rows() * trainer.settings.steps_per_batch()) as u64)
                 .sum();
             let mut row = Row::of(&iteration, trainer.settings.batch_steps as u64, samples);
+            let flown = trainer.iterations * trainer.settings.steps_per_batch() as u64;
+            row.first_to_end = flown < horizon;
             speed.add(&row);
             let every = self.settings.evaluate_every as u64;
             if every > 0 && trainer.iterations.is_multiple_of(every) {

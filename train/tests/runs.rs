@@ -81,6 +81,37 @@ impl Observer for StopAfter {
     }
 }
 
+/// Reads what is said of each iteration's success.
+struct Successes(Vec<String>);
+
+impl Observer for Successes {
+    fn iteration(&mut self, row: &Row, _total: u64, _left_s: f64) {
+        self.0.push(row.success());
+    }
+
+    fn stop(&mut self) -> bool {
+        self.0.len() == 2
+    }
+}
+
+/// In missions of 40 steps nobody fails within the first batch of 32: who has ended there has succeeded.
+#[test]
+fn the_success_of_the_first_to_end_is_called_so() {
+    let mut plan = plan("first", settings(NetworkKind::Set));
+    plan.configs[0].horizon_steps = 40;
+    let mut successes = Successes(Vec::new());
+    plan.train(false, &mut successes).unwrap();
+    let [first, second] = &successes.0[..] else {
+        panic!("{:?}", successes.0);
+    };
+    assert!(
+        first == "-" || first == "1.00 of the first to end",
+        "{first}"
+    );
+    assert!(second.len() == 4, "{second}");
+    std::fs::remove_dir_all(plan.out).unwrap();
+}
+
 fn weights(plan: &Plan) -> Vec<u8> {
     std::fs::read(plan.out.join(files::WEIGHTS)).unwrap()
 }

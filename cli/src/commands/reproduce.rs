@@ -146,12 +146,11 @@ struct Teller;
 impl Observer for Teller {
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64) {
         if row.iteration.is_multiple_of((total / 10).max(1)) {
-            let success = row
-                .success_rate
-                .map_or("-".to_owned(), |rate| format!("{rate:.2}"));
             eprintln!(
-                "  iteration {} of {total}: success {success}, {:.0} steps/s, {left_s:.0} s left",
-                row.iteration, row.steps_per_s
+                "  iteration {} of {total}: success {}, {:.0} steps/s, {left_s:.0} s left",
+                row.iteration,
+                row.success(),
+                row.steps_per_s
             );
         }
     }

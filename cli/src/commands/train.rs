@@ -108,7 +108,7 @@ impl Train {
             return Ok(Outcome::Done);
         }
         let plan = self.plan(settings)?;
-        let mut watcher = Watcher::new(&plan);
+        let mut watcher = Watcher::new(plan.settings.iterations());
         let ending = self
             .threads
             .run(|| plan.train(self.resume, &mut watcher))??;
@@ -269,23 +269,15 @@ fn summary(card: &Card, plan: &Plan) -> String {
 /// Shows each iteration on one line, and stops at Ctrl-C.
 struct Watcher {
     bar: ProgressBar,
-    /// The first iteration by whose end every mission may have ended: before it only those have that went well.
-    first_whole: u64,
 }
 
 impl Watcher {
-    fn new(plan: &Plan) -> Watcher {
-        let settings = &plan.settings;
-        let horizons = plan.configs.iter().map(|config| config.horizon_steps);
-        let first_whole = horizons
-            .max()
-            .map_or(0, |steps| steps.div_ceil(settings.steps_per_batch() as u32));
+    fn new(iterations: u64) -> Watcher {
         let style = indicatif::ProgressStyle::with_template("[{bar:24}] {pos}/{len} {msg}")
             .expect("the template is valid")
             .progress_chars("=> ");
         Watcher {
-            bar: ProgressBar::new(settings.iterations()).with_style(style),
-            first_whole: first_whole.into(),
+            bar: ProgressBar::new(iterations).with_style(style),
         }
     }
 }
@@ -296,14 +288,10 @@ impl Observer for Watcher {
             value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
         };
         self.bar.set_position(row.iteration);
-        let of = match row.success_rate {
-            Some(_) if row.iteration < self.first_whole => " of the first to end",
-            _ => "",
-        };
         self.bar.set_message(format!(
-            "return {} success {}{of} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} {:.0} steps/s, {left_s:.0} s left",
+            "return {} success {} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} {:.0} steps/s, {left_s:.0} s left",
             number(row.return_mean, 1),
-            number(row.success_rate, 2),
+            row.success(),
             number(row.mission_steps_mean, 1),
             row.entropy,
             row.kl,
