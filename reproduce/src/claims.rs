@@ -164,7 +164,7 @@ impl Reading {
 /// The readings that a reproduction has.
 pub fn readings(scale: &Scale) -> Vec<Reading> {
     let learners = scale.learners().into_iter().map(|learner| Reading {
-        title: learner.title.to_owned(),
+        title: learner.as_trained(),
         preset: Preset::Paper.name(),
         policy: learner.name,
         of_a_cell: true,

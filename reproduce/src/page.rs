@@ -41,14 +41,14 @@ impl Results<'_> {
         let learners = self.scale.learners();
         let learned = learners
             .iter()
-            .map(|learner| (learner.title, learner.name, "adaptive"));
+            .map(|learner| (learner.as_trained(), learner.name, "adaptive"));
         let policies = [
-            ("a random walk", "random", "mid"),
-            ("the best script, `teams`", "teams", "max"),
+            ("a random walk".to_owned(), "random", "mid"),
+            ("the best script, `teams`".to_owned(), "teams", "max"),
         ]
         .into_iter()
         .chain(learned)
-        .chain([("our policy", "learned", "adaptive")]);
+        .chain([("our policy".to_owned(), "learned", "adaptive")]);
         let paper = [
             "the paper".to_owned(),
             format!("{}", PAPER[0].rate),
@@ -74,7 +74,7 @@ impl Results<'_> {
                 format!("{:.digits$}{over}", e.value)
             };
             [
-                title.to_owned(),
+                title,
                 at(10, Quantity::Success),
                 at(15, Quantity::Success),
                 at(10, Quantity::Steps),

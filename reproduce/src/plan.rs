@@ -113,6 +113,19 @@ pub struct Learner {
     pub settings: Settings,
 }
 
+impl Learner {
+    /// For people who see what came of it: where it was stopped before the paper's training ends, that it was.
+    pub fn as_trained(&self) -> String {
+        let iterations = self.settings.iterations();
+        let whole = Settings::preset(Preset::Paper).iterations();
+        if iterations < whole {
+            format!("{} ({iterations} of {whole} iterations)", self.title)
+        } else {
+            self.title.to_owned()
+        }
+    }
+}
+
 /// One change of the paper's model or of its training.
 #[derive(Clone, Debug)]
 pub struct Variation {
@@ -442,5 +455,15 @@ mod tests {
         uav_credit(&mut expected);
         assert_eq!(own.settings, expected);
         assert_ne!(own.settings, team.settings);
+    }
+
+    #[test]
+    fn a_training_that_is_cut_short_says_so() {
+        let named = |scale: Scale| scale.learners()[0].as_trained();
+        assert_eq!(named(Scale::full(1)), "the paper's PPO, credit of the team");
+        assert_eq!(
+            named(Scale::quick(1)),
+            "the paper's PPO, credit of the team (7 of 62 iterations)"
+        );
     }
 }
