@@ -108,19 +108,22 @@ impl Plan {
                 settings.workers, count
             )));
         }
-        let treatment =
-            Treatment::new(settings, self.constant_pilot()).map_err(TrainError::Setting)?;
         let missions = settings.environments / settings.workers;
-        let lessons: Vec<Lesson> = self
+        let fleets: Vec<(Lesson, Treatment)> = self
             .configs
             .iter()
-            .map(|config| Lesson::new(config, settings).map_err(TrainError::Setting))
-            .collect::<Result<_, _>>()?;
+            .map(|config| {
+                let lesson = Lesson::new(config, settings)?;
+                let treatment =
+                    Treatment::new(settings, config.uav_count as usize, self.constant_pilot())?;
+                Ok((lesson, treatment))
+            })
+            .collect::<Result<_, _>>()
+            .map_err(TrainError::Setting)?;
         let workers = (0..settings.workers)
             .map(|worker| {
-                let lesson = lessons[worker * count / settings.workers].clone();
-                Box::new(Fleet::new(lesson, missions, treatment.clone()))
-                    as Box<dyn VectorEnvironment>
+                let (lesson, treatment) = fleets[worker * count / settings.workers].clone();
+                Box::new(Fleet::new(lesson, missions, treatment)) as Box<dyn VectorEnvironment>
             })
             .collect();
         Trainer::new(settings.clone(), workers).map_err(TrainError::Setting)

@@ -105,6 +105,9 @@ pub struct Settings {
     /// the nearest UAV that knows others than it does; nothing in a step that tells somebody something.
     #[serde(default)]
     pub meeting_reward: f64,
+    /// What fleets of few UAVs are paid instead; absent: what all are.
+    #[serde(default)]
+    pub small_fleets: Option<SmallFleets>,
 
     /// Iterations between evaluations; 0: only at the end.
     pub evaluate_every: usize,
@@ -166,6 +169,31 @@ pub struct Curriculum {
     pub batches: u64,
     /// Equal steps in which it gets there; missions start anew with each.
     pub stages: u64,
+}
+
+/// What fleets are paid that are too few to be done by haste and luck.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmallFleets {
+    /// UAVs of the largest of them.
+    pub uavs_max: usize,
+    /// In place of `step_cost`.
+    pub step_cost: f64,
+    /// In place of `finding_reward`.
+    pub finding_reward: f64,
+    /// In place of `discount`.
+    pub discount: f32,
+}
+
+/// What a fleet of a given size is paid for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pay {
+    /// Subtracted from the reward of every step.
+    pub step_cost: f64,
+    /// Paid to each UAV for each confirmation that it is expected to add.
+    pub finding_reward: f64,
+    /// Discount γ.
+    pub discount: f32,
 }
 
 /// Named settings.
@@ -253,6 +281,7 @@ impl Settings {
             finding_reward: 0.0,
             informing_reward: 0.0,
             meeting_reward: 0.0,
+            small_fleets: None,
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,
@@ -358,8 +387,13 @@ impl Settings {
                 self.batch_steps, self.environments
             ));
         }
+        // Where no fleets are set apart, all are of the others.
+        let small = self
+            .small_fleets
+            .map_or(self.pay(usize::MAX), |small| self.pay(small.uavs_max));
         let unit = [
             ("discount", f64::from(self.discount)),
+            ("small_fleets.discount", f64::from(small.discount)),
             ("gae_lambda", f64::from(self.gae_lambda)),
             ("sample_share", self.sample_share),
         ];
@@ -378,12 +412,17 @@ impl Settings {
                 self.critic_survey,
             ),
         ];
+        let finding_rewards = [
+            ("finding_reward", self.finding_reward),
+            ("small_fleets.finding_reward", small.finding_reward),
+        ];
         for (what, asked) in needs_finding {
-            if asked && self.finding_reward <= 0.0 {
-                return Err(format!(
-                    "{what} finding_reward, which is {}, it must be above 0",
-                    self.finding_reward
-                ));
+            for (field, reward) in finding_rewards {
+                if asked && reward <= 0.0 {
+                    return Err(format!(
+                        "{what} {field}, which is {reward}, it must be above 0"
+                    ));
+                }
             }
         }
         if let Some(Curriculum {
@@ -406,6 +445,22 @@ impl Settings {
             }
         }
         Ok(())
+    }
+
+    /// What a fleet of so many UAVs is paid.
+    pub fn pay(&self, uavs: usize) -> Pay {
+        match self.small_fleets {
+            Some(small) if uavs <= small.uavs_max => Pay {
+                step_cost: small.step_cost,
+                finding_reward: small.finding_reward,
+                discount: small.discount,
+            },
+            _ => Pay {
+                step_cost: self.step_cost,
+                finding_reward: self.finding_reward,
+                discount: self.discount,
+            },
+        }
     }
 
     /// Steps of each mission in one iteration.
@@ -448,5 +503,39 @@ mod tests {
             ..tuned
         };
         refused(settings, "critic_survey");
+        let settings = Settings {
+            critic_survey: true,
+            small_fleets: Some(FEW),
+            ..Settings::preset(Preset::Search)
+        };
+        refused(settings, "small_fleets");
+    }
+
+    const FEW: SmallFleets = SmallFleets {
+        uavs_max: 5,
+        step_cost: 2.0,
+        finding_reward: 0.0,
+        discount: 0.985,
+    };
+
+    #[test]
+    fn small_fleets_are_paid_what_is_set_for_them() {
+        let mut settings = Settings::preset(Preset::Search);
+        let all = settings.pay(5);
+        assert_eq!(all, settings.pay(6));
+        settings.small_fleets = Some(FEW);
+        settings.validate().unwrap();
+        assert_eq!(settings.pay(6), all);
+        let few = settings.pay(5);
+        assert_eq!(
+            (few.step_cost, few.finding_reward, few.discount),
+            (2.0, 0.0, 0.985)
+        );
+        settings.small_fleets = Some(SmallFleets {
+            discount: 1.5,
+            ..FEW
+        });
+        let told = settings.validate().unwrap_err();
+        assert!(told.contains("small_fleets.discount: 1.5"), "{told}");
     }
 }

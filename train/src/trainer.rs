@@ -269,7 +269,6 @@ impl Trainer {
         let inputs = self.critic_inputs();
         let input = self.settings.critic_input;
         let (offset, scale) = self.value_units();
-        let (discount, lambda) = (self.settings.discount, self.settings.gae_lambda);
         for rollout in rollouts {
             let (shape, columns) = (&rollout.shape, input.len(&rollout.shape));
             let value = |seen: &[f32]| -> Vec<f32> {
@@ -289,8 +288,8 @@ impl Trainer {
                     terminated: &rollout.terminated,
                     truncated: &rollout.truncated,
                 },
-                discount,
-                lambda,
+                self.settings.pay(shape.agents).discount,
+                self.settings.gae_lambda,
             );
             rollout.values = values;
             rollout.advantages = advantages;

@@ -97,8 +97,7 @@ impl Finding {
         let each = self.open[mission] as f64 / missed.iter().sum::<f64>();
         let quorum = config.quorum as usize;
         let mut chances = Vec::new();
-        let mut fewer = vec![0.0; quorum];
-        let mut fewer_at_best = vec![0.0; quorum];
+        let (mut now, mut highest) = (Quorum::new(quorum), Quorum::new(quorum));
         for (index, missed) in (0..).zip(missed).filter(|(_, missed)| **missed > 0.0) {
             let there = Cell {
                 x: index % config.grid_width,
@@ -108,19 +107,19 @@ impl Finding {
             if chances.len() < quorum {
                 continue;
             }
-            for chance in &chances {
-                let others = chances.iter().filter(|other| other.uav != chance.uav);
-                happened(&mut fewer, others.clone().map(|other| other.now));
-                let decides = fewer[quorum - 1];
+            now.count(chances.iter().map(|chance| chance.now));
+            if !by_pilot.is_empty() {
+                highest.count(chances.iter().map(|chance| chance.highest));
+            }
+            for (event, chance) in chances.iter().enumerate() {
+                let decides = now.decided_by(event);
                 gains[chance.uav] += each * *missed * decides * chance.now;
                 if let Some(by_pilot) = by_pilot.get_mut(chance.uav) {
-                    happened(&mut fewer_at_best, others.map(|other| other.highest));
-                    let decides = decides.max(fewer_at_best[quorum - 1]);
+                    let decides = decides.max(highest.decided_by(event));
                     *by_pilot += each * *missed * decides * (chance.now - chance.middling);
                 }
             }
-            happened(&mut fewer, chances.iter().map(|chance| chance.now));
-            *missed *= fewer.iter().sum::<f64>();
+            *missed *= now.fewer();
         }
         self.look(mission, model, state);
     }
@@ -196,14 +195,58 @@ impl Radar {
     }
 }
 
-/// The chances that exactly 0, 1, … of independent events happen.
-fn happened(exactly: &mut [f64], chances: impl Iterator<Item = f64>) {
-    exactly.fill(0.0);
+/// Of some independent events: the chances that exactly 0, 1, … θ − 1 happen of the first and of the last of them, so
+/// that those of all but one are at hand.
+struct Quorum {
+    quorum: usize,
+    /// θ chances of the first 0, 1, … events.
+    first: Vec<f64>,
+    /// Of the last 0, 1, … events.
+    last: Vec<f64>,
+}
+
+impl Quorum {
+    fn new(quorum: usize) -> Quorum {
+        Quorum {
+            quorum,
+            first: Vec::new(),
+            last: Vec::new(),
+        }
+    }
+
+    fn count(&mut self, chances: impl DoubleEndedIterator<Item = f64> + Clone) {
+        one_by_one(&mut self.first, self.quorum, chances.clone());
+        one_by_one(&mut self.last, self.quorum, chances.rev());
+    }
+
+    /// The chance that fewer than θ happen.
+    fn fewer(&self) -> f64 {
+        self.first[self.first.len() - self.quorum..].iter().sum()
+    }
+
+    /// The chance that exactly θ − 1 of the others happen.
+    fn decided_by(&self, event: usize) -> f64 {
+        let quorum = self.quorum;
+        let first = &self.first[event * quorum..][..quorum];
+        let last = &self.last[self.last.len() - (event + 2) * quorum..][..quorum];
+        first
+            .iter()
+            .zip(last.iter().rev())
+            .map(|(f, l)| f * l)
+            .sum()
+    }
+}
+
+/// The chances that exactly 0, 1, … θ − 1 of none, one, two, … events happen.
+fn one_by_one(exactly: &mut Vec<f64>, quorum: usize, chances: impl Iterator<Item = f64>) {
+    exactly.clear();
+    exactly.resize(quorum, 0.0);
     exactly[0] = 1.0;
     for chance in chances {
-        for k in (0..exactly.len()).rev() {
-            let fewer = if k > 0 { exactly[k - 1] } else { 0.0 };
-            exactly[k] = exactly[k] * (1.0 - chance) + fewer * chance;
+        let before = exactly.len() - quorum;
+        for k in before..before + quorum {
+            let fewer = if k > before { exactly[k - 1] } else { 0.0 };
+            exactly.push(exactly[k] * (1.0 - chance) + fewer * chance);
         }
     }
 }
@@ -213,18 +256,22 @@ mod tests {
     use super::*;
     use jcas_core::{Config, Preset, Sim};
 
-    fn happens(count: usize, chances: impl Iterator<Item = f64>) -> f64 {
-        let mut exactly = vec![0.0; count + 1];
-        happened(&mut exactly, chances);
-        exactly[count]
+    fn quorum(quorum: usize, chances: &[f64]) -> Quorum {
+        let mut counted = Quorum::new(quorum);
+        counted.count([0.9; 3].into_iter());
+        counted.count(chances.iter().copied());
+        counted
     }
 
     #[test]
     fn coin_tosses() {
-        let fair = |tosses| std::iter::repeat_n(0.5, tosses);
-        assert_eq!(happens(2, fair(4)), 6.0 / 16.0);
-        assert_eq!(happens(0, fair(3)), 1.0 / 8.0);
-        assert_eq!(happens(3, fair(2)), 0.0);
+        assert_eq!(quorum(3, &[0.5; 5]).decided_by(1), 6.0 / 16.0);
+        assert_eq!(quorum(1, &[0.5; 4]).decided_by(3), 1.0 / 8.0);
+        assert_eq!(quorum(4, &[0.5; 3]).decided_by(0), 0.0);
+        assert_eq!(quorum(2, &[0.5; 4]).fewer(), 5.0 / 16.0);
+        let unlike = quorum(2, &[0.5, 0.25, 0.125]);
+        assert_eq!(unlike.decided_by(0), 0.25 * 0.875 + 0.75 * 0.125);
+        assert_eq!(unlike.decided_by(2), 0.5);
     }
 
     /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes, if they have these pilot

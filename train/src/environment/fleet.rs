@@ -38,14 +38,19 @@ pub struct Treatment {
 }
 
 impl Treatment {
-    /// From the settings' names; an unknown component is refused.
-    pub fn new(settings: &Settings, constant_pilot: Option<f32>) -> Result<Treatment, String> {
+    /// Of fleets of so many UAVs, from the settings' names; an unknown component is refused.
+    pub fn new(
+        settings: &Settings,
+        uavs: usize,
+        constant_pilot: Option<f32>,
+    ) -> Result<Treatment, String> {
+        let pay = settings.pay(uavs);
         let mut treatment = Treatment {
             factors: [1.0; COMPONENTS],
             pilot_factors: [0.0; COMPONENTS],
-            step_cost: settings.step_cost,
+            step_cost: pay.step_cost,
             progress_reward: settings.progress_reward,
-            finding_reward: settings.finding_reward,
+            finding_reward: pay.finding_reward,
             critic_survey: settings.critic_survey,
             informing_reward: settings.informing_reward,
             meeting_reward: settings.meeting_reward,
@@ -458,7 +463,7 @@ mod tests {
             ..Settings::preset(Preset::Search)
         };
         let lesson = Lesson::new(&Config::preset(jcas_core::Preset::Search), &settings).unwrap();
-        let treatment = Treatment::new(&settings, None).unwrap();
+        let treatment = Treatment::new(&settings, 10, None).unwrap();
         let mut fleet = Fleet::new(lesson, 2, treatment);
         let (first, saved) = (fleet.finding.clone(), fleet.save());
         fleet.begin_batch(1);
