@@ -334,9 +334,16 @@ impl Settings {
             .mission
             .insert("shaping_goal_weight".to_owned(), 0.0.into());
         Settings {
+            critic_survey: true,
             finding_reward: 20.0,
             informing_reward: 0.0,
             meeting_reward: 0.0,
+            small_fleets: Some(SmallFleets {
+                uavs_max: 5,
+                step_cost: 2.0,
+                finding_reward: 5.0,
+                discount: 0.985,
+            }),
             ..settings
         }
     }
@@ -504,7 +511,6 @@ mod tests {
         };
         refused(settings, "critic_survey");
         let settings = Settings {
-            critic_survey: true,
             small_fleets: Some(FEW),
             ..Settings::preset(Preset::Search)
         };
@@ -520,9 +526,10 @@ mod tests {
 
     #[test]
     fn small_fleets_are_paid_what_is_set_for_them() {
-        let mut settings = Settings::preset(Preset::Search);
+        let mut settings = Settings::preset(Preset::Mission);
         let all = settings.pay(5);
         assert_eq!(all, settings.pay(6));
+        settings.pilot_credit = PilotCredit::Return;
         settings.small_fleets = Some(FEW);
         settings.validate().unwrap();
         assert_eq!(settings.pay(6), all);
