@@ -4,7 +4,8 @@
 use crate::curves::Curve;
 use crate::fit;
 use crate::plan::{CONSTANT_PILOT, Scale};
-use crate::table::{Quantity, Query, Row, Table, numbers_of_hotspots};
+use crate::table::{Quantity, Query, Row, Table, in_common, numbers_of_hotspots};
+use crate::text::list;
 use jcas_core::Preset;
 use jcas_evaluate::statistics::wilson;
 
@@ -305,10 +306,10 @@ impl Evidence<'_> {
             Measure::At(_, uavs) => vec![of("adaptive", uavs)],
             Measure::OverFleets(_) => {
                 let fleets = self.scale.fleets.iter();
-                fleets.map(|&uavs| of("adaptive", uavs)).collect()
+                in_common(fleets.map(|&uavs| of("adaptive", uavs)).collect())
             }
             Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => {
-                common(of("adaptive", uavs), of("constant", uavs)).into()
+                in_common(vec![of("adaptive", uavs), of("constant", uavs)])
             }
             Measure::FlatTrainings | Measure::TrainingTime(_) => Vec::new(),
         }
@@ -393,20 +394,8 @@ impl Evidence<'_> {
         if groups.is_empty() || numbers == self.scale.hotspots {
             return String::new();
         }
-        let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
-        format!(" (n = {})", numbers.join(", "))
+        format!(" (n = {})", list(&numbers))
     }
-}
-
-/// Only the cells that both have flown.
-fn common<'a>(a: Vec<&'a Row>, b: Vec<&'a Row>) -> [Vec<&'a Row>; 2] {
-    let of = |rows: &[&'a Row], others: &[&'a Row]| {
-        rows.iter()
-            .copied()
-            .filter(|row| others.iter().any(|other| other.hotspots == row.hotspots))
-            .collect()
-    };
-    [of(&a, &b), of(&b, &a)]
 }
 
 fn flat_share(curves: &[&Curve]) -> Option<f64> {

@@ -5,8 +5,8 @@ use crate::curves::Curve;
 use crate::fit::PAPER;
 use crate::plan::Scale;
 use crate::results::Results;
-use crate::table::{Quantity, Query, Row, Table, mean};
-use crate::text::capital;
+use crate::table::{Quantity, Query, Row, Table, in_common, mean, numbers_of_hotspots};
+use crate::text::{capital, list};
 use jcas_core::Preset;
 use jcas_evaluate::figures::{Axis, Figure, Point, Series};
 use jcas_train::error::TrainError;
@@ -235,10 +235,17 @@ impl Means {
         };
         let mut figure = Figure::new("", x_axis, y_axis).note(note);
         for &(name, policy, pilot) in self.lines {
-            let points = self.points(table, (policy, pilot));
-            if !points.is_empty() {
-                figure = figure.with(Series::line(name, points));
+            let (points, hotspots) = self.points(table, (policy, pilot));
+            if points.is_empty() {
+                continue;
             }
+            let name = match self.over {
+                Over::Fleets if hotspots != scale.hotspots => {
+                    format!("{name}, n = {}", list(&hotspots))
+                }
+                _ => name.to_owned(),
+            };
+            figure = figure.with(Series::line(name, points));
         }
         if self.published {
             let marks = PAPER.map(|p| Point::new(f64::from(p.uavs), p.rate));
@@ -247,7 +254,9 @@ impl Means {
         figure
     }
 
-    fn points(&self, table: &Table, flown: (&str, &str)) -> Vec<Point> {
+    /// The points of a line, and the numbers of hotspots that they are means over: fleets are compared over those that
+    /// all of them have flown.
+    fn points(&self, table: &Table, flown: (&str, &str)) -> (Vec<Point>, Vec<u32>) {
         let query = Query::new(self.experiment, self.preset.name(), flown);
         let query = match self.over {
             Over::Hotspots(uavs) => query.uavs(uavs),
@@ -262,9 +271,14 @@ impl Means {
         let mut xs: Vec<f64> = rows.iter().map(|row| x_of(row)).collect();
         xs.sort_by(f64::total_cmp);
         xs.dedup();
-        let point = |x: f64| {
-            let at: Vec<&Row> = rows.iter().copied().filter(|row| x_of(row) == x).collect();
-            let estimate = mean(&at, self.quantity)?;
+        let at = |x: &f64| rows.iter().copied().filter(|row| x_of(row) == *x).collect();
+        let groups: Vec<Vec<&Row>> = xs.iter().map(at).collect();
+        let groups = match self.over {
+            Over::Fleets => in_common(groups),
+            Over::Hotspots(_) | Over::Varied(_) => groups,
+        };
+        let point = |(x, at): (f64, &Vec<&Row>)| {
+            let estimate = mean(at, self.quantity)?;
             Some(Point::interval(
                 x,
                 estimate.value,
@@ -272,7 +286,8 @@ impl Means {
                 estimate.high,
             ))
         };
-        xs.into_iter().filter_map(point).collect()
+        let points = xs.into_iter().zip(&groups).filter_map(point).collect();
+        (points, numbers_of_hotspots(&groups.concat()))
     }
 }
 

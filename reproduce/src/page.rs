@@ -68,8 +68,7 @@ impl Results<'_> {
                 let over = if numbers == self.scale.hotspots {
                     String::new()
                 } else {
-                    let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
-                    format!(" (n = {})", numbers.join(", "))
+                    format!(" (n = {})", text::list(&numbers))
                 };
                 format!("{:.digits$}{over}", e.value)
             };

@@ -361,6 +361,18 @@ pub fn mean(rows: &[&Row], quantity: Quantity) -> Option<Estimate> {
     })
 }
 
+/// What of some groups of rows can be compared: the numbers of hotspots that all of those have that have any.
+pub fn in_common<'a>(groups: Vec<Vec<&'a Row>>) -> Vec<Vec<&'a Row>> {
+    let has = |group: &[&Row], hotspots| {
+        group.is_empty() || group.iter().any(|row| row.hotspots == hotspots)
+    };
+    let compared = |row: &&'a Row| groups.iter().all(|group| has(group, row.hotspots));
+    groups
+        .iter()
+        .map(|rows| rows.iter().copied().filter(compared).collect())
+        .collect()
+}
+
 /// The numbers of hotspots among rows, rising.
 pub fn numbers_of_hotspots(rows: &[&Row]) -> Vec<u32> {
     let numbers: std::collections::BTreeSet<u32> = rows.iter().map(|row| row.hotspots).collect();
@@ -376,11 +388,9 @@ pub fn is_baseline(policy: &str) -> bool {
 mod tests {
     use super::*;
 
-    // As where two folders' tables were put together by hand: a mean would count it twice.
-    #[test]
-    fn a_campaign_that_is_there_twice_is_refused() {
-        let path = std::env::temp_dir().join(format!("jcas-table-{}.csv", std::process::id()));
-        let head = "experiment,preset,uavs,hotspots,policy,pilot,seed,x,config_hash,episodes,";
+    /// A table of successes in cells (N, n) with these seeds.
+    fn opened(name: &str, rows: &[(u32, u32, u64)]) -> Result<Table, TrainError> {
+        let path = std::env::temp_dir().join(format!("jcas-{name}-{}.csv", std::process::id()));
         let quantities = [
             "success_rate",
             "mission_steps",
@@ -389,21 +399,54 @@ mod tests {
             "co2_kg",
         ];
         let columns = quantities.map(|name| format!("{name},{name}_low,{name}_high,"));
-        let row = |seed: u64| {
+        let mut text = format!(
+            "experiment,preset,uavs,hotspots,policy,pilot,seed,x,config_hash,episodes,{}pilot_density\n",
+            columns.concat()
+        );
+        for (uavs, hotspots, seed) in rows {
             let values = "1,1,1,".repeat(quantities.len());
-            format!("grid,paper,10,5,ppo,adaptive,{seed},0.0,0x0,1000,{values}0.2\n")
-        };
-        let table = |rows: [String; 2]| {
-            let text = format!("{head}{}pilot_density\n{}", columns.concat(), rows.concat());
-            std::fs::write(&path, text).unwrap();
-            Table::open(&path).map(|table| table.rows.len())
-        };
-        assert_eq!(table([row(0), row(1)]).unwrap(), 2);
-        let told = table([row(0), row(0)]).unwrap_err().to_string();
+            text += &format!(
+                "grid,paper,{uavs},{hotspots},ppo,adaptive,{seed},0.0,0x0,1000,{values}0.2\n"
+            );
+        }
+        std::fs::write(&path, text).unwrap();
+        let table = Table::open(&path);
         std::fs::remove_file(&path).unwrap();
+        table
+    }
+
+    // As where two folders' tables were put together by hand: a mean would count it twice.
+    #[test]
+    fn a_campaign_that_is_there_twice_is_refused() {
+        let table = |seeds: [u64; 2]| opened("twice", &seeds.map(|seed| (10, 5, seed)));
+        assert_eq!(table([0, 1]).unwrap().rows.len(), 2);
+        let told = table([0, 0]).unwrap_err().to_string();
         assert!(
             told.contains("line 3: grid, ppo, N = 10, n = 5 is there twice"),
             "{told}"
         );
+    }
+
+    // A mean over three to eleven hotspots is not to be held against one over five.
+    #[test]
+    fn fleets_are_compared_over_the_hotspots_that_all_have_flown() {
+        let cells = [(5, 5, 0), (10, 3, 0), (10, 5, 0), (10, 7, 0)];
+        let table = opened("compared", &cells).unwrap();
+        let of = |uavs| {
+            let of_fleet = |row: &&Row| row.uavs == uavs;
+            table.rows.iter().filter(of_fleet).collect::<Vec<_>>()
+        };
+        let numbers = |groups: Vec<Vec<&Row>>| -> Vec<Vec<u32>> {
+            let groups = in_common(groups);
+            groups
+                .iter()
+                .map(|rows| numbers_of_hotspots(rows))
+                .collect()
+        };
+        assert_eq!(
+            numbers(vec![of(5), of(10), of(20)]),
+            [vec![5], vec![5], vec![]]
+        );
+        assert_eq!(numbers(vec![of(10), of(20)]), [vec![3, 5, 7], vec![]]);
     }
 }

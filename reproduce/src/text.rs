@@ -8,6 +8,12 @@ pub(crate) fn capital(text: &str) -> String {
     })
 }
 
+/// Numbers with commas.
+pub(crate) fn list(numbers: &[u32]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
+    numbers.join(", ")
+}
+
 /// A Markdown table.
 pub(crate) fn table<T: AsRef<str>, R: AsRef<[String]>>(head: &[T], rows: &[R]) -> String {
     let heads: Vec<&str> = head.iter().map(AsRef::as_ref).collect();
