@@ -5,7 +5,6 @@ use crate::curves::Curve;
 use crate::fit;
 use crate::plan::{CONSTANT_PILOT, Scale};
 use crate::table::{Quantity, Query, Row, Table, in_common, numbers_of_hotspots};
-use crate::text::list;
 use jcas_core::Preset;
 use jcas_evaluate::statistics::wilson;
 
@@ -391,10 +390,10 @@ impl Evidence<'_> {
     fn over(&self, measure: Measure) -> String {
         let groups = self.groups(measure);
         let numbers = numbers_of_hotspots(&groups.concat());
-        if groups.is_empty() || numbers == self.scale.hotspots {
+        if groups.is_empty() {
             return String::new();
         }
-        format!(" (n = {})", list(&numbers))
+        self.scale.over(&numbers)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::fit::PAPER;
 use crate::plan::Scale;
 use crate::results::Results;
 use crate::table::{Quantity, Query, Row, Table, in_common, mean, numbers_of_hotspots};
-use crate::text::{capital, list};
+use crate::text::capital;
 use jcas_core::Preset;
 use jcas_evaluate::figures::{Axis, Figure, Point, Series};
 use jcas_train::error::TrainError;
@@ -240,10 +240,8 @@ impl Means {
                 continue;
             }
             let name = match self.over {
-                Over::Fleets if hotspots != scale.hotspots => {
-                    format!("{name}, n = {}", list(&hotspots))
-                }
-                _ => name.to_owned(),
+                Over::Fleets => format!("{name}{}", scale.over(&hotspots)),
+                Over::Hotspots(_) | Over::Varied(_) => name.to_owned(),
             };
             figure = figure.with(Series::line(name, points));
         }

@@ -64,12 +64,7 @@ impl Results<'_> {
                     return "not run".to_owned();
                 };
                 let digits = quantity.digits();
-                let numbers = numbers_of_hotspots(&rows);
-                let over = if numbers == self.scale.hotspots {
-                    String::new()
-                } else {
-                    format!(" (n = {})", text::list(&numbers))
-                };
+                let over = self.scale.over(&numbers_of_hotspots(&rows));
                 format!("{:.digits$}{over}", e.value)
             };
             [

@@ -1,6 +1,7 @@
 //! How much of the paper's grid is trained and flown.
 
 use crate::fit;
+use crate::text::list;
 use jcas_core::{Config, InformPayment, Preset as World};
 use jcas_train::head::Head;
 use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
@@ -302,6 +303,15 @@ impl Scale {
                 whole.actor_hidden
             )
         })
+    }
+
+    /// Which numbers of hotspots a mean is over; nothing where it is over all of them.
+    pub fn over(&self, hotspots: &[u32]) -> String {
+        if hotspots == self.hotspots {
+            String::new()
+        } else {
+            format!(" (n = {})", list(hotspots))
+        }
     }
 
     /// Only these parts.

@@ -9,7 +9,7 @@ use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, Mode, shape_of};
 use jcas_train::run::{Ending, Observer, Plan, Unwatched};
-use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings};
+use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings, SmallFleets};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -81,12 +81,16 @@ impl Observer for StopAfter {
     }
 }
 
-/// Reads what is said of each iteration's success.
+/// Reads of the first iterations what would be said of a success in them.
 struct Successes(Vec<String>);
 
 impl Observer for Successes {
     fn iteration(&mut self, row: &Row, _total: u64, _left_s: f64) {
-        self.0.push(row.success());
+        let succeeded = Row {
+            success_rate: Some(1.0),
+            ..row.clone()
+        };
+        self.0.push(succeeded.success());
     }
 
     fn stop(&mut self) -> bool {
@@ -101,15 +105,42 @@ fn the_success_of_the_first_to_end_is_called_so() {
     plan.configs[0].horizon_steps = 40;
     let mut successes = Successes(Vec::new());
     plan.train(false, &mut successes).unwrap();
-    let [first, second] = &successes.0[..] else {
-        panic!("{:?}", successes.0);
-    };
-    assert!(
-        first == "-" || first == "1.00 of the first to end",
-        "{first}"
-    );
-    assert!(second.len() == 4, "{second}");
+    assert_eq!(successes.0, ["1.00 of the first to end", "1.00"]);
     std::fs::remove_dir_all(plan.out).unwrap();
+}
+
+/// A fleet that is small learns as one whose settings are those of small fleets, and no other does.
+#[test]
+fn small_fleets_are_trained_by_what_they_are_paid() {
+    let trained = |name: &str, settings: Settings| {
+        let plan = plan(name, settings);
+        plan.train(false, &mut StopAfter(3)).unwrap();
+        let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
+        std::fs::remove_dir_all(&plan.out).unwrap();
+        // Up to the wall time.
+        let of_line = |line: &str| line.split(',').take(18).collect::<Vec<_>>().join(",");
+        text.lines().map(of_line).collect::<Vec<_>>()
+    };
+    let small = |uavs_max| Settings {
+        small_fleets: Some(SmallFleets {
+            uavs_max,
+            step_cost: 2.0,
+            finding_reward: 7.0,
+            discount: 0.9,
+        }),
+        ..settings(NetworkKind::Set)
+    };
+    let all = trained("none-small", small(3));
+    let few = trained("small", small(4));
+    let as_few = Settings {
+        step_cost: 2.0,
+        finding_reward: 7.0,
+        discount: 0.9,
+        ..settings(NetworkKind::Set)
+    };
+    assert_eq!(few, trained("as-small", as_few));
+    assert_eq!(all, trained("as-large", settings(NetworkKind::Set)));
+    assert_ne!(few, all);
 }
 
 fn weights(plan: &Plan) -> Vec<u8> {
