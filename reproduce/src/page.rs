@@ -189,12 +189,7 @@ impl Results<'_> {
              or over the numbers that stand beside a value{ours}",
             self.scale.episodes,
             self.scale.seeds.len(),
-            self.scale
-                .hotspots
-                .iter()
-                .map(u32::to_string)
-                .collect::<Vec<_>>()
-                .join(", ")
+            text::list(&self.scale.hotspots)
         )
     }
 

@@ -6,7 +6,7 @@ use crate::fit::{self, Fit, PAPER, Published, Simulated};
 use crate::flight::{Flight, Who};
 use crate::plan::{Learner, Scale};
 use crate::table::{Quantity, Query, Table, numbers_of_hotspots};
-use crate::text::capital;
+use crate::text::{capital, list};
 use jcas_core::Preset;
 use jcas_evaluate::figures::{Axis, Figure, Panels, Point, Series};
 use jcas_evaluate::policy::{BaselineKind, PilotMode};
@@ -157,9 +157,9 @@ impl Studied {
     }
 
     fn row(&self, cell_size_m: f64) -> [String; 7] {
-        let n: Vec<String> = self.hotspots.iter().map(u32::to_string).collect();
+        let n = list(&self.hotspots);
         let Some(fit) = &self.fit else {
-            let told = [self.title.clone(), n.join(", "), "not measured".to_owned()];
+            let told = [self.title.clone(), n, "not measured".to_owned()];
             let mut row: [String; 7] = Default::default();
             row[..3].clone_from_slice(&told);
             return row;
@@ -173,7 +173,7 @@ impl Studied {
         let interval = format!("{:.2} [{}, {}]", fit.value, end(fit.low), end(fit.high));
         [
             self.title.clone(),
-            n.join(", "),
+            n,
             if fit.refused() {
                 format!("none (nearest {:.2})", fit.value)
             } else {

@@ -4,6 +4,7 @@ use crate::chapter::{Block, Chapter};
 use crate::flight::{ADAPTIVE, Flight, OURS, Who};
 use crate::plan::Scale;
 use crate::table::{Quantity, Query, Row, Table, mean};
+use crate::text::list;
 use jcas_core::Preset;
 use jcas_evaluate::figures::{Axis, Figure, Point, Series};
 use jcas_evaluate::policy::{BaselineKind, PilotMode};
@@ -167,7 +168,6 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
 }
 
 fn figure(scale: &Scale, table: &Table, flown: &[&str]) -> Figure {
-    let hotspots: Vec<String> = scale.hotspots.iter().map(u32::to_string).collect();
     let mut figure = Figure::new(
         "Mission time over fleet size, preset search",
         Axis::new("UAVs", ""),
@@ -176,7 +176,7 @@ fn figure(scale: &Scale, table: &Table, flown: &[&str]) -> Figure {
     .note(format!(
         "{} missions a cell, mean over n = {}; a mission without success counts with its horizon.",
         scale.episodes,
-        hotspots.join(", ")
+        list(&scale.hotspots)
     ));
     for &name in flown {
         let points = scale.fleets.iter().filter_map(|&uavs| {
