@@ -7,6 +7,11 @@ use jcas_train::policy::Mode;
 use jcas_train::policy::files::Stored;
 use jcas_train::run::EVALUATION_SEED;
 
+/// The table of it that a reproduction keeps of each training seed.
+pub(crate) fn table(seed: u64) -> String {
+    format!("approach-s{seed}.csv")
+}
+
 /// For each Manhattan distance: how many UAV-steps, and the sum of their pilot densities.
 pub(crate) fn observe(
     model: &Model<'static>,

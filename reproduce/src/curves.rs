@@ -1,11 +1,19 @@
-//! How the trainings with the paper's settings went, from the metrics that each run keeps.
+//! How the trainings with the paper's settings went: a table of its own beside that of the results, so that pages are
+//! made from tables alone.
 
+use crate::flight::pilot_name;
 use crate::flights::{POLICIES, paper_name};
-use crate::plan::{PAPER_ITERATIONS, Scale};
+use crate::plan::{PAPER_ITERATIONS, Scale, Training};
 use jcas_train::error::TrainError;
 use jcas_train::policy::files::CARD;
 use jcas_train::run::METRICS;
+use jcas_train::store::{csv_bytes, write_whole};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// Name of the table of trainings.
+pub const TRAININGS: &str = "trainings.csv";
 
 /// Training of one cell with the paper's settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,43 +39,113 @@ impl Curve {
     }
 }
 
-/// The training curves of the adaptive runs in the preset `paper`, as far as they are trained.
+/// One iteration of one training, as the table has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Line {
+    learner: String,
+    uavs: u32,
+    hotspots: u32,
+    pilot: String,
+    seed: u64,
+    iteration: u64,
+    return_mean: Option<f64>,
+    success_rate: Option<f64>,
+    mission_steps_mean: Option<f64>,
+    wall_s: f64,
+}
+
+impl Line {
+    fn is_of(&self, learner: &str, pilot: &str, training: &Training) -> bool {
+        let cell = (self.uavs, self.hotspots);
+        (self.learner.as_str(), self.pilot.as_str()) == (learner, pilot)
+            && (cell, self.seed) == (training.cell, training.seed)
+    }
+}
+
+/// What a run keeps of an iteration.
+#[derive(Deserialize)]
+struct Metrics {
+    iteration: u64,
+    return_mean: Option<f64>,
+    success_rate: Option<f64>,
+    mission_steps_mean: Option<f64>,
+    wall_s: f64,
+}
+
+/// Takes the metrics of the trainings in the folder into its table, in place of what the table had of them. A run that
+/// was stopped and continued has all its iterations there.
+pub(crate) fn gather(scale: &Scale, out: &Path) -> Result<(), TrainError> {
+    let path = out.join(TRAININGS);
+    let mut lines = table(&path)?;
+    let before = lines.clone();
+    for learner in scale.learners() {
+        for training in scale.trainings() {
+            let (cell, seed) = (training.cell, training.seed);
+            let name = paper_name(learner.name, cell, training.constant, seed);
+            let folder = out.join(POLICIES).join(name);
+            if !folder.join(CARD).exists() {
+                continue;
+            }
+            let pilot = pilot_name(training.constant);
+            lines.retain(|line| !line.is_of(learner.name, pilot, &training));
+            let metrics: Vec<Metrics> = rows(&folder.join(METRICS))?;
+            lines.extend(metrics.into_iter().map(|metrics| Line {
+                learner: learner.name.to_owned(),
+                uavs: cell.0,
+                hotspots: cell.1,
+                pilot: pilot.to_owned(),
+                seed,
+                iteration: metrics.iteration,
+                return_mean: metrics.return_mean,
+                success_rate: metrics.success_rate,
+                mission_steps_mean: metrics.mission_steps_mean,
+                wall_s: metrics.wall_s,
+            }));
+        }
+    }
+    if lines == before {
+        return Ok(());
+    }
+    write_whole(&path, &csv_bytes(&lines, true, &path)?)
+}
+
+/// The training curves of the adaptive runs in the preset `paper`, as far as the folder's table has them.
 pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
+    let lines = table(&out.join(TRAININGS))?;
     let mut curves = Vec::new();
     for learner in scale.learners() {
-        for &(uavs, hotspots) in &scale.paper_cells {
-            for &seed in &scale.seeds {
-                let name = paper_name(learner.name, (uavs, hotspots), None, seed);
-                let folder = out.join(POLICIES).join(name);
-                if !folder.join(CARD).exists() {
-                    continue;
-                }
-                let (returns, wall_s) = iterations(&folder.join(METRICS))?;
-                curves.push(Curve {
-                    learner: learner.name,
-                    uavs,
-                    hotspots,
-                    seed,
-                    returns,
-                    training_s: wall_s.iter().sum(),
-                });
+        for training in scale.trainings() {
+            let pilot = pilot_name(None);
+            let of = |line: &&Line| line.is_of(learner.name, pilot, &training);
+            let lines: Vec<&Line> = lines.iter().filter(of).collect();
+            if lines.is_empty() || training.constant.is_some() {
+                continue;
             }
+            let returns = lines.iter().map(|line| line.return_mean);
+            curves.push(Curve {
+                learner: learner.name,
+                uavs: training.cell.0,
+                hotspots: training.cell.1,
+                seed: training.seed,
+                returns: returns.map(|mean| mean.unwrap_or(f64::NAN)).collect(),
+                training_s: lines.iter().map(|line| line.wall_s).sum(),
+            });
         }
     }
     Ok(curves)
 }
 
-/// Mean return and wall time of each iteration. A run that was stopped and continued has them all here.
-fn iterations(path: &Path) -> Result<(Vec<f64>, Vec<f64>), TrainError> {
-    #[derive(serde::Deserialize)]
-    struct Line {
-        return_mean: Option<f64>,
-        wall_s: f64,
+fn table(path: &Path) -> Result<Vec<Line>, TrainError> {
+    if path.exists() {
+        rows(path)
+    } else {
+        Ok(Vec::new())
     }
+}
+
+fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, TrainError> {
     let mut reader = csv::Reader::from_path(path).map_err(TrainError::format(path))?;
-    let lines = reader.deserialize::<Line>().map(|line| {
-        let line = line.map_err(TrainError::format(path))?;
-        Ok((line.return_mean.unwrap_or(f64::NAN), line.wall_s))
-    });
-    lines.collect()
+    let rows = reader.deserialize();
+    rows.map(|row| row.map_err(TrainError::format(path)))
+        .collect()
 }

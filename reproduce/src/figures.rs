@@ -412,7 +412,7 @@ fn approach(scale: &Scale, out: &Path) -> Result<Figure, TrainError> {
     )
     .note("The learned policy, deterministic.");
     for &seed in &scale.seeds {
-        let path = out.join(format!("approach-s{seed}.csv"));
+        let path = out.join(crate::approach::table(seed));
         if !path.exists() {
             continue;
         }

@@ -16,7 +16,7 @@ use jcas_train::run::{EVALUATION_SEED, Ending, Plan};
 use jcas_train::settings::Settings;
 use jcas_train::store::write_whole;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The baselines that stand beside learned policies; the other searchers have nothing to search here.
@@ -123,6 +123,10 @@ impl Flights<'_> {
         Ok(Progress::Finished)
     }
 
+    fn folder(&self, policy: &str) -> PathBuf {
+        self.out.join(POLICIES).join(policy)
+    }
+
     fn stopped(&mut self) -> bool {
         self.narrator.stop()
     }
@@ -179,30 +183,32 @@ impl Flights<'_> {
         self.campaign(key, config, &|| Box::new(policy.policy(None)))
     }
 
-    /// One campaign, unless it is there.
-    fn campaign(&mut self, key: &Key, config: Config, make: Factory) -> Result<(), TrainError> {
+    /// Whether a campaign is in the table; refused where the table is of another reproduction.
+    fn is_there(&self, key: &Key) -> Result<bool, TrainError> {
         let episodes = self.scale.episodes;
         match self.table.find(key) {
-            Some(row) if row.episodes != episodes => {
-                return Err(TrainError::Setting(format!(
-                    "{}: holds campaigns of {} missions, this reproduction flies {episodes}; \
-                     give another folder",
-                    self.out.display(),
-                    row.episodes
-                )));
-            }
-            Some(row) if row.config_hash != key.config_hash => {
-                return Err(TrainError::Setting(format!(
-                    "{}: holds {} {} at N = {}, n = {} of another configuration; give another folder",
-                    self.out.display(),
-                    row.experiment,
-                    row.policy,
-                    row.uavs,
-                    row.hotspots
-                )));
-            }
-            Some(_) => return Ok(()),
-            None => {}
+            Some(row) if row.episodes != episodes => Err(TrainError::Setting(format!(
+                "{}: holds campaigns of {} missions, this reproduction flies {episodes}; \
+                 give another folder",
+                self.out.display(),
+                row.episodes
+            ))),
+            Some(row) if row.config_hash != key.config_hash => Err(TrainError::Setting(format!(
+                "{}: holds {} {} at N = {}, n = {} of another configuration; give another folder",
+                self.out.display(),
+                row.experiment,
+                row.policy,
+                row.uavs,
+                row.hotspots
+            ))),
+            found => Ok(found.is_some()),
+        }
+    }
+
+    /// One campaign, unless it is there.
+    fn campaign(&mut self, key: &Key, config: Config, make: Factory) -> Result<(), TrainError> {
+        if self.is_there(key)? {
+            return Ok(());
         }
         if self.stopped() {
             return Ok(());
@@ -337,7 +343,7 @@ impl Flights<'_> {
         settings: Settings,
         configs: Vec<Config>,
     ) -> Result<Option<Stored>, TrainError> {
-        let out = self.out.join(POLICIES).join(name);
+        let out = self.folder(name);
         if !out.join(CARD).exists() {
             self.narrator.chapter(&format!("training {name}"));
             let precision = Precision::Single;
@@ -424,7 +430,7 @@ impl Flights<'_> {
 
     /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
     fn approach(&mut self, policy: &Stored, seed: u64) -> Result<(), TrainError> {
-        let path = self.out.join(format!("approach-s{seed}.csv"));
+        let path = self.out.join(approach::table(seed));
         if path.exists() || self.stopped() {
             return Ok(());
         }
@@ -474,7 +480,8 @@ impl Flights<'_> {
         self.trained_and_flown(&name, settings, config, &key)
     }
 
-    /// One policy for one mission; false if stopped meanwhile.
+    /// One policy for one mission; false if stopped meanwhile. What the table has from elsewhere, without the policy, is
+    /// not trained again.
     fn trained_and_flown(
         &mut self,
         name: &str,
@@ -482,6 +489,9 @@ impl Flights<'_> {
         config: Config,
         key: &Key,
     ) -> Result<bool, TrainError> {
+        if self.is_there(key)? && !self.folder(name).join(CARD).exists() {
+            return Ok(true);
+        }
         let Some(policy) = self.trained(name, settings, vec![config])? else {
             return Ok(false);
         };

@@ -2,7 +2,7 @@
 //!
 //! Everything is kept in one table, `results.csv`, whose rows are flown once; what is there already
 //! is not flown again, so a reproduction goes on where it was stopped. Figures and texts are made
-//! from the table alone.
+//! from it and two small tables beside it alone: how trainings went, and how near the pilot density changes.
 
 mod approach;
 pub mod bars;
@@ -47,6 +47,7 @@ pub fn reproduce(
     let mut table = Table::open(&out.join(TABLE))?;
     let progress = flights::fly_all(scale, out, &mut table, narrator)?;
     narrator.chapter("figures and report");
+    curves::gather(scale, out)?;
     let curves = curves::curves(scale, out)?;
     let results = Results {
         scale,
@@ -58,10 +59,10 @@ pub fn reproduce(
     Ok(progress)
 }
 
-/// Writes the page of a reproduction to a place of its own, its pictures and its table into a folder beside it.
+/// Writes the page of a reproduction to a place of its own, its pictures and the tables that it is made of into a folder
+/// beside it, from which a reproduction makes the same page.
 pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError> {
-    let csv = out.join(TABLE);
-    let table = Table::open(&csv)?;
+    let table = Table::open(&out.join(TABLE))?;
     let curves = curves::curves(scale, out)?;
     let results = Results {
         scale,
@@ -70,14 +71,22 @@ pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError>
     };
     let folder = page.with_extension("");
     std::fs::create_dir_all(&folder).map_err(TrainError::file(&folder))?;
-    for name in results.pictures_on_page() {
-        let picture = out.join(format!("{name}.png"));
-        let bytes = std::fs::read(&picture).map_err(TrainError::file(&picture))?;
-        write_whole(&folder.join(format!("{name}.png")), &bytes)?;
+    let pictures = results.pictures_on_page().into_iter();
+    let pictures = pictures.map(|name| format!("{name}.png"));
+    for name in pictures.chain(tables(scale, out)) {
+        let from = out.join(&name);
+        let bytes = std::fs::read(&from).map_err(TrainError::file(&from))?;
+        write_whole(&folder.join(&name), &bytes)?;
     }
-    let rows = std::fs::read(&csv).map_err(TrainError::file(&csv))?;
-    write_whole(&folder.join(TABLE), &rows)?;
     let beside = folder.file_name().unwrap_or_default().to_string_lossy();
     let text = results.markdown(&format!("{beside}/"));
     write_whole(page, text.as_bytes())
+}
+
+/// The tables in a reproduction's folder that its page is made of.
+fn tables(scale: &Scale, out: &Path) -> Vec<String> {
+    let approaches = scale.seeds.iter().map(|&seed| approach::table(seed));
+    let names = [TABLE, curves::TRAININGS].map(str::to_owned);
+    let all = names.into_iter().chain(approaches);
+    all.filter(|name| out.join(name).exists()).collect()
 }

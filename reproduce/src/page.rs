@@ -3,6 +3,7 @@
 use crate::bars::{self, bars};
 use crate::chapter::{Block, Chapter};
 use crate::claims::{self, Judged, Verdict};
+use crate::curves::TRAININGS;
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
 use crate::flight::pilot_name;
@@ -200,8 +201,13 @@ impl Results<'_> {
         } else {
             ""
         };
+        let trainings = if self.curves.is_empty() {
+            String::new()
+        } else {
+            format!(", [{TRAININGS}]({pictures}{TRAININGS}) how trainings went")
+        };
         let mut text = format!(
-            "# Results\n\nMade by `jcas reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every campaign.\n\n## \
+            "# Results\n\nMade by `jcas reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every campaign{trainings}.\n\n## \
              The paper's two numbers\n\n",
             self.summary()
         );

@@ -131,6 +131,28 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
         "{text}"
     );
 
+    // Its tables alone are enough for the same page, and nothing of the paper's training is trained again.
+    let pages = scale().parts(Vec::new());
+    let tables = out.join("docs/results");
+    assert_eq!(
+        reproduce(&pages, &tables, &mut narrator(usize::MAX)).unwrap(),
+        Progress::Finished
+    );
+    let again = out.join("again/results.md");
+    std::fs::create_dir_all(again.parent().unwrap()).unwrap();
+    publish(&scale(), &tables, &again).unwrap();
+    assert_eq!(std::fs::read_to_string(&again).unwrap(), text);
+    assert!(text.contains("](results/training_returns.png)"), "{text}");
+    assert!(text.contains("](results/trainings.csv)"), "{text}");
+    let trained = scale().parts(vec![Part::Paper, Part::Variations, Part::TrainedRanges]);
+    let mut from_tables = narrator(usize::MAX);
+    reproduce(&trained, &tables, &mut from_tables).unwrap();
+    assert!(
+        !tables.join("policies").exists(),
+        "{:?}",
+        from_tables.chapters
+    );
+
     let mut again = narrator(usize::MAX);
     reproduce(&scale(), &out, &mut again).unwrap();
     assert!(
