@@ -23,7 +23,6 @@ fn policy_of_short_missions(folder: &Path) {
     for (field, value) in [("uav_count", 3), ("hotspot_count", 2), ("horizon_steps", 7)] {
         card["config"][field] = value.into();
     }
-    card["config"]["uav_tag"] = "off".into();
     fs::write(target.join("policy.json"), card.to_string()).unwrap();
 }
 

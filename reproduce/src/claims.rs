@@ -333,7 +333,11 @@ impl Evidence<'_> {
                     .map(|both| 100.0 * (both[0] - both[1]));
                 vec![gap]
             }
-            Measure::FlatTrainings => vec![flat_share(&self.trainings(None))],
+            Measure::FlatTrainings => {
+                let mut adaptive = self.trainings(None);
+                adaptive.retain(|curve| curve.constant.is_none());
+                vec![flat_share(&adaptive)]
+            }
             Measure::TrainingTime(uavs) => {
                 let times: Vec<f64> = self
                     .trainings(Some(uavs))
@@ -424,9 +428,10 @@ mod tests {
             learner: "ppo",
             uavs: 10,
             hotspots: 5,
+            constant: None,
             seed: 0,
             returns,
-            training_s: 1.0,
+            iteration_s: 1.0,
         }
     }
 

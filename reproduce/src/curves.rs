@@ -24,18 +24,20 @@ pub struct Curve {
     pub uavs: u32,
     /// Hotspots.
     pub hotspots: u32,
+    /// The pilot density that was held; absent: it was learnt.
+    pub constant: Option<f64>,
     /// Training seed.
     pub seed: u64,
     /// Mean return of the missions that ended in each iteration (NaN where none did).
     pub returns: Vec<f64>,
-    /// Wall time of the training.
-    pub training_s: f64,
+    /// Wall time of an iteration, the median: what else the machine did meanwhile counts little.
+    pub iteration_s: f64,
 }
 
 impl Curve {
     /// Wall time of the paper's number of iterations at this run's pace.
     pub fn whole_training_s(&self) -> f64 {
-        self.training_s * PAPER_ITERATIONS as f64 / self.returns.len().max(1) as f64
+        self.iteration_s * PAPER_ITERATIONS as f64
     }
 }
 
@@ -109,26 +111,29 @@ pub(crate) fn gather(scale: &Scale, out: &Path) -> Result<(), TrainError> {
     write_whole(&path, &csv_bytes(&lines, true, &path)?)
 }
 
-/// The training curves of the adaptive runs in the preset `paper`, as far as the folder's table has them.
+/// The training curves in the preset `paper`, as far as the folder's table has them.
 pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
     let lines = table(&out.join(TRAININGS))?;
     let mut curves = Vec::new();
     for learner in scale.learners() {
         for training in scale.trainings() {
-            let pilot = pilot_name(None);
+            let pilot = pilot_name(training.constant);
             let of = |line: &&Line| line.is_of(learner.name, pilot, &training);
             let lines: Vec<&Line> = lines.iter().filter(of).collect();
-            if lines.is_empty() || training.constant.is_some() {
+            if lines.is_empty() {
                 continue;
             }
+            let mut wall_s: Vec<f64> = lines.iter().map(|line| line.wall_s).collect();
+            wall_s.sort_by(f64::total_cmp);
             let returns = lines.iter().map(|line| line.return_mean);
             curves.push(Curve {
                 learner: learner.name,
                 uavs: training.cell.0,
                 hotspots: training.cell.1,
+                constant: training.constant,
                 seed: training.seed,
                 returns: returns.map(|mean| mean.unwrap_or(f64::NAN)).collect(),
-                training_s: lines.iter().map(|line| line.wall_s).sum(),
+                iteration_s: wall_s[wall_s.len() / 2],
             });
         }
     }

@@ -128,8 +128,9 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
         let figure = panels(scale, table, quantity);
         Block::figure(name, &figure.title.clone(), figure)
     });
+    let learned = rows.iter().any(|row| row[2] == OURS);
     let mut blocks = vec![
-        Block::Text(text(scale)),
+        Block::Text(text(scale, learned)),
         Block::table("Missions that outlast many batteries", HEAD, rows),
     ];
     blocks.extend(figures);
@@ -139,8 +140,14 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
     })
 }
 
-fn text(scale: &Scale) -> String {
+fn text(scale: &Scale, learned: bool) -> String {
     let config = mission(10, SWAP_KW);
+    let ours = if learned {
+        " `learned` is ours, trained on this mission and flown with the charger that it was trained with; it may fly home \
+         by itself, and where it does not the autopilot sends it."
+    } else {
+        ""
+    };
     format!(
         "`mission` with {HOTSPOTS} hotspots, a horizon of {} steps, batteries of {} kWh, which last about sixty moves, and \
          depots at (2, 2) and (9, 9) (`examples/endurance.toml`; {} missions a row). The paper's charger of 0.3 kW takes as \
@@ -150,7 +157,7 @@ fn text(scale: &Scale) -> String {
          fifth of its range or the reserve is spent, and then fills up. The intensity is drawn anew in each step, so \
          only the step in which a UAV begins to charge can be chosen: with a swap that is all of the charge, with the \
          paper's charger one step of about sixty. And who goes home early goes more often and ends the mission with a \
-         fuller battery, so that cleaner energy need not mean less carbon.",
+         fuller battery, so that cleaner energy need not mean less carbon.{ours}",
         config.horizon_steps, config.battery_capacity_kwh, scale.episodes
     )
 }

@@ -310,7 +310,8 @@ fn returns(scale: &Scale, curves: &[Curve]) -> Figure {
     for learner in scale.learners() {
         for &hotspots in &scale.hotspots {
             let of = |curve: &&Curve| {
-                curve.learner == learner.name && (curve.uavs, curve.hotspots) == (uavs, hotspots)
+                (curve.learner, curve.constant) == (learner.name, None)
+                    && (curve.uavs, curve.hotspots) == (uavs, hotspots)
             };
             let runs: Vec<&Curve> = curves.iter().filter(of).collect();
             if runs.is_empty() {

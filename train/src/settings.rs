@@ -360,6 +360,14 @@ impl Settings {
                 stages: 25,
             }),
             finding_reward: 60.0,
+            // Five have to be paid more, or no pilot density of theirs seems worth its throughput.
+            small_fleets: Some(SmallFleets {
+                uavs_max: 5,
+                step_cost: settings.step_cost,
+                finding_reward: 240.0,
+                discount: settings.discount,
+            }),
+            kl_max: Some(0.05),
             ..settings
         }
     }
