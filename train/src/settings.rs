@@ -534,7 +534,10 @@ mod tests {
 
     #[test]
     fn small_fleets_are_paid_what_is_set_for_them() {
-        let mut settings = Settings::preset(Preset::Mission);
+        let mut settings = Settings {
+            small_fleets: None,
+            ..Settings::preset(Preset::Mission)
+        };
         let all = settings.pay(5);
         assert_eq!(all, settings.pay(6));
         settings.pilot_credit = PilotCredit::Return;
