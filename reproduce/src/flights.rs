@@ -248,7 +248,7 @@ impl Flights<'_> {
         for &cells in &ranges {
             for &cell in &trained {
                 for &seed in &self.scale.seeds {
-                    for learner in self.scale.learners() {
+                    for learner in self.scale.trained() {
                         let config = self.scale.ranged(cells, cell);
                         // The range of the preset is a cell of the grid.
                         let name = if config == self.scale.mission(Preset::Paper, cell) {
@@ -450,7 +450,7 @@ impl Flights<'_> {
     /// The paper's settings in every cell, with every credit; false if stopped meanwhile.
     fn paper(&mut self) -> Result<bool, TrainError> {
         for training in self.scale.trainings() {
-            for learner in self.scale.learners() {
+            for learner in self.scale.trained() {
                 if !self.paper_cell(&learner, training)? {
                     return Ok(false);
                 }

@@ -30,6 +30,8 @@ pub struct Scale {
     pub paper_cells: Vec<(u32, u32)>,
     /// The pilot densities that are held there; none: it is learnt.
     pub paper_pilots: Vec<Option<f64>>,
+    /// The one credit that is trained with there; none: every one. What is there of others is shown all the same.
+    pub paper_credit: Option<Credit>,
     /// What is changed of the paper's settings, one thing at a time, to see what a result hangs on.
     pub variations: Vec<Variation>,
     /// Held pilot densities of the trade-off.
@@ -216,6 +218,7 @@ impl Scale {
             paper: Settings::preset(Preset::Paper),
             paper_cells: grid(&fleets, &hotspots),
             paper_pilots: vec![None, Some(CONSTANT_PILOT)],
+            paper_credit: None,
             variations: variations(),
             densities: vec![0.01, 0.05, 0.10, 0.15, 0.20, 0.25, 0.30],
             renewable_shares: vec![0.0, 0.1, 0.25, 0.5, 0.75, 1.0],
@@ -344,6 +347,16 @@ impl Scale {
         ]
     }
 
+    /// Those of them that are to be trained.
+    pub fn trained(&self) -> Vec<Learner> {
+        let mut learners = self.learners();
+        learners.retain(|learner| {
+            self.paper_credit
+                .is_none_or(|credit| learner.settings.credit == credit)
+        });
+        learners
+    }
+
     /// The trainings of each learner, in an order in which those that were done when it is stopped tell most:
     /// numbers of hotspots near the paper's five first, then adaptive pilots, then the fleets that the paper gives a
     /// success rate for.
@@ -465,6 +478,23 @@ mod tests {
         uav_credit(&mut expected);
         assert_eq!(own.settings, expected);
         assert_ne!(own.settings, team.settings);
+    }
+
+    #[test]
+    fn with_one_credit_that_is_trained_and_both_are_shown() {
+        for (only, names) in [
+            (None, vec!["ppo", "ppo-uav"]),
+            (Some(Credit::Team), vec!["ppo"]),
+            (Some(Credit::Uav), vec!["ppo-uav"]),
+        ] {
+            let scale = Scale {
+                paper_credit: only,
+                ..Scale::full(1)
+            };
+            let trained: Vec<_> = scale.trained().iter().map(|who| who.name).collect();
+            assert_eq!(trained, names);
+            assert_eq!(scale.learners().len(), 2);
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use jcas_reproduce::plan::{Part, Scale};
 use jcas_reproduce::{Narrator, Progress, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
+use jcas_train::settings::Credit;
 
 use crate::error::{CliError, Outcome};
 use crate::options::ThreadOptions;
@@ -17,6 +18,8 @@ Examples:
   jcas reproduce --quick                  minutes; a smaller version of every part
   jcas reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped
   jcas reproduce --paper-hotspots 5       the whole grid, the paper's own training at n = 5 only
+  jcas reproduce --only paper --credit team
+                                          the paper's own training alone, judged as the paper does
   jcas reproduce --only sensing-range     which sensing range the paper's two success rates imply
   jcas reproduce --only search,pilot,endurance --policy policies/search
                                           who finds what is hidden, what adapting the pilot density is worth, who charges";
@@ -42,6 +45,24 @@ enum Only {
     Endurance,
     /// Nothing new: the pages and figures again, from what is there
     Pages,
+}
+
+/// Whose advantage judges an action.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum WhoseCredit {
+    /// The team's
+    Team,
+    /// Each UAV's own
+    Uav,
+}
+
+impl From<WhoseCredit> for Credit {
+    fn from(whose: WhoseCredit) -> Credit {
+        match whose {
+            WhoseCredit::Team => Credit::Team,
+            WhoseCredit::Uav => Credit::Uav,
+        }
+    }
 }
 
 impl Only {
@@ -87,6 +108,9 @@ pub struct Reproduce {
     /// With the paper's settings, which take a training a cell, only these of them
     #[arg(long, value_name = "n", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     paper_hotspots: Vec<u32>,
+    /// With the paper's settings, only the training with this credit [default: both]
+    #[arg(long, value_enum)]
+    credit: Option<WhoseCredit>,
     /// Folder of a trained policy, flown as ours in the missions that it was trained on; may be repeated
     #[arg(long, value_name = "DIR")]
     policy: Vec<PathBuf>,
@@ -116,9 +140,11 @@ impl Reproduce {
                     .collect(),
             )
         };
-        let scale = scale
-            .only(&self.uavs, &self.hotspots, &self.paper_hotspots)
-            .with(self.policy.clone());
+        let scale = Scale {
+            paper_credit: self.credit.map(Credit::from),
+            ..scale.only(&self.uavs, &self.hotspots, &self.paper_hotspots)
+        }
+        .with(self.policy.clone());
         files::prepare_folder(&self.out)?;
         let progress = self
             .threads
