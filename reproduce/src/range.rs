@@ -53,6 +53,8 @@ pub struct Studied {
     pilot: String,
     /// The numbers of hotspots that its means run over.
     hotspots: Vec<u32>,
+    /// The first and the last range that it has flown, in cells.
+    ranges: (f64, f64),
     /// What fits the paper best; none where the study has not come so far.
     pub fit: Option<Fit>,
 }
@@ -64,9 +66,15 @@ impl Studied {
             policy: policy.to_owned(),
             pilot: pilot.to_owned(),
             hotspots: Vec::new(),
+            ranges: (f64::INFINITY, f64::NEG_INFINITY),
             fit: None,
         };
-        studied.hotspots = numbers_of_hotspots(&studied.query().rows(table));
+        let rows = studied.query().rows(table);
+        studied.hotspots = numbers_of_hotspots(&rows);
+        for row in &rows {
+            let (first, last) = studied.ranges;
+            studied.ranges = (first.min(row.x), last.max(row.x));
+        }
         let data: Vec<(Published, Simulated)> = PAPER
             .iter()
             .map(|&published| (published, studied.simulated(scale, table, published.uavs)))
@@ -142,9 +150,10 @@ impl Studied {
         let rates = rates.join(" and ");
         let (value, metres) = (fit.value, fit.value * cell_size_m);
         if fit.refused() {
+            let (first, last) = self.ranges;
             return format!(
-                "{} fits the two numbers at no range: at the best of them, {value:.2} cells, it succeeds in {rates} \
-                 (deviance {:.0}). ",
+                "{} fits the two numbers at no range from {first} to {last} cells: at the best of them, {value:.2} \
+                 cells, it succeeds in {rates} (deviance {:.0}). ",
                 capital(&self.title),
                 fit.deviance
             );
@@ -284,7 +293,7 @@ impl Study {
             "The paper gives two success rates, {} at N = {} and {} at N = {}, each an average of {} missions, but \
              not the threshold of its radar, which it calls derived. We take the threshold to be the sensing SNR at a \
              **sensing range**, fly each policy at ranges from {} to {} cells with everything else as the paper has it ({} \
-             missions for each N, n and range, mean over n), and ask which one range makes both rates the most likely \
+             missions for each N, n and range, mean over n; who learns is trained anew at each range), and ask which one range makes both rates the most likely \
              (binomial likelihood, straight lines between the logits of neighbouring ranges, likelihood-ratio interval). \
              The deviance, on one degree of freedom, says what one range leaves unexplained.\n",
             PAPER[0].rate,
@@ -305,5 +314,25 @@ impl Study {
                  shows that a policy in such a world is compatible with the numbers, not that it made them. The \
                  simulated rates are taken as known, without an error of their own.\n";
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Scripts were flown at more ranges than learners were trained at, and what fits none says of which.
+    #[test]
+    fn what_fits_no_range_says_which_were_tried() {
+        let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/results.csv");
+        let table = Table::open(&published).unwrap();
+        let text = Study::of(&Scale::full(1), &table).unwrap().text();
+        for told in [
+            "`swarm` fits the two numbers at no range from 0.5 to 5 cells: ",
+            "The paper's PPO, credit of the team fits the two numbers at no range from 2 to 5 cells: ",
+        ] {
+            assert!(text.contains(told), "{told}\n{text}");
+        }
     }
 }
