@@ -228,9 +228,8 @@ impl Means {
                 "N = 10, n = 5, batteries of 0.03 kWh: about 25 moves to a charge.".to_owned()
             }
             Over::Fleets | Over::Hotspots(_) => format!(
-                "{} missions a cell, {} training seed(s); intervals: mean of the 95 % intervals of the cells.",
-                scale.episodes,
-                scale.seeds.len()
+                "{} missions a cell, mean over training seeds; intervals: mean of the 95 % intervals of the cells.",
+                scale.episodes
             ),
         };
         let mut figure = Figure::new("", x_axis, y_axis).note(note);
@@ -303,10 +302,7 @@ fn returns(scale: &Scale, curves: &[Curve]) -> Figure {
         Axis::new("iteration of 4096 environment steps", ""),
         Axis::new("mean episode return", ""),
     )
-    .note(format!(
-        "Band: least to greatest of {} training seed(s).",
-        scale.seeds.len()
-    ));
+    .note("Band: least to greatest of the training seeds, where there are several.");
     for learner in scale.learners() {
         for &hotspots in &scale.hotspots {
             let of = |curve: &&Curve| {

@@ -22,6 +22,7 @@ pub mod range;
 mod regimes;
 pub mod results;
 mod search;
+mod seeds;
 pub mod table;
 mod text;
 mod worth;

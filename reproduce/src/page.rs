@@ -10,7 +10,7 @@ use crate::flight::pilot_name;
 use crate::range::Study;
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
-use crate::{TABLE, endurance, pilot, search, text};
+use crate::{TABLE, endurance, pilot, search, seeds, text};
 use jcas_core::Preset;
 use jcas_evaluate::figures::report::{Cell, Report, Table as ReportTable, Tone};
 use jcas_evaluate::figures::{Draw, FigureError};
@@ -185,8 +185,12 @@ impl Results<'_> {
         } else {
             format!("; our policies are those of {}", given.join(", "))
         };
+        let more = match seeds::chapter(self.scale, self.table) {
+            Some(_) => ", in some cells more",
+            None => "",
+        };
         format!(
-            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s); means over n = {}, \
+            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s){more}; means over n = {}, \
              or over the numbers that stand beside a value{ours}",
             self.scale.episodes,
             self.scale.seeds.len(),
@@ -267,7 +271,12 @@ impl Results<'_> {
 
     /// The studies that go beyond the paper, as far as they have been flown.
     fn chapters(&self) -> impl Iterator<Item = Chapter> {
-        let all = [search::chapter, pilot::chapter, endurance::chapter];
+        let all = [
+            search::chapter,
+            pilot::chapter,
+            endurance::chapter,
+            seeds::chapter,
+        ];
         all.into_iter()
             .filter_map(|chapter| chapter(self.scale, self.table))
     }

@@ -5,7 +5,7 @@ use crate::chapter::{Block, Chapter};
 use crate::fit::{self, Fit, PAPER, Published, Simulated};
 use crate::flight::{Flight, Who};
 use crate::plan::{Learner, Scale};
-use crate::table::{Quantity, Query, Table, numbers_of_hotspots};
+use crate::table::{Quantity, Query, Table, mean, numbers_of_hotspots};
 use crate::text::{capital, list};
 use jcas_core::Preset;
 use jcas_evaluate::figures::{Axis, Figure, Panels, Point, Series};
@@ -100,7 +100,7 @@ impl Studied {
                 return None;
             }
             let missions = rows.iter().map(|row| row.episodes as f64).sum();
-            let rate = rows.iter().map(|row| row.success_rate).sum::<f64>() / rows.len() as f64;
+            let rate = mean(&rows, Quantity::Success)?.value;
             Some((x, rate, missions))
         };
         Simulated {

@@ -4,7 +4,7 @@ use jcas_evaluate::statistics::{Estimate, Summary};
 use jcas_train::error::TrainError;
 use jcas_train::store::{csv_bytes, write_whole};
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -342,23 +342,26 @@ impl<'a> Query<'a> {
     }
 }
 
-/// The mean over rows (seeds or cells), with the mean of their intervals' ends; none without rows.
+/// The mean over cells of the mean over each cell's seeds, with that of their intervals' ends; none without rows.
 pub fn mean(rows: &[&Row], quantity: Quantity) -> Option<Estimate> {
-    if rows.is_empty() {
-        return None;
+    let mut cells: BTreeMap<_, Vec<Estimate>> = BTreeMap::new();
+    for row in rows {
+        let cell = (row.uavs, row.hotspots, row.x.to_bits());
+        cells.entry(cell).or_default().push(row.estimate(quantity));
     }
-    let count = rows.len() as f64;
-    let over = |of: fn(Estimate) -> f64| {
-        rows.iter()
-            .map(|row| of(row.estimate(quantity)))
-            .sum::<f64>()
-            / count
-    };
-    Some(Estimate {
+    let of_cells: Vec<Estimate> = cells.values().map(|seeds| of_equal(seeds)).collect();
+    (!of_cells.is_empty()).then(|| of_equal(&of_cells))
+}
+
+/// The mean of estimates that count the same.
+fn of_equal(estimates: &[Estimate]) -> Estimate {
+    let over =
+        |end: fn(&Estimate) -> f64| estimates.iter().map(end).sum::<f64>() / estimates.len() as f64;
+    Estimate {
         value: over(|e| e.value),
         low: over(|e| e.low),
         high: over(|e| e.high),
-    })
+    }
 }
 
 /// What of some groups of rows can be compared: the numbers of hotspots that all of those have that have any.
@@ -385,11 +388,11 @@ pub fn is_baseline(policy: &str) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod testing {
     use super::*;
 
     /// A table of successes in cells (N, n) with these seeds.
-    fn opened(name: &str, rows: &[(u32, u32, u64)]) -> Result<Table, TrainError> {
+    pub(crate) fn opened(name: &str, rows: &[(u32, u32, u64)]) -> Result<Table, TrainError> {
         let path = std::env::temp_dir().join(format!("jcas-{name}-{}.csv", std::process::id()));
         let quantities = [
             "success_rate",
@@ -415,23 +418,45 @@ mod tests {
         table
     }
 
+    /// The same where every cell is there once for each seed.
+    pub(crate) fn table(name: &str, rows: &[(u32, u32, u64)]) -> Table {
+        opened(name, rows).unwrap()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::{opened, table};
+    use super::*;
+
     // As where two folders' tables were put together by hand: a mean would count it twice.
     #[test]
     fn a_campaign_that_is_there_twice_is_refused() {
-        let table = |seeds: [u64; 2]| opened("twice", &seeds.map(|seed| (10, 5, seed)));
-        assert_eq!(table([0, 1]).unwrap().rows.len(), 2);
-        let told = table([0, 0]).unwrap_err().to_string();
+        let seeds = |seeds: [u64; 2]| opened("twice", &seeds.map(|seed| (10, 5, seed)));
+        assert_eq!(seeds([0, 1]).unwrap().rows.len(), 2);
+        let told = seeds([0, 0]).unwrap_err().to_string();
         assert!(
             told.contains("line 3: grid, ppo, N = 10, n = 5 is there twice"),
             "{told}"
         );
     }
 
+    // Three seeds of one cell beside one of the other: a mean over rows would be 0.75.
+    #[test]
+    fn a_cell_counts_once_however_many_seeds_it_has() {
+        let cells = [(10, 3, 0), (10, 5, 0), (10, 5, 1), (10, 5, 2)];
+        let mut table = table("seeds", &cells);
+        table.rows[0].success_rate = 0.0;
+        let rows: Vec<&Row> = table.rows.iter().collect();
+        assert_eq!(mean(&rows, Quantity::Success).unwrap().value, 0.5);
+        assert!(mean(&[], Quantity::Success).is_none());
+    }
+
     // A mean over three to eleven hotspots is not to be held against one over five.
     #[test]
     fn fleets_are_compared_over_the_hotspots_that_all_have_flown() {
         let cells = [(5, 5, 0), (10, 3, 0), (10, 5, 0), (10, 7, 0)];
-        let table = opened("compared", &cells).unwrap();
+        let table = table("compared", &cells);
         let of = |uavs| {
             let of_fleet = |row: &&Row| row.uavs == uavs;
             table.rows.iter().filter(of_fleet).collect::<Vec<_>>()
