@@ -6,7 +6,7 @@ use crate::claims::{self, Judged, Verdict};
 use crate::curves::TRAININGS;
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
-use crate::flight::pilot_name;
+use crate::flight::{OURS, pilot_name};
 use crate::range::Study;
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
@@ -180,14 +180,20 @@ impl Results<'_> {
             .iter()
             .map(|folder| format!("`{}`", folder.display()))
             .collect();
+        let asked = self.scale.seeds.len() as u64;
+        let mut beyond = self.table.rows.iter().filter(|row| row.seed >= asked);
+        let more = match beyond.clone().next() {
+            Some(_) => ", in some cells more",
+            None => "",
+        };
+        let others = match beyond.find(|row| row.policy == OURS) {
+            Some(_) => " and of other seeds",
+            None => "",
+        };
         let ours = if given.is_empty() {
             String::new()
         } else {
-            format!("; our policies are those of {}", given.join(", "))
-        };
-        let more = match seeds::chapter(self.scale, self.table) {
-            Some(_) => ", in some cells more",
-            None => "",
+            format!("; our policies are those of {}{others}", given.join(", "))
         };
         format!(
             "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s){more}; means over n = {}, \
@@ -459,5 +465,39 @@ impl Gallery<'_> {
         write_whole(&png, &figure.png().map_err(drawn(&png))?)?;
         self.report.figure(figure, "").map_err(drawn(&svg))?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Scale;
+    use crate::table::testing::table;
+
+    #[test]
+    fn a_page_says_where_it_has_more_seeds_than_were_asked_for() {
+        let mut table = table("summary", &[(10, 3, 0), (10, 3, 1)]);
+        let summary = |seeds, table: &_| {
+            let scale = Scale {
+                given: vec!["ours".into()],
+                ..Scale::full(seeds)
+            };
+            let curves = &[];
+            Results {
+                scale: &scale,
+                table,
+                curves,
+            }
+            .summary()
+        };
+        assert!(summary(1, &table).contains("1 training seed(s), in some cells more;"));
+        assert!(summary(2, &table).contains("2 training seed(s);"));
+        assert!(summary(1, &table).ends_with("our policies are those of `ours`"));
+        for row in &mut table.rows {
+            row.policy = OURS.to_owned();
+        }
+        assert!(
+            summary(1, &table).ends_with("our policies are those of `ours` and of other seeds")
+        );
     }
 }

@@ -96,7 +96,7 @@ impl Studied {
                 .hotspots
                 .iter()
                 .all(|&n| rows.iter().any(|row| row.hotspots == n));
-            if rows.is_empty() || !whole {
+            if !whole {
                 return None;
             }
             let missions = rows.iter().map(|row| row.episodes as f64).sum();

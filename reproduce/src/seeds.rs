@@ -21,8 +21,8 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
         .into_iter()
         .filter_map(|(preset, title, policy, pilot)| {
             let query = Query::new("grid", preset.name(), (policy, pilot));
-            let cells = scale.cells().into_iter();
-            let seeds = cells.map(|(n, m)| query.uavs(n).hotspots(m).rows(table));
+            let of = |(uavs, hotspots)| query.uavs(uavs).hotspots(hotspots).rows(table);
+            let seeds = scale.cells().into_iter().map(of);
             let several: Vec<Vec<&Row>> = seeds.filter(|seeds| seeds.len() > 1).collect();
             if several.is_empty() {
                 return None;
@@ -51,10 +51,10 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
 
 fn text(scale: &Scale) -> String {
     format!(
-        "Cells (N × n) that were trained with more than one seed, all else the same, each flown on the same {} missions. \
-         In how many of them the 95 % intervals of all seeds have a value in common, and where two seeds are farthest \
-         apart. Such an interval is one of the missions, for the policy at hand; what trainings come to varies besides, \
-         and this is how much.",
+        "Cells (N × n) in which several seeds of the paper's training, or several policies given as ours, were flown on the \
+         same {} missions: in how many the 95 % intervals of all of them have a value in common, and where two are \
+         farthest apart. Such an interval is one of the missions, for the policy at hand; what trainings come to varies \
+         besides, and this is how much.",
         scale.episodes
     )
 }
@@ -85,13 +85,13 @@ fn counts(cells: &[Vec<&Row>]) -> String {
 }
 
 /// How far seeds are apart.
-#[derive(Debug, PartialEq)]
 struct Spread {
     quantity: Quantity,
     /// Cells, and those in which the intervals of all seeds have a value in common.
     cells: usize,
     overlapping: usize,
-    /// The greatest difference between two seeds of a cell: of success itself, else of the least; and the cell.
+    /// The greatest difference between two seeds of a cell, as it is for success and as a share of the lesser for
+    /// others; and the cell.
     greatest: f64,
     at: (u32, u32),
 }

@@ -24,7 +24,7 @@ pub struct Key {
     pub policy: String,
     /// Pilot rule.
     pub pilot: String,
-    /// Training seed; 0 for baselines and policies that were given.
+    /// Training seed; of policies that were given, their place among those for the mission; 0 for baselines.
     pub seed: u64,
     /// What the experiment varies besides: a density, a share; 0 where nothing.
     pub x: f64,
