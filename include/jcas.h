@@ -232,6 +232,10 @@
 // Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
 #define JCAS_POLICY_SAMPLED 1
 
+// Motions shared out, which draws nothing: UAVs of one cell take quantiles of their distributions that lie apart.
+// The mean pilot density.
+#define JCAS_POLICY_STRATIFIED 2
+
 // M environments of one model, with their working memory and, if wanted, threads of their own. One
 // thread at a time may use it.
 typedef struct jcas_batch jcas_batch;
@@ -1662,8 +1666,8 @@ jcas_status jcas_policy_baseline(const struct jcas_model *model,
 
 // Chooses how a trained policy's actions follow from its network. Baselines are not affected.
 //
-// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED. Threads: only this one uses
-// `policy`.
+// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or JCAS_POLICY_STRATIFIED.
+// Threads: only this one uses `policy`.
 // Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
 JCAS_API
 JCAS_NODISCARD

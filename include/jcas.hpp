@@ -591,6 +591,9 @@ public:
         return jcas_policy_set_mode(get(), sampled ? JCAS_POLICY_SAMPLED : JCAS_POLICY_DETERMINISTIC);
     }
 
+    /// UAVs of one cell share out the distributions of their motions; nothing is drawn.
+    status stratified() { return jcas_policy_set_mode(get(), JCAS_POLICY_STRATIFIED); }
+
     status act(const sim &sim, span<float> actions)
     {
         return jcas_policy_act(get(), sim.get(), actions.data(), actions.size());

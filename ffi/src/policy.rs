@@ -26,6 +26,9 @@ pub struct jcas_policy(());
 pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
 /// Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
 pub const JCAS_POLICY_SAMPLED: i32 = 1;
+/// Motions shared out, which draws nothing: UAVs of one cell take quantiles of their distributions that lie apart.
+/// The mean pilot density.
+pub const JCAS_POLICY_STRATIFIED: i32 = 2;
 
 /// The network of a file, seen to fit the model; why not goes to the caller's buffer.
 ///
@@ -212,8 +215,8 @@ pub unsafe extern "C" fn jcas_policy_baseline(
 
 /// Chooses how a trained policy's actions follow from its network. Baselines are not affected.
 ///
-/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED. Threads: only this one uses
-/// `policy`.
+/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or JCAS_POLICY_STRATIFIED.
+/// Threads: only this one uses `policy`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -222,6 +225,7 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
         let mode = match mode {
             JCAS_POLICY_DETERMINISTIC => Mode::Deterministic,
             JCAS_POLICY_SAMPLED => Mode::Sampled,
+            JCAS_POLICY_STRATIFIED => Mode::Stratified,
             _ => return Err(Fault::Status(JCAS_ERROR_ARGUMENT)),
         };
         // SAFETY: the caller's promise for `policy`.

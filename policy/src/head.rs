@@ -30,6 +30,8 @@ pub enum Mode {
     Deterministic,
     /// A draw; which draw follows from the mission's seed.
     Sampled,
+    /// Motions shared out: UAVs of one cell take quantiles of theirs that lie apart. The mean pilot density.
+    Stratified,
 }
 
 /// Which draw.
@@ -46,6 +48,12 @@ pub struct Draw {
 impl Draw {
     fn block(self, index: u32) -> [u32; 4] {
         rng::block(self.seed, self.t, self.uav, index, Purpose::Policy)
+    }
+
+    /// The motion's, in [0, 1).
+    pub(crate) fn unit(self) -> f64 {
+        let block = self.block(0);
+        rng::unit(u64::from(block[0]) | u64::from(block[1]) << 32)
     }
 }
 
@@ -115,9 +123,21 @@ impl Head {
                         motion = candidate;
                     }
                 }
-                let (alpha, beta) = concentrations(outputs);
-                let pilot = (alpha / (alpha + beta)) as f32;
-                [motion_centre(motion), 2.0 * pilot - 1.0]
+                [motion_centre(motion), mean_pilot(outputs)]
+            }
+        }
+    }
+
+    /// The motion at a quantile of its distribution, 0 to 1, and the mean pilot density.
+    pub(crate) fn at_quantile(self, outputs: &[f32], quantile: f64) -> [f32; 2] {
+        match self {
+            Self::Gaussian => {
+                let motion = normal_motion_at(outputs, quantile);
+                [motion_centre(motion), between(outputs[1], -1.0, 1.0)]
+            }
+            Self::Hybrid => {
+                let motion = motion_at(outputs, quantile);
+                [motion_centre(motion), mean_pilot(outputs)]
             }
         }
     }
@@ -138,7 +158,7 @@ impl Head {
                 let (alpha, beta) = concentrations(outputs);
                 let pilot = beta::sample(alpha, beta, draw) as f32;
                 [
-                    motion_centre(sample_motion(outputs, draw)),
+                    motion_centre(motion_at(outputs, draw.unit())),
                     2.0 * pilot - 1.0,
                 ]
             }
@@ -153,7 +173,29 @@ fn concentrations(outputs: &[f32]) -> (f64, f64) {
     )
 }
 
-fn sample_motion(logits: &[f32], draw: Draw) -> usize {
+/// The mean of the Beta distribution, as an action.
+fn mean_pilot(outputs: &[f32]) -> f32 {
+    let (alpha, beta) = concentrations(outputs);
+    2.0 * (alpha / (alpha + beta)) as f32 - 1.0
+}
+
+/// The motion in whose bin a quantile of the normal lies.
+fn normal_motion_at(outputs: &[f32], quantile: f64) -> usize {
+    let log_std = between(outputs[2], LOG_STD[0], LOG_STD[1]);
+    let scale = core::f64::consts::SQRT_2 * libm::exp(f64::from(log_std));
+    let mut motion = 0;
+    while motion < MOTIONS - 1 {
+        let edge = f64::from(motion_centre(motion)) + 0.2;
+        if 0.5 * libm::erfc((f64::from(outputs[0]) - edge) / scale) > quantile {
+            break;
+        }
+        motion += 1;
+    }
+    motion
+}
+
+/// The motion in whose share a quantile of the categorical distribution lies.
+fn motion_at(logits: &[f32], quantile: f64) -> usize {
     let mut max = logits[0];
     for &logit in &logits[1..MOTIONS] {
         max = if logit > max { logit } else { max };
@@ -163,8 +205,7 @@ fn sample_motion(logits: &[f32], draw: Draw) -> usize {
     for motion in 0..MOTIONS {
         total += weight(motion);
     }
-    let block = draw.block(0);
-    let mut left = total * rng::unit(u64::from(block[0]) | u64::from(block[1]) << 32);
+    let mut left = total * quantile;
     for motion in 0..MOTIONS - 1 {
         left -= weight(motion);
         if left < 0.0 {
@@ -211,6 +252,33 @@ mod tests {
                 (variance / expected - 1.0).abs() < 0.04,
                 "{variance} {expected}"
             );
+        }
+    }
+
+    // Of evenly spaced quantiles each motion takes its share: softmax, or what lies of N(0.1, e^-1) in each bin of
+    // width 0.4 and beyond the outer ones (Φ from a table: 0.0285, 0.1789, 0.3997, 0.3058, 0.0871).
+    #[test]
+    fn quantiles_share_out_the_distribution() {
+        let total: f64 = [0.0f64, 1.0, -1.0, 0.5, 0.0].iter().map(|x| x.exp()).sum();
+        let softmax = [0.0f64, 1.0, -1.0, 0.5, 0.0].map(|x| x.exp() / total);
+        let normal = [0.0285, 0.1789, 0.3997, 0.3058, 0.0871];
+        let outputs: [&[f32]; 2] = [
+            &[0.0, 1.0, -1.0, 0.5, 0.0, 2.0, 0.0],
+            &[0.1, -0.2, -1.0, -1.5],
+        ];
+        for (head, outputs, shares) in [
+            (Head::Hybrid, outputs[0], softmax),
+            (Head::Gaussian, outputs[1], normal),
+        ] {
+            let mut counts = [0.0; MOTIONS];
+            for k in 0..10_000 {
+                let [direction, pilot] = head.at_quantile(outputs, (f64::from(k) + 0.5) / 1e4);
+                counts[((direction + 1.0) / 0.4) as usize] += 1e-4;
+                assert_eq!(pilot, head.deterministic(outputs)[1]);
+            }
+            for (count, share) in counts.iter().zip(shares) {
+                assert!((count - share).abs() < 2e-4, "{counts:?} {shares:?}");
+            }
         }
     }
 

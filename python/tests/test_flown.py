@@ -64,6 +64,18 @@ def test_draws_follow_from_the_seed() -> None:
     assert fly(policy, model, 8) == fly(policy, model, 8) != fly(policy, model, 9)
 
 
+def test_each_mode_flies_its_own_way() -> None:
+    model = jcas.Model(uav_count=5, hotspot_count=3)
+
+    def flown(mode: jcas.flown.Mode) -> int:
+        return fly(jcas.Policy.load(FLEET, model, mode=mode), model, 8)
+
+    assert len({flown(mode) for mode in ("deterministic", "sampled", "stratified")}) == 3
+    assert flown("stratified") == flown("stratified")
+    with pytest.raises(jcas.ArgumentError, match="deterministic, sampled, stratified"):
+        jcas.Policy.load(FLEET, model, mode="shared")
+
+
 @pytest.mark.parametrize(
     "name", ["random", "greedy", "swarm", "teams", "sweep", "line", "frontier", "relay", "charging", "clean"]
 )

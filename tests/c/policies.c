@@ -2,7 +2,7 @@
  *
  *   policies policies/fleet/policy.safetensors
  *
- * Prints the hash of the state in which each mission ends: the network's, deterministic and sampled, then each
+ * Prints the hash of the state in which each mission ends: the network's, deterministic, sampled and stratified, then each
  * baseline's. */
 #include "check.h"
 
@@ -112,7 +112,7 @@ static void abuse_acting(jcas_model *model, jcas_sim *sim, jcas_batch *batch)
     EXPECT(JCAS_ERROR_NULL, jcas_policy_act_batch(NULL, batch, actions, MEMBERS * ACTIONS));
     EXPECT(JCAS_ERROR_LENGTH, jcas_policy_act_batch(policy, batch, actions, ACTIONS));
     EXPECT(JCAS_ERROR_HANDLE, jcas_policy_act_batch(policy, FOREIGN(jcas_batch), actions, MEMBERS * ACTIONS));
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_set_mode(policy, 2));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_set_mode(policy, 3));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_set_mode(NULL, JCAS_POLICY_SAMPLED));
 
     /* A simulation of another configuration. */
@@ -189,9 +189,12 @@ int main(int argc, char **argv)
     OK(jcas_policy_free(lent));
     free(memory);
     printf("0x%016" PRIx64 "\n", fly(policy, sim, SEED));
-    OK(jcas_policy_set_mode(policy, JCAS_POLICY_SAMPLED));
-    same_everywhere(sim, batch, policy, NULL);
-    printf("0x%016" PRIx64 "\n", fly(policy, sim, SEED));
+    const int32_t modes[] = {JCAS_POLICY_SAMPLED, JCAS_POLICY_STRATIFIED};
+    for (size_t k = 0; k < sizeof modes / sizeof *modes; k++) {
+        OK(jcas_policy_set_mode(policy, modes[k]));
+        same_everywhere(sim, batch, policy, NULL);
+        printf("0x%016" PRIx64 "\n", fly(policy, sim, SEED));
+    }
     OK(jcas_policy_free(policy));
 
     for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) {

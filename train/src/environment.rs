@@ -117,6 +117,11 @@ pub trait VectorEnvironment: Send {
     /// a checkpoint does not hold.
     fn begin_batch(&mut self, _batch: u64) {}
 
+    /// For each row, that of the last UAV before it in its cell.
+    fn companions(&self, out: &mut [Option<usize>]) {
+        out.fill(None);
+    }
+
     /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
     fn step(&mut self, actions: &[f32], out: &mut StepOut);
 

@@ -7,6 +7,7 @@ pub mod gaussian;
 pub mod hybrid;
 
 use burn_tensor::Tensor;
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,20 @@ impl Head {
     pub fn sample(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
         match self {
             Head::Gaussian => gaussian::sample(outputs, random),
-            Head::Hybrid => hybrid::sample(outputs, random),
+            Head::Hybrid => hybrid::sample(outputs, random.random(), random),
+        }
+    }
+
+    /// As [`Self::sample`], the motion at this quantile of its distribution, 0 to 1; a normal has none.
+    pub fn sample_at(
+        self,
+        outputs: &[f32],
+        quantile: f64,
+        random: &mut ChaCha8Rng,
+    ) -> ([f32; 2], [f32; 2]) {
+        match self {
+            Head::Gaussian => gaussian::sample(outputs, random),
+            Head::Hybrid => hybrid::sample(outputs, quantile, random),
         }
     }
 

@@ -21,6 +21,8 @@ pub enum Mode {
     Deterministic,
     /// A draw; which draw follows from the mission's seed.
     Sampled,
+    /// Motions shared out among the UAVs of each cell, and the mean pilot density.
+    Stratified,
 }
 
 impl From<Mode> for jcas_evaluate::policy::head::Mode {
@@ -28,6 +30,7 @@ impl From<Mode> for jcas_evaluate::policy::head::Mode {
         match mode {
             Mode::Deterministic => Self::Deterministic,
             Mode::Sampled => Self::Sampled,
+            Mode::Stratified => Self::Stratified,
         }
     }
 }

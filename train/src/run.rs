@@ -167,7 +167,7 @@ impl Plan {
             speed.add(&row);
             let every = self.settings.evaluate_every as u64;
             if every > 0 && trainer.iterations.is_multiple_of(every) {
-                row.evaluated(&in_better_mode(&self.evaluations(&trainer)?));
+                row.evaluated(&in_best_mode(&self.evaluations(&trainer)?));
             }
             metrics.push(&row)?;
             events.scalars(row.iteration, &row.scalars())?;
@@ -208,20 +208,20 @@ impl Plan {
         missions
     }
 
-    /// The policy as it stands on every mission it is trained for, in both modes.
+    /// The policy as it stands on every mission it is trained for, in every mode.
     fn evaluations(&self, trainer: &Trainer) -> Result<Vec<Evaluation>, TrainError> {
         let actor = Arc::new(self.actor(trainer));
         let episodes = self.settings.evaluation_episodes as u64;
         let mut evaluations = Vec::new();
         for model in models(&self.missions())? {
-            for mode in [Mode::Deterministic, Mode::Sampled] {
+            for mode in MODES {
                 evaluations.push(evaluate(&model, &actor, mode, episodes, EVALUATION_SEED)?);
             }
         }
         Ok(evaluations)
     }
 
-    /// Evaluates in both modes, keeps the better, writes policy and speed.
+    /// Evaluates in every mode, keeps the best, writes policy and speed.
     fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Card, TrainError> {
         let actor = Arc::new(self.actor(trainer));
         let started = Instant::now();
@@ -235,7 +235,7 @@ impl Plan {
             architecture: actor.network.architecture.clone(),
             normalised_inputs: !actor.inputs.offset.is_empty(),
             constant_pilot_density: self.settings.constant_pilot,
-            mode: better_mode(&evaluations),
+            mode: best_mode(&evaluations),
             trained_on: self
                 .missions()
                 .iter()
@@ -259,8 +259,11 @@ impl Plan {
     }
 }
 
-/// Sampled where that succeeds more often on average, or as often and faster; deterministic else.
-fn better_mode(evaluations: &[Evaluation]) -> Mode {
+/// The ways to fly, those that draw least first.
+const MODES: [Mode; 3] = [Mode::Deterministic, Mode::Stratified, Mode::Sampled];
+
+/// The first of them that none exceeds in success on average, or in speed where both succeed as often.
+fn best_mode(evaluations: &[Evaluation]) -> Mode {
     let mean = |mode: Mode, of: fn(&Evaluation) -> f64| {
         let of_mode = evaluations.iter().filter(|e| e.mode == mode);
         let (sum, count) = of_mode.fold((0.0, 0.0), |(s, c), e| (s + of(e), c + 1.0));
@@ -268,16 +271,19 @@ fn better_mode(evaluations: &[Evaluation]) -> Mode {
     };
     // Ten steps of mission time weigh as much as one mission in ten.
     let score = |mode| mean(mode, |e| e.success_rate) - 0.01 * mean(mode, |e| e.mission_steps_mean);
-    if score(Mode::Sampled) > score(Mode::Deterministic) {
-        Mode::Sampled
-    } else {
-        Mode::Deterministic
-    }
+    let better = |best, mode| {
+        if score(mode) > score(best) {
+            mode
+        } else {
+            best
+        }
+    };
+    MODES.into_iter().fold(Mode::Deterministic, better)
 }
 
-/// The evaluations in the mode that does better.
-fn in_better_mode(evaluations: &[Evaluation]) -> Vec<Evaluation> {
-    let mode = better_mode(evaluations);
+/// The evaluations in the mode that does best.
+fn in_best_mode(evaluations: &[Evaluation]) -> Vec<Evaluation> {
+    let mode = best_mode(evaluations);
     let of_mode = evaluations.iter().filter(|e| e.mode == mode);
     of_mode.cloned().collect()
 }

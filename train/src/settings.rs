@@ -15,6 +15,9 @@ pub struct Settings {
     pub device: String,
     /// Action head.
     pub head: Head,
+    /// How its motions are drawn.
+    #[serde(default)]
+    pub draws: Draws,
     /// Network of actor and critic.
     pub network: NetworkKind,
     /// Hidden layer widths of the actor.
@@ -149,6 +152,17 @@ pub enum PilotCredit {
     Step,
 }
 
+/// How the motions of training missions are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Draws {
+    /// Each UAV's for itself.
+    #[default]
+    Independent,
+    /// Those of one cell share their distributions out: quantiles that lie apart, from a drawn start.
+    Stratified,
+}
+
 /// What the critic sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -243,6 +257,7 @@ impl Settings {
             seed: 0,
             device: "cpu".to_owned(),
             head: Head::Gaussian,
+            draws: Draws::Independent,
             network: NetworkKind::Mlp,
             actor_hidden: vec![512, 256, 128],
             critic_hidden: vec![512, 256, 128],
@@ -402,6 +417,12 @@ impl Settings {
                 self.batch_steps, self.environments
             ));
         }
+        if self.draws == Draws::Stratified && self.head == Head::Gaussian {
+            return Err(
+                "draws: stratified shares out motions, which the head gaussian has none of; it must be independent"
+                    .to_owned(),
+            );
+        }
         // Where no fleets are set apart, all are of the others.
         let small = self
             .small_fleets
@@ -523,6 +544,12 @@ mod tests {
             ..Settings::preset(Preset::Search)
         };
         refused(settings, "small_fleets");
+        let settings = Settings {
+            draws: Draws::Stratified,
+            ..Settings::preset(Preset::Paper)
+        };
+        let told = settings.validate().unwrap_err();
+        assert!(told.contains("draws: stratified"), "{told}");
     }
 
     const FEW: SmallFleets = SmallFleets {

@@ -204,6 +204,7 @@ impl Trainer {
         let inputs = self.observation_inputs();
         let policy = ActingPolicy {
             head: self.settings.head,
+            draws: self.settings.draws,
             network: &self.actor.network,
             parameters: &self.actor.parameters,
             inputs: &inputs,

@@ -366,7 +366,7 @@ fn the_set_network_reads_the_size_of_the_fleet() {
     plan.train(false, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
     assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
-    assert_eq!(stored.card.evaluations.len(), 2 * 2);
+    assert_eq!(stored.card.evaluations.len(), 2 * 3);
     let reads = |actor: &Actor| match actor.network.architecture {
         Architecture::SetActor { fleet_size, .. } => fleet_size,
         _ => false,

@@ -38,6 +38,7 @@ pub use product::{Operands, Product};
 use jcas_core::{Config, Model, StateRef, UavTag};
 
 use crate::head::{Draw, Head, Mode};
+use crate::strata;
 use dense::padded;
 use file::File;
 use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
@@ -309,6 +310,7 @@ impl Network {
             let [direction, pilot] = match flight.mode {
                 Mode::Deterministic => self.head.deterministic(outputs),
                 Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
+                Mode::Stratified => self.head.at_quantile(outputs, strata::quantile(state, row)),
             };
             let action = &mut actions[2 * row..][..2];
             action.copy_from_slice(&[direction, flight.pilot.unwrap_or(pilot)]);

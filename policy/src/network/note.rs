@@ -42,8 +42,11 @@ impl Note {
             match pair.split_once('=') {
                 Some(("mode", "deterministic")) => note.mode = Mode::Deterministic,
                 Some(("mode", "sampled")) => note.mode = Mode::Sampled,
+                Some(("mode", "stratified")) => note.mode = Mode::Stratified,
                 Some(("mode", _)) => {
-                    return Err(LoadError::Note("mode: must be deterministic or sampled"));
+                    return Err(LoadError::Note(
+                        "mode: must be deterministic, sampled or stratified",
+                    ));
                 }
                 Some(("target_visibility", "known")) => {
                     note.target_visibility = Some(TargetVisibility::Known);

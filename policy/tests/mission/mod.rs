@@ -31,7 +31,7 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
 }
 
 /// All of them.
-pub const MISSIONS: [Mission; 3] = [
+pub const MISSIONS: [Mission; 4] = [
     mission(
         (15, 7),
         1,
@@ -47,6 +47,7 @@ pub const MISSIONS: [Mission; 3] = [
         21,
         2_466_328_332_246_479_213,
     ),
+    mission((15, 7), 1, Mode::Stratified, 53, 16_133_177_612_858_598_461),
 ];
 
 /// The same mission as it comes out here, its network multiplied so.

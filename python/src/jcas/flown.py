@@ -21,10 +21,10 @@ from .errors import ArgumentError, PolicyError
 from .model import Model, check_model
 from .sim import Sim
 
-Mode = Literal["deterministic", "sampled"]
+Mode = Literal["deterministic", "sampled", "stratified"]
 Actions = npt.NDArray[np.float32]
 
-MODES: dict[str, int] = {"deterministic": 0, "sampled": 1}
+MODES: dict[str, int] = {"deterministic": 0, "sampled": 1, "stratified": 2}
 WEIGHTS = "policy.safetensors"
 
 
@@ -44,8 +44,9 @@ class Policy:
         Args:
             path: a folder with a `policy.safetensors`, or that file.
             model: what it will fly.
-            mode: the most likely motion and the mean pilot density, or draws that follow from the mission's
-                seed; by default as the file says.
+            mode: `deterministic`, the most likely motion and the mean pilot density; `sampled`, draws that follow
+                from the mission's seed; `stratified`, motions shared out among the UAVs of each cell, and the mean
+                pilot density. By default as the file says.
 
         Raises:
             PolicyError: the file is no policy, or reads other observations than the model has.

@@ -53,7 +53,8 @@ class MlpPolicy:
         inputs: mean and scale by which observations are normalised first.
         constant_pilot: a pilot command that is held whatever the outputs say.
         config: the configuration that the policy was trained on.
-        mode: how it is meant to be flown, `deterministic` or `sampled`; :meth:`act` does as it is told.
+        mode: how it is meant to be flown, `deterministic`, `sampled` or, which only :class:`jcas.Policy` can,
+            `stratified`; :meth:`act` does as it is told.
 
     """
 

@@ -69,7 +69,8 @@ class SetPolicy:
         head: `gaussian` or `hybrid`, see :class:`~jcas.MlpPolicy`.
         config: the configuration that the policy was trained on.
         constant_pilot: a pilot command that is held whatever the outputs say.
-        mode: how it is meant to be flown, `deterministic` or `sampled`; :meth:`act` does as it is told.
+        mode: how it is meant to be flown, `deterministic`, `sampled` or, which only :class:`jcas.Policy` can,
+            `stratified`; :meth:`act` does as it is told.
         fleet_size: the network's last own field is the number of UAVs, which no observation shows.
 
     """

@@ -139,6 +139,7 @@ fn note(card: &Card) -> String {
     let mode = match card.mode {
         Mode::Deterministic => "deterministic",
         Mode::Sampled => "sampled",
+        Mode::Stratified => "stratified",
     };
     let visibility = visibility(card.config.target_visibility);
     let pilot = card.constant_pilot_density;

@@ -4,8 +4,10 @@ use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::Head;
 use crate::network::{Network, values};
 use crate::ppo::normalise::Affine;
-use crate::settings::{Credit, CriticInput, PilotCredit};
+use crate::settings::{Credit, CriticInput, Draws, PilotCredit};
 use burn_tensor::{Device, Tensor};
+use jcas_evaluate::policy::strata;
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
@@ -63,6 +65,8 @@ pub struct Ending {
 pub struct ActingPolicy<'a> {
     /// Which distribution.
     pub head: Head,
+    /// How its motions are drawn.
+    pub draws: Draws,
     /// Actor network.
     pub network: &'a Network,
     /// Its parameters.
@@ -87,6 +91,7 @@ pub fn collect(
     let mut rollout = Rollout::new(shape, steps, &out);
     let weights = policy.network.tensors(policy.parameters, policy.device);
     let mut actions = vec![0.0; shape.rows() * 2];
+    let (mut companions, mut quantiles) = (vec![None; shape.rows()], vec![0.0; shape.rows()]);
     for t in 0..steps {
         let rows = t * shape.rows()..(t + 1) * shape.rows();
         let started = Instant::now();
@@ -106,8 +111,20 @@ pub fn collect(
             act(policy, &weights, observations, &shape)
         };
         let samples = outputs.chunks_exact(policy.head.output_len());
+        if policy.draws == Draws::Stratified {
+            environment.companions(&mut companions);
+        }
         for (row, output) in samples.enumerate() {
-            let (raw, log_probs) = policy.head.sample(output, random);
+            let (raw, log_probs) = match policy.draws {
+                Draws::Independent => policy.head.sample(output, random),
+                Draws::Stratified => {
+                    quantiles[row] = match companions[row] {
+                        Some(companion) => strata::turned(quantiles[companion], 1),
+                        None => random.random(),
+                    };
+                    policy.head.sample_at(output, quantiles[row], random)
+                }
+            };
             let place = rows.start + row;
             rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
             rollout.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
@@ -293,5 +310,55 @@ impl CriticInput {
             CriticInput::State => shape.global_len,
             CriticInput::StateAndUav => shape.global_len + shape.observation_len,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::fleet::{Fleet, Treatment};
+    use crate::environment::lesson::Lesson;
+    use crate::network::Architecture;
+    use crate::settings::{Preset, Settings};
+    use jcas_core::Config;
+
+    // Of weights that are all zero every motion is as likely: of ten UAVs on the depot two take each, the first time,
+    // whatever is drawn; multiples of φ⁻¹ leave one or three of ten points in a fifth of the circle at most.
+    #[test]
+    fn uavs_of_a_cell_share_out_their_motions() {
+        let settings = Settings::preset(Preset::Tuned);
+        let lesson = Lesson::new(&Config::default(), &settings).unwrap();
+        let uavs = Config::default().uav_count as usize;
+        let treatment = Treatment::new(&settings, uavs, None).unwrap();
+        let mut fleet = Fleet::new(lesson, 60, treatment);
+        let shape = fleet.shape();
+        let network = Network::new(Architecture::Mlp {
+            sizes: vec![shape.observation_len, Head::Hybrid.output_len()],
+        });
+        let farthest_from_two = |fleet: &mut Fleet, draws| {
+            fleet.reset(1);
+            let policy = ActingPolicy {
+                head: Head::Hybrid,
+                draws,
+                network: &network,
+                parameters: &vec![0.0; network.parameters()],
+                inputs: &Affine::default(),
+                device: &Device::default(),
+            };
+            let mut random = crate::random::stream(1, 0);
+            let pilots = PilotCredit::Return;
+            let rollout = collect(fleet, &policy, 1, Credit::Team, pilots, &mut random);
+            let missions = rollout.raw_actions.chunks_exact(2 * uavs);
+            let farthest = missions.map(|actions| {
+                let mut counts = [0i32; crate::head::MOTIONS];
+                for raw in actions.chunks_exact(2) {
+                    counts[raw[0] as usize] += 1;
+                }
+                counts.into_iter().map(|count| (count - 2).abs()).max()
+            });
+            farthest.max().flatten()
+        };
+        assert_eq!(farthest_from_two(&mut fleet, Draws::Stratified), Some(1));
+        assert!(farthest_from_two(&mut fleet, Draws::Independent) > Some(2));
     }
 }
