@@ -232,7 +232,7 @@
 // Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
 #define JCAS_POLICY_SAMPLED 1
 
-// Motions shared out, which draws nothing: UAVs of one cell take quantiles of their distributions that lie apart.
+// Motions shared out, which draws nothing: UAVs of one cell take quantiles that lie apart.
 // The mean pilot density.
 #define JCAS_POLICY_STRATIFIED 2
 

@@ -26,7 +26,7 @@ pub struct jcas_policy(());
 pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
 /// Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
 pub const JCAS_POLICY_SAMPLED: i32 = 1;
-/// Motions shared out, which draws nothing: UAVs of one cell take quantiles of their distributions that lie apart.
+/// Motions shared out, which draws nothing: UAVs of one cell take quantiles that lie apart.
 /// The mean pilot density.
 pub const JCAS_POLICY_STRATIFIED: i32 = 2;
 
