@@ -5,6 +5,8 @@
 //! multiples of the golden ratio, turned around the unit circle, lie evenly on it (V. T. Sós, 1958). Where they begin
 //! follows from the step and from the first of them, so that over the steps each UAV takes every part as often as
 //! if it drew. What a UAV has to know besides its own observation is who shares its cell.
+//!
+//! Every mission of a fleet so begins alike, well or badly: which of many beginnings it is, the policy's file says.
 
 use jcas_core::StateRef;
 
@@ -12,6 +14,52 @@ use crate::head::Draw;
 
 /// φ⁻¹ = (√5 - 1)/2.
 const TURN: f64 = 0.618_033_988_749_895;
+
+/// Fleets of how many sizes have a start of their own, at most.
+pub const STARTS_MAX: usize = 16;
+
+/// From which start fleets divide, by the number of their UAVs; all from 0 where nothing is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Starts {
+    /// (UAVs, start), the smallest fleet first.
+    of_fleets: [(u32, u32); STARTS_MAX],
+    len: usize,
+}
+
+impl Starts {
+    /// Of pairs (UAVs, start), from the smallest fleet to the largest; none where that is not their order, or where
+    /// they are more than [`STARTS_MAX`].
+    #[must_use]
+    pub fn new(pairs: impl IntoIterator<Item = (u32, u32)>) -> Option<Self> {
+        let mut starts = Self::default();
+        for pair in pairs {
+            if starts
+                .of_fleets()
+                .last()
+                .is_some_and(|last| last.0 >= pair.0)
+            {
+                return None;
+            }
+            *starts.of_fleets.get_mut(starts.len)? = pair;
+            starts.len += 1;
+        }
+        Some(starts)
+    }
+
+    /// The pairs (UAVs, start).
+    #[must_use]
+    pub fn of_fleets(&self) -> &[(u32, u32)] {
+        &self.of_fleets[..self.len]
+    }
+
+    /// That of the largest fleet that is not larger, or else of the smallest.
+    #[must_use]
+    pub fn of(&self, uavs: u32) -> u32 {
+        let fleets = self.of_fleets();
+        let not_larger = fleets.iter().rev().find(|fleet| fleet.0 <= uavs);
+        not_larger.or(fleets.first()).map_or(0, |fleet| fleet.1)
+    }
+}
 
 /// The quantile that many turns after `start`, in [0, 1).
 #[must_use]
@@ -21,25 +69,43 @@ pub fn turned(start: f64, turns: usize) -> f64 {
 }
 
 /// Where a UAV's motion lies in its distribution, in [0, 1).
-pub(crate) fn quantile(state: &StateRef<'_>, uav: usize) -> f64 {
+pub(crate) fn quantile(state: &StateRef<'_>, uav: usize, start: u32) -> f64 {
     let cell = state.cell(uav);
     let mut before = (0..uav).filter(|&other| state.cell(other) == cell);
     let first = before.next();
-    let start = Draw {
-        seed: 0,
+    let begin = Draw {
+        seed: u64::from(start),
         t: state.t(),
         uav: first.unwrap_or(uav) as u32,
     };
-    turned(start.unit(), first.map_or(0, |_| 1 + before.count()))
+    turned(begin.unit(), first.map_or(0, |_| 1 + before.count()))
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
     use jcas_core::{Config, Model, Sim};
+    use std::vec::Vec;
+
+    #[test]
+    fn a_fleet_begins_as_the_largest_that_is_not_larger() {
+        let starts = Starts::new([(5, 3), (10, 0), (20, 7)]).unwrap();
+        let of = [1, 5, 9, 10, 19, 20, 500].map(|uavs| starts.of(uavs));
+        assert_eq!(of, [3, 3, 3, 0, 0, 7, 7]);
+        assert_eq!(Starts::default().of(5), 0);
+        assert_eq!(Starts::new([(5, 3), (5, 0)]), None);
+        assert_eq!(Starts::new((0..17).map(|uavs| (uavs, 0))), None);
+    }
+
+    #[test]
+    fn starts_differ() {
+        assert_ne!(quantiles(5, 0), quantiles(5, 1));
+    }
 
     /// Quantiles of nine UAVs over the first steps of a mission in which nobody moves.
-    fn quantiles(seed: u64) -> Vec<Vec<f64>> {
+    fn quantiles(seed: u64, start: u32) -> Vec<Vec<f64>> {
         let model = Model::new(Config {
             uav_count: 9,
             ..Config::default()
@@ -49,7 +115,9 @@ mod tests {
         sim.reset(seed);
         let stay = [1.0, 1.0].repeat(9);
         let of_step = |_| {
-            let quantiles = (0..9).map(|uav| quantile(&sim.state(), uav)).collect();
+            let quantiles = (0..9)
+                .map(|uav| quantile(&sim.state(), uav, start))
+                .collect();
             sim.step(&stay).unwrap();
             quantiles
         };
@@ -60,7 +128,7 @@ mod tests {
     // φ⁻⁴, φ⁻⁵ or φ⁻⁶ apart: 0.146, 0.090, 0.056.
     #[test]
     fn uavs_of_a_cell_take_quantiles_that_lie_evenly() {
-        for mut step in quantiles(5) {
+        for mut step in quantiles(5, 0) {
             step.sort_by(f64::total_cmp);
             let around = step[0] + 1.0;
             step.push(around);
@@ -75,11 +143,11 @@ mod tests {
     // The standard deviation of a mean of 90 uniform numbers is 0.03.
     #[test]
     fn each_uav_takes_every_part_and_no_seed_says_which() {
-        let steps = quantiles(5);
+        let steps = quantiles(5, 0);
         for uav in 0..9 {
             let sum: f64 = steps.iter().map(|quantiles| quantiles[uav]).sum();
             assert!((sum / steps.len() as f64 - 0.5).abs() < 0.1);
         }
-        assert_eq!(steps, quantiles(6));
+        assert_eq!(steps, quantiles(6, 0));
     }
 }

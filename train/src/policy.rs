@@ -12,6 +12,7 @@ use jcas_core::Model;
 use jcas_dispatch::InstructionSet;
 use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::network::Flight;
+use jcas_evaluate::policy::strata::Starts;
 
 /// How actions follow from the actor's distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -48,6 +49,8 @@ pub struct Actor {
     pub inputs: Affine,
     /// Pilot action held, whatever the outputs say.
     pub constant_pilot: Option<f32>,
+    /// From which start fleets divide, where it is flown stratified.
+    pub starts: Starts,
 }
 
 impl Actor {
@@ -62,6 +65,7 @@ impl Actor {
         trained.with_flight(Flight {
             mode: mode.into(),
             pilot: self.constant_pilot,
+            starts: self.starts,
         })
     }
 }

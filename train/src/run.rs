@@ -16,6 +16,8 @@ use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
 use jcas_evaluate::mission::{self, Campaign};
 use jcas_evaluate::policy::action_of;
+use jcas_evaluate::policy::strata::{STARTS_MAX, Starts};
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -29,6 +31,8 @@ pub const METRICS: &str = "metrics.csv";
 pub const SPEED: &str = "speed.json";
 /// Seed of the missions that every policy and baseline is compared on.
 pub const EVALUATION_SEED: u64 = 1;
+/// Seed of the missions that starts of stratified flight are chosen on.
+pub const START_SEED: u64 = 2;
 
 /// What to train, and where to put it.
 #[derive(Clone, Debug)]
@@ -108,6 +112,13 @@ impl Plan {
                 settings.workers, count
             )));
         }
+        let sizes = self.sizes().len();
+        if settings.evaluation_starts > 1 && sizes > STARTS_MAX {
+            return Err(TrainError::Setting(format!(
+                "evaluation_starts: {} for {sizes} sizes of fleets, more than 1 are tried for at most {STARTS_MAX} sizes",
+                settings.evaluation_starts
+            )));
+        }
         let missions = settings.environments / settings.workers;
         let fleets: Vec<(Lesson, Treatment)> = self
             .configs
@@ -167,7 +178,9 @@ impl Plan {
             speed.add(&row);
             let every = self.settings.evaluate_every as u64;
             if every > 0 && trainer.iterations.is_multiple_of(every) {
-                row.evaluated(&in_best_mode(&self.evaluations(&trainer)?));
+                row.evaluated(&in_best_mode(
+                    &self.evaluations(&Arc::new(self.actor(&trainer)))?,
+                ));
             }
             metrics.push(&row)?;
             events.scalars(row.iteration, &row.scalars())?;
@@ -194,6 +207,7 @@ impl Plan {
             head: trainer.settings.head,
             inputs: trainer.observation_inputs(),
             constant_pilot: self.constant_pilot(),
+            starts: Starts::default(),
         }
     }
 
@@ -208,24 +222,59 @@ impl Plan {
         missions
     }
 
+    /// Sizes of the fleets among them, the smallest first.
+    fn sizes(&self) -> BTreeSet<u32> {
+        self.configs.iter().map(|config| config.uav_count).collect()
+    }
+
     /// The policy as it stands on every mission it is trained for, in every mode.
-    fn evaluations(&self, trainer: &Trainer) -> Result<Vec<Evaluation>, TrainError> {
-        let actor = Arc::new(self.actor(trainer));
+    fn evaluations(&self, actor: &Arc<Actor>) -> Result<Vec<Evaluation>, TrainError> {
         let episodes = self.settings.evaluation_episodes as u64;
         let mut evaluations = Vec::new();
         for model in models(&self.missions())? {
             for mode in MODES {
-                evaluations.push(evaluate(&model, &actor, mode, episodes, EVALUATION_SEED)?);
+                evaluations.push(evaluate(&model, actor, mode, episodes, EVALUATION_SEED)?);
             }
         }
         Ok(evaluations)
     }
 
+    /// For each size of fleet the start from which it divides best, on missions that no evaluation flies.
+    fn best_starts(&self, actor: &Actor) -> Result<Starts, TrainError> {
+        let episodes = self.settings.evaluation_episodes as u64;
+        let mut best = Vec::new();
+        for uavs in self.sizes() {
+            let mut missions = self.missions();
+            missions.retain(|config| config.uav_count == uavs);
+            let models = models(&missions)?;
+            let mut tried = Vec::new();
+            for start in 0..self.settings.evaluation_starts {
+                let actor = Arc::new(Actor {
+                    starts: Starts::new([(uavs, start)]).expect("one"),
+                    ..actor.clone()
+                });
+                let flown: Result<Vec<Evaluation>, TrainError> = models
+                    .iter()
+                    .map(|model| evaluate(model, &actor, Mode::Stratified, episodes, START_SEED))
+                    .collect();
+                tried.push((start, score(flown?.iter())));
+            }
+            // The first of those that none exceeds.
+            let start = tried.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+            best.push((uavs, start.expect("at least one").0));
+        }
+        Ok(Starts::new(best).expect("as few as a run starts with"))
+    }
+
     /// Evaluates in every mode, keeps the best, writes policy and speed.
     fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Card, TrainError> {
-        let actor = Arc::new(self.actor(trainer));
+        let mut actor = self.actor(trainer);
         let started = Instant::now();
-        let evaluations = self.evaluations(trainer)?;
+        if self.settings.evaluation_starts > 1 {
+            actor.starts = self.best_starts(&actor)?;
+        }
+        let actor = Arc::new(actor);
+        let evaluations = self.evaluations(&actor)?;
         speed.evaluation_s = started.elapsed().as_secs_f64();
         let config = self.configs[0];
         let card = Card {
@@ -236,6 +285,7 @@ impl Plan {
             normalised_inputs: !actor.inputs.offset.is_empty(),
             constant_pilot_density: self.settings.constant_pilot,
             mode: best_mode(&evaluations),
+            starts: actor.starts.of_fleets().to_vec(),
             trained_on: self
                 .missions()
                 .iter()
@@ -264,21 +314,25 @@ const MODES: [Mode; 3] = [Mode::Deterministic, Mode::Stratified, Mode::Sampled];
 
 /// The first of them that none exceeds in success on average, or in speed where both succeed as often.
 fn best_mode(evaluations: &[Evaluation]) -> Mode {
-    let mean = |mode: Mode, of: fn(&Evaluation) -> f64| {
-        let of_mode = evaluations.iter().filter(|e| e.mode == mode);
-        let (sum, count) = of_mode.fold((0.0, 0.0), |(s, c), e| (s + of(e), c + 1.0));
-        if count > 0.0 { sum / count } else { 0.0 }
-    };
-    // Ten steps of mission time weigh as much as one mission in ten.
-    let score = |mode| mean(mode, |e| e.success_rate) - 0.01 * mean(mode, |e| e.mission_steps_mean);
+    let of_mode = |mode| score(evaluations.iter().filter(move |e| e.mode == mode));
     let better = |best, mode| {
-        if score(mode) > score(best) {
+        if of_mode(mode) > of_mode(best) {
             mode
         } else {
             best
         }
     };
     MODES.into_iter().fold(Mode::Deterministic, better)
+}
+
+/// How well missions went on average: ten steps of mission time weigh as much as one mission in ten.
+fn score<'e>(evaluations: impl Iterator<Item = &'e Evaluation>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for evaluation in evaluations {
+        sum += evaluation.success_rate - 0.01 * evaluation.mission_steps_mean;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// The evaluations in the mode that does best.

@@ -116,8 +116,16 @@ pub struct Settings {
     pub evaluate_every: usize,
     /// Missions of each evaluation.
     pub evaluation_episodes: usize,
+    /// Starts from which stratified flight is tried after training, for each size of fleet; 1: it divides as the first
+    /// says.
+    #[serde(default = "one")]
+    pub evaluation_starts: u32,
     /// Iterations between checkpoints.
     pub checkpoint_every: usize,
+}
+
+fn one() -> u32 {
+    1
 }
 
 /// Networks to choose from.
@@ -299,6 +307,7 @@ impl Settings {
             small_fleets: None,
             evaluate_every: 0,
             evaluation_episodes: 100,
+            evaluation_starts: 1,
             checkpoint_every: 10,
         }
     }
@@ -398,6 +407,7 @@ impl Settings {
             ("critic_minibatch_rows", self.critic_minibatch_rows),
             ("shard_rows", self.shard_rows),
             ("evaluation_episodes", self.evaluation_episodes),
+            ("evaluation_starts", self.evaluation_starts as usize),
             ("checkpoint_every", self.checkpoint_every),
         ];
         for (field, value) in positive {

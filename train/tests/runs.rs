@@ -3,12 +3,14 @@
 use burn_tensor::Device;
 use jcas_core::{Config, Model};
 use jcas_evaluate::policy::Policy;
+use jcas_evaluate::policy::network::Network;
+use jcas_evaluate::policy::strata::Starts;
 use jcas_train::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, Mode, shape_of};
-use jcas_train::run::{Ending, Observer, Plan, Unwatched};
+use jcas_train::run::{Ending, Observer, Plan, START_SEED, Unwatched, evaluate};
 use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings, SmallFleets};
 use std::path::Path;
 use std::sync::Arc;
@@ -378,6 +380,78 @@ fn the_set_network_reads_the_size_of_the_fleet() {
         same_outputs(&stored.actor, &model);
     }
     std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Each fleet divides from its own start, which the file tells every host.
+#[test]
+fn a_start_is_chosen_for_each_fleet() {
+    let chosen = |evaluation_starts| {
+        let mut plan = plan(
+            &format!("starts-{evaluation_starts}"),
+            Settings {
+                evaluation_starts,
+                ..settings(NetworkKind::Set)
+            },
+        );
+        plan.configs = fleets();
+        plan.train(false, &mut Unwatched).unwrap();
+        let stored = files::load(&plan.out).unwrap();
+        let bytes = std::fs::read(plan.out.join(files::WEIGHTS)).unwrap();
+        std::fs::remove_dir_all(&plan.out).unwrap();
+        let note = Network::read(&bytes).unwrap().note();
+        assert_eq!(note.starts.of_fleets(), stored.card.starts);
+        assert_eq!(note.starts, stored.actor.starts);
+        stored
+    };
+    assert_eq!(chosen(1).card.starts, []);
+    let stored = chosen(5);
+    assert_eq!(
+        stored.card.starts.iter().map(|of| of.0).collect::<Vec<_>>(),
+        [4, 7]
+    );
+
+    // None of the starts is better, on the missions that they are chosen on.
+    for (config, &(uavs, best)) in fleets().iter().zip(&stored.card.starts) {
+        let model = Model::new(*config).map(Arc::new).unwrap();
+        let steps = |start| {
+            let actor = Actor {
+                starts: Starts::new([(uavs, start)]).unwrap(),
+                ..(*stored.actor).clone()
+            };
+            let flown =
+                evaluate(&model, &Arc::new(actor), Mode::Stratified, 2, START_SEED).unwrap();
+            flown.mission_steps_mean - 100.0 * flown.success_rate
+        };
+        assert!((0..5).all(|start| steps(best) <= steps(start)));
+    }
+}
+
+#[test]
+fn starts_are_chosen_for_sixteen_fleets_at_most() {
+    let sizes: Vec<Config> = (2..19)
+        .map(|uav_count| Config {
+            uav_count,
+            ..config()
+        })
+        .collect();
+    let mut plan = plan(
+        "sizes",
+        Settings {
+            environments: 17,
+            workers: 17,
+            batch_steps: 17 * 8,
+            evaluation_starts: 2,
+            ..settings(NetworkKind::Set)
+        },
+    );
+    plan.configs = sizes;
+    let error = plan.trainer().err().unwrap().to_string();
+    assert!(
+        error.contains("evaluation_starts: 2 for 17 sizes of fleets"),
+        "{error}"
+    );
+    plan.configs.pop();
+    plan.trainer().unwrap();
 }
 
 /// Sampled actions follow from the mission's seed alone.

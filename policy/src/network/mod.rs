@@ -38,7 +38,7 @@ pub use product::{Operands, Product};
 use jcas_core::{Config, Model, StateRef, UavTag};
 
 use crate::head::{Draw, Head, Mode};
-use crate::strata;
+use crate::strata::{self, Starts};
 use dense::padded;
 use file::File;
 use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
@@ -71,6 +71,8 @@ pub struct Flight {
     pub mode: Mode,
     /// The action u_pilot held, whatever the network says; none: it chooses.
     pub pilot: Option<f32>,
+    /// From which start fleets divide, where the mode is stratified.
+    pub starts: Starts,
 }
 
 /// The action component u_pilot that gives a density: the kernel's map, inverted.
@@ -186,6 +188,7 @@ impl Network {
                 .note
                 .pilot_density
                 .map(|density| pilot_action(config, density)),
+            starts: self.note.starts,
         }
     }
 
@@ -302,6 +305,7 @@ impl Network {
         )?;
         length("actions", 2 * uavs, actions.len())?;
         let (seed, t) = (state.seed(), state.t());
+        let start = flight.starts.of(uavs as u32);
         self.visit(weights, model, observations, scratch, |row, outputs| {
             if outputs.iter().any(|output| !output.is_finite()) {
                 return Err(FlyError::NotFinite { uav: row });
@@ -310,7 +314,10 @@ impl Network {
             let [direction, pilot] = match flight.mode {
                 Mode::Deterministic => self.head.deterministic(outputs),
                 Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
-                Mode::Stratified => self.head.at_quantile(outputs, strata::quantile(state, row)),
+                Mode::Stratified => {
+                    let quantile = strata::quantile(state, row, start);
+                    self.head.at_quantile(outputs, quantile)
+                }
             };
             let action = &mut actions[2 * row..][..2];
             action.copy_from_slice(&[direction, flight.pilot.unwrap_or(pilot)]);

@@ -1,12 +1,13 @@
 //! What a policy's file says about how it is flown: the entry `jcas` of its metadata.
 //!
 //! `key=value` pairs, one space between them, such as `mode=sampled target_visibility=hidden
-//! pilot_density=0.15 fleet_size=read`. Files of other trainers, and older ones (`{}`), say nothing.
+//! pilot_density=0.15 starts=5:3,10:1 fleet_size=read`. Files of other trainers, and older ones (`{}`), say nothing.
 
 use jcas_core::TargetVisibility;
 
 use super::error::LoadError;
 use crate::head::Mode;
+use crate::strata::Starts;
 
 /// How a policy is flown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,8 @@ pub struct Note {
     pub target_visibility: Option<TargetVisibility>,
     /// Pilot density held, whatever the network says; none: it chooses.
     pub pilot_density: Option<f64>,
+    /// From which start fleets divide that are flown stratified.
+    pub starts: Starts,
     /// A set network's last own field is the number of UAVs, which no observation shows.
     pub fleet_size: bool,
 }
@@ -27,6 +30,7 @@ impl Default for Note {
             mode: Mode::Deterministic,
             target_visibility: None,
             pilot_density: None,
+            starts: Starts::default(),
             fleet_size: false,
         }
     }
@@ -68,19 +72,38 @@ impl Note {
                         "pilot_density: must be above 0 and at most 1",
                     ))?);
                 }
+                Some(("starts", starts)) => {
+                    note.starts = read_starts(starts).ok_or(LoadError::Note(
+                        "starts: must be UAVs:start,UAVs:start and so on, at most 16, the smallest fleet first",
+                    ))?;
+                }
                 Some(("fleet_size", "read")) => note.fleet_size = true,
                 Some(("fleet_size", _)) => {
                     return Err(LoadError::Note("fleet_size: must be read"));
                 }
                 _ => {
                     return Err(LoadError::Note(
-                        "must be of mode=, target_visibility=, pilot_density= and fleet_size=",
+                        "must be of mode=, target_visibility=, pilot_density=, starts= and fleet_size=",
                     ));
                 }
             }
         }
         Ok(note)
     }
+}
+
+fn read_starts(text: &str) -> Option<Starts> {
+    let mut whole = true;
+    let pairs = text.split(',').map_while(|pair| {
+        let read = || {
+            let (uavs, start) = pair.split_once(':')?;
+            Some((uavs.parse().ok()?, start.parse().ok()?))
+        };
+        let pair = read();
+        whole &= pair.is_some();
+        pair
+    });
+    Starts::new(pairs).filter(|_| whole)
 }
 
 #[cfg(test)]
@@ -92,11 +115,12 @@ mod tests {
         assert_eq!(Note::read(""), Ok(Note::default()));
         assert_eq!(Note::read("{}"), Ok(Note::default()));
         let note =
-            Note::read("mode=sampled target_visibility=hidden pilot_density=0.15 fleet_size=read")
+            Note::read("mode=sampled target_visibility=hidden pilot_density=0.15 starts=5:3,10:1 fleet_size=read")
                 .unwrap();
         assert_eq!(note.mode, Mode::Sampled);
         assert_eq!(note.target_visibility, Some(TargetVisibility::Hidden));
         assert_eq!(note.pilot_density, Some(0.15));
+        assert_eq!(note.starts.of_fleets(), [(5, 3), (10, 1)]);
         assert!(note.fleet_size);
         for wrong in [
             "mode=x",
@@ -104,6 +128,10 @@ mod tests {
             "pilot_density=NaN",
             "pilot_density=2",
             "fleet_size=20",
+            "starts=",
+            "starts=5",
+            "starts=5:3,x:1",
+            "starts=10:1,5:3",
             "x",
             "mode=sampled ",
         ] {

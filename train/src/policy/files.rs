@@ -12,6 +12,7 @@ use crate::store::{Array, Arrays, encode, write_whole};
 use jcas_core::{Config, Model, TargetVisibility, UavTag};
 use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::action_of;
+use jcas_evaluate::policy::strata::Starts;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
@@ -43,6 +44,9 @@ pub struct Card {
     pub constant_pilot_density: Option<f64>,
     /// How it should be flown.
     pub mode: Mode,
+    /// From which start fleets divide that are flown stratified: (N, start); absent: all from 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starts: Vec<(u32, u32)>,
     /// Fleets and hotspots it was trained on: (N, n).
     pub trained_on: Vec<(u32, u32)>,
     /// The first configuration it was trained on.
@@ -144,8 +148,17 @@ fn note(card: &Card) -> String {
     let visibility = visibility(card.config.target_visibility);
     let pilot = card.constant_pilot_density;
     let pilot = pilot.map_or(String::new(), |density| format!(" pilot_density={density}"));
+    let starts: Vec<String> = card
+        .starts
+        .iter()
+        .map(|(uavs, start)| format!("{uavs}:{start}"))
+        .collect();
+    let starts = match starts.len() {
+        0 => String::new(),
+        _ => format!(" starts={}", starts.join(",")),
+    };
     let read = read_besides(&card.architecture);
-    format!("mode={mode} target_visibility={visibility}{pilot}{read}")
+    format!("mode={mode} target_visibility={visibility}{pilot}{starts}{read}")
 }
 
 /// What a network reads that no observation shows, as a part of the note.
@@ -193,12 +206,15 @@ fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
     let constant_pilot = card
         .constant_pilot_density
         .map(|density| action_of(&card.config, density));
+    let starts = Starts::new(card.starts.iter().copied())
+        .ok_or("starts: must be at most 16 of (UAVs, start), the smallest fleet first")?;
     Ok(Actor {
         network,
         parameters,
         head: card.head,
         inputs,
         constant_pilot,
+        starts,
     })
 }
 
