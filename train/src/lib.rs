@@ -18,5 +18,6 @@ pub mod random;
 pub mod run;
 pub mod settings;
 pub mod speed;
+pub mod starts;
 pub mod store;
 pub mod trainer;

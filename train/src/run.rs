@@ -11,6 +11,7 @@ use crate::policy::files::{Card, Evaluation, Precision, save};
 use crate::policy::{Actor, Mode, shape_of};
 use crate::settings::Settings;
 use crate::speed::{self, Speed};
+use crate::starts;
 use crate::store::write_whole;
 use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
@@ -31,8 +32,6 @@ pub const METRICS: &str = "metrics.csv";
 pub const SPEED: &str = "speed.json";
 /// Seed of the missions that every policy and baseline is compared on.
 pub const EVALUATION_SEED: u64 = 1;
-/// Seed of the missions that starts of stratified flight are chosen on.
-pub const START_SEED: u64 = 2;
 
 /// What to train, and where to put it.
 #[derive(Clone, Debug)]
@@ -239,29 +238,16 @@ impl Plan {
         Ok(evaluations)
     }
 
-    /// For each size of fleet the start from which it divides best, on missions that no evaluation flies.
+    /// For each size of fleet the start from which it divides best.
     fn best_starts(&self, actor: &Actor) -> Result<Starts, TrainError> {
+        let count = self.settings.evaluation_starts;
         let episodes = self.settings.evaluation_episodes as u64;
         let mut best = Vec::new();
         for uavs in self.sizes() {
             let mut missions = self.missions();
             missions.retain(|config| config.uav_count == uavs);
-            let models = models(&missions)?;
-            let mut tried = Vec::new();
-            for start in 0..self.settings.evaluation_starts {
-                let actor = Arc::new(Actor {
-                    starts: Starts::new([(uavs, start)]).expect("one"),
-                    ..actor.clone()
-                });
-                let flown: Result<Vec<Evaluation>, TrainError> = models
-                    .iter()
-                    .map(|model| evaluate(model, &actor, Mode::Stratified, episodes, START_SEED))
-                    .collect();
-                tried.push((start, score(flown?.iter())));
-            }
-            // The first of those that none exceeds.
-            let start = tried.iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
-            best.push((uavs, start.expect("at least one").0));
+            let start = starts::best(actor, &models(&missions)?, count, episodes)?;
+            best.push((uavs, start));
         }
         Ok(Starts::new(best).expect("as few as a run starts with"))
     }
@@ -326,7 +312,7 @@ fn best_mode(evaluations: &[Evaluation]) -> Mode {
 }
 
 /// How well missions went on average: ten steps of mission time weigh as much as one mission in ten.
-fn score<'e>(evaluations: impl Iterator<Item = &'e Evaluation>) -> f64 {
+pub(crate) fn score<'e>(evaluations: impl IntoIterator<Item = &'e Evaluation>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for evaluation in evaluations {
         sum += evaluation.success_rate - 0.01 * evaluation.mission_steps_mean;
