@@ -6,7 +6,8 @@
 //! follows from the step and from the first of them, so that over the steps each UAV takes every part as often as
 //! if it drew. What a UAV has to know besides its own observation is who shares its cell.
 //!
-//! Every mission of a fleet so begins alike, well or badly: which of many beginnings it is, the policy's file says.
+//! So all missions of a fleet unfold alike, well or badly. Which of many ways it is, the policy's file may say: numbers
+//! from which the beginnings of a phase follow.
 
 use jcas_core::StateRef;
 
@@ -15,50 +16,58 @@ use crate::head::Draw;
 /// φ⁻¹ = (√5 - 1)/2.
 const TURN: f64 = 0.618_033_988_749_895;
 
-/// Fleets of how many sizes have a start of their own, at most.
-pub const STARTS_MAX: usize = 16;
+/// Phases of a mission: steps 0 and 1, 2 and 3, 4 to 7, 8 to 15, and all that follow.
+pub const PHASES: usize = 5;
 
-/// From which start fleets divide, by the number of their UAVs; all from 0 where nothing is said.
+/// What the beginnings of each phase follow from.
+pub type Starts = [u16; PHASES];
+
+/// Fleets of how many sizes have starts of their own, at most.
+pub const FLEETS_MAX: usize = 8;
+
+/// The starts of fleets, by the number of their UAVs; all 0 where nothing is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Starts {
-    /// (UAVs, start), the smallest fleet first.
-    of_fleets: [(u32, u32); STARTS_MAX],
+pub struct FleetStarts {
+    /// From the smallest fleet to the largest.
+    fleets: [(u32, Starts); FLEETS_MAX],
     len: usize,
 }
 
-impl Starts {
-    /// Of pairs (UAVs, start), from the smallest fleet to the largest; none where that is not their order, or where
-    /// they are more than [`STARTS_MAX`].
+impl FleetStarts {
+    /// Of numbers of UAVs and their starts, from the smallest fleet to the largest; none where that is not their order,
+    /// or where they are more than [`FLEETS_MAX`].
     #[must_use]
-    pub fn new(pairs: impl IntoIterator<Item = (u32, u32)>) -> Option<Self> {
-        let mut starts = Self::default();
-        for pair in pairs {
-            if starts
-                .of_fleets()
-                .last()
-                .is_some_and(|last| last.0 >= pair.0)
-            {
+    pub fn new(fleets: impl IntoIterator<Item = (u32, Starts)>) -> Option<Self> {
+        let mut all = Self::default();
+        for fleet in fleets {
+            if all.fleets().last().is_some_and(|last| last.0 >= fleet.0) {
                 return None;
             }
-            *starts.of_fleets.get_mut(starts.len)? = pair;
-            starts.len += 1;
+            *all.fleets.get_mut(all.len)? = fleet;
+            all.len += 1;
         }
-        Some(starts)
+        Some(all)
     }
 
-    /// The pairs (UAVs, start).
+    /// Numbers of UAVs, each with its starts.
     #[must_use]
-    pub fn of_fleets(&self) -> &[(u32, u32)] {
-        &self.of_fleets[..self.len]
+    pub fn fleets(&self) -> &[(u32, Starts)] {
+        &self.fleets[..self.len]
     }
 
-    /// That of the largest fleet that is not larger, or else of the smallest.
+    /// Those of the largest fleet that is not larger, or else of the smallest.
     #[must_use]
-    pub fn of(&self, uavs: u32) -> u32 {
-        let fleets = self.of_fleets();
+    pub fn of(&self, uavs: u32) -> Starts {
+        let fleets = self.fleets();
         let not_larger = fleets.iter().rev().find(|fleet| fleet.0 <= uavs);
-        not_larger.or(fleets.first()).map_or(0, |fleet| fleet.1)
+        let fleet = not_larger.or(fleets.first());
+        fleet.map_or([0; PHASES], |fleet| fleet.1)
     }
+}
+
+fn phase(t: u32) -> usize {
+    let bits = (u32::BITS - (t / 2).leading_zeros()) as usize;
+    if bits < PHASES { bits } else { PHASES - 1 }
 }
 
 /// The quantile that many turns after `start`, in [0, 1).
@@ -69,12 +78,12 @@ pub fn turned(start: f64, turns: usize) -> f64 {
 }
 
 /// Where a UAV's motion lies in its distribution, in [0, 1).
-pub(crate) fn quantile(state: &StateRef<'_>, uav: usize, start: u32) -> f64 {
+pub(crate) fn quantile(state: &StateRef<'_>, uav: usize, starts: Starts) -> f64 {
     let cell = state.cell(uav);
     let mut before = (0..uav).filter(|&other| state.cell(other) == cell);
     let first = before.next();
     let begin = Draw {
-        seed: u64::from(start),
+        seed: u64::from(starts[phase(state.t())]),
         t: state.t(),
         uav: first.unwrap_or(uav) as u32,
     };
@@ -90,22 +99,31 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn a_fleet_begins_as_the_largest_that_is_not_larger() {
-        let starts = Starts::new([(5, 3), (10, 0), (20, 7)]).unwrap();
-        let of = [1, 5, 9, 10, 19, 20, 500].map(|uavs| starts.of(uavs));
-        assert_eq!(of, [3, 3, 3, 0, 0, 7, 7]);
-        assert_eq!(Starts::default().of(5), 0);
-        assert_eq!(Starts::new([(5, 3), (5, 0)]), None);
-        assert_eq!(Starts::new((0..17).map(|uavs| (uavs, 0))), None);
+    fn phases_double() {
+        let phases = [0, 1, 2, 3, 4, 7, 8, 15, 16, u32::MAX].map(phase);
+        assert_eq!(phases, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4]);
     }
 
     #[test]
-    fn starts_differ() {
-        assert_ne!(quantiles(5, 0), quantiles(5, 1));
+    fn a_fleet_begins_as_the_largest_that_is_not_larger() {
+        let starts = FleetStarts::new([(5, [3; 5]), (10, [0; 5]), (20, [7; 5])]).unwrap();
+        let of = [1, 5, 9, 10, 19, 20, 500].map(|uavs| starts.of(uavs)[4]);
+        assert_eq!(of, [3, 3, 3, 0, 0, 7, 7]);
+        assert_eq!(FleetStarts::default().of(5), [0; 5]);
+        assert_eq!(FleetStarts::new([(5, [3; 5]), (5, [0; 5])]), None);
+        assert_eq!(FleetStarts::new((0..9).map(|uavs| (uavs, [0; 5]))), None);
+    }
+
+    #[test]
+    fn a_start_counts_in_its_phase_alone() {
+        let (plain, other) = (quantiles(5, [0; 5]), quantiles(5, [0, 0, 1, 0, 0]));
+        for t in 0..90 {
+            assert_eq!(plain[t] == other[t], !(4..8).contains(&t), "{t}");
+        }
     }
 
     /// Quantiles of nine UAVs over the first steps of a mission in which nobody moves.
-    fn quantiles(seed: u64, start: u32) -> Vec<Vec<f64>> {
+    fn quantiles(seed: u64, starts: Starts) -> Vec<Vec<f64>> {
         let model = Model::new(Config {
             uav_count: 9,
             ..Config::default()
@@ -116,7 +134,7 @@ mod tests {
         let stay = [1.0, 1.0].repeat(9);
         let of_step = |_| {
             let quantiles = (0..9)
-                .map(|uav| quantile(&sim.state(), uav, start))
+                .map(|uav| quantile(&sim.state(), uav, starts))
                 .collect();
             sim.step(&stay).unwrap();
             quantiles
@@ -128,7 +146,7 @@ mod tests {
     // φ⁻⁴, φ⁻⁵ or φ⁻⁶ apart: 0.146, 0.090, 0.056.
     #[test]
     fn uavs_of_a_cell_take_quantiles_that_lie_evenly() {
-        for mut step in quantiles(5, 0) {
+        for mut step in quantiles(5, [0; 5]) {
             step.sort_by(f64::total_cmp);
             let around = step[0] + 1.0;
             step.push(around);
@@ -143,11 +161,11 @@ mod tests {
     // The standard deviation of a mean of 90 uniform numbers is 0.03.
     #[test]
     fn each_uav_takes_every_part_and_no_seed_says_which() {
-        let steps = quantiles(5, 0);
+        let steps = quantiles(5, [0; 5]);
         for uav in 0..9 {
             let sum: f64 = steps.iter().map(|quantiles| quantiles[uav]).sum();
             assert!((sum / steps.len() as f64 - 0.5).abs() < 0.1);
         }
-        assert_eq!(steps, quantiles(6, 0));
+        assert_eq!(steps, quantiles(6, [0; 5]));
     }
 }

@@ -12,7 +12,7 @@ use jcas_core::Model;
 use jcas_dispatch::InstructionSet;
 use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::network::Flight;
-use jcas_evaluate::policy::strata::Starts;
+use jcas_evaluate::policy::strata::FleetStarts;
 
 /// How actions follow from the actor's distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -49,8 +49,8 @@ pub struct Actor {
     pub inputs: Affine,
     /// Pilot action held, whatever the outputs say.
     pub constant_pilot: Option<f32>,
-    /// From which start fleets divide, where it is flown stratified.
-    pub starts: Starts,
+    /// How fleets begin, where it is flown stratified.
+    pub starts: FleetStarts,
 }
 
 impl Actor {

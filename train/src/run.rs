@@ -17,7 +17,7 @@ use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
 use jcas_evaluate::mission::{self, Campaign};
 use jcas_evaluate::policy::action_of;
-use jcas_evaluate::policy::strata::{STARTS_MAX, Starts};
+use jcas_evaluate::policy::strata::{FLEETS_MAX, FleetStarts};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -52,8 +52,10 @@ pub struct Plan {
 pub trait Observer {
     /// After every iteration: its row, iterations in all, seconds left as forecast.
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64);
-    /// Before every iteration: whether to stop here, with a checkpoint.
+    /// Before every iteration and every beginning that is tried: whether to stop here, with a checkpoint.
     fn stop(&mut self) -> bool;
+    /// Once trained, after every beginning that is tried: how many have been, of how many.
+    fn beginnings(&mut self, _tried: u64, _total: u64) {}
 }
 
 /// Nobody watches.
@@ -112,9 +114,9 @@ impl Plan {
             )));
         }
         let sizes = self.sizes().len();
-        if settings.evaluation_starts > 1 && sizes > STARTS_MAX {
+        if settings.evaluation_starts > 1 && sizes > FLEETS_MAX {
             return Err(TrainError::Setting(format!(
-                "evaluation_starts: {} for {sizes} sizes of fleets, more than 1 are tried for at most {STARTS_MAX} sizes",
+                "evaluation_starts: {} for {sizes} sizes of fleets, more than 1 are tried for at most {FLEETS_MAX} sizes",
                 settings.evaluation_starts
             )));
         }
@@ -194,8 +196,7 @@ impl Plan {
                 metrics.write()?;
             }
         }
-        self.conclude(&trainer, &mut speed)
-            .map(|card| Ending::Finished(Box::new(card)))
+        self.conclude(&trainer, &mut speed, observer)
     }
 
     /// The actor as it stands, apart from the trainer.
@@ -206,7 +207,7 @@ impl Plan {
             head: trainer.settings.head,
             inputs: trainer.observation_inputs(),
             constant_pilot: self.constant_pilot(),
-            starts: Starts::default(),
+            starts: FleetStarts::default(),
         }
     }
 
@@ -238,26 +239,49 @@ impl Plan {
         Ok(evaluations)
     }
 
-    /// For each size of fleet the start from which it divides best.
-    fn best_starts(&self, actor: &Actor) -> Result<Starts, TrainError> {
+    /// How fleets of each size begin best; none where the observer stops it.
+    fn best_starts(
+        &self,
+        actor: &Actor,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<FleetStarts>, TrainError> {
         let count = self.settings.evaluation_starts;
         let episodes = self.settings.evaluation_episodes as u64;
+        let sizes = self.sizes();
+        let total = sizes.len() as u64 * starts::tries(count);
+        let mut tried = 0;
         let mut best = Vec::new();
-        for uavs in self.sizes() {
+        for uavs in sizes {
             let mut missions = self.missions();
             missions.retain(|config| config.uav_count == uavs);
-            let start = starts::best(actor, &models(&missions)?, count, episodes)?;
-            best.push((uavs, start));
+            let mut stop = || {
+                observer.beginnings(tried, total);
+                tried += 1;
+                observer.stop()
+            };
+            let starts = starts::best(actor, &models(&missions)?, count, episodes, &mut stop)?;
+            let Some(starts) = starts else {
+                return Ok(None);
+            };
+            best.push((uavs, starts));
         }
-        Ok(Starts::new(best).expect("as few as a run starts with"))
+        Ok(FleetStarts::new(best))
     }
 
     /// Evaluates in every mode, keeps the best, writes policy and speed.
-    fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Card, TrainError> {
+    fn conclude(
+        &self,
+        trainer: &Trainer,
+        speed: &mut Speed,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, TrainError> {
         let mut actor = self.actor(trainer);
         let started = Instant::now();
         if self.settings.evaluation_starts > 1 {
-            actor.starts = self.best_starts(&actor)?;
+            let Some(starts) = self.best_starts(&actor, observer)? else {
+                return Ok(Ending::Stopped);
+            };
+            actor.starts = starts;
         }
         let actor = Arc::new(actor);
         let evaluations = self.evaluations(&actor)?;
@@ -271,7 +295,7 @@ impl Plan {
             normalised_inputs: !actor.inputs.offset.is_empty(),
             constant_pilot_density: self.settings.constant_pilot,
             mode: best_mode(&evaluations),
-            starts: actor.starts.of_fleets().to_vec(),
+            starts: actor.starts.fleets().iter().copied().collect(),
             trained_on: self
                 .missions()
                 .iter()
@@ -291,7 +315,7 @@ impl Plan {
             let text = serde_json::to_string_pretty(speed).map_err(TrainError::format(&path))?;
             write_whole(&path, (text + "\n").as_bytes())?;
         }
-        Ok(card)
+        Ok(Ending::Finished(Box::new(card)))
     }
 }
 

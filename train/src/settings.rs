@@ -116,15 +116,15 @@ pub struct Settings {
     pub evaluate_every: usize,
     /// Missions of each evaluation.
     pub evaluation_episodes: usize,
-    /// Starts from which stratified flight is tried after training, for each size of fleet; 1: it divides as the first
-    /// says.
+    /// After training, so many beginnings of each phase of a mission are tried in stratified flight, for each size of
+    /// fleet; 1: none is chosen.
     #[serde(default = "one")]
-    pub evaluation_starts: u32,
+    pub evaluation_starts: u16,
     /// Iterations between checkpoints.
     pub checkpoint_every: usize,
 }
 
-fn one() -> u32 {
+fn one() -> u16 {
     1
 }
 
@@ -407,7 +407,7 @@ impl Settings {
             ("critic_minibatch_rows", self.critic_minibatch_rows),
             ("shard_rows", self.shard_rows),
             ("evaluation_episodes", self.evaluation_episodes),
-            ("evaluation_starts", self.evaluation_starts as usize),
+            ("evaluation_starts", usize::from(self.evaluation_starts)),
             ("checkpoint_every", self.checkpoint_every),
         ];
         for (field, value) in positive {

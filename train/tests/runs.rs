@@ -4,7 +4,7 @@ use burn_tensor::Device;
 use jcas_core::{Config, Model};
 use jcas_evaluate::policy::Policy;
 use jcas_evaluate::policy::network::Network;
-use jcas_evaluate::policy::strata::Starts;
+use jcas_evaluate::policy::strata::FleetStarts;
 use jcas_train::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::network::{Architecture, values};
@@ -400,39 +400,51 @@ fn a_start_is_chosen_for_each_fleet() {
         let bytes = std::fs::read(plan.out.join(files::WEIGHTS)).unwrap();
         std::fs::remove_dir_all(&plan.out).unwrap();
         let note = Network::read(&bytes).unwrap().note();
-        assert_eq!(note.starts.of_fleets(), stored.card.starts);
         assert_eq!(note.starts, stored.actor.starts);
+        let of_card = stored.card.starts.iter().map(|(&uavs, &of)| (uavs, of));
+        assert_eq!(FleetStarts::new(of_card), Some(note.starts));
         stored
     };
-    assert_eq!(chosen(1).card.starts, []);
+    assert!(chosen(1).card.starts.is_empty());
     let stored = chosen(5);
-    assert_eq!(
-        stored.card.starts.iter().map(|of| of.0).collect::<Vec<_>>(),
-        [4, 7]
-    );
+    assert_eq!(stored.card.starts.keys().collect::<Vec<_>>(), [&4, &7]);
 
-    // Of four the best on one mission, of seventeen one that is.
+    // Of four, which one round tries on one mission: none is better in the last phase, and none as a whole was in the first.
     for config in fleets() {
         let model = Model::new(config).map(Arc::new).unwrap();
-        let score = |start| {
+        let score = |starts| {
             let actor = Actor {
-                starts: Starts::new([(config.uav_count, start)]).unwrap(),
+                starts: FleetStarts::new([(config.uav_count, starts)]).unwrap(),
                 ..(*stored.actor).clone()
             };
             let actor = Arc::new(actor);
             let flown = evaluate(&model, &actor, Mode::Stratified, 1, START_SEED).unwrap();
             100.0 * flown.success_rate - flown.mission_steps_mean
         };
-        let models = [model.clone()];
-        let best = starts::best(&stored.actor, &models, 4, 8).unwrap();
-        assert!((0..4).all(|start| score(best) >= score(start)));
-        assert!(starts::best(&stored.actor, &models, 17, 8).unwrap() < 17);
+        let choose = |count, stop: &mut dyn FnMut() -> bool| {
+            starts::best(&stored.actor, std::slice::from_ref(&model), count, 8, stop).unwrap()
+        };
+        let best = choose(4, &mut || false).unwrap();
+        for start in 0..4 {
+            let mut other = best;
+            other[4] = start;
+            assert!(score(best) >= score(other));
+            assert!(score(best) >= score([start; 5]));
+        }
+        let mut tried = 0;
+        let mut count = || {
+            tried += 1;
+            false
+        };
+        choose(17, &mut count).unwrap();
+        assert_eq!(tried, starts::tries(17));
+        assert_eq!(choose(4, &mut || true), None);
     }
 }
 
 #[test]
-fn starts_are_chosen_for_sixteen_fleets_at_most() {
-    let sizes: Vec<Config> = (2..19)
+fn starts_are_chosen_for_eight_fleets_at_most() {
+    let sizes: Vec<Config> = (2..11)
         .map(|uav_count| Config {
             uav_count,
             ..config()
@@ -441,9 +453,9 @@ fn starts_are_chosen_for_sixteen_fleets_at_most() {
     let mut plan = plan(
         "sizes",
         Settings {
-            environments: 17,
-            workers: 17,
-            batch_steps: 17 * 8,
+            environments: 9,
+            workers: 9,
+            batch_steps: 9 * 8,
             evaluation_starts: 2,
             ..settings(NetworkKind::Set)
         },
@@ -451,7 +463,7 @@ fn starts_are_chosen_for_sixteen_fleets_at_most() {
     plan.configs = sizes;
     let error = plan.trainer().err().unwrap().to_string();
     assert!(
-        error.contains("evaluation_starts: 2 for 17 sizes of fleets"),
+        error.contains("evaluation_starts: 2 for 9 sizes of fleets"),
         "{error}"
     );
     plan.configs.pop();

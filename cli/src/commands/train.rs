@@ -304,4 +304,10 @@ impl Observer for Watcher {
     fn stop(&mut self) -> bool {
         interrupt::requested()
     }
+
+    fn beginnings(&mut self, tried: u64, total: u64) {
+        self.bar.set_length(total);
+        self.bar.set_position(tried);
+        self.bar.set_message("beginnings tried");
+    }
 }

@@ -38,7 +38,7 @@ pub use product::{Operands, Product};
 use jcas_core::{Config, Model, StateRef, UavTag};
 
 use crate::head::{Draw, Head, Mode};
-use crate::strata::{self, Starts};
+use crate::strata::{self, FleetStarts};
 use dense::padded;
 use file::File;
 use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
@@ -71,8 +71,8 @@ pub struct Flight {
     pub mode: Mode,
     /// The action u_pilot held, whatever the network says; none: it chooses.
     pub pilot: Option<f32>,
-    /// From which start fleets divide, where the mode is stratified.
-    pub starts: Starts,
+    /// How fleets begin, where the mode is stratified.
+    pub starts: FleetStarts,
 }
 
 /// The action component u_pilot that gives a density: the kernel's map, inverted.
@@ -305,7 +305,7 @@ impl Network {
         )?;
         length("actions", 2 * uavs, actions.len())?;
         let (seed, t) = (state.seed(), state.t());
-        let start = flight.starts.of(uavs as u32);
+        let starts = flight.starts.of(uavs as u32);
         self.visit(weights, model, observations, scratch, |row, outputs| {
             if outputs.iter().any(|output| !output.is_finite()) {
                 return Err(FlyError::NotFinite { uav: row });
@@ -315,7 +315,7 @@ impl Network {
                 Mode::Deterministic => self.head.deterministic(outputs),
                 Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
                 Mode::Stratified => {
-                    let quantile = strata::quantile(state, row, start);
+                    let quantile = strata::quantile(state, row, starts);
                     self.head.at_quantile(outputs, quantile)
                 }
             };

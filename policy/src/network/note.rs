@@ -1,13 +1,14 @@
 //! What a policy's file says about how it is flown: the entry `jcas` of its metadata.
 //!
 //! `key=value` pairs, one space between them, such as `mode=sampled target_visibility=hidden
-//! pilot_density=0.15 starts=5:3,10:1 fleet_size=read`. Files of other trainers, and older ones (`{}`), say nothing.
+//! pilot_density=0.15 starts=5:3:0:1:2:8,10:1:7:0:0:4
+//! fleet_size=read`. Files of other trainers, and older ones (`{}`), say nothing.
 
 use jcas_core::TargetVisibility;
 
 use super::error::LoadError;
 use crate::head::Mode;
-use crate::strata::Starts;
+use crate::strata::{FleetStarts, Starts};
 
 /// How a policy is flown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +19,8 @@ pub struct Note {
     pub target_visibility: Option<TargetVisibility>,
     /// Pilot density held, whatever the network says; none: it chooses.
     pub pilot_density: Option<f64>,
-    /// From which start fleets divide that are flown stratified.
-    pub starts: Starts,
+    /// How fleets begin that are flown stratified.
+    pub starts: FleetStarts,
     /// A set network's last own field is the number of UAVs, which no observation shows.
     pub fleet_size: bool,
 }
@@ -30,7 +31,7 @@ impl Default for Note {
             mode: Mode::Deterministic,
             target_visibility: None,
             pilot_density: None,
-            starts: Starts::default(),
+            starts: FleetStarts::default(),
             fleet_size: false,
         }
     }
@@ -74,7 +75,7 @@ impl Note {
                 }
                 Some(("starts", starts)) => {
                     note.starts = read_starts(starts).ok_or(LoadError::Note(
-                        "starts: must be UAVs:start,UAVs:start and so on, at most 16, the smallest fleet first",
+                        "starts: must be UAVs and five numbers, with colons, of at most eight fleets, with commas, the smallest first",
                     ))?;
                 }
                 Some(("fleet_size", "read")) => note.fleet_size = true,
@@ -92,18 +93,24 @@ impl Note {
     }
 }
 
-fn read_starts(text: &str) -> Option<Starts> {
+fn read_starts(text: &str) -> Option<FleetStarts> {
     let mut whole = true;
-    let pairs = text.split(',').map_while(|pair| {
-        let read = || {
-            let (uavs, start) = pair.split_once(':')?;
-            Some((uavs.parse().ok()?, start.parse().ok()?))
-        };
-        let pair = read();
-        whole &= pair.is_some();
-        pair
+    let fleets = text.split(',').map_while(|fleet| {
+        let fleet = read_fleet(fleet);
+        whole &= fleet.is_some();
+        fleet
     });
-    Starts::new(pairs).filter(|_| whole)
+    FleetStarts::new(fleets).filter(|_| whole)
+}
+
+fn read_fleet(text: &str) -> Option<(u32, Starts)> {
+    let mut numbers = text.split(':');
+    let uavs = numbers.next()?.parse().ok()?;
+    let mut starts = Starts::default();
+    for start in &mut starts {
+        *start = numbers.next()?.parse().ok()?;
+    }
+    numbers.next().is_none().then_some((uavs, starts))
 }
 
 #[cfg(test)]
@@ -115,12 +122,13 @@ mod tests {
         assert_eq!(Note::read(""), Ok(Note::default()));
         assert_eq!(Note::read("{}"), Ok(Note::default()));
         let note =
-            Note::read("mode=sampled target_visibility=hidden pilot_density=0.15 starts=5:3,10:1 fleet_size=read")
+            Note::read("mode=sampled target_visibility=hidden pilot_density=0.15 starts=5:3:0:1:2:8,10:1:7:0:0:4 fleet_size=read")
                 .unwrap();
         assert_eq!(note.mode, Mode::Sampled);
         assert_eq!(note.target_visibility, Some(TargetVisibility::Hidden));
         assert_eq!(note.pilot_density, Some(0.15));
-        assert_eq!(note.starts.of_fleets(), [(5, 3), (10, 1)]);
+        let starts = [(5, [3, 0, 1, 2, 8]), (10, [1, 7, 0, 0, 4])];
+        assert_eq!(note.starts.fleets(), starts);
         assert!(note.fleet_size);
         for wrong in [
             "mode=x",
@@ -129,9 +137,11 @@ mod tests {
             "pilot_density=2",
             "fleet_size=20",
             "starts=",
-            "starts=5",
-            "starts=5:3,x:1",
-            "starts=10:1,5:3",
+            "starts=5:1:2:3:4",
+            "starts=5:1:2:3:4:5:6",
+            "starts=5:1:2:3:4:65536",
+            "starts=5:1:2:3:4:5,x:1:2:3:4:5",
+            "starts=10:1:2:3:4:5,5:1:2:3:4:5",
             "x",
             "mode=sampled ",
         ] {

@@ -12,8 +12,9 @@ use crate::store::{Array, Arrays, encode, write_whole};
 use jcas_core::{Config, Model, TargetVisibility, UavTag};
 use jcas_evaluate::policy::Trained;
 use jcas_evaluate::policy::action_of;
-use jcas_evaluate::policy::strata::Starts;
+use jcas_evaluate::policy::strata::{FLEETS_MAX, FleetStarts, Starts};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -44,9 +45,9 @@ pub struct Card {
     pub constant_pilot_density: Option<f64>,
     /// How it should be flown.
     pub mode: Mode,
-    /// From which start fleets divide that are flown stratified: (N, start); absent: all from 0.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub starts: Vec<(u32, u32)>,
+    /// How fleets begin that are flown stratified, by N: a number for each phase of a mission; absent: all 0.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub starts: BTreeMap<u32, Starts>,
     /// Fleets and hotspots it was trained on: (N, n).
     pub trained_on: Vec<(u32, u32)>,
     /// The first configuration it was trained on.
@@ -151,7 +152,10 @@ fn note(card: &Card) -> String {
     let starts: Vec<String> = card
         .starts
         .iter()
-        .map(|(uavs, start)| format!("{uavs}:{start}"))
+        .map(|(uavs, starts)| {
+            let starts = starts.map(|start| start.to_string());
+            format!("{uavs}:{}", starts.join(":"))
+        })
         .collect();
     let starts = match starts.len() {
         0 => String::new(),
@@ -206,8 +210,13 @@ fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
     let constant_pilot = card
         .constant_pilot_density
         .map(|density| action_of(&card.config, density));
-    let starts = Starts::new(card.starts.iter().copied())
-        .ok_or("starts: must be at most 16 of (UAVs, start), the smallest fleet first")?;
+    let starts = card.starts.iter().map(|(&uavs, &starts)| (uavs, starts));
+    let starts = FleetStarts::new(starts).ok_or_else(|| {
+        format!(
+            "starts: of {} sizes of fleets, at most {FLEETS_MAX} are read",
+            card.starts.len()
+        )
+    })?;
     Ok(Actor {
         network,
         parameters,
