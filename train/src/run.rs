@@ -54,7 +54,7 @@ pub trait Observer {
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64);
     /// Before every iteration and every beginning that is tried: whether to stop here, with a checkpoint.
     fn stop(&mut self) -> bool;
-    /// Once trained, after every beginning that is tried: how many have been, of how many.
+    /// Once trained, before every beginning that is tried: how many have been, of how many.
     fn beginnings(&mut self, _tried: u64, _total: u64) {}
 }
 
