@@ -1,4 +1,4 @@
-//! The shipped policy's missions end in the same states, to the last bit.
+//! Shipped policies' missions end in the same states, to the last bit.
 
 mod mission;
 
@@ -7,7 +7,7 @@ use jcas_policy::network::Product;
 use mission::{MISSIONS, fly};
 
 #[test]
-fn the_shipped_policy_flies_the_same_missions_everywhere() {
+fn shipped_policies_fly_the_same_missions_everywhere() {
     assert_eq!(
         MISSIONS.map(|mission| fly(mission, Product::default())),
         MISSIONS

@@ -2,8 +2,8 @@
  *
  *   policies policies/fleet/policy.safetensors
  *
- * Prints the hash of the state in which each mission ends: the network's, deterministic, sampled and stratified, then each
- * baseline's. */
+ * Prints the hash of the state in which each mission ends: the network's, deterministic, sampled and stratified,
+ * then each baseline's. */
 #include "check.h"
 
 #include <inttypes.h>

@@ -51,24 +51,20 @@ impl Head {
         }
     }
 
-    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot.
-    pub fn sample(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
-        match self {
-            Head::Gaussian => gaussian::sample(outputs, random),
-            Head::Hybrid => hybrid::sample(outputs, random.random(), random),
-        }
-    }
-
-    /// As [`Self::sample`], the motion at this quantile of its distribution, 0 to 1; a normal has none.
-    pub fn sample_at(
+    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot. A hybrid's motion may
+    /// be given as a quantile of its distribution, 0 to 1.
+    pub fn sample(
         self,
         outputs: &[f32],
-        quantile: f64,
+        quantile: Option<f64>,
         random: &mut ChaCha8Rng,
     ) -> ([f32; 2], [f32; 2]) {
         match self {
             Head::Gaussian => gaussian::sample(outputs, random),
-            Head::Hybrid => hybrid::sample(outputs, quantile, random),
+            Head::Hybrid => {
+                let quantile = quantile.unwrap_or_else(|| random.random());
+                hybrid::sample(outputs, quantile, random)
+            }
         }
     }
 

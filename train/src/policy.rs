@@ -62,11 +62,17 @@ impl Actor {
             files::weights(self, Precision::Single, note).expect("arrays of their own length");
         let trained = Trained::read(name, &bytes).expect("an actor's own file");
         let trained = trained.with_product(InstructionSet::best().product());
-        trained.with_flight(Flight {
+        trained.with_flight(self.flight(mode))
+    }
+
+    /// How it is flown in this mode.
+    #[must_use]
+    pub fn flight(&self, mode: Mode) -> Flight {
+        Flight {
             mode: mode.into(),
             pilot: self.constant_pilot,
             starts: self.starts,
-        })
+        }
     }
 }
 

@@ -16,8 +16,8 @@ use crate::store::write_whole;
 use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
 use jcas_evaluate::mission::{self, Campaign};
-use jcas_evaluate::policy::action_of;
 use jcas_evaluate::policy::strata::{FLEETS_MAX, FleetStarts};
+use jcas_evaluate::policy::{Trained, action_of};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -54,8 +54,8 @@ pub trait Observer {
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64);
     /// Before every iteration and every beginning that is tried: whether to stop here, with a checkpoint.
     fn stop(&mut self) -> bool;
-    /// Once trained, before every beginning that is tried: how many have been, of how many.
-    fn beginnings(&mut self, _tried: u64, _total: u64) {}
+    /// Once trained, before every beginning that is tried: how many missions have been flown to choose, of how many.
+    fn beginnings(&mut self, _flown: u64, _total: u64) {}
 }
 
 /// Nobody watches.
@@ -179,9 +179,7 @@ impl Plan {
             speed.add(&row);
             let every = self.settings.evaluate_every as u64;
             if every > 0 && trainer.iterations.is_multiple_of(every) {
-                row.evaluated(&in_best_mode(
-                    &self.evaluations(&Arc::new(self.actor(&trainer)))?,
-                ));
+                row.evaluated(&in_best_mode(&self.evaluations(&self.actor(&trainer))?));
             }
             metrics.push(&row)?;
             events.scalars(row.iteration, &row.scalars())?;
@@ -228,12 +226,13 @@ impl Plan {
     }
 
     /// The policy as it stands on every mission it is trained for, in every mode.
-    fn evaluations(&self, actor: &Arc<Actor>) -> Result<Vec<Evaluation>, TrainError> {
+    fn evaluations(&self, actor: &Actor) -> Result<Vec<Evaluation>, TrainError> {
         let episodes = self.settings.evaluation_episodes as u64;
+        let policies = MODES.map(|mode| (mode, actor.fly("policy", mode)));
         let mut evaluations = Vec::new();
         for model in models(&self.missions())? {
-            for mode in MODES {
-                evaluations.push(evaluate(&model, actor, mode, episodes, EVALUATION_SEED)?);
+            for (mode, policy) in &policies {
+                evaluations.push(evaluate(&model, policy, *mode, episodes, EVALUATION_SEED)?);
             }
         }
         Ok(evaluations)
@@ -247,16 +246,15 @@ impl Plan {
     ) -> Result<Option<FleetStarts>, TrainError> {
         let count = self.settings.evaluation_starts;
         let episodes = self.settings.evaluation_episodes as u64;
-        let sizes = self.sizes();
-        let total = sizes.len() as u64 * starts::tries(count);
-        let mut tried = 0;
+        let total = self.missions().len() as u64 * starts::missions(count, episodes);
+        let mut flown = 0;
         let mut best = Vec::new();
-        for uavs in sizes {
+        for uavs in self.sizes() {
             let mut missions = self.missions();
             missions.retain(|config| config.uav_count == uavs);
-            let mut stop = || {
-                observer.beginnings(tried, total);
-                tried += 1;
+            let mut stop = |missions| {
+                observer.beginnings(flown, total);
+                flown += missions;
                 observer.stop()
             };
             let starts = starts::best(actor, &models(&missions)?, count, episodes, &mut stop)?;
@@ -283,7 +281,6 @@ impl Plan {
             };
             actor.starts = starts;
         }
-        let actor = Arc::new(actor);
         let evaluations = self.evaluations(&actor)?;
         speed.evaluation_s = started.elapsed().as_secs_f64();
         let config = self.configs[0];
@@ -352,10 +349,10 @@ fn in_best_mode(evaluations: &[Evaluation]) -> Vec<Evaluation> {
     of_mode.cloned().collect()
 }
 
-/// Flies missions with an actor and sums them up.
+/// Flies missions with an actor that flies in this mode, and sums them up.
 pub fn evaluate(
     model: &Model<'static>,
-    actor: &Arc<Actor>,
+    policy: &Trained,
     mode: Mode,
     episodes: u64,
     seed: u64,
@@ -363,7 +360,7 @@ pub fn evaluate(
     let missions = mission::fly(
         model,
         Campaign { episodes, seed },
-        &|| Box::new(actor.fly("policy", mode)),
+        &|| Box::new(policy.clone()),
         &|| ControlFlow::Continue(()),
     )
     .map_err(|error| TrainError::Setting(error.to_string()))?;

@@ -7,25 +7,40 @@ use crate::error::TrainError;
 use crate::policy::{Actor, Mode};
 use crate::run::{evaluate, score};
 use jcas_core::Model;
+use jcas_evaluate::policy::network::Flight;
 use jcas_evaluate::policy::strata::{FleetStarts, PHASES, Starts};
+use std::iter::successors;
 use std::sync::Arc;
 
-/// Seed of the missions that starts are chosen on, which no evaluation flies.
+/// Seed of the missions that starts are chosen on, which no evaluation of a training flies.
 pub const START_SEED: u64 = 2;
 /// Of so many starts one is tried further, on as many times more missions.
 const SHARE: u64 = 4;
 /// Of the missions of an evaluation the first round flies one in so many.
 const FIRST: u64 = 8;
 
-/// The best starts, of `count` in each phase, in missions of these models, whose fleets are of one size; none where
-/// `stop` says so, which is asked before each of them.
+/// The best starts, of `count` in each phase, in missions of these models, whose fleets are of one size. `stop` hears
+/// before each of them how many missions it will fly; none where it says so.
 pub fn best(
     actor: &Actor,
     models: &[Arc<Model<'static>>],
     count: u16,
     evaluation_episodes: u64,
-    stop: &mut dyn FnMut() -> bool,
+    stop: &mut dyn FnMut(u64) -> bool,
 ) -> Result<Option<Starts>, TrainError> {
+    let uavs = models[0].config().uav_count;
+    let policy = actor.fly("policy", Mode::Stratified);
+    let score_of = |starts, episodes| {
+        let policy = policy.clone().with_flight(Flight {
+            starts: FleetStarts::new([(uavs, starts)]).expect("one"),
+            ..actor.flight(Mode::Stratified)
+        });
+        let flown: Result<Vec<_>, _> = models
+            .iter()
+            .map(|model| evaluate(model, &policy, Mode::Stratified, episodes, START_SEED))
+            .collect();
+        Ok(score(&flown?))
+    };
     let mut best = [0; PHASES];
     for phase in 0..PHASES {
         let with = |start| {
@@ -34,51 +49,35 @@ pub fn best(
             starts
         };
         let mut left: Vec<Starts> = (0..count).map(with).collect();
-        let mut episodes = (evaluation_episodes / FIRST).max(1);
-        while left.len() > 1 {
+        for (_, episodes) in rounds(count, evaluation_episodes) {
             let mut tried = Vec::new();
             for starts in left {
-                if stop() {
+                if stop(episodes * models.len() as u64) {
                     return Ok(None);
                 }
-                tried.push((starts, score_of(actor, starts, models, episodes)?));
+                tried.push((starts, score_of(starts, episodes)?));
             }
             // Of those that do as well the first stays first.
             tried.sort_by(|a, b| b.1.total_cmp(&a.1));
             tried.truncate(tried.len().div_ceil(SHARE as usize));
             left = tried.into_iter().map(|(starts, _)| starts).collect();
-            episodes *= SHARE;
         }
         best = left[0];
     }
     Ok(Some(best))
 }
 
-/// How many [`best`] tries in all.
-pub fn tries(count: u16) -> u64 {
-    let mut left = u64::from(count);
-    let mut of_phase = 0;
-    while left > 1 {
-        of_phase += left;
-        left = left.div_ceil(SHARE);
-    }
-    PHASES as u64 * of_phase
+/// How many missions of each model [`best`] flies.
+pub fn missions(count: u16, evaluation_episodes: u64) -> u64 {
+    let of_phase = rounds(count, evaluation_episodes).map(|(left, episodes)| left * episodes);
+    PHASES as u64 * of_phase.sum::<u64>()
 }
 
-fn score_of(
-    actor: &Actor,
-    starts: Starts,
-    models: &[Arc<Model<'static>>],
-    episodes: u64,
-) -> Result<f64, TrainError> {
-    let uavs = models[0].config().uav_count;
-    let actor = Arc::new(Actor {
-        starts: FleetStarts::new([(uavs, starts)]).expect("one"),
-        ..actor.clone()
-    });
-    let flown: Result<Vec<_>, _> = models
-        .iter()
-        .map(|model| evaluate(model, &actor, Mode::Stratified, episodes, START_SEED))
-        .collect();
-    Ok(score(&flown?))
+/// Of each round of a phase: how many starts it tries, and on how many missions of each model.
+fn rounds(count: u16, evaluation_episodes: u64) -> impl Iterator<Item = (u64, u64)> {
+    let first = (u64::from(count), (evaluation_episodes / FIRST).max(1));
+    successors(Some(first), |&(left, episodes)| {
+        Some((left.div_ceil(SHARE), episodes * SHARE))
+    })
+    .take_while(|&(left, _)| left > 1)
 }

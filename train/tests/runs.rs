@@ -3,7 +3,7 @@
 use burn_tensor::Device;
 use jcas_core::{Config, Model};
 use jcas_evaluate::policy::Policy;
-use jcas_evaluate::policy::network::Network;
+use jcas_evaluate::policy::network::{Flight, Network};
 use jcas_evaluate::policy::strata::FleetStarts;
 use jcas_train::head::Head;
 use jcas_train::metrics::Row;
@@ -383,18 +383,27 @@ fn the_set_network_reads_the_size_of_the_fleet() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// Each fleet divides from its own start, which the file tells every host.
+/// Each fleet begins in its own way, which the file tells every host.
 #[test]
-fn a_start_is_chosen_for_each_fleet() {
+fn a_beginning_is_chosen_for_each_fleet() {
+    // Within reach of a walk that has hardly learnt, so that it matters how it begins.
+    let within_reach = |config: &Config| Config {
+        sensing_range_m: Some(250.0),
+        quorum: 2,
+        horizon_steps: 100,
+        ..*config
+    };
+    let configs: Vec<Config> = fleets().iter().map(within_reach).collect();
     let chosen = |evaluation_starts| {
         let mut plan = plan(
             &format!("starts-{evaluation_starts}"),
             Settings {
                 evaluation_starts,
+                curriculum: None,
                 ..settings(NetworkKind::Set)
             },
         );
-        plan.configs = fleets();
+        plan.configs.clone_from(&configs);
         plan.train(false, &mut Unwatched).unwrap();
         let stored = files::load(&plan.out).unwrap();
         let bytes = std::fs::read(plan.out.join(files::WEIGHTS)).unwrap();
@@ -408,38 +417,50 @@ fn a_start_is_chosen_for_each_fleet() {
     assert!(chosen(1).card.starts.is_empty());
     let stored = chosen(5);
     assert_eq!(stored.card.starts.keys().collect::<Vec<_>>(), [&4, &7]);
-
-    // Of four, which one round tries on one mission: none is better in the last phase, and none as a whole was in the first.
-    for config in fleets() {
+    for config in configs {
         let model = Model::new(config).map(Arc::new).unwrap();
-        let score = |starts| {
-            let actor = Actor {
-                starts: FleetStarts::new([(config.uav_count, starts)]).unwrap(),
-                ..(*stored.actor).clone()
-            };
-            let actor = Arc::new(actor);
-            let flown = evaluate(&model, &actor, Mode::Stratified, 1, START_SEED).unwrap();
-            100.0 * flown.success_rate - flown.mission_steps_mean
-        };
-        let choose = |count, stop: &mut dyn FnMut() -> bool| {
-            starts::best(&stored.actor, std::slice::from_ref(&model), count, 8, stop).unwrap()
-        };
-        let best = choose(4, &mut || false).unwrap();
-        for start in 0..4 {
-            let mut other = best;
-            other[4] = start;
-            assert!(score(best) >= score(other));
-            assert!(score(best) >= score([start; 5]));
-        }
-        let mut tried = 0;
-        let mut count = || {
-            tried += 1;
-            false
-        };
-        choose(17, &mut count).unwrap();
-        assert_eq!(tried, starts::tries(17));
-        assert_eq!(choose(4, &mut || true), None);
+        choices_are_the_best(&stored.actor, &model);
     }
+}
+
+fn choices_are_the_best(actor: &Actor, model: &Arc<Model<'static>>) {
+    let uavs = model.config().uav_count;
+    let score = |starts| {
+        let policy = actor.fly("p", Mode::Stratified).with_flight(Flight {
+            starts: FleetStarts::new([(uavs, starts)]).unwrap(),
+            ..actor.flight(Mode::Stratified)
+        });
+        let flown = evaluate(model, &policy, Mode::Stratified, 2, START_SEED).unwrap();
+        100.0 * flown.success_rate - flown.mission_steps_mean
+    };
+    let choose = |count, stop: &mut dyn FnMut(u64) -> bool| {
+        starts::best(actor, std::slice::from_ref(model), count, 16, stop).unwrap()
+    };
+
+    // Of four, which one round tries on two missions: the best in the first phase, held, and then in the last.
+    let best = choose(4, &mut |_| false).unwrap();
+    let held: Vec<f64> = (0..4).map(|start| score([start; 5])).collect();
+    assert!(held.iter().any(|score| *score != held[0]), "{held:?}");
+    let first = (0..4).rev().max_by(|&a, &b| held[a].total_cmp(&held[b]));
+    assert_eq!(Some(usize::from(best[0])), first);
+    let in_the_last = |start| score([best[0], best[1], best[2], best[3], start]);
+    assert!((0..4).all(|start| score(best) >= in_the_last(start)));
+
+    let mut flown = 0;
+    let mut count = |missions| {
+        flown += missions;
+        false
+    };
+    choose(17, &mut count).unwrap();
+    assert_eq!(flown, starts::missions(17, 16));
+    assert_eq!(choose(4, &mut |_| true), None);
+}
+
+// Of 17 starts 5 are left after two missions each, then 2 after eight, then 1 after 32.
+#[test]
+fn missions_that_choose() {
+    assert_eq!(starts::missions(17, 16), 5 * (17 * 2 + 5 * 8 + 2 * 32));
+    assert_eq!(starts::missions(1, 16), 0);
 }
 
 #[test]

@@ -305,9 +305,14 @@ impl Observer for Watcher {
         interrupt::requested()
     }
 
-    fn beginnings(&mut self, tried: u64, total: u64) {
-        self.bar.set_length(total);
-        self.bar.set_position(tried);
-        self.bar.set_message("beginnings tried");
+    fn beginnings(&mut self, flown: u64, total: u64) {
+        if flown == 0 {
+            self.bar.reset();
+            self.bar.set_length(total);
+        }
+        self.bar.set_position(flown);
+        let left_s = self.bar.eta().as_secs();
+        let message = format!("missions flown to choose how fleets begin, {left_s} s left");
+        self.bar.set_message(message);
     }
 }

@@ -1,8 +1,8 @@
 //! What a policy's file says about how it is flown: the entry `jcas` of its metadata.
 //!
-//! `key=value` pairs, one space between them, such as `mode=sampled target_visibility=hidden
-//! pilot_density=0.15 starts=5:3:0:1:2:8,10:1:7:0:0:4
-//! fleet_size=read`. Files of other trainers, and older ones (`{}`), say nothing.
+//! `key=value` pairs, one space between them, such as `mode=stratified target_visibility=hidden
+//! pilot_density=0.15 starts=5:3:0:1:2:8,10:1:7:0:0:4 fleet_size=read`. Files of other trainers, and older ones (`{}`),
+//! say nothing.
 
 use jcas_core::TargetVisibility;
 

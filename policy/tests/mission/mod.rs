@@ -1,16 +1,18 @@
-//! Missions of the shipped policy and the hash of all actions of each, on every platform. The tests of this
+//! Missions of shipped policies and the hash of all actions of each, on every platform. The tests of this
 //! crate fly them, those of jcas-dispatch with each instruction set, and `tests/portable` on AArch64 and wasm32.
 
 use jcas_core::hash::Fnv1a;
-use jcas_core::{Config, Model, Sim};
+use jcas_core::{Config, Model, Preset, Sim};
 use jcas_policy::head::Mode;
 use jcas_policy::network::{Flight, Network, Product};
 
 const FLEET: &[u8] = include_bytes!("../../../policies/fleet/policy.safetensors");
+const SEARCH: &[u8] = include_bytes!("../../../policies/search/policy.safetensors");
 
 /// A mission and how it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mission {
+    pub preset: Preset,
     pub uav_count: u32,
     pub hotspot_count: u32,
     pub seed: u64,
@@ -21,6 +23,7 @@ pub struct Mission {
 
 const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64) -> Mission {
     Mission {
+        preset: Preset::Mission,
         uav_count: sizes.0,
         hotspot_count: sizes.1,
         seed,
@@ -31,7 +34,7 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
 }
 
 /// All of them.
-pub const MISSIONS: [Mission; 4] = [
+pub const MISSIONS: [Mission; 5] = [
     mission(
         (15, 7),
         1,
@@ -48,6 +51,17 @@ pub const MISSIONS: [Mission; 4] = [
         2_466_328_332_246_479_213,
     ),
     mission((15, 7), 1, Mode::Stratified, 53, 16_133_177_612_858_598_461),
+    // Its file says how a fleet of ten begins.
+    Mission {
+        preset: Preset::Search,
+        ..mission(
+            (10, 11),
+            1,
+            Mode::Stratified,
+            23,
+            17_986_366_349_242_634_398,
+        )
+    },
 ];
 
 /// The same mission as it comes out here, its network multiplied so.
@@ -55,12 +69,16 @@ pub fn fly(mission: Mission, product: Product) -> Mission {
     let model = Model::new(Config {
         uav_count: mission.uav_count,
         hotspot_count: mission.hotspot_count,
-        ..Config::default()
+        ..Config::preset(mission.preset)
     })
     .expect("legal sizes");
-    let layout = Network::read(FLEET).expect("the shipped policy is whole");
+    let file = match mission.preset {
+        Preset::Search => SEARCH,
+        _ => FLEET,
+    };
+    let layout = Network::read(file).expect("the shipped policy is whole");
     let mut weights = vec![0.0; layout.weights_len()];
-    let network = Network::load(FLEET, &mut weights).expect("the shipped policy is whole");
+    let network = Network::load(file, &mut weights).expect("the shipped policy is whole");
     let network = network.with_product(product);
     let flight = Flight {
         mode: mission.mode,

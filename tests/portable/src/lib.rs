@@ -1,5 +1,5 @@
 //! Flies every golden trace again and compares each field of each step, state and observation hashes
-//! included, and flies the shipped policy: the same bits on x86-64, AArch64 and wasm32.
+//! included, and flies shipped policies: the same bits on x86-64, AArch64 and wasm32.
 
 #[cfg(target_family = "wasm")]
 mod wasm;
@@ -21,7 +21,7 @@ pub struct Report {
     pub failures: u32,
 }
 
-/// Verifies all traces, in the order of their names, then the missions of the shipped policy.
+/// Verifies all traces, in the order of their names, then the missions of shipped policies.
 #[must_use]
 pub fn verify_all() -> Report {
     let mut report = Report {
@@ -42,10 +42,10 @@ pub fn verify_all() -> Report {
         let found = mission::fly(expected, Product::default());
         if found == expected {
             let steps = found.steps;
-            report.text += &format!("ok    policies/fleet: {steps} steps\n");
+            report.text += &format!("ok    policy of {:?}: {steps} steps\n", expected.preset);
         } else {
             report.failures += 1;
-            report.text += &format!("FAIL  policies/fleet: {found:?}, not {expected:?}\n");
+            report.text += &format!("FAIL  {found:?}, not {expected:?}\n");
         }
     }
     report

@@ -115,16 +115,14 @@ pub fn collect(
             environment.companions(&mut companions);
         }
         for (row, output) in samples.enumerate() {
-            let (raw, log_probs) = match policy.draws {
-                Draws::Independent => policy.head.sample(output, random),
-                Draws::Stratified => {
-                    quantiles[row] = match companions[row] {
-                        Some(companion) => strata::turned(quantiles[companion], 1),
-                        None => random.random(),
-                    };
-                    policy.head.sample_at(output, quantiles[row], random)
-                }
-            };
+            let quantile = (policy.draws == Draws::Stratified).then(|| {
+                quantiles[row] = match companions[row] {
+                    Some(companion) => strata::turned(quantiles[companion], 1),
+                    None => random.random(),
+                };
+                quantiles[row]
+            });
+            let (raw, log_probs) = policy.head.sample(output, quantile, random);
             let place = rows.start + row;
             rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
             rollout.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
