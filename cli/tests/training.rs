@@ -134,6 +134,33 @@ fn a_trained_policy_flies_wherever_a_baseline_does() {
     assert!(told.contains("target_visibility"), "{told}");
 }
 
+/// A run begins with the weights of another, under settings of its own, and is no continuation of it.
+#[test]
+fn training_goes_on_from_another_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut short = SMALL.to_vec();
+    short[3] = "--steps=512";
+    succeed(folder.path(), &[&short[..], &["--out", "taught"]].concat());
+    let from = ["--out=begun", "--from=taught", "--train-set=discount=0.9"];
+    short[3] = "--steps=0";
+    succeed(folder.path(), &[&short[..], &from].concat());
+    assert_eq!(
+        policy(folder.path(), "taught")[0],
+        policy(folder.path(), "begun")[0]
+    );
+    for (more, code, named) in [
+        (&["--out=taught", "--from=taught"][..], 2, "--resume"),
+        (&["--out=other", "--from=nowhere"], 3, "nowhere"),
+        (&["--out=other", "--from=taught", "--resume"], 2, "--from"),
+    ] {
+        let refused = jcas(folder.path(), &[&short[..], more].concat());
+        let told = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(code), "{told}");
+        assert!(told.contains(named), "{told}");
+        assert!(!folder.path().join("other").exists());
+    }
+}
+
 /// Other trainers know neither our settings nor our evaluations, and tell more of their own.
 #[test]
 fn a_card_of_another_trainer_is_read() {

@@ -12,7 +12,7 @@ use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_evaluate::statistics::Summary;
 use jcas_train::error::TrainError;
 use jcas_train::policy::files::{CARD, Card, Precision, Stored, load};
-use jcas_train::run::{EVALUATION_SEED, Ending, Plan};
+use jcas_train::run::{EVALUATION_SEED, Ending, Origin, Plan};
 use jcas_train::settings::Settings;
 use jcas_train::store::write_whole;
 use std::ops::ControlFlow;
@@ -355,7 +355,7 @@ impl Flights<'_> {
                 precision,
             };
             let narrator: &mut dyn Narrator = self.narrator;
-            if matches!(plan.train(true, narrator)?, Ending::Stopped) {
+            if matches!(plan.train(&Origin::Resume, narrator)?, Ending::Stopped) {
                 return Ok(None);
             }
         }

@@ -108,17 +108,16 @@ pub fn load(trainer: &mut Trainer, run: &str, path: &Path) -> Result<(), TrainEr
     read(trainer, run, &bytes).map_err(TrainError::format(path))
 }
 
+/// Gives a fresh trainer what another run has learnt: weights, moments and statistics, not its missions. Its
+/// environment steps count on.
+pub fn load_learnt(trainer: &mut Trainer, path: &Path) -> Result<(), TrainError> {
+    let bytes = std::fs::read(path).map_err(TrainError::file(path))?;
+    let learnt = decode(&bytes).and_then(|(notes, arrays)| read_learnt(trainer, &notes, &arrays));
+    learnt.map_err(TrainError::format(path))
+}
+
 fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
-    let arrays = Arrays::decode(bytes)?;
-    let notes = arrays.notes.as_deref();
-    let notes = notes.ok_or("the metadata entry \"jcas\" is missing")?;
-    let notes: Notes = serde_json::from_str(notes).map_err(|error| error.to_string())?;
-    if notes.format != FORMAT {
-        return Err(format!(
-            "checkpoint format {}, this version reads {FORMAT}",
-            notes.format
-        ));
-    }
+    let (notes, arrays) = decode(bytes)?;
     if notes.run != run {
         return Err(format!(
             "belongs to a run with other settings; to go on, give the same ones:\n{}\nnow given:\n{run}",
@@ -132,8 +131,31 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
             trainer.workers.len()
         ));
     }
-    read_model("actor", &mut trainer.actor, &arrays)?;
-    read_model("critic", &mut trainer.critic, &arrays)?;
+    read_learnt(trainer, &notes, &arrays)?;
+    for (index, worker) in trainer.workers.iter_mut().enumerate() {
+        worker.load(&arrays.bytes(&format!("worker.{index}"))?)?;
+    }
+    trainer.iterations = notes.iterations;
+    Ok(())
+}
+
+fn decode(bytes: &[u8]) -> Result<(Notes, Arrays<'_>), String> {
+    let arrays = Arrays::decode(bytes)?;
+    let notes = arrays.notes.as_deref();
+    let notes = notes.ok_or("the metadata entry \"jcas\" is missing")?;
+    let notes: Notes = serde_json::from_str(notes).map_err(|error| error.to_string())?;
+    if notes.format != FORMAT {
+        return Err(format!(
+            "checkpoint format {}, this version reads {FORMAT}",
+            notes.format
+        ));
+    }
+    Ok((notes, arrays))
+}
+
+fn read_learnt(trainer: &mut Trainer, notes: &Notes, arrays: &Arrays<'_>) -> Result<(), String> {
+    read_model("actor", &mut trainer.actor, arrays)?;
+    read_model("critic", &mut trainer.critic, arrays)?;
     trainer.actor.adam.steps = notes.actor_updates;
     trainer.critic.adam.steps = notes.critic_updates;
     let [observations, global, values] = notes.statistics_counts;
@@ -141,14 +163,10 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
         "observations",
         &mut trainer.observation_statistics,
         observations,
-        &arrays,
+        arrays,
     )?;
-    read_statistics("global", &mut trainer.global_statistics, global, &arrays)?;
-    read_statistics("values", &mut trainer.value_statistics, values, &arrays)?;
-    for (index, worker) in trainer.workers.iter_mut().enumerate() {
-        worker.load(&arrays.bytes(&format!("worker.{index}"))?)?;
-    }
-    trainer.iterations = notes.iterations;
+    read_statistics("global", &mut trainer.global_statistics, global, arrays)?;
+    read_statistics("values", &mut trainer.value_statistics, values, arrays)?;
     trainer.environment_steps = notes.environment_steps;
     Ok(())
 }

@@ -48,6 +48,17 @@ pub struct Plan {
     pub precision: Precision,
 }
 
+/// What a run begins with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Random weights; a folder that holds a run already is refused.
+    Nothing,
+    /// Random weights, or the run that the folder holds already.
+    Resume,
+    /// What the run in that folder has learnt, under whatever settings; as new as the first.
+    Run(PathBuf),
+}
+
 /// Watches a run.
 pub trait Observer {
     /// After every iteration: its row, iterations in all, seconds left as forecast.
@@ -141,21 +152,37 @@ impl Plan {
         Trainer::new(settings.clone(), workers).map_err(TrainError::Setting)
     }
 
-    /// Trains to the end, or until the observer stops it. A run that its folder already holds is
-    /// continued if `resume`, else refused.
-    pub fn train(&self, resume: bool, observer: &mut dyn Observer) -> Result<Ending, TrainError> {
-        std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
+    /// The trainer as the run begins.
+    fn begin(&self, origin: &Origin) -> Result<Trainer, TrainError> {
         let checkpoint = self.out.join(CHECKPOINT);
         let mut trainer = self.trainer()?;
-        if checkpoint.exists() {
-            if !resume {
+        match origin {
+            Origin::Resume if checkpoint.exists() => {
+                checkpoint::load(&mut trainer, &self.identity(), &checkpoint)?;
+            }
+            _ if checkpoint.exists() => {
                 return Err(TrainError::Setting(format!(
                     "{}: holds a run already; continue it with --resume or give another folder",
                     self.out.display()
                 )));
             }
-            checkpoint::load(&mut trainer, &self.identity(), &checkpoint)?;
+            Origin::Run(folder) => {
+                checkpoint::load_learnt(&mut trainer, &folder.join(CHECKPOINT))?;
+            }
+            Origin::Nothing | Origin::Resume => {}
         }
+        Ok(trainer)
+    }
+
+    /// Trains to the end, or until the observer stops it.
+    pub fn train(
+        &self,
+        origin: &Origin,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, TrainError> {
+        let mut trainer = self.begin(origin)?;
+        std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
+        let checkpoint = self.out.join(CHECKPOINT);
         let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
         let mut events = EventFile::create(&self.out)?;
         let mut speed = Speed::new(speed::plain_product_gflops());

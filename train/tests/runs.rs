@@ -10,7 +10,7 @@ use jcas_train::metrics::Row;
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, Mode, shape_of};
-use jcas_train::run::{Ending, Observer, Plan, Unwatched, evaluate};
+use jcas_train::run::{Ending, Observer, Origin, Plan, Unwatched, evaluate};
 use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings, SmallFleets};
 use jcas_train::starts::{self, START_SEED};
 use std::path::Path;
@@ -107,7 +107,7 @@ fn the_success_of_the_first_to_end_is_called_so() {
     let mut plan = plan("first", settings(NetworkKind::Set));
     plan.configs[0].horizon_steps = 40;
     let mut successes = Successes(Vec::new());
-    plan.train(false, &mut successes).unwrap();
+    plan.train(&Origin::Nothing, &mut successes).unwrap();
     assert_eq!(successes.0, ["1.00 of the first to end", "1.00"]);
     std::fs::remove_dir_all(plan.out).unwrap();
 }
@@ -117,7 +117,7 @@ fn the_success_of_the_first_to_end_is_called_so() {
 fn small_fleets_are_trained_by_what_they_are_paid() {
     let trained = |name: &str, settings: Settings| {
         let plan = plan(name, settings);
-        plan.train(false, &mut StopAfter(3)).unwrap();
+        plan.train(&Origin::Nothing, &mut StopAfter(3)).unwrap();
         let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
         std::fs::remove_dir_all(&plan.out).unwrap();
         // Up to the wall time.
@@ -156,14 +156,14 @@ fn weights(plan: &Plan) -> Vec<u8> {
 fn a_resumed_run_ends_as_if_never_stopped() {
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let whole = plan(&format!("whole-{network:?}"), settings(network));
-        whole.train(false, &mut Unwatched).unwrap();
+        whole.train(&Origin::Nothing, &mut Unwatched).unwrap();
 
         let parts = plan(&format!("parts-{network:?}"), settings(network));
         for stop in [1, 4] {
-            let ending = parts.train(true, &mut StopAfter(stop)).unwrap();
+            let ending = parts.train(&Origin::Resume, &mut StopAfter(stop)).unwrap();
             assert!(matches!(ending, Ending::Stopped));
         }
-        parts.train(true, &mut Unwatched).unwrap();
+        parts.train(&Origin::Resume, &mut Unwatched).unwrap();
         assert_eq!(weights(&whole), weights(&parts));
         let lines = |plan: &Plan| -> Vec<String> {
             let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
@@ -178,10 +178,10 @@ fn a_resumed_run_ends_as_if_never_stopped() {
         assert_eq!(lines(&whole).len(), 8);
 
         let killed = plan(&format!("killed-{network:?}"), settings(network));
-        killed.train(false, &mut StopAfter(4)).unwrap();
+        killed.train(&Origin::Nothing, &mut StopAfter(4)).unwrap();
         // What a kill after the checkpoint of iteration 4 may leave: half a file beside it.
         std::fs::write(killed.out.join("checkpoint.safetensors.part"), b"half").unwrap();
-        killed.train(true, &mut Unwatched).unwrap();
+        killed.train(&Origin::Resume, &mut Unwatched).unwrap();
         assert_eq!(weights(&whole), weights(&killed));
         for plan in [whole, parts, killed] {
             std::fs::remove_dir_all(plan.out).unwrap();
@@ -192,18 +192,82 @@ fn a_resumed_run_ends_as_if_never_stopped() {
 #[test]
 fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
     let first = plan("held", settings(NetworkKind::Mlp));
-    first.train(false, &mut StopAfter(1)).unwrap();
+    first.train(&Origin::Nothing, &mut StopAfter(1)).unwrap();
     let again = first
-        .train(false, &mut Unwatched)
+        .train(&Origin::Nothing, &mut Unwatched)
         .err()
         .unwrap()
         .to_string();
     assert!(again.contains("--resume"), "{again}");
     let mut other = first.clone();
     other.settings.discount = 0.9;
-    let refused = other.train(true, &mut Unwatched).err().unwrap().to_string();
+    let refused = other
+        .train(&Origin::Resume, &mut Unwatched)
+        .err()
+        .unwrap()
+        .to_string();
     assert!(refused.contains("other settings"), "{refused}");
     std::fs::remove_dir_all(first.out).unwrap();
+}
+
+/// Begun with what another run has learnt, a run of no steps ends with its weights, whatever it would have trained with.
+#[test]
+fn a_run_begins_with_what_another_has_learnt() {
+    let first = plan("first", settings(NetworkKind::Set));
+    let Ending::Finished(taught) = first.train(&Origin::Nothing, &mut Unwatched).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    let other = Settings {
+        seed: 5,
+        total_steps: 0,
+        batch_steps: 512,
+        workers: 2,
+        discount: 0.9,
+        ..settings(NetworkKind::Set)
+    };
+    let second = plan("second", other.clone());
+    let origin = Origin::Run(first.out.clone());
+    let Ending::Finished(card) = second.train(&origin, &mut Unwatched).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    assert_eq!(weights(&first), weights(&second));
+    assert_eq!(card.environment_steps, taught.environment_steps);
+    assert_eq!(card.environment_steps, Some(7 * 256));
+    // It is as new as any other: it trains all of its own steps.
+    let third = plan(
+        "third",
+        Settings {
+            total_steps: 512,
+            ..other.clone()
+        },
+    );
+    let Ending::Finished(card) = third.train(&origin, &mut Unwatched).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    assert_ne!(weights(&first), weights(&third));
+    assert_eq!(card.environment_steps, Some(7 * 256 + 512));
+
+    let larger = plan(
+        "larger",
+        Settings {
+            actor_hidden: vec![32, 16],
+            ..other
+        },
+    );
+    for (origin, named) in [
+        (origin, "actor.parameters"),
+        (
+            Origin::Run(larger.out.join("nothing")),
+            "checkpoint.safetensors",
+        ),
+    ] {
+        let refused = larger.train(&origin, &mut Unwatched).err().unwrap();
+        assert!(refused.to_string().contains(named), "{refused}");
+        assert!(!larger.out.exists());
+    }
+    for plan in [first, second, third] {
+        std::fs::remove_dir_all(plan.out).unwrap();
+    }
 }
 
 fn observations(model: &Model<'static>) -> Vec<f32> {
@@ -224,7 +288,7 @@ fn observations(model: &Model<'static>) -> Vec<f32> {
 #[test]
 fn policies_read_back_as_written() {
     let plan = plan("store", settings(NetworkKind::Mlp));
-    plan.train(false, &mut Unwatched).unwrap();
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let model = Model::new(config()).unwrap();
     let stored = files::load(&plan.out).unwrap();
     stored.check(&model).unwrap();
@@ -270,7 +334,7 @@ fn what_flies_is_what_was_trained() {
     let model = Model::new(config()).unwrap();
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let plan = plan(&format!("flies-{network:?}"), settings(network));
-        plan.train(false, &mut Unwatched).unwrap();
+        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
         same_outputs(&files::load(&plan.out).unwrap().actor, &model);
         std::fs::remove_dir_all(&plan.out).unwrap();
     }
@@ -280,7 +344,7 @@ fn what_flies_is_what_was_trained() {
 #[test]
 fn a_policy_that_does_not_fit_is_refused() {
     let plan = plan("fit", settings(NetworkKind::Mlp));
-    plan.train(false, &mut Unwatched).unwrap();
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
     let other = Model::new(Config {
         uav_count: 6,
@@ -304,7 +368,7 @@ fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     };
     let mut plan = plan("tags", settings(NetworkKind::Set));
     plan.configs = vec![tagged];
-    plan.train(false, &mut Unwatched).unwrap();
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
     // At the start all UAVs see the same but for their tags.
     let outputs = |config: Config| {
@@ -343,7 +407,7 @@ fn the_set_network_reads_search_maps() {
     };
     let mut plan = plan("maps", settings(NetworkKind::Set));
     plan.configs = vec![searched];
-    plan.train(false, &mut Unwatched).unwrap();
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
     let model = Model::new(searched).unwrap();
     stored.check(&model).unwrap();
@@ -366,7 +430,7 @@ fn the_set_network_reads_the_size_of_the_fleet() {
     plan.configs = fleets();
     // Trained on twice as often, listed and evaluated once.
     plan.configs.push(plan.configs[1]);
-    plan.train(false, &mut Unwatched).unwrap();
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
     assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
     assert_eq!(stored.card.evaluations.len(), 2 * 3);
@@ -404,7 +468,7 @@ fn a_beginning_is_chosen_for_each_fleet() {
             },
         );
         plan.configs.clone_from(&configs);
-        plan.train(false, &mut Unwatched).unwrap();
+        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
         let stored = files::load(&plan.out).unwrap();
         let bytes = std::fs::read(plan.out.join(files::WEIGHTS)).unwrap();
         std::fs::remove_dir_all(&plan.out).unwrap();
@@ -495,7 +559,7 @@ fn starts_are_chosen_for_eight_fleets_at_most() {
 #[test]
 fn sampled_flights_repeat() {
     let plan = plan("sampled", settings(NetworkKind::Set));
-    plan.train(false, &mut Unwatched).unwrap();
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
     let model = Model::new(Config {
         uav_count: 7,
@@ -545,7 +609,7 @@ fn onnxruntime_gives_the_same_actions() {
             },
         );
         plan.configs = configs;
-        plan.train(false, &mut Unwatched).unwrap();
+        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
         let model = Model::new(config()).unwrap();
         let stored = files::load(&plan.out).unwrap();
         let observations = observations(&model);

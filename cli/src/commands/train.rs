@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use jcas_core::{Config, Model, TargetVisibility};
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::{Card, Precision};
-use jcas_train::run::{Ending, Observer, Plan};
+use jcas_train::run::{Ending, Observer, Origin, Plan};
 use jcas_train::settings::{Preset, Settings};
 use toml::Table;
 
@@ -22,6 +22,7 @@ Examples:
   jcas train --uavs 5,10 --hotspots 3,5 --out run
   jcas train --preset search --uavs 10 --hotspots 5 --out run
   jcas train --out run --resume
+  jcas train --out tuned --from run --train-set learning_rate=0.0001
   jcas evaluate run";
 
 /// Settings to start from.
@@ -94,6 +95,9 @@ pub struct Train {
     /// Go on with the run in the folder, if there is one
     #[arg(long)]
     resume: bool,
+    /// Folder of another run, to begin with what it has learnt instead of random weights; the settings are this run's
+    #[arg(long, value_name = "RUN", conflicts_with = "resume")]
+    from: Option<PathBuf>,
     #[command(flatten)]
     threads: ThreadOptions,
 }
@@ -111,7 +115,7 @@ impl Train {
         let mut watcher = Watcher::new(plan.settings.iterations());
         let ending = self
             .threads
-            .run(|| plan.train(self.resume, &mut watcher))??;
+            .run(|| plan.train(&self.origin(), &mut watcher))??;
         watcher.bar.finish_and_clear();
         match ending {
             Ending::Finished(card) => {
@@ -122,6 +126,14 @@ impl Train {
                 "stopped; the run is saved in {}, go on with --resume",
                 plan.out.display()
             ))),
+        }
+    }
+
+    fn origin(&self) -> Origin {
+        match &self.from {
+            Some(folder) => Origin::Run(folder.clone()),
+            None if self.resume => Origin::Resume,
+            None => Origin::Nothing,
         }
     }
 
