@@ -183,6 +183,10 @@ impl Plan {
         let mut trainer = self.begin(origin)?;
         std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
         let checkpoint = self.out.join(CHECKPOINT);
+        if let Origin::Run(_) = origin {
+            // The settings do not say what it began with: killed before its first batch, it could not go on.
+            checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
+        }
         let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
         let mut events = EventFile::create(&self.out)?;
         let mut speed = Speed::new(speed::plain_product_gflops());

@@ -213,7 +213,7 @@ fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
 /// Begun with what another run has learnt, a run of no steps ends with its weights, whatever it would have trained with.
 #[test]
 fn a_run_begins_with_what_another_has_learnt() {
-    let first = plan("first", settings(NetworkKind::Set));
+    let first = plan("taught", settings(NetworkKind::Set));
     let Ending::Finished(taught) = first.train(&Origin::Nothing, &mut Unwatched).unwrap() else {
         panic!("nobody stopped it");
     };
@@ -225,17 +225,20 @@ fn a_run_begins_with_what_another_has_learnt() {
         discount: 0.9,
         ..settings(NetworkKind::Set)
     };
-    let second = plan("second", other.clone());
+    let second = plan("begun", other.clone());
     let origin = Origin::Run(first.out.clone());
     let Ending::Finished(card) = second.train(&origin, &mut Unwatched).unwrap() else {
         panic!("nobody stopped it");
     };
     assert_eq!(weights(&first), weights(&second));
+    // Killed before its first batch, it still goes on from there.
+    second.train(&Origin::Resume, &mut Unwatched).unwrap();
+    assert_eq!(weights(&first), weights(&second));
     assert_eq!(card.environment_steps, taught.environment_steps);
     assert_eq!(card.environment_steps, Some(7 * 256));
     // It is as new as any other: it trains all of its own steps.
     let third = plan(
-        "third",
+        "trained-on",
         Settings {
             total_steps: 512,
             ..other.clone()
