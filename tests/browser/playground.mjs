@@ -37,18 +37,13 @@ function serve() {
 }
 
 const addressOf = (base, mission, t = 0) => `${base}#m=${encodeURIComponent(JSON.stringify(mission))}&t=${t}`;
-const until = (page, condition) => page.evaluate(`new Promise((done, fail) => {
-  const limit = performance.now() + 15000;
-  const look = () => { if (${condition}) done(true); else if (performance.now() > limit) fail(new Error('not within 15 s: ' + ${JSON.stringify(condition)})); else setTimeout(look, 20); };
-  look();
-})`);
 const READY = 'document.querySelector("#hash")?.textContent.startsWith("0x")';
 const text = (page, selector) => page.evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
 const click = (page, selector) => page.evaluate(`document.querySelector(${JSON.stringify(selector)}).dispatchEvent(new MouseEvent('click', { bubbles: true }))`);
 
 async function open(browser, address) {
   const page = await browser.openPage(address);
-  await until(page, READY);
+  await page.until(READY);
   return page;
 }
 
@@ -74,6 +69,7 @@ async function sameBits(browser, served) {
       const page = await open(browser, addressOf(base, mission));
       assert.equal(await lastHash(page), native, `${JSON.stringify(mission)} at ${base}`);
       assert.deepEqual(page.complaints, []);
+      await page.close();
     }
   }
 }
@@ -82,17 +78,17 @@ async function controlsWork(page) {
   const change = (id, value) => page.evaluate(`(() => { const input = document.querySelector('#${id}'); input.value = ${JSON.stringify(value)}; input.dispatchEvent(new Event('change')); })()`);
   const before = await lastHash(page);
   await change('uavs', '12');
-  await until(page, 'document.querySelectorAll(".uav").length === 12');
+  await page.until('document.querySelectorAll(".uav").length === 12');
   await change('seed', '9');
-  await until(page, 'location.hash.includes("seed")');
+  await page.until('location.hash.includes("seed")');
   assert.notEqual(await lastHash(page), before);
 
   // A value that the kernel refuses is named, and the mission stays on the screen.
   await change('pilot', '7');
-  await until(page, '!document.querySelector("#problem").hidden');
+  await page.until('!document.querySelector("#problem").hidden');
   assert.match(await text(page, '#problem'), /7/);
   await change('pilot', 'max');
-  await until(page, 'document.querySelector("#problem").hidden');
+  await page.until('document.querySelector("#problem").hidden');
 
   // The controls of UAV 0: it flies where the arrow keys send it.
   await page.press('Home');
@@ -101,7 +97,7 @@ async function controlsWork(page) {
   const place = () => page.evaluate('document.querySelector(".uav[data-uav=\\"0\\"]").getAttribute("transform").match(/translate\\(([-\\d.]+) ([-\\d.]+)/).slice(1).map(Number)');
   for (const [t, key] of ['ArrowLeft', 'ArrowLeft', 'ArrowUp'].entries()) {
     await page.press(key);
-    await until(page, `document.querySelector('#step-label').textContent.startsWith('Step ${t + 1} ')`);
+    await page.until(`document.querySelector('#step-label').textContent.startsWith('Step ${t + 1} ')`);
   }
   const [x, y] = await place();
   assert.deepEqual([Math.floor(x / 40), 11 - Math.floor(y / 40)], [4, 7], 'two cells left of the depot at (6, 6), one up');
@@ -109,11 +105,11 @@ async function controlsWork(page) {
 
   // Grounded from the next step on.
   await click(page, '#ground');
-  await until(page, 'location.hash.includes("ground")');
+  await page.until('location.hash.includes("ground")');
   await page.press('ArrowRight');
   assert.equal(await page.evaluate('document.querySelector(".uav[data-uav=\\"0\\"]").classList.contains("grounded")'), true);
   await click(page, '#undo');
-  await until(page, '!location.hash.includes("ground")');
+  await page.until('!location.hash.includes("ground")');
 }
 
 async function hotspotsCanBeDragged(page) {
@@ -127,7 +123,7 @@ async function hotspotsCanBeDragged(page) {
   await mouse('mousePressed', centre);
   await mouse('mouseMoved', corner);
   await mouse('mouseReleased', corner);
-  await until(page, 'decodeURIComponent(location.hash).includes(\'"moved":[[0,[0,0]]]\')');
+  await page.until('decodeURIComponent(location.hash).includes(\'"moved":[[0,[0,0]]]\')');
 }
 
 async function fitsAPhone(page) {
@@ -145,21 +141,15 @@ const FRAMES = 130;
 
 /**
  * Work of a frame while a large mission plays, in ms of the page's own thread: script, style, layout and painting, not
- * the time that it waits for a processor. The clock moves on by a sixtieth of a second with each frame, however long
- * the frame takes, so that a busy machine draws the same frames. Figures to read, no bound to meet.
+ * the time that it waits for a processor. Time is counted in frames, so that a busy machine draws the same ones. Figures
+ * to read, no bound to meet.
  */
 async function frameWork(browser) {
   const page = await open(browser, addressOf(file, LARGE, 10));
-  await page.evaluate(`(() => {
-    const request = requestAnimationFrame.bind(window);
-    const begin = performance.now();
-    window.framesDrawn = 0;
-    performance.now = () => begin + (1000 * window.framesDrawn) / 60;
-    window.requestAnimationFrame = (draw) => request(() => { window.framesDrawn += 1; draw(performance.now()); });
-  })()`);
+  await page.countTimeInFrames();
   const events = await browser.trace(page, async () => {
     await page.press(' ', ' ');
-    while (await page.evaluate('window.framesDrawn') < FRAMES) await new Promise((wake) => setTimeout(wake, 200));
+    await page.until(`window.framesDrawn >= ${FRAMES}`);
   });
   const begins = events.filter(({ name }) => name === 'FireAnimationFrame').map(({ ts }) => ts);
   // The first frames are of a page that is still being laid out.
