@@ -1,0 +1,150 @@
+//! Runs on the real kernel: interrupted and continued, written and read back, exported.
+
+mod going_on;
+mod policies;
+mod starts;
+
+use jcas_core::Config;
+use jcas_train::head::Head;
+use jcas_train::metrics::Row;
+use jcas_train::policy::files::Precision;
+use jcas_train::run::{Observer, Origin, Plan};
+use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings, SmallFleets};
+
+fn settings(network: NetworkKind) -> Settings {
+    Settings {
+        network,
+        head: Head::Hybrid,
+        actor_hidden: vec![24, 16],
+        critic_hidden: vec![24, 16],
+        environments: 8,
+        workers: 4,
+        batch_steps: 256,
+        total_steps: 7 * 256,
+        epochs: 2,
+        minibatch_rows: 128,
+        critic_minibatch_rows: 64,
+        shard_rows: 64,
+        normalise_inputs: network == NetworkKind::Mlp,
+        normalise_values: true,
+        evaluate_every: 3,
+        evaluation_episodes: 2,
+        checkpoint_every: 2,
+        finding_reward: 1.0,
+        critic_survey: true,
+        informing_reward: 1.0,
+        meeting_reward: 1.0,
+        pilot_credit: PilotCredit::Step,
+        // The radar changes before the third and before the fourth batch.
+        curriculum: Some(Curriculum {
+            threshold_db: -10.0,
+            batches: 3,
+            stages: 2,
+        }),
+        ..Settings::preset(Preset::Paper)
+    }
+}
+
+fn config() -> Config {
+    Config {
+        uav_count: 4,
+        hotspot_count: 3,
+        horizon_steps: 20,
+        ..Config::default()
+    }
+}
+
+fn fleets() -> Vec<Config> {
+    let larger = Config {
+        uav_count: 7,
+        ..config()
+    };
+    vec![config(), larger]
+}
+
+fn plan(name: &str, settings: Settings) -> Plan {
+    let out = std::env::temp_dir().join(format!("jcas-train-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&out);
+    Plan {
+        settings,
+        configs: vec![config()],
+        out,
+        name: name.into(),
+        precision: Precision::Single,
+    }
+}
+
+/// Asks to stop after some iterations.
+struct StopAfter(u64);
+
+impl Observer for StopAfter {
+    fn iteration(&mut self, _row: &Row, _total: u64, _left_s: f64) {
+        self.0 -= 1;
+    }
+
+    fn stop(&mut self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// Reads of the first iterations what would be said of a success in them.
+struct Successes(Vec<String>);
+
+impl Observer for Successes {
+    fn iteration(&mut self, row: &Row, _total: u64, _left_s: f64) {
+        let succeeded = Row {
+            success_rate: Some(1.0),
+            ..row.clone()
+        };
+        self.0.push(succeeded.success());
+    }
+
+    fn stop(&mut self) -> bool {
+        self.0.len() == 2
+    }
+}
+
+/// In missions of 40 steps nobody fails within the first batch of 32: who has ended there has succeeded.
+#[test]
+fn the_success_of_the_first_to_end_is_called_so() {
+    let mut plan = plan("first", settings(NetworkKind::Set));
+    plan.configs[0].horizon_steps = 40;
+    let mut successes = Successes(Vec::new());
+    plan.train(&Origin::Nothing, &mut successes).unwrap();
+    assert_eq!(successes.0, ["1.00 of the first to end", "1.00"]);
+    std::fs::remove_dir_all(plan.out).unwrap();
+}
+
+/// A fleet that is small learns as one whose settings are those of small fleets, and no other does.
+#[test]
+fn small_fleets_are_trained_by_what_they_are_paid() {
+    let trained = |name: &str, settings: Settings| {
+        let plan = plan(name, settings);
+        plan.train(&Origin::Nothing, &mut StopAfter(3)).unwrap();
+        let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
+        std::fs::remove_dir_all(&plan.out).unwrap();
+        // Up to the wall time.
+        let of_line = |line: &str| line.split(',').take(18).collect::<Vec<_>>().join(",");
+        text.lines().map(of_line).collect::<Vec<_>>()
+    };
+    let small = |uavs_max| Settings {
+        small_fleets: Some(SmallFleets {
+            uavs_max,
+            step_cost: 2.0,
+            finding_reward: 7.0,
+            discount: 0.9,
+        }),
+        ..settings(NetworkKind::Set)
+    };
+    let all = trained("none-small", small(3));
+    let few = trained("small", small(4));
+    let as_few = Settings {
+        step_cost: 2.0,
+        finding_reward: 7.0,
+        discount: 0.9,
+        ..settings(NetworkKind::Set)
+    };
+    assert_eq!(few, trained("as-small", as_few));
+    assert_eq!(all, trained("as-large", settings(NetworkKind::Set)));
+    assert_ne!(few, all);
+}
