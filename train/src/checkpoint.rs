@@ -159,13 +159,12 @@ fn read_learnt(trainer: &mut Trainer, notes: &Notes, arrays: &Arrays<'_>) -> Res
     trainer.actor.adam.steps = notes.actor_updates;
     trainer.critic.adam.steps = notes.critic_updates;
     let [observations, global, values] = notes.statistics_counts;
-    read_statistics(
-        "observations",
-        &mut trainer.observation_statistics,
-        observations,
-        arrays,
-    )?;
-    read_statistics("global", &mut trainer.global_statistics, global, arrays)?;
+    // Of inputs as they are none is taken, and sets have any number of them.
+    if trainer.settings.normalise_inputs {
+        let of_observations = &mut trainer.observation_statistics;
+        read_statistics("observations", of_observations, observations, arrays)?;
+        read_statistics("global", &mut trainer.global_statistics, global, arrays)?;
+    }
     read_statistics("values", &mut trainer.value_statistics, values, arrays)?;
     trainer.environment_steps = notes.environment_steps;
     Ok(())

@@ -1,6 +1,6 @@
 //! A run that goes on: from where it was stopped or killed, or from what another has learnt.
 
-use crate::{StopAfter, plan, settings};
+use crate::{StopAfter, fleets, plan, settings};
 use jcas_train::policy::files;
 use jcas_train::run::{Ending, Origin, Plan, Unwatched};
 use jcas_train::settings::{NetworkKind, Settings};
@@ -108,6 +108,11 @@ fn a_run_begins_with_what_another_has_learnt() {
     };
     assert_ne!(weights(&first), weights(&third));
     assert_eq!(card.environment_steps, Some(7 * 256 + 512));
+    // With networks over sets, also on fleets of another size.
+    let mut fourth = plan("another-fleet", other.clone());
+    fourth.configs = vec![fleets()[1]];
+    fourth.train(&origin, &mut Unwatched).unwrap();
+    assert_eq!(weights(&first), weights(&fourth));
 
     let larger = plan(
         "larger",
@@ -127,7 +132,7 @@ fn a_run_begins_with_what_another_has_learnt() {
         assert!(refused.to_string().contains(named), "{refused}");
         assert!(!larger.out.exists());
     }
-    for plan in [first, second, third] {
+    for plan in [first, second, third, fourth] {
         std::fs::remove_dir_all(plan.out).unwrap();
     }
 }
