@@ -33,6 +33,9 @@ pub enum Architecture {
         /// It also reads how many UAVs there are, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
+        /// And how hotspots are rated as beginnings of a tour, worked out from the rest.
+        #[serde(default, skip_serializing_if = "is_false")]
+        tours: bool,
     },
     /// The same over UAVs and hotspots of the global state; one output, the value.
     SetCritic {
@@ -59,8 +62,12 @@ fn is_false(flag: &bool) -> bool {
     !*flag
 }
 
-fn actor(added: usize, fleet_size: bool) -> set::Actor {
-    set::Actor { added, fleet_size }
+fn actor(added: usize, fleet_size: bool, tours: bool) -> set::Actor {
+    set::Actor {
+        added,
+        fleet_size,
+        tours,
+    }
 }
 
 fn critic(of_uav: bool, added: usize, survey: usize) -> set::Critic {
@@ -115,7 +122,8 @@ impl Network {
                 outputs,
                 added,
                 fleet_size,
-            } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size)),
+                tours,
+            } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size, *tours)),
             Architecture::SetCritic {
                 hidden,
                 of_uav,
@@ -179,8 +187,11 @@ impl Network {
                 mlp::forward(weights, inputs)
             }
             Architecture::SetActor {
-                added, fleet_size, ..
-            } => set::actor(weights, &inputs, actor(*added, *fleet_size), shape),
+                added,
+                fleet_size,
+                tours,
+                ..
+            } => set::actor(weights, &inputs, actor(*added, *fleet_size, *tours), shape),
             Architecture::SetCritic {
                 of_uav,
                 added,
@@ -202,7 +213,11 @@ impl Network {
                 outputs,
                 added,
                 fleet_size,
-            } => set::actor_products(hidden, *outputs, actor(*added, *fleet_size), shape),
+                tours,
+            } => {
+                let actor = actor(*added, *fleet_size, *tours);
+                set::actor_products(hidden, *outputs, actor, shape)
+            }
             Architecture::SetCritic {
                 hidden,
                 of_uav,
@@ -216,7 +231,12 @@ impl Network {
     pub fn input_products(&self, shape: &Shape) -> u64 {
         match &self.architecture {
             Architecture::Mlp { sizes } => (sizes[0] * sizes[1]) as u64,
-            Architecture::SetActor { .. } => set::actor_input_products(shape),
+            Architecture::SetActor {
+                added,
+                fleet_size,
+                tours,
+                ..
+            } => set::actor_input_products(actor(*added, *fleet_size, *tours), shape),
             Architecture::SetCritic {
                 of_uav,
                 added,

@@ -22,6 +22,9 @@ pub struct Settings {
     pub network: NetworkKind,
     /// Hidden layer widths of the actor.
     pub actor_hidden: Vec<usize>,
+    /// The actor reads which hotspots a tour of all open ones may begin with (set network only).
+    #[serde(default)]
+    pub actor_tours: bool,
     /// Hidden layer widths of the critic.
     pub critic_hidden: Vec<usize>,
 
@@ -268,6 +271,7 @@ impl Settings {
             draws: Draws::Independent,
             network: NetworkKind::Mlp,
             actor_hidden: vec![512, 256, 128],
+            actor_tours: false,
             critic_hidden: vec![512, 256, 128],
             environments: 64,
             workers: 8,
@@ -376,6 +380,7 @@ impl Settings {
         let mut settings = Settings::tuned();
         settings.reward_factors.insert("energy".to_owned(), 10.0);
         Settings {
+            actor_tours: true,
             total_steps: 400 * 5120,
             pilot_credit: PilotCredit::Step,
             curriculum: Some(Curriculum {

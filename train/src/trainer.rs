@@ -90,6 +90,7 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 outputs,
                 added: set::added(shape),
                 fleet_size: fleets,
+                tours: settings.actor_tours,
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),

@@ -24,6 +24,7 @@ mod note;
 mod plan;
 mod product;
 mod set;
+pub mod tours;
 
 #[cfg(any(kani, test))]
 pub(crate) use dense::Layer;

@@ -15,7 +15,8 @@ const WIDTH_MAX: usize = 1 << 16;
 pub(crate) const OWN_FIRST: usize = 5;
 pub(crate) const HOTSPOT_FIELDS: usize = 4;
 pub(crate) const SLOT_FIELDS: usize = 3;
-/// Those of the observation, distance, here, near, and UAVs at and around it.
+/// Those of the observation, distance, here, near, and UAVs at and around it; a network may also read how it is rated
+/// as the beginning of a tour.
 pub(crate) const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
 /// Most attention heads.
 pub(crate) const HEADS_MAX: usize = 16;
@@ -66,6 +67,11 @@ pub(crate) struct Set {
 }
 
 impl Set {
+    /// Whether it reads how hotspots are rated as beginnings of a tour.
+    pub(crate) fn tours(&self) -> bool {
+        self.hotspot[0].inputs > HOTSPOT_FEATURES
+    }
+
     /// Fields of the observation that belong to neither a hotspot nor a neighbour.
     pub(crate) fn own_fields(&self) -> usize {
         self.own.inputs - self.neighbour[1].outputs
@@ -225,7 +231,10 @@ impl<'f> Reader<'f, '_> {
             self.layer("neighbour", Some(1), [encode.outputs, 0])?,
         ];
         let pooled = neighbour[1].outputs;
-        let first = self.layer("hotspot", Some(0), [HOTSPOT_FEATURES, 0])?;
+        let first_name = name("hotspot", Some(0), "weight");
+        let features = self.file.find(first_name)?.map(|array| array.shape[0]);
+        let tours = usize::from(features == Some(HOTSPOT_FEATURES + 1));
+        let first = self.layer("hotspot", Some(0), [HOTSPOT_FEATURES + tours, 0])?;
         let own_name = name("hotspot", None, "own");
         let own = self.matrix(own_name, [0, first.outputs])?;
         if own.inputs <= pooled + OWN_FIRST {

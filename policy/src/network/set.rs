@@ -1,7 +1,8 @@
 //! Networks over sets: shared encoders for hotspots and neighbours, pooled by attention and by sum.
 //!
-//! Any number of hotspots and neighbours is flown with the same weights. Two features are worked out
-//! rather than learnt: how near a hotspot is in cells, and how many UAVs are at or around it.
+//! Any number of hotspots and neighbours is flown with the same weights. Some features are worked out
+//! rather than learnt: how near a hotspot is in cells, how many UAVs are at or around it, and, where a network reads
+//! that, which hotspots a tour may begin with.
 
 use jcas_core::observation::index_tag;
 
@@ -9,6 +10,7 @@ use super::dense::{LANES, Layer, Rows, relu};
 use super::mlp::ROWS;
 use super::plan::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
 use super::product::Product;
+use super::tours;
 
 /// Sums over a set are divided by this.
 const CROWD: f32 = 8.0;
@@ -74,7 +76,9 @@ impl Set {
         let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
         let context =
             self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
-        let each = HOTSPOT_FEATURES + 2 * self.embedding_width() + self.score.width();
+        let tours = if self.tours() { 2 } else { 0 };
+        let features = self.hotspot[0].inputs;
+        let each = features + tours + 2 * self.embedding_width() + self.score.width();
         slots
             + context
             + hotspots * each
@@ -137,13 +141,21 @@ impl Set {
         let bias = self.hotspot[0].bias(weights);
         self.own.apply_from(product, weights, bias, rows, start);
 
-        let features = take(&mut scratch, n * HOTSPOT_FEATURES);
-        describe(hotspots, slots, sizes, features);
+        let read = self.hotspot[0].inputs;
+        let features = take(&mut scratch, n * read);
+        describe(hotspots, slots, sizes, read, features);
+        if self.tours() {
+            let (rated, left) = (take(&mut scratch, n), take(&mut scratch, n));
+            tours::rate(hotspots, sizes.cells.map(|cells| cells as f32), rated, left);
+            for (features, rated) in features.chunks_exact_mut(read).zip(rated) {
+                features[HOTSPOT_FEATURES] = *rated;
+            }
+        }
         let width = self.embedding_width();
         let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
         let [first, second, third] = &self.hotspot;
         let embeddings = &mut one[..n * first.width()];
-        let rows = Rows::plain(features, HOTSPOT_FEATURES);
+        let rows = Rows::plain(features, read);
         first.apply_from(product, weights, start, rows, embeddings);
         let next = &mut other[..n * second.width()];
         let rows = Rows::rectified(embeddings, first.width());
@@ -214,12 +226,13 @@ impl Set {
     }
 }
 
-/// Features of each hotspot: those of the observation, its distance, and the UAVs around it.
-fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32]) {
+/// Features of each hotspot, the first of so many that are read: those of the observation, its distance, and the UAVs
+/// around it.
+fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, read: usize, features: &mut [f32]) {
     let cells = sizes.cells.map(|cells| cells as f32);
     // A grid of one column has no way along x; 1 divides by nothing else.
     let far_scale = if cells[0] > 0.0 { 2.0 * cells[0] } else { 1.0 };
-    let each = features.chunks_exact_mut(HOTSPOT_FEATURES);
+    let each = features.chunks_exact_mut(read);
     for (hotspot, out) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(each) {
         let far = distance(hotspot[0], hotspot[1], cells);
         let (mut at, mut around) = (0.0, 0.0);
@@ -232,7 +245,7 @@ fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32])
             around += slot[0] * nearness(apart, 4.0);
         }
         out[..HOTSPOT_FIELDS].copy_from_slice(hotspot);
-        out[HOTSPOT_FIELDS..].copy_from_slice(&[
+        out[HOTSPOT_FIELDS..HOTSPOT_FEATURES].copy_from_slice(&[
             far / far_scale,
             nearness(far, 1.0),
             nearness(far, 4.0),

@@ -241,7 +241,8 @@ def load_policy(path: str | os.PathLike[str]) -> Policy:
     try:
         if kind == "set_actor":
             size = bool(architecture.get("fleet_size", False))
-            return SetPolicy(arrays, head, config, pilot, mode=mode, fleet_size=size)
+            tours = bool(architecture.get("tours", False))
+            return SetPolicy(arrays, head, config, pilot, mode=mode, fleet_size=size, tours=tours)
         if kind != "mlp":
             raise PolicyError(f"architecture = {kind}: must be mlp or set_actor")
         depth = len(architecture["sizes"]) - 1

@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,12 @@ HOTSPOT_FIELDS, SLOT_FIELDS = 4, 3
 HEADS = 4
 CROWD = 8.0
 """Sums over a set are divided by this, as in training."""
+HOTSPOT_FEATURES = HOTSPOT_FIELDS + 5
+_OFF = np.float32(1e6)
+"""Longer than any tour."""
+TOUR_STOPS, TOUR_REACH, TOUR_MARGIN = 16, 5, 2
+"""Most hotspots of a tour after the first; from how many cells longer than the shortest on it is worth nothing; and how
+many cells longer all but one count."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +79,7 @@ class SetPolicy:
         mode: how it is meant to be flown, `deterministic`, `sampled` or, which only :class:`jcas.Policy` can,
             `stratified`; :meth:`act` does as it is told.
         fleet_size: the network's last own field is the number of UAVs, which no observation shows.
+        tours: its last field of a hotspot rates it as the beginning of a tour of all that are unconfirmed.
 
     """
 
@@ -84,6 +92,7 @@ class SetPolicy:
         *,
         mode: str = "deterministic",
         fleet_size: bool = False,
+        tours: bool = False,
     ) -> None:
         self.head = head
         self.config = config
@@ -93,6 +102,7 @@ class SetPolicy:
         self._depth = sum(name.startswith("trunk.") and name.endswith(".weight") for name in arrays)
         self.sizes = Sizes.of(Model(config))
         self._fleet_size = fleet_size
+        self._tours = tours
         self._added = self._check_arrays()
 
     @property
@@ -186,14 +196,41 @@ class SetPolicy:
             (present * _nearness(apart, 1)).sum(axis=2) / CROWD,
             (present * _nearness(apart, 4)).sum(axis=2) / CROWD,
         ]
+        if self._tours:
+            worked_out.append(self._tour_ratings(hotspots, far))
         return np.concatenate([hotspots, np.stack(worked_out, axis=-1)], axis=-1)
+
+    def _tour_ratings(self, hotspots: Floats, far: Floats) -> Floats:
+        """How near the tour that begins with each hotspot, and goes on to the nearest, comes to the shortest."""
+        rows, n = far.shape
+        x, y = hotspots[..., 0], hotspots[..., 1]
+        apart = np.abs(x[:, :, None] - x[:, None]) * np.float32(self.sizes.cells[0])
+        apart += np.abs(y[:, :, None] - y[:, None]) * np.float32(self.sizes.cells[1])
+        apart = np.rint(apart)
+        rank = np.argsort(np.lexsort((y, x)))
+        is_open = hotspots[..., 2] == 0
+        # One tour for each first hotspot: rows × first × hotspot.
+        left = is_open[:, None, :] & ~np.eye(n, dtype=bool)
+        at = np.broadcast_to(np.arange(n), (rows, n))
+        length = np.rint(far)
+        row, first = np.ogrid[:rows, :n]
+        for _ in range(min(TOUR_STOPS, n - 1)):
+            ways = np.where(left, apart[row, at], _OFF)
+            at = _least(ways, rank[:, None])
+            way = ways[row, first, at]
+            length += np.where(way < _OFF, way, 0)
+            left[row, first, at] = False
+        length = np.where(is_open, length, _OFF)
+        behind = length - length.min(axis=1, keepdims=True) + TOUR_MARGIN
+        behind[np.arange(rows), _least(length, rank)] = 0
+        return np.asarray(np.where(is_open, _nearness(behind, TOUR_REACH), 0), np.float32)
 
     def _linear(self, name: str, inputs: Floats) -> Floats:
         return np.asarray(inputs @ self._arrays[f"{name}.weight"] + self._arrays[f"{name}.bias"], np.float32)
 
     def _check_arrays(self) -> int:
         """Refuse arrays that are no such network; else say how many fields the configuration has to add."""
-        widths = {"neighbour.0.weight": SLOT_FIELDS, "hotspot.0.weight": HOTSPOT_FIELDS + 5}
+        widths = {"neighbour.0.weight": SLOT_FIELDS, "hotspot.0.weight": HOTSPOT_FEATURES + self._tours}
         try:
             for name, width in widths.items():
                 if self._arrays[name].shape[0] != width:
@@ -216,6 +253,12 @@ class SetPolicy:
 
 def _relu(values: Floats) -> Floats:
     return np.maximum(values, 0)
+
+
+def _least(values: Floats, rank: np.ndarray[Any, np.dtype[np.intp]]) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Where the last axis is least; of several places the one of the lowest rank."""
+    least = values == values.min(axis=-1, keepdims=True)
+    return np.asarray(np.where(least, rank, rank.shape[-1]).argmin(axis=-1))
 
 
 def _nearness(distance: Floats, reach: float) -> Floats:

@@ -1,9 +1,9 @@
 //! Networks over sets: shared encoders for hotspots and UAVs, pooled by attention and by sum.
 //!
 //! Neither the order of hotspots and neighbours nor their number matters, so one set of weights
-//! flies any fleet against any number of hotspots. Two features are worked out rather than learnt,
-//! because a sum over pairs would cost a layer to learn: how near a hotspot is in cells, and how
-//! many UAVs are at or around it.
+//! flies any fleet against any number of hotspots. Some features are worked out rather than learnt,
+//! because a sum over pairs would cost a layer to learn, and a tour many: how near a hotspot is in cells, how
+//! many UAVs are at or around it, and, where a network is to read that, which hotspots a tour may begin with.
 
 mod features;
 #[cfg(test)]
@@ -44,12 +44,19 @@ pub(super) struct Actor {
     pub added: usize,
     /// The number of UAVs too, which no observation shows.
     pub fleet_size: bool,
+    /// And about hotspots, how they are rated as beginnings of a tour.
+    pub tours: bool,
 }
 
 impl Actor {
     /// Fields that are of no hotspot and of no other UAV.
     fn own(self) -> usize {
         OWN + self.added + usize::from(self.fleet_size)
+    }
+
+    /// Fields of each hotspot.
+    fn hotspot(self) -> usize {
+        HOTSPOT_FEATURES + usize::from(self.tours)
     }
 }
 
@@ -103,7 +110,7 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Sh
     let mut shapes = Vec::new();
     layer(&mut shapes, "neighbour.0", SLOT_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "neighbour.1", UAV_WIDTH, UAV_WIDTH);
-    layer(&mut shapes, "hotspot.0", HOTSPOT_FEATURES, HOTSPOT_WIDTH);
+    layer(&mut shapes, "hotspot.0", actor.hotspot(), HOTSPOT_WIDTH);
     shapes.push(("hotspot.own".into(), own + UAV_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "hotspot.1", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
     layer(&mut shapes, "hotspot.2", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
@@ -134,7 +141,7 @@ pub(super) fn critic_blocks(hidden: &[usize], critic: Critic) -> Shapes {
 pub(super) fn actor_products(hidden: &[usize], outputs: usize, actor: Actor, shape: &Shape) -> u64 {
     let neighbour = SLOT_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
     // Attention is two products with every hotspot: its scores, and the sum that they weigh.
-    let hotspot = HOTSPOT_WIDTH * (HOTSPOT_FEATURES + 2 * HOTSPOT_WIDTH + 2 * HEADS);
+    let hotspot = HOTSPOT_WIDTH * (actor.hotspot() + 2 * HOTSPOT_WIDTH + 2 * HEADS);
     let own = actor.own();
     let once = HOTSPOT_WIDTH * (own + UAV_WIDTH + HOTSPOT_WIDTH);
     let mut sizes = vec![HEADS * HOTSPOT_WIDTH + UAV_WIDTH + own];
@@ -157,9 +164,9 @@ pub(super) fn critic_products(hidden: &[usize], critic: Critic, shape: &Shape) -
 }
 
 /// Those of the actor's layers that read the observation, whose gradient nobody needs.
-pub(super) fn actor_input_products(shape: &Shape) -> u64 {
+pub(super) fn actor_input_products(actor: Actor, shape: &Shape) -> u64 {
     let neighbour = SLOT_FIELDS * UAV_WIDTH * shape.neighbour_slots;
-    (neighbour + HOTSPOT_FEATURES * HOTSPOT_WIDTH * shape.hotspots) as u64
+    (neighbour + actor.hotspot() * HOTSPOT_WIDTH * shape.hotspots) as u64
 }
 
 /// Those of the critic's layers that read the global state.
@@ -242,7 +249,7 @@ pub(super) fn actor(
     };
 
     let context = Tensor::cat(vec![own.clone(), neighbours.clone()], 1);
-    let hotspots = matrix(observed.hotspots, HOTSPOT_FEATURES, &device);
+    let hotspots = matrix(observed.hotspots, actor.hotspot(), &device);
     let embedded = relu(weights.with_context(hotspots, context));
     let embedded = relu(weights.linear(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
@@ -344,6 +351,9 @@ mod tests {
                 slot.fill(0.0);
             }
         }
+        for hotspot in row[OWN_FIRST..first].chunks_exact_mut(HOTSPOT_FIELDS) {
+            hotspot[2] = f32::from(u8::from(random.random_bool(0.3)));
+        }
         row
     }
 
@@ -373,6 +383,7 @@ mod tests {
                 outputs: 7,
                 added,
                 fleet_size: agents > 1,
+                tours: agents > 2,
             });
             let critic = |of_uav| {
                 let hidden = vec![16];
@@ -422,6 +433,7 @@ mod tests {
             outputs: 7,
             added: 0,
             fleet_size: false,
+            tours: true,
         };
         let shape = shape(4, 3);
         let row = observation(&shape, &mut crate::random::stream(9, 1));
@@ -469,6 +481,7 @@ mod tests {
             outputs: 7,
             added: 0,
             fleet_size: false,
+            tours: true,
         };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);

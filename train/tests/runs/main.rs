@@ -16,6 +16,7 @@ fn settings(network: NetworkKind) -> Settings {
         network,
         head: Head::Hybrid,
         actor_hidden: vec![24, 16],
+        actor_tours: network == NetworkKind::Set,
         critic_hidden: vec![24, 16],
         environments: 8,
         workers: 4,

@@ -148,7 +148,11 @@ fn the_set_network_reads_search_maps() {
         horizon_steps: 20,
         ..Config::preset(jcas_core::Preset::Search)
     };
-    let mut plan = plan("maps", settings(NetworkKind::Set));
+    let without_tours = Settings {
+        actor_tours: false,
+        ..settings(NetworkKind::Set)
+    };
+    let mut plan = plan("maps", without_tours);
     plan.configs = vec![searched];
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let stored = files::load(&plan.out).unwrap();
@@ -232,6 +236,7 @@ fn onnxruntime_gives_the_same_actions() {
             &format!("onnx-{network:?}-{head:?}"),
             Settings {
                 head,
+                actor_tours: head == Head::Hybrid,
                 ..settings(network)
             },
         );

@@ -3,11 +3,9 @@
 //! None of it has a gradient, so plain loops work it out once, outside the tensor library: as
 //! tensor operations, distances and counts took many small passes over memory.
 
-use super::{
-    Actor, COMMON, CROWD, Critic, HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS,
-    UAV_FIELDS,
-};
+use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS};
 use crate::environment::Shape;
+use jcas_evaluate::policy::network::tours;
 
 /// Inputs of the actor's products.
 pub(super) struct Observed {
@@ -17,7 +15,7 @@ pub(super) struct Observed {
     pub slots: Vec<f32>,
     /// Empty slots of each row.
     pub empty: Vec<f32>,
-    /// Rows × hotspots × [`HOTSPOT_FEATURES`].
+    /// Rows × hotspots × [`Actor::hotspot`].
     pub hotspots: Vec<f32>,
 }
 
@@ -51,8 +49,9 @@ pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
         own: Vec::with_capacity(count * actor.own()),
         slots: Vec::with_capacity(count * k * (SLOT_FIELDS + 1)),
         empty: Vec::with_capacity(count),
-        hotspots: Vec::with_capacity(count * n * HOTSPOT_FEATURES),
+        hotspots: Vec::with_capacity(count * n * actor.hotspot()),
     };
+    let (mut rated, mut left) = (vec![0.0; n], vec![0.0; n]);
     for row in rows.chunks_exact(length) {
         let (head, rest) = row.split_at(OWN_FIRST);
         let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * n);
@@ -70,7 +69,10 @@ pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
             taken += present;
         }
         out.empty.push(k as f32 - taken);
-        for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
+        if actor.tours {
+            tours::rate(hotspots, cells, &mut rated, &mut left);
+        }
+        for (hotspot, rated) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(&rated) {
             let far = distance(hotspot[0], hotspot[1], cells);
             let (mut at, mut around) = (0.0, 0.0);
             for slot in slots.chunks_exact(SLOT_FIELDS) {
@@ -86,6 +88,9 @@ pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
                 at / CROWD,
                 around / CROWD,
             ]);
+            if actor.tours {
+                out.hotspots.push(*rated);
+            }
         }
     }
     out
