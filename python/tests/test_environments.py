@@ -343,7 +343,8 @@ def test_an_agent_specific_critic_tells_uavs_apart():
             model_config={"hidden": [16], "critic": critic},
         )
         values[critic] = module.compute_values({"obs": seen}).detach().numpy()
-    assert np.ptp(values["state"]) == 0 < np.ptp(values["agent"])
+    # Rows of one state may differ in their last bit: a matrix product sums them in the order of its blocks.
+    assert np.ptp(values["state"]) < 1e-6 < 1e-3 < np.ptp(values["agent"])
     with pytest.raises(jcas.ArgumentError, match="critic"):
         ppo_config(jcas.Config(FIELDS), Hyperparameters(critic="own"))
 
