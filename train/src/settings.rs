@@ -58,12 +58,19 @@ pub struct Settings {
     pub gradient_norm_max: f32,
     /// PPO's clip range ε.
     pub clip: f32,
+    /// An action that was worse than expected counts at most so many times, however much likelier it has become
+    /// (dual clip: Ye et al., AAAI 2020, who take 3); absent: without bound.
+    #[serde(default)]
+    pub dual_clip: Option<f32>,
     /// Weight of the entropy bonus at the start of the run.
     pub entropy_start: f64,
     /// Weight of the entropy bonus at the end of the run.
     pub entropy_end: f64,
     /// Epochs stop once the policy has moved by this much (mean KL); absent: never.
     pub kl_max: Option<f64>,
+    /// An epoch that moved the policy by more than this (mean KL) is taken back, and is the last; absent: none is.
+    #[serde(default)]
+    pub kl_undo: Option<f64>,
     /// Discount γ.
     pub discount: f32,
     /// λ of generalised advantage estimation.
@@ -287,9 +294,11 @@ impl Settings {
             schedule: Schedule::Constant,
             gradient_norm_max: 0.5,
             clip: 0.2,
+            dual_clip: None,
             entropy_start: 0.0,
             entropy_end: 0.0,
             kl_max: None,
+            kl_undo: None,
             discount: 0.95,
             gae_lambda: 0.95,
             normalise_inputs: false,
@@ -396,7 +405,9 @@ impl Settings {
                 finding_reward: 240.0,
                 discount: settings.discount,
             }),
+            dual_clip: Some(3.0),
             kl_max: Some(0.05),
+            kl_undo: Some(1.0),
             ..settings
         }
     }
@@ -495,6 +506,14 @@ impl Settings {
                 return Err(format!("{field}: {value} is not a positive number"));
             }
         }
+        if let Some(bound) = self.dual_clip
+            && !(bound > 1.0 + self.clip && bound.is_finite())
+        {
+            return Err(format!(
+                "dual_clip: {bound} is not above 1 + clip ({})",
+                1.0 + self.clip
+            ));
+        }
         Ok(())
     }
 
@@ -554,6 +573,11 @@ mod tests {
             ..tuned
         };
         refused(settings, "critic_survey");
+        let settings = Settings {
+            dual_clip: Some(1.1),
+            ..Settings::preset(Preset::Tuned)
+        };
+        assert!(settings.validate().unwrap_err().contains("dual_clip: 1.1"));
         let settings = Settings {
             small_fleets: Some(FEW),
             ..Settings::preset(Preset::Search)

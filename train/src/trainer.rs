@@ -339,6 +339,7 @@ impl Trainer {
         };
         let objective = ActorObjective {
             clip: settings.clip,
+            dual_clip: settings.dual_clip,
             entropy: settings.entropy_start
                 + (settings.entropy_end - settings.entropy_start) * progress,
             normalise_advantages: settings.normalise_advantages,
@@ -356,7 +357,9 @@ impl Trainer {
         };
 
         let (mut actor_sums, mut critic_sums) = (Sums::default(), Sums::default());
-        let mut epochs_run = 0;
+        let (mut epochs_run, mut undone) = (0, false);
+        let over =
+            |sums: &Sums, kl: Option<f64>| kl.is_some_and(|kl| sums.kl / sums.rows.max(1.0) > kl);
         for epoch in 0..settings.epochs as u64 {
             let mut random =
                 stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
@@ -367,26 +370,25 @@ impl Trainer {
                 &mut random,
             );
             critic_sums.merge(&critic);
-            let over = |sums: &Sums| {
-                settings
-                    .kl_max
-                    .is_some_and(|max| sums.kl / sums.rows.max(1.0) > max)
-            };
-            if over(&actor_sums) {
+            if undone || over(&actor_sums, settings.kl_max) {
                 continue;
             }
-            let head = settings.head;
+            let before = self.actor.clone();
             // The log shows the last epoch: it is the one that the policy leaves with.
             let operations = actor_sums.operations;
             actor_sums = actor_pass.improve_actor(
                 &mut self.actor,
-                head,
+                settings.head,
                 &objective,
                 &actor_step,
                 &mut random,
             );
             actor_sums.operations += operations;
             epochs_run += 1;
+            if over(&actor_sums, settings.kl_undo) {
+                self.actor = before;
+                undone = true;
+            }
         }
         if settings.normalise_inputs {
             for rollout in rollouts {

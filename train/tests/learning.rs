@@ -64,6 +64,22 @@ fn the_gaussian_head_learns() {
     learns(settings(Head::Gaussian));
 }
 
+#[test]
+fn an_epoch_that_moves_the_policy_too_far_is_taken_back() {
+    for (kl_undo, undone) in [(1e-9, true), (1e9, false)] {
+        let settings = Settings {
+            kl_undo: Some(kl_undo),
+            ..settings(Head::Hybrid)
+        };
+        let mut trainer = Trainer::new(settings.clone(), workers(&settings)).unwrap();
+        let before = (trainer.actor.clone(), trainer.critic.clone());
+        let iteration = trainer.iterate();
+        assert_eq!(trainer.actor == before.0, undone);
+        assert_ne!(trainer.critic, before.1);
+        assert_eq!(iteration.epochs == 1, undone);
+    }
+}
+
 /// What is drawn for a held density changes nothing, so there is nothing to learn from it.
 #[test]
 fn a_held_pilot_density_is_not_judged() {

@@ -63,6 +63,8 @@ pub struct Step {
 pub struct ActorObjective {
     /// Clip range ε.
     pub clip: f32,
+    /// What ratios of actions worse than expected count at most.
+    pub dual_clip: Option<f32>,
     /// Weight of the entropy bonus.
     pub entropy: f64,
     /// Centre and scale advantages in each minibatch, those of missions of one shape by themselves.
@@ -71,6 +73,19 @@ pub struct ActorObjective {
     pub sample_share: f64,
     /// The pilot density is held, whatever is drawn: only motions are judged.
     pub pilot_held: bool,
+}
+
+impl ActorObjective {
+    /// What PPO maximises: the advantages times the ratios, as far as those are within the clip range or make it less.
+    fn gain(&self, ratio: Tensor<2>, advantages: Tensor<2>) -> Tensor<2> {
+        let clipped = ratio.clone().clamp(1.0 - self.clip, 1.0 + self.clip);
+        let gain = (ratio * advantages.clone()).min_pair(clipped * advantages.clone());
+        match self.dual_clip {
+            // Positive advantages give positive gains, which this leaves alone.
+            Some(bound) => gain.max_pair(advantages.abs().mul_scalar(-bound)),
+            None => gain,
+        }
+    }
 }
 
 /// The critic's objective.
@@ -300,10 +315,7 @@ impl Pass<'_> {
             _ => log_ratios,
         };
         let ratio = log_ratio.clone().exp();
-        let clipped = ratio
-            .clone()
-            .clamp(1.0 - objective.clip, 1.0 + objective.clip);
-        let gain = (ratio.clone() * advantages.clone()).min_pair(clipped * advantages);
+        let gain = objective.gain(ratio, advantages);
         let entropy = densities.entropies.sum_dim(1);
         let bonus = entropy.clone().mul_scalar(objective.entropy);
         let loss = (gain + bonus).sum().neg().div_scalar(minibatch_rows as f64);
@@ -480,6 +492,39 @@ mod tests {
     use crate::environment::StepOut;
     use crate::ppo::normalise::Running;
     use crate::settings::{Credit, PilotCredit};
+
+    // By hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one, one of 10 counts 3 for a bad one, one of 0.5
+    // counts 0.5 for a good one and 0.8 for a bad one. Where the bound decides nothing is left to learn.
+    #[test]
+    fn bad_actions_count_without_bound_but_for_the_dual_clip() {
+        let device = Device::flex().autodiff();
+        let gain = |dual_clip: Option<f32>| {
+            let objective = ActorObjective {
+                clip: 0.2,
+                dual_clip,
+                entropy: 0.0,
+                normalise_advantages: false,
+                sample_share: 1.0,
+                pilot_held: false,
+            };
+            let row = |values: [f32; 5]| matrix(values.to_vec(), 5, &device);
+            let ratio = row([2.0, 2.0, 10.0, 0.5, 0.5]).require_grad();
+            let gain = objective.gain(ratio.clone(), row([1.0, -1.0, -1.0, 1.0, -1.0]));
+            let gradients = gain.clone().sum().backward();
+            (values(gain), values(ratio.grad(&gradients).unwrap()))
+        };
+        let bounded = (
+            vec![1.2, -2.0, -3.0, 0.5, -0.8],
+            vec![0.0, -1.0, 0.0, 1.0, 0.0],
+        );
+        assert_eq!(gain(Some(3.0)), bounded);
+        let (gains, slopes) = gain(None);
+        assert_eq!((gains[2], slopes[2]), (-10.0, -1.0));
+        assert_eq!(
+            (&gains[..2], &gains[3..]),
+            (&bounded.0[..2], &bounded.0[3..])
+        );
+    }
 
     /// Two steps of one mission.
     fn rollout(agents: usize, advantages: Vec<f32>) -> Rollout {
