@@ -64,8 +64,11 @@ pub struct Settings {
     pub dual_clip: Option<f32>,
     /// Weight of the entropy bonus at the start of the run.
     pub entropy_start: f64,
-    /// Weight of the entropy bonus at the end of the run.
+    /// Weight of the entropy bonus at the end.
     pub entropy_end: f64,
+    /// After how many batches it is at its end, which it comes to linearly; absent: after all.
+    #[serde(default)]
+    pub entropy_batches: Option<u64>,
     /// Epochs stop once the policy has moved by this much (mean KL); absent: never.
     pub kl_max: Option<f64>,
     /// An epoch that moved the policy by more than this (mean KL) is taken back, and is the last; absent: none is.
@@ -297,6 +300,7 @@ impl Settings {
             dual_clip: None,
             entropy_start: 0.0,
             entropy_end: 0.0,
+            entropy_batches: None,
             kl_max: None,
             kl_undo: None,
             discount: 0.95,
@@ -406,6 +410,9 @@ impl Settings {
                 discount: settings.discount,
             }),
             dual_clip: Some(3.0),
+            // While the radar is easy nobody has to stay over a hotspot, and fleets would forget how.
+            entropy_start: 0.02,
+            entropy_batches: Some(200),
             kl_max: Some(0.05),
             kl_undo: Some(1.0),
             ..settings
@@ -506,6 +513,9 @@ impl Settings {
                 return Err(format!("{field}: {value} is not a positive number"));
             }
         }
+        if self.entropy_batches == Some(0) {
+            return Err("entropy_batches: 0 is not allowed, it must be at least 1".to_owned());
+        }
         if let Some(bound) = self.dual_clip
             && !(bound > 1.0 + self.clip && bound.is_finite())
         {
@@ -538,6 +548,13 @@ impl Settings {
         self.batch_steps / self.environments
     }
 
+    /// Weight of the entropy bonus in this iteration, counted from 0.
+    pub fn entropy(&self, iteration: u64) -> f64 {
+        let batches = self.entropy_batches.unwrap_or(self.iterations()).max(1);
+        let progress = (iteration as f64 / batches as f64).min(1.0);
+        self.entropy_start + (self.entropy_end - self.entropy_start) * progress
+    }
+
     /// Iterations of the run.
     pub fn iterations(&self) -> u64 {
         self.total_steps.div_ceil(self.batch_steps as u64)
@@ -547,6 +564,22 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_entropy_bonus_falls_over_the_run_or_over_so_many_batches() {
+        let mut settings = Settings {
+            entropy_start: 0.4,
+            entropy_end: 0.2,
+            total_steps: 100 * 5120,
+            ..Settings::preset(Preset::Tuned)
+        };
+        let near = |weight: f64, expected: f64| assert!((weight - expected).abs() < 1e-12);
+        near(settings.entropy(0), 0.4);
+        near(settings.entropy(50), 0.3);
+        settings.entropy_batches = Some(20);
+        near(settings.entropy(5), 0.35);
+        near(settings.entropy(50), 0.2);
+    }
 
     #[test]
     fn presets_are_legal_and_what_hangs_on_finding_asks_for_it() {

@@ -340,8 +340,7 @@ impl Trainer {
         let objective = ActorObjective {
             clip: settings.clip,
             dual_clip: settings.dual_clip,
-            entropy: settings.entropy_start
-                + (settings.entropy_end - settings.entropy_start) * progress,
+            entropy: settings.entropy(self.iterations),
             normalise_advantages: settings.normalise_advantages,
             sample_share: settings.sample_share,
             pilot_held: settings.constant_pilot.is_some(),
