@@ -412,7 +412,7 @@ impl Settings {
             dual_clip: Some(3.0),
             // While the radar is easy nobody has to stay over a hotspot, and fleets would forget how.
             entropy_start: 0.02,
-            entropy_batches: Some(200),
+            entropy_batches: Some(120),
             kl_max: Some(0.05),
             kl_undo: Some(1.0),
             ..settings

@@ -40,17 +40,11 @@ pub const MISSIONS: [Mission; 5] = [
         1,
         Mode::Deterministic,
         53,
-        16_500_100_203_561_870_913,
+        17_905_844_174_162_449_130,
     ),
-    mission((15, 7), 1, Mode::Sampled, 59, 476_524_076_766_604_665),
-    mission(
-        (10, 3),
-        2,
-        Mode::Deterministic,
-        21,
-        2_466_328_332_246_479_213,
-    ),
-    mission((15, 7), 1, Mode::Stratified, 53, 16_133_177_612_858_598_461),
+    mission((15, 7), 1, Mode::Sampled, 53, 13_029_458_474_818_902_870),
+    mission((10, 3), 2, Mode::Deterministic, 21, 113_254_547_297_590_025),
+    mission((15, 7), 1, Mode::Stratified, 53, 6_451_810_300_539_874_753),
     // Its file says how a fleet of ten begins.
     Mission {
         preset: Preset::Search,
