@@ -30,7 +30,7 @@ pub struct Iteration {
     pub explained_variance: f64,
     /// Learning rate of the actor.
     pub learning_rate: f64,
-    /// Epochs that ran before the KL limit.
+    /// Epochs that ran before the KL limit, one that was taken back among them.
     pub epochs: usize,
     /// Wall time of the whole iteration.
     pub wall: Duration,
@@ -356,7 +356,7 @@ impl Trainer {
         };
 
         let (mut actor_sums, mut critic_sums) = (Sums::default(), Sums::default());
-        let (mut epochs_run, mut undone) = (0, false);
+        let mut epochs_run = 0;
         let over =
             |sums: &Sums, kl: Option<f64>| kl.is_some_and(|kl| sums.kl / sums.rows.max(1.0) > kl);
         for epoch in 0..settings.epochs as u64 {
@@ -369,11 +369,11 @@ impl Trainer {
                 &mut random,
             );
             critic_sums.merge(&critic);
-            if undone || over(&actor_sums, settings.kl_max) {
+            if over(&actor_sums, settings.kl_max) || over(&actor_sums, settings.kl_undo) {
                 continue;
             }
             let before = self.actor.clone();
-            // The log shows the last epoch: it is the one that the policy leaves with.
+            // The log shows the last epoch: the one that the policy leaves with, or that it was kept from.
             let operations = actor_sums.operations;
             actor_sums = actor_pass.improve_actor(
                 &mut self.actor,
@@ -386,7 +386,6 @@ impl Trainer {
             epochs_run += 1;
             if over(&actor_sums, settings.kl_undo) {
                 self.actor = before;
-                undone = true;
             }
         }
         if settings.normalise_inputs {
