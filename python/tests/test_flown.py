@@ -66,15 +66,15 @@ def test_draws_follow_from_the_seed() -> None:
 
 def test_each_mode_flies_its_own_way() -> None:
     # A fleet that is sure of its way, as that of the preset mission is, may fly it in every mode.
-    model = jcas.Model("paper", uav_count=5, hotspot_count=3)
+    folder, model = FLEET.parent / "paper", jcas.Model("paper", uav_count=5, hotspot_count=3)
 
     def flown(mode: jcas.flown.Mode) -> int:
-        return fly(jcas.Policy.load(FLEET.parent / "paper", model, mode=mode), model, 8)
+        return fly(jcas.Policy.load(folder, model, mode=mode), model, 8)
 
     assert len({flown(mode) for mode in ("deterministic", "sampled", "stratified")}) == 3
     assert flown("stratified") == flown("stratified")
     with pytest.raises(jcas.ArgumentError, match="deterministic, sampled, stratified"):
-        jcas.Policy.load(FLEET.parent / "paper", model, mode="shared")
+        jcas.Policy.load(folder, model, mode="shared")
 
 
 @pytest.mark.parametrize(
