@@ -196,7 +196,7 @@
 // The UAVs have acted and moved: jcas_sim_set_positions, jcas_sim_step_sense.
 #define JCAS_PHASE_MOVED 2
 
-// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_over.
+// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_with.
 #define JCAS_PHASE_SENSED 3
 
 // Knowledge has spread: jcas_sim_step_end.
@@ -611,7 +611,7 @@ typedef struct jcas_hotspot {
     // 1 if all UAVs know it, else 0.
     uint32_t informed;
     // Step at which it was confirmed; 0 before.
-    uint32_t detected_at;
+    uint32_t confirmed_at;
     // Step at which all UAVs know it; 0 before.
     uint32_t informed_at;
 } jcas_hotspot;
@@ -1061,7 +1061,7 @@ jcas_status jcas_sim_set_positions(struct jcas_sim *sim,
                                    const struct jcas_cell *cells,
                                    size_t count);
 
-// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_over.
+// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_with.
 //
 // `sim`: not NULL. Threads: only this one uses `sim`.
 // Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
@@ -1099,7 +1099,7 @@ jcas_status jcas_sim_confirm_hotspot(struct jcas_sim *sim,
 // Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
-jcas_status jcas_sim_step_sense_over(struct jcas_sim *sim,
+jcas_status jcas_sim_step_sense_with(struct jcas_sim *sim,
                                      const uint8_t *detections,
                                      size_t count);
 
@@ -1120,7 +1120,7 @@ JCAS_API JCAS_NODISCARD jcas_status jcas_sim_step_communicate(struct jcas_sim *s
 // Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
-jcas_status jcas_sim_step_communicate_over(struct jcas_sim *sim,
+jcas_status jcas_sim_step_communicate_with(struct jcas_sim *sim,
                                            const uint8_t *links,
                                            size_t link_count,
                                            const double *throughput,

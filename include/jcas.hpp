@@ -285,14 +285,14 @@ public:
     status ground(std::uint32_t uav) { return jcas_sim_ground(get(), uav); }
     status confirm_hotspot(std::uint32_t hotspot) { return jcas_sim_confirm_hotspot(get(), hotspot); }
     status step_sense() { return jcas_sim_step_sense(get()); }
-    status step_sense_over(span<const std::uint8_t> detections)
+    status step_sense_with(span<const std::uint8_t> detections)
     {
-        return jcas_sim_step_sense_over(get(), detections.data(), detections.size());
+        return jcas_sim_step_sense_with(get(), detections.data(), detections.size());
     }
     status step_communicate() { return jcas_sim_step_communicate(get()); }
-    status step_communicate_over(span<const std::uint8_t> links, span<const double> throughput = {})
+    status step_communicate_with(span<const std::uint8_t> links, span<const double> throughput = {})
     {
-        return jcas_sim_step_communicate_over(get(), links.data(), links.size(), throughput.data(),
+        return jcas_sim_step_communicate_with(get(), links.data(), links.size(), throughput.data(),
                                               throughput.size());
     }
     result<jcas_outcome> step_end()

@@ -46,9 +46,9 @@ typedef jcas_status jcas_sim_set_positions_fn(struct jcas_sim *sim, const struct
 typedef jcas_status jcas_sim_step_sense_fn(struct jcas_sim *sim);
 typedef jcas_status jcas_sim_ground_fn(struct jcas_sim *sim, uint32_t uav);
 typedef jcas_status jcas_sim_confirm_hotspot_fn(struct jcas_sim *sim, uint32_t hotspot);
-typedef jcas_status jcas_sim_step_sense_over_fn(struct jcas_sim *sim, const uint8_t *detections, size_t count);
+typedef jcas_status jcas_sim_step_sense_with_fn(struct jcas_sim *sim, const uint8_t *detections, size_t count);
 typedef jcas_status jcas_sim_step_communicate_fn(struct jcas_sim *sim);
-typedef jcas_status jcas_sim_step_communicate_over_fn(struct jcas_sim *sim, const uint8_t *links, size_t link_count, const double *throughput, size_t throughput_count);
+typedef jcas_status jcas_sim_step_communicate_with_fn(struct jcas_sim *sim, const uint8_t *links, size_t link_count, const double *throughput, size_t throughput_count);
 typedef jcas_status jcas_sim_step_end_fn(struct jcas_sim *sim, struct jcas_outcome *outcome);
 typedef jcas_status jcas_sim_set_hotspots_fn(struct jcas_sim *sim, const struct jcas_cell *cells, size_t count);
 typedef jcas_status jcas_sim_move_hotspot_fn(struct jcas_sim *sim, uint32_t hotspot, uint32_t x, uint32_t y);

@@ -70,13 +70,13 @@ impl Model<'_> {
     ///
     /// # Errors
     /// [`Error::OutOfOrder`] or [`Error::Length`].
-    pub fn step_sense_over(
+    pub fn step_sense_with(
         &self,
         state: &mut StateMut<'_>,
         scratch: &mut Scratch<'_>,
         detections: &[u8],
     ) -> Result<(), Error> {
-        expect(state, Phase::Moved, "step_sense_over", "step_begin")?;
+        expect(state, Phase::Moved, "step_sense_with", "step_begin")?;
         let expected = self.uav_count() * self.hotspot_count();
         check_len("detections", expected, detections.len())?;
         sensing::look_around(self, state);
@@ -100,7 +100,7 @@ impl Model<'_> {
         )?;
         if !bits::get(state.confirmed, hotspot) {
             bits::set(state.confirmed, hotspot);
-            state.detected_at[hotspot] = u64::from(state.header.t());
+            state.confirmed_at[hotspot] = u64::from(state.header.t());
         }
         Ok(())
     }
@@ -114,14 +114,14 @@ impl Model<'_> {
     /// # Errors
     /// [`Error::OutOfOrder`], [`Error::Length`], or [`Error::Argument`] for a matrix that is not symmetric
     /// or a throughput that is not a finite number of at least 0.
-    pub fn step_communicate_over(
+    pub fn step_communicate_with(
         &self,
         state: &mut StateMut<'_>,
         scratch: &mut Scratch<'_>,
         links: &[u8],
         throughput: Option<&[f64]>,
     ) -> Result<(), Error> {
-        expect(state, Phase::Sensed, "step_communicate_over", "step_sense")?;
+        expect(state, Phase::Sensed, "step_communicate_with", "step_sense")?;
         let uavs = self.uav_count();
         check_len("links", uavs * uavs, links.len())?;
         for i in 0..uavs {

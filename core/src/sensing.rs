@@ -225,7 +225,7 @@ fn confirm(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     for j in 0..model.hotspot_count() {
         if confirms(bits::get(state.confirmed, j), positives[j], quorum) {
             bits::set(state.confirmed, j);
-            state.detected_at[j] = u64::from(t);
+            state.confirmed_at[j] = u64::from(t);
         }
     }
 }

@@ -100,17 +100,17 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.step_communicate(state, scratch))
     }
 
-    /// Part 3 of a step over the host's links; see [`Model::step_communicate_over`].
+    /// Part 3 of a step over the host's links; see [`Model::step_communicate_with`].
     ///
     /// # Errors
-    /// As [`Model::step_communicate_over`].
-    pub fn step_communicate_over(
+    /// As [`Model::step_communicate_with`].
+    pub fn step_communicate_with(
         &mut self,
         links: &[u8],
         throughput: Option<&[f64]>,
     ) -> Result<(), Error> {
         self.with(|model, state, scratch| {
-            model.step_communicate_over(state, scratch, links, throughput)
+            model.step_communicate_with(state, scratch, links, throughput)
         })
     }
 
@@ -146,12 +146,12 @@ impl<'m> Sim<'m> {
         self.with(|model, state, _| model.ground(state, uav))
     }
 
-    /// Part 2 of a step with the host's detections; see [`Model::step_sense_over`].
+    /// Part 2 of a step with the host's detections; see [`Model::step_sense_with`].
     ///
     /// # Errors
-    /// As [`Model::step_sense_over`].
-    pub fn step_sense_over(&mut self, detections: &[u8]) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.step_sense_over(state, scratch, detections))
+    /// As [`Model::step_sense_with`].
+    pub fn step_sense_with(&mut self, detections: &[u8]) -> Result<(), Error> {
+        self.with(|model, state, scratch| model.step_sense_with(state, scratch, detections))
     }
 
     /// Confirms a hotspot; see [`Model::confirm_hotspot`].

@@ -118,7 +118,7 @@ state! {
     /// Cell of each hotspot.
     hotspots: Length::PerHotspot;
     /// Step of each confirmation; 0 before.
-    detected_at: Length::PerHotspot;
+    confirmed_at: Length::PerHotspot;
     /// Step at which all UAVs know the hotspot; 0 before.
     informed_at: Length::PerHotspot;
     /// Confirmed hotspots.
@@ -425,8 +425,8 @@ impl<'a> StateRef<'a> {
 
     /// Step at which hotspot `j` was confirmed.
     #[must_use]
-    pub fn detected_at(&self, j: usize) -> Option<u32> {
-        (self.detected_at[j] != 0).then_some(self.detected_at[j] as u32)
+    pub fn confirmed_at(&self, j: usize) -> Option<u32> {
+        (self.confirmed_at[j] != 0).then_some(self.confirmed_at[j] as u32)
     }
 
     /// Step at which hotspot `j` became informed.

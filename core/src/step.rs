@@ -501,7 +501,7 @@ fn keep_potentials(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_
 fn count_knowledge(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happenings) {
     let t = u64::from(state.header.t());
     for j in 0..model.hotspot_count() {
-        happened.newly_confirmed += u64::from(state.detected_at[j] == t);
+        happened.newly_confirmed += u64::from(state.confirmed_at[j] == t);
         happened.newly_informed += u64::from(state.informed_at[j] == t);
     }
     happened.informed = bits::count(state.informed) as u64;

@@ -95,11 +95,11 @@ impl StateRef<'_> {
             let cell = self.hotspot_cell(j);
             if !model.contains(cell)
                 || model.depot_distance(cell) == 0
-                || self.detected_at[j] > u64::from(self.t())
+                || self.confirmed_at[j] > u64::from(self.t())
                 || self.informed_at[j] > u64::from(self.t())
-                || (self.detected_at[j] != 0) != self.confirmed(j)
+                || (self.confirmed_at[j] != 0) != self.confirmed(j)
                 || (self.informed_at[j] != 0) != self.informed(j)
-                || (self.informed(j) && self.informed_at[j] < self.detected_at[j])
+                || (self.informed(j) && self.informed_at[j] < self.confirmed_at[j])
             {
                 return false;
             }

@@ -109,7 +109,7 @@ int main(int argc, char **argv)
         stop_on(jcas_sim_step_begin(sim, actions, 2 * N), "actions");
         stop_on(jcas_sim_set_positions(sim, cells, N), "positions");
         stop_on(jcas_sim_step_sense(sim), "sensing");
-        stop_on(jcas_sim_step_communicate_over(sim, links, N * N, NULL, 0), "communication");
+        stop_on(jcas_sim_step_communicate_with(sim, links, N * N, NULL, 0), "communication");
         stop_on(jcas_sim_step_end(sim, &outcome), "end of step");
     }
 

@@ -191,7 +191,7 @@ void Mission::EndStep()
     m_sim.set_positions(cells).check();
     m_sim.step_sense().check();
     if (m_wifi_links)
-        m_sim.step_communicate_over(links).check();
+        m_sim.step_communicate_with(links).check();
     else
         m_sim.step_communicate().check();
     const jcas_outcome outcome = m_sim.step_end().take();

@@ -60,7 +60,7 @@ pub unsafe extern "C" fn jcas_sim_set_positions(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_over.
+/// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_with.
 ///
 /// `sim`: not NULL. Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_step_sense_over(
+pub unsafe extern "C" fn jcas_sim_step_sense_with(
     sim: *mut jcas_sim,
     detections: *const u8,
     count: usize,
@@ -129,7 +129,7 @@ pub unsafe extern "C" fn jcas_sim_step_sense_over(
         // SAFETY: the caller's promise for `detections`.
         let detections = unsafe { input(detections, count, expected) }?;
         sim.own(&Host::Detections(detections), |model, state, scratch| {
-            model.step_sense_over(state, scratch, detections)
+            model.step_sense_with(state, scratch, detections)
         })
     };
     // SAFETY: the caller's promise for `sim`.
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn jcas_sim_step_communicate(sim: *mut jcas_sim) -> jcas_s
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn jcas_sim_step_communicate_over(
+pub unsafe extern "C" fn jcas_sim_step_communicate_with(
     sim: *mut jcas_sim,
     links: *const u8,
     link_count: usize,
@@ -179,7 +179,7 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_over(
             Some(unsafe { input(throughput, throughput_count, uavs) }?)
         };
         sim.own(&Host::Links(links, throughput), |model, state, scratch| {
-            model.step_communicate_over(state, scratch, links, throughput)
+            model.step_communicate_with(state, scratch, links, throughput)
         })
     };
     // SAFETY: the caller's promise for `sim`.

@@ -10,7 +10,7 @@ use crate::memory::{Plain, Record};
 pub const JCAS_PHASE_READY: u32 = 1;
 /// The UAVs have acted and moved: jcas_sim_set_positions, jcas_sim_step_sense.
 pub const JCAS_PHASE_MOVED: u32 = 2;
-/// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_over.
+/// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_with.
 pub const JCAS_PHASE_SENSED: u32 = 3;
 /// Knowledge has spread: jcas_sim_step_end.
 pub const JCAS_PHASE_COMMUNICATED: u32 = 4;
@@ -218,7 +218,7 @@ pub struct jcas_hotspot {
     /// 1 if all UAVs know it, else 0.
     pub informed: u32,
     /// Step at which it was confirmed; 0 before.
-    pub detected_at: u32,
+    pub confirmed_at: u32,
     /// Step at which all UAVs know it; 0 before.
     pub informed_at: u32,
 }
@@ -346,7 +346,7 @@ impl jcas_hotspot {
             y: cell.y,
             confirmed: state.confirmed(j).into(),
             informed: state.informed(j).into(),
-            detected_at: state.detected_at(j).unwrap_or(0),
+            confirmed_at: state.confirmed_at(j).unwrap_or(0),
             informed_at: state.informed_at(j).unwrap_or(0),
         }
     }

@@ -166,7 +166,7 @@ impl Mission {
         model.step_sense(&mut state, &mut scratch)?;
         if setup.own_links {
             let links: Vec<u8> = inputs.links.iter().map(|&link| u8::from(link)).collect();
-            model.step_communicate_over(&mut state, &mut scratch, &links, None)?;
+            model.step_communicate_with(&mut state, &mut scratch, &links, None)?;
         } else {
             model.step_communicate(&mut state, &mut scratch)?;
         }

@@ -95,12 +95,12 @@ def record_hosted() -> bytes:
         check(lib.jcas_sim_ground(sim.handle, 0))
         check(lib.jcas_sim_confirm_hotspot(sim.handle, 1))
         if step % 2:
-            check(lib.jcas_sim_step_sense_over(sim.handle, seen.ctypes.data, 6))
+            check(lib.jcas_sim_step_sense_with(sim.handle, seen.ctypes.data, 6))
             check(lib.jcas_sim_step_communicate(sim.handle))
         else:
             check(lib.jcas_sim_step_sense(sim.handle))
             measured = (throughput.ctypes.data, 3) if step else (None, 0)
-            check(lib.jcas_sim_step_communicate_over(sim.handle, links.ctypes.data, 9, *measured))
+            check(lib.jcas_sim_step_communicate_with(sim.handle, links.ctypes.data, 9, *measured))
         check(lib.jcas_sim_step_end(sim.handle, outcome))
     check(lib.jcas_sim_set_battery(sim.handle, 0, 9))
     check(lib.jcas_sim_record_end(sim.handle))

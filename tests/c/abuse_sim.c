@@ -140,7 +140,7 @@ static void abuse_order(jcas_sim *sim, const float *actions)
         }
         if (done != 2) {
             EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_communicate(sim));
-            EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_communicate_over(sim, links, 16, NULL, 0));
+            EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_communicate_with(sim, links, 16, NULL, 0));
         }
         if (done != 3)
             EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_end(sim, &outcome));
@@ -173,24 +173,24 @@ static void abuse_links(jcas_sim *sim)
     links[1] = 1;
     OK(jcas_sim_step_sense(sim));
     uint64_t before = hash_of(sim);
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_over(sim, links, 16, throughput, 4));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_with(sim, links, 16, throughput, 4));
     links[4] = 200;
     throughput[3] = NAN;
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_over(sim, links, 16, throughput, 4));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_with(sim, links, 16, throughput, 4));
     throughput[3] = -1;
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_over(sim, links, 16, throughput, 4));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_with(sim, links, 16, throughput, 4));
     throughput[3] = INFINITY;
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_over(sim, links, 16, throughput, 4));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_communicate_over(sim, links, 15, NULL, 0));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_communicate_over(sim, links, 16, throughput, 3));
-    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_over(sim, NULL, 16, NULL, 0));
-    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_over(sim, links, 16, NULL, 4));
-    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_over(NULL, links, 16, NULL, 0));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_sim_step_communicate_over(FOREIGN(jcas_sim), links, 16, NULL, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_step_communicate_with(sim, links, 16, throughput, 4));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_communicate_with(sim, links, 15, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_communicate_with(sim, links, 16, throughput, 3));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_with(sim, NULL, 16, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_with(sim, links, 16, NULL, 4));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_with(NULL, links, 16, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE, jcas_sim_step_communicate_with(FOREIGN(jcas_sim), links, 16, NULL, 0));
     EXPECT(JCAS_ERROR_ALIGNMENT,
-           jcas_sim_step_communicate_over(sim, links, 16, ASKEW(double, throughput), 4));
+           jcas_sim_step_communicate_with(sim, links, 16, ASKEW(double, throughput), 4));
     CHECK(hash_of(sim) == before);
-    OK(jcas_sim_step_communicate_over(sim, links, 16, NULL, 0));
+    OK(jcas_sim_step_communicate_with(sim, links, 16, NULL, 0));
 
     jcas_outcome outcome;
     mark(&outcome, sizeof outcome);
@@ -274,7 +274,7 @@ static void abuse_hosting(jcas_sim *sim, const float *actions)
     EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_move_hotspot(sim, 0, 6, 6));
     EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_ground(sim, 0));
     EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_confirm_hotspot(sim, 0));
-    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_sense_over(sim, detections, 12));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_sense_with(sim, detections, 12));
     OK(jcas_sim_set_battery(sim, 0, 1000));
     OK(jcas_sim_step_begin(sim, actions, 8));
     EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_set_battery(sim, 0, 0));
@@ -284,11 +284,11 @@ static void abuse_hosting(jcas_sim *sim, const float *actions)
     EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_ground(sim, 4));
     EXPECT(JCAS_ERROR_NULL, jcas_sim_confirm_hotspot(NULL, 0));
     EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_confirm_hotspot(sim, 3));
-    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_sense_over(NULL, detections, 12));
-    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_sense_over(sim, NULL, 12));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_sense_over(sim, detections, 11));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_sense_with(NULL, detections, 12));
+    EXPECT(JCAS_ERROR_NULL, jcas_sim_step_sense_with(sim, NULL, 12));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_sim_step_sense_with(sim, detections, 11));
     OK(jcas_sim_ground(sim, 3));
-    OK(jcas_sim_step_sense_over(sim, detections, 12));
+    OK(jcas_sim_step_sense_with(sim, detections, 12));
     OK(jcas_sim_get_detections(sim, detections, 12));
     CHECK(detections[0] == 1 && detections[8] == 1 && detections[9] == 0 && detections[11] == 0);
     OK(jcas_sim_step_communicate(sim));

@@ -109,7 +109,7 @@ static void fly(jcas_sim *sim, jcas_sim *twin, size_t snapshot_size)
         OK(jcas_sim_step_begin(twin, actions, 2 * N));
         OK(jcas_sim_set_positions(twin, cells, N));
         OK(jcas_sim_step_sense(twin));
-        OK(jcas_sim_step_communicate_over(twin, links, N * N, NULL, 0));
+        OK(jcas_sim_step_communicate_with(twin, links, N * N, NULL, 0));
         OK(jcas_sim_step_end(twin, &outcome));
         OK(jcas_sim_save(twin, snapshot, snapshot_size));
         OK(jcas_sim_load(twin, snapshot, snapshot_size));

@@ -122,8 +122,8 @@ static void fly(jcas_sim *sim)
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_begin(sim, actions, 2 * N));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_ground(sim, 1));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_confirm_hotspot(sim, 1));
-    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_sense_over(sim, detections, N * HOTSPOTS));
-    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_communicate_over(sim, links, N * N, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_sense_with(sim, detections, N * HOTSPOTS));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_communicate_with(sim, links, N * N, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_end(sim, &outcome));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_detections(sim, detections, N * HOTSPOTS));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_throughputs(sim, throughputs, N * N));

@@ -124,11 +124,11 @@ static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
         if (step == 7)
             OK(jcas_sim_confirm_hotspot(sim, 1));
         if (step % 3)
-            OK(jcas_sim_step_sense_over(sim, detections, UAVS * HOTSPOTS));
+            OK(jcas_sim_step_sense_with(sim, detections, UAVS * HOTSPOTS));
         else
             OK(jcas_sim_step_sense(sim));
         if (step % 4)
-            OK(jcas_sim_step_communicate_over(sim, links, UAVS * UAVS, step % 2 ? throughput : NULL,
+            OK(jcas_sim_step_communicate_with(sim, links, UAVS * UAVS, step % 2 ? throughput : NULL,
                                               step % 2 ? UAVS : 0));
         else
             OK(jcas_sim_step_communicate(sim));

@@ -241,13 +241,13 @@ impl<'m> Pair<'m> {
             Call::CommunicateOver(links, throughput) => {
                 let done = self
                     .kernel
-                    .step_communicate_over(links, throughput.as_deref())
+                    .step_communicate_with(links, throughput.as_deref())
                     .is_ok();
                 let (data, count) = throughput
                     .as_ref()
                     .map_or((null(), 0), |values| (values.as_ptr(), values.len()));
                 let status = unsafe {
-                    jcas_sim_step_communicate_over(sim, links.as_ptr(), links.len(), data, count)
+                    jcas_sim_step_communicate_with(sim, links.as_ptr(), links.len(), data, count)
                 };
                 (status, done)
             }

@@ -113,7 +113,7 @@ fn hotspot(world: &World, state: &StateRef<'_>, j: usize) -> Outcome {
     equal("cell", cell(world.hotspot[j]), state.hotspot_cell(j))?;
     equal(
         "confirmed",
-        world.detected_at[j].is_some(),
+        world.confirmed_at[j].is_some(),
         state.confirmed(j),
     )?;
     equal(
@@ -121,7 +121,7 @@ fn hotspot(world: &World, state: &StateRef<'_>, j: usize) -> Outcome {
         world.informed_at[j].is_some(),
         state.informed(j),
     )?;
-    equal("detected at", world.detected_at[j], state.detected_at(j))?;
+    equal("detected at", world.confirmed_at[j], state.confirmed_at(j))?;
     equal("informed at", world.informed_at[j], state.informed_at(j))
 }
 

@@ -267,7 +267,7 @@ fn target(pilot: Pilot, world: &World, i: usize) -> Option<usize> {
         return Some(i % world.hotspot.len());
     }
     let here = world.position[i];
-    let open = (0..world.hotspot.len()).filter(|&j| world.detected_at[j].is_none());
+    let open = (0..world.hotspot.len()).filter(|&j| world.confirmed_at[j].is_none());
     let mut choice: Option<(i64, usize)> = None;
     for j in open {
         let there = world.hotspot[j];

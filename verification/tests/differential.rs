@@ -121,7 +121,7 @@ fn compare(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
 fn note(spec: &Specification, world: &World, reached: &mut Reached) {
     let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u32;
     let at_now = |times: &[Option<u32>]| times.iter().filter(|&&at| at == Some(world.t)).count();
-    reached.confirmed += at_now(&world.detected_at) as u32;
+    reached.confirmed += at_now(&world.confirmed_at) as u32;
     reached.informed += at_now(&world.informed_at) as u32;
     reached.terminated += u32::from(world.terminated);
     reached.truncated += u32::from(world.truncated);

@@ -17,7 +17,7 @@ fn hosted_missions_agree_with_the_specification() {
         let config = sampling::configuration(&mut dice);
         let world = fly(config, &mut dice).unwrap_or_else(|why| panic!("mission {mission}: {why}"));
         given += world.given_uj.iter().filter(|&&uj| uj != 0).count();
-        confirmed += world.detected_at.iter().flatten().count();
+        confirmed += world.confirmed_at.iter().flatten().count();
         detected += world.detected.iter().flatten().filter(|&&yes| yes).count();
     }
     assert!(given > 300 && confirmed > 300 && detected > 300);
@@ -140,7 +140,7 @@ fn step(
             .map(|_| (0..m).map(|_| dice.one_in(3)).collect())
             .collect();
         let bytes: Vec<u8> = rows.iter().flatten().map(|&yes| u8::from(yes)).collect();
-        sim.step_sense_over(&bytes).map_err(said)?;
+        sim.step_sense_with(&bytes).map_err(said)?;
         host.detections = Some(rows);
     } else {
         sim.step_sense().map_err(said)?;
@@ -157,7 +157,7 @@ fn step(
         host.throughput = dice
             .one_in(2)
             .then(|| (0..n).map(|_| dice.real(0.0, 5.0)).collect());
-        sim.step_communicate_over(&bytes, host.throughput.as_deref())
+        sim.step_communicate_with(&bytes, host.throughput.as_deref())
             .map_err(said)?;
         host.links = Some(rows);
     } else {
@@ -197,7 +197,7 @@ fn a_host_is_refused_out_of_order_and_out_of_range() {
     let full = model.energy().capacity_uj;
     assert!(sim.ground(0).is_err());
     assert!(sim.confirm_hotspot(0).is_err());
-    assert!(sim.step_sense_over(&[0; 50]).is_err());
+    assert!(sim.step_sense_with(&[0; 50]).is_err());
     assert!(sim.set_battery(10, 0).is_err());
     assert!(sim.set_battery(0, full + 1).is_err());
     assert!(sim.move_hotspot(5, Cell { x: 0, y: 0 }).is_err());
@@ -210,7 +210,7 @@ fn a_host_is_refused_out_of_order_and_out_of_range() {
     let before = sim.state_hash();
     assert!(sim.ground(10).is_err());
     assert!(sim.confirm_hotspot(5).is_err());
-    assert!(sim.step_sense_over(&[0; 49]).is_err());
+    assert!(sim.step_sense_with(&[0; 49]).is_err());
     assert!(sim.set_battery(0, 0).is_err());
     assert!(sim.move_hotspot(0, Cell { x: 0, y: 0 }).is_err());
     assert!(sim.set_starts(&[Cell { x: 0, y: 0 }; 10]).is_err());

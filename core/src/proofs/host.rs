@@ -134,7 +134,7 @@ pub fn sensing_over_detections_keeps_the_state_valid() {
     given!(scratch for model);
     let detections: [u8; MOST * MOST] = kani::any();
     let detections = &detections[..model.uav_count() * model.hotspot_count()];
-    let done = model.step_sense_over(&mut open(&model, &mut after), &mut scratch, detections);
+    let done = model.step_sense_with(&mut open(&model, &mut after), &mut scratch, detections);
     let (old, new) = (view(&model, &before), view(&model, &after));
     kani::cover!(!old.confirmed(0) && new.confirmed(0), "a confirmation");
     kani::cover!(!old.knows(0, 0) && new.knows(0, 0), "a UAV learns");
@@ -210,7 +210,7 @@ pub fn communicating_over_links_keeps_the_state_valid() {
         None
     };
     let mut state = open(&model, &mut after);
-    let done = model.step_communicate_over(&mut state, &mut scratch, links, measured);
+    let done = model.step_communicate_with(&mut state, &mut scratch, links, measured);
     let new = view(&model, &after);
     kani::cover!(done.is_ok() && uavs > 1 && new.linked(0, 1), "a link");
     kani::cover!(done.is_ok() && measured.is_some(), "measured throughputs");

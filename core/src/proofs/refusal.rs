@@ -87,12 +87,12 @@ fn host_calls_are_refused(model: &Model<'_>, phase: Phase) {
         out_of_order(phase, model.confirm_hotspot(&mut state, 0));
         out_of_order(
             phase,
-            model.step_sense_over(&mut state, &mut scratch, pairs),
+            model.step_sense_with(&mut state, &mut scratch, pairs),
         );
     }
     if phase != Phase::Sensed {
         let pairs = &bytes[..uavs * uavs];
-        let done = model.step_communicate_over(&mut state, &mut scratch, pairs, None);
+        let done = model.step_communicate_with(&mut state, &mut scratch, pairs, None);
         out_of_order(phase, done);
     }
     if phase != Phase::Ready {
@@ -164,13 +164,13 @@ fn lengths_are_refused_within_a_step(model: &Model<'_>) {
         let len = other_lengths(uavs)[which];
         of_another_length(model.set_positions(state, &cells[..len]));
         let len = other_lengths(uavs * hotspots)[which];
-        of_another_length(model.step_sense_over(state, &mut scratch, &bytes[..len]));
+        of_another_length(model.step_sense_with(state, &mut scratch, &bytes[..len]));
         let state = &mut open(model, &mut after_sensed);
         let len = other_lengths(uavs * uavs)[which];
-        of_another_length(model.step_communicate_over(state, &mut scratch, &bytes[..len], None));
+        of_another_length(model.step_communicate_with(state, &mut scratch, &bytes[..len], None));
         let (links, len) = (&bytes[..uavs * uavs], other_lengths(uavs)[which]);
         let measured = Some(&reals[..len]);
-        of_another_length(model.step_communicate_over(state, &mut scratch, links, measured));
+        of_another_length(model.step_communicate_with(state, &mut scratch, links, measured));
     }
     assert!(!differ(&moved, &after_moved));
     assert!(!differ(&sensed, &after_sensed));

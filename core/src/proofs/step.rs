@@ -71,6 +71,8 @@ pub fn sensing_keeps_the_state_valid() {
 #[cfg(kani)]
 fn any_scalars(model: &Model<'_>) -> [u64; STATE_WORDS] {
     let words: [u64; STATE_WORDS] = kani::any();
+    // A valid fleet's: `is_valid` judges time before the scalars.
+    kani::assume(words[header::T] <= u64::from(model.config().horizon_steps));
     kani::assume(view(model, &words).scalars_are_valid(model));
     words
 }

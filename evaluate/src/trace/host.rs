@@ -77,8 +77,8 @@ impl Host {
         "set_positions",
         "ground",
         "confirm_hotspot",
-        "step_sense_over",
-        "step_communicate_over",
+        "step_sense_with",
+        "step_communicate_with",
     ];
 
     /// Whether the call stands between two parts of a step.
@@ -122,10 +122,10 @@ impl Host {
             Self::Ground { uav } => sim.ground(*uav),
             Self::ConfirmHotspot { hotspot } => sim.confirm_hotspot(*hotspot),
             Self::StepSenseOver { detections } => {
-                sim.step_sense_over(&matrix(uavs, hotspots, detections, false))
+                sim.step_sense_with(&matrix(uavs, hotspots, detections, false))
             }
             Self::StepCommunicateOver { links, throughput } => {
-                sim.step_communicate_over(&matrix(uavs, uavs, links, true), throughput.as_deref())
+                sim.step_communicate_with(&matrix(uavs, uavs, links, true), throughput.as_deref())
             }
         }
     }

@@ -75,8 +75,8 @@ impl Host<'_> {
             Self::Positions(_) => "set_positions",
             Self::Ground(_) => "ground",
             Self::Confirm(_) => "confirm_hotspot",
-            Self::Detections(_) => "step_sense_over",
-            Self::Links(..) => "step_communicate_over",
+            Self::Detections(_) => "step_sense_with",
+            Self::Links(..) => "step_communicate_with",
         }
     }
 }

@@ -236,15 +236,15 @@ impl Flight<'_> {
                 let hotspot = reader.number()?;
                 self.act(|model, state, _, _| model.confirm_hotspot(state, hotspot))
             }
-            "step_sense_over" => {
+            "step_sense_with" => {
                 self.begin(reader)?;
                 reader.skip("\"detections\":")?;
                 self.matrix(reader, hotspots, false)?;
                 self.act(|model, state, scratch, parts| {
-                    model.step_sense_over(state, scratch, &parts.matrix[..uavs * hotspots])
+                    model.step_sense_with(state, scratch, &parts.matrix[..uavs * hotspots])
                 })
             }
-            "step_communicate_over" => {
+            "step_communicate_with" => {
                 self.begin(reader)?;
                 self.sense()?;
                 reader.skip("\"links\":")?;
@@ -260,7 +260,7 @@ impl Flight<'_> {
                 self.act(|model, state, scratch, parts| {
                     let links = &parts.matrix[..uavs * uavs];
                     let throughput = measured.then_some(&*parts.reals);
-                    model.step_communicate_over(state, scratch, links, throughput)
+                    model.step_communicate_with(state, scratch, links, throughput)
                 })
             }
             _ => Err(Why::Form),

@@ -260,7 +260,7 @@ class jcas_hotspot(Structure):
         ("y", c_uint32),
         ("confirmed", c_uint32),
         ("informed", c_uint32),
-        ("detected_at", c_uint32),
+        ("confirmed_at", c_uint32),
         ("informed_at", c_uint32),
     )
 
@@ -393,12 +393,12 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_ground.restype = c_int32
     library.jcas_sim_confirm_hotspot.argtypes = (c_void_p, c_uint32)
     library.jcas_sim_confirm_hotspot.restype = c_int32
-    library.jcas_sim_step_sense_over.argtypes = (c_void_p, c_void_p, c_size_t)
-    library.jcas_sim_step_sense_over.restype = c_int32
+    library.jcas_sim_step_sense_with.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_step_sense_with.restype = c_int32
     library.jcas_sim_step_communicate.argtypes = (c_void_p,)
     library.jcas_sim_step_communicate.restype = c_int32
-    library.jcas_sim_step_communicate_over.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_size_t)
-    library.jcas_sim_step_communicate_over.restype = c_int32
+    library.jcas_sim_step_communicate_with.argtypes = (c_void_p, c_void_p, c_size_t, c_void_p, c_size_t)
+    library.jcas_sim_step_communicate_with.restype = c_int32
     library.jcas_sim_step_end.argtypes = (c_void_p, POINTER(jcas_outcome))
     library.jcas_sim_step_end.restype = c_int32
     library.jcas_sim_set_hotspots.argtypes = (c_void_p, POINTER(jcas_cell), c_size_t)

@@ -15,7 +15,7 @@ from .sim import Sim
 
 Line = dict[str, Any]
 
-STEP_PARTS = ("step_sense_over", "step_communicate_over")
+STEP_PARTS = ("step_sense_with", "step_communicate_with")
 WITHIN_A_STEP = ("set_positions", "ground", "confirm_hotspot", *STEP_PARTS)
 
 
@@ -30,12 +30,12 @@ def step_with_host(sim: Sim, actions: npt.NDArray[np.float32], host: list[Line])
     for line in host:
         if line["kind"] in WITHIN_A_STEP and line["kind"] not in STEP_PARTS:
             _CALLS[line["kind"]](sim, line)
-    if "step_sense_over" in within:
-        _sense_over(sim, within["step_sense_over"])
+    if "step_sense_with" in within:
+        _sense_with(sim, within["step_sense_with"])
     else:
         sim._check(lib.jcas_sim_step_sense(sim.handle))
-    if "step_communicate_over" in within:
-        _communicate_over(sim, within["step_communicate_over"])
+    if "step_communicate_with" in within:
+        _communicate_with(sim, within["step_communicate_with"])
     else:
         sim._check(lib.jcas_sim_step_communicate(sim.handle))
     sim._check(lib.jcas_sim_step_end(sim.handle, ctypes.byref(sim._outcome)))
@@ -61,20 +61,20 @@ def _set_batteries(sim: Sim, line: Line) -> None:
     sim._check(lib.jcas_sim_set_batteries(sim.handle, charges.ctypes.data, charges.size))
 
 
-def _sense_over(sim: Sim, line: Line) -> None:
+def _sense_with(sim: Sim, line: Line) -> None:
     detections = np.zeros((sim.model.uav_count, sim.model.hotspot_count), np.uint8)
     for uav, hotspot in line["detections"]:
         detections[uav, hotspot] = 1
-    sim._check(lib.jcas_sim_step_sense_over(sim.handle, detections.ctypes.data, detections.size))
+    sim._check(lib.jcas_sim_step_sense_with(sim.handle, detections.ctypes.data, detections.size))
 
 
-def _communicate_over(sim: Sim, line: Line) -> None:
+def _communicate_with(sim: Sim, line: Line) -> None:
     links = np.zeros((sim.model.uav_count, sim.model.uav_count), np.uint8)
     for i, k in line["links"]:
         links[i, k] = links[k, i] = 1
     measured = np.array([] if line["throughput"] is None else line["throughput"], dtype=np.float64)
     pointer = measured.ctypes.data if measured.size else None
-    sim._check(lib.jcas_sim_step_communicate_over(sim.handle, links.ctypes.data, links.size, pointer, measured.size))
+    sim._check(lib.jcas_sim_step_communicate_with(sim.handle, links.ctypes.data, links.size, pointer, measured.size))
 
 
 _CELL = ctypes.POINTER(_abi.jcas_cell)
@@ -88,8 +88,8 @@ _CALLS: dict[str, Callable[[Sim, Line], None]] = {
     "move_hotspot": lambda sim, line: sim._check(lib.jcas_sim_move_hotspot(sim.handle, line["hotspot"], *line["cell"])),
     "ground": lambda sim, line: sim._check(lib.jcas_sim_ground(sim.handle, line["uav"])),
     "confirm_hotspot": lambda sim, line: sim._check(lib.jcas_sim_confirm_hotspot(sim.handle, line["hotspot"])),
-    "step_sense_over": _sense_over,
-    "step_communicate_over": _communicate_over,
+    "step_sense_with": _sense_with,
+    "step_communicate_with": _communicate_with,
 }
 
 KINDS = frozenset(_CALLS)

@@ -68,7 +68,7 @@ impl Machine<'_> {
         judge(&done, due && hotspot < hotspots)
     }
 
-    pub(super) fn sense_over(&mut self, dice: &mut Dice) -> Done {
+    pub(super) fn sense_with(&mut self, dice: &mut Dice) -> Done {
         let (uavs, hotspots) = (self.model.uav_count(), self.model.hotspot_count());
         let mut detections: Vec<u8> = (0..uavs * hotspots)
             .map(|_| u8::from(dice.one_in(3)))
@@ -79,7 +79,7 @@ impl Machine<'_> {
         }
         let due = self.phase() == Phase::Moved;
         let done = self.open(dice, |model, state, scratch| {
-            model.step_sense_over(state, scratch, &detections)
+            model.step_sense_with(state, scratch, &detections)
         });
         if done.is_ok() {
             let rows = detections.chunks(hotspots);
@@ -89,7 +89,7 @@ impl Machine<'_> {
         judge(&done, due && legal)
     }
 
-    pub(super) fn communicate_over(&mut self, dice: &mut Dice) -> Done {
+    pub(super) fn communicate_with(&mut self, dice: &mut Dice) -> Done {
         let uavs = self.model.uav_count();
         let mut links = vec![0; uavs * uavs];
         for i in 0..uavs {
@@ -113,7 +113,7 @@ impl Machine<'_> {
             .all(|value| (0.0..=1e9).contains(value));
         let due = self.phase() == Phase::Sensed;
         let done = self.open(dice, |model, state, scratch| {
-            model.step_communicate_over(state, scratch, &links, measured.as_deref())
+            model.step_communicate_with(state, scratch, &links, measured.as_deref())
         });
         if done.is_ok() {
             let rows = links.chunks(uavs);

@@ -104,7 +104,7 @@ pub struct World {
     /// `knows[i][j]`: the paper's k_ij.
     pub knows: Vec<Vec<bool>>,
     /// Step at which each hotspot was confirmed.
-    pub detected_at: Vec<Option<u32>>,
+    pub confirmed_at: Vec<Option<u32>>,
     /// Step at which each hotspot became known to every UAV.
     pub informed_at: Vec<Option<u32>>,
     /// `visited[y][x]`: some UAV has been there.

@@ -37,7 +37,7 @@ impl Specification {
         } else {
             entries.extend([0.0, 0.0]);
         }
-        entries.push(flag(world.detected_at[j].is_some()));
+        entries.push(flag(world.confirmed_at[j].is_some()));
         entries.push(flag(knows));
     }
 
@@ -63,7 +63,7 @@ impl Specification {
 
     fn push_progress(&self, world: &World, entries: &mut Vec<f64>) {
         let m = self.hotspots() as f64;
-        entries.push(world.detected_at.iter().flatten().count() as f64 / m);
+        entries.push(world.confirmed_at.iter().flatten().count() as f64 / m);
         entries.push(world.informed_at.iter().flatten().count() as f64 / m);
         entries.push(f64::from(world.t) / f64::from(self.config.horizon_steps));
     }
@@ -78,7 +78,7 @@ impl Specification {
         }
         for j in 0..self.hotspots() {
             self.push_cell(world.hotspot[j], &mut entries);
-            entries.push(flag(world.detected_at[j].is_some()));
+            entries.push(flag(world.confirmed_at[j].is_some()));
             entries.push(self.knowing_share(world, j));
         }
         entries.push(self.normalised_intensity(world));

@@ -43,7 +43,7 @@ impl Specification {
     fn way_to_go(&self, world: &World, i: usize) -> f64 {
         let mut nearest: Option<i64> = None;
         for j in 0..self.hotspots() {
-            if world.detected_at[j].is_some() {
+            if world.confirmed_at[j].is_some() {
                 continue;
             }
             let distance = world.position[i].manhattan(world.hotspot[j]);
@@ -56,7 +56,7 @@ impl Specification {
 
     /// w_u for each unconfirmed hotspot.
     fn left_to_confirm(&self, world: &World) -> f64 {
-        let unconfirmed = world.detected_at.iter().filter(|at| at.is_none()).count();
+        let unconfirmed = world.confirmed_at.iter().filter(|at| at.is_none()).count();
         self.config.shaping_unconfirmed_weight * unconfirmed as f64
     }
 

@@ -29,7 +29,7 @@ impl Specification {
             hotspot: self.place_hotspots(seed),
             detected: vec![vec![false; m]; n],
             knows: vec![vec![false; m]; n],
-            detected_at: vec![None; m],
+            confirmed_at: vec![None; m],
             informed_at: vec![None; m],
             searched: vec![vec![vec![false; self.width() as usize]; self.height() as usize]; n],
             visited,

@@ -74,7 +74,7 @@ impl Specification {
     ) -> Rewards {
         let c = &self.config;
         let now = Some(world.t);
-        let detected = world.detected_at.iter().filter(|&&at| at == now).count();
+        let detected = world.confirmed_at.iter().filter(|&&at| at == now).count();
         let informed = match c.inform_payment {
             InformPayment::Once => world.informed_at.iter().filter(|&&at| at == now).count(),
             InformPayment::EveryStep => world.informed_at.iter().flatten().count(),
@@ -145,7 +145,7 @@ impl Specification {
         let mut sum = 0.0;
         let mut confirmed = 0;
         for j in 0..self.hotspots() {
-            if world.detected_at[j].is_some() {
+            if world.confirmed_at[j].is_some() {
                 confirmed += 1;
                 sum += self.knowing_share(world, j);
             }

@@ -118,7 +118,7 @@ impl Specification {
         let mut was_sensing = vec![false; n];
         let mut positive = vec![vec![false; m]; n];
         for &j in &host.confirmed {
-            world.detected_at[j] = world.detected_at[j].or(Some(world.t));
+            world.confirmed_at[j] = world.confirmed_at[j].or(Some(world.t));
         }
         for i in 0..n {
             for j in 0..m {
@@ -138,11 +138,11 @@ impl Specification {
         }
         for j in 0..m {
             let count = (0..n).filter(|&i| positive[i][j]).count();
-            if world.detected_at[j].is_none() && count >= self.config.quorum as usize {
-                world.detected_at[j] = Some(world.t);
+            if world.confirmed_at[j].is_none() && count >= self.config.quorum as usize {
+                world.confirmed_at[j] = Some(world.t);
             }
             for i in 0..n {
-                if positive[i][j] && world.detected_at[j].is_some() {
+                if positive[i][j] && world.confirmed_at[j].is_some() {
                     world.knows[i][j] = true;
                 }
             }
