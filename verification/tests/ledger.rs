@@ -251,13 +251,16 @@ fn every_stub_is_an_assumption_of_its_proof() {
             stubbed.push(pair.split(',').next().unwrap().to_owned());
         }
         for function in stubbed {
-            let row = rows
-                .iter()
-                .find(|row| row[1].contains(&format!("`{function}`")))
-                .unwrap_or_else(|| panic!("ASSUMPTIONS.md has no row for {function}"));
+            // Two proofs may stub one function differently: each stub has a row.
+            let quoted = format!("`{function}`");
+            let stubs: Vec<_> = rows.iter().filter(|row| row[1].contains(&quoted)).collect();
+            assert!(
+                !stubs.is_empty(),
+                "ASSUMPTIONS.md has no row for {function}"
+            );
             let declared = &proofs[&harness.path].assumptions;
             assert!(
-                declared.contains(&row[0]),
+                stubs.iter().any(|row| declared.contains(&row[0])),
                 "{} stubs {function}",
                 harness.path
             );
