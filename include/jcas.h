@@ -187,9 +187,6 @@
 // Observations end with the UAV's index over N - 1.
 #define JCAS_TAG_INDEX 1
 
-// Observations end with a number in [0, 1) that is drawn for each UAV and episode.
-#define JCAS_TAG_RANDOM 2
-
 // A step may begin, whole or by parts: jcas_sim_step, jcas_sim_step_begin.
 #define JCAS_PHASE_READY 1
 
@@ -413,7 +410,7 @@ typedef struct jcas_config {
     // Whether observations show how much is unsearched in eight directions: JCAS_DIRECTIONS_OFF
     // (default) or JCAS_DIRECTIONS_SHOWN.
     int32_t map_directions;
-    // What tells UAVs in one cell apart: JCAS_TAG_OFF (default), JCAS_TAG_INDEX or JCAS_TAG_RANDOM.
+    // What tells UAVs in one cell apart: JCAS_TAG_OFF (default) or JCAS_TAG_INDEX.
     int32_t uav_tag;
     // Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u);
     // from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]

@@ -204,8 +204,8 @@ configuration! {
     map_window_radius: u32 = 0, "cells", 0..=32;
     /// Whether observations show how much is unsearched in eight directions: `off` or `shown`.
     map_directions: MapDirections = MapDirections::Off, "off | shown", 0..=1;
-    /// What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode.
-    uav_tag: UavTag = UavTag::Off, "off | index | random", 0..=2;
+    /// What tells UAVs in one cell apart: nothing (`off`) or its `index`.
+    uav_tag: UavTag = UavTag::Off, "off | index", 0..=1;
     /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u); from 1
     /// on a confirmation never lowers it.
     shaping_unconfirmed_weight: f64 = 1.0, "longest ways", 0..=1000;

@@ -373,7 +373,7 @@ impl<'m> Model<'m> {
     pub(crate) const fn tag_len(&self) -> usize {
         match self.config.uav_tag {
             UavTag::Off => 0,
-            UavTag::Index | UavTag::Random => 1,
+            UavTag::Index => 1,
         }
     }
 

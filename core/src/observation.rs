@@ -3,13 +3,12 @@
 pub mod fields;
 
 use crate::bits;
-use crate::config::{Cell, TargetVisibility, UavTag};
+use crate::config::{Cell, TargetVisibility};
 use crate::error::Error;
 use crate::lanes::neighbours::Ranking;
 use crate::lanes::real::Divisors;
 use crate::lanes::{self, Block, Cells, Lanes, WIDTH, in_memory, repeat};
 use crate::model::Model;
-use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
 use crate::search::unsearched_shares;
 use crate::state::StateRef;
@@ -402,12 +401,7 @@ impl<'v> View<'v> {
 
     /// What tells UAV i apart.
     fn tag(&self, i: usize) -> f32 {
-        if self.model.config().uav_tag == UavTag::Random {
-            let draw = rng::bits64(self.state.seed(), 0, i as u32, 0, Purpose::Tag);
-            rng::unit(draw) as f32
-        } else {
-            index_tag(i, self.model.uav_count())
-        }
+        index_tag(i, self.model.uav_count())
     }
 
     /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots at a time. Where there

@@ -50,8 +50,6 @@ pub enum Purpose {
     Seed = 6,
     /// Free for policies that need draws of their own.
     Policy = 7,
-    /// The number that tells a UAV apart.
-    Tag = 8,
 }
 
 /// The counter of a block. Injective: each argument has a word of its own.

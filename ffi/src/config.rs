@@ -34,8 +34,6 @@ pub const JCAS_DIRECTIONS_SHOWN: i32 = 1;
 pub const JCAS_TAG_OFF: i32 = 0;
 /// Observations end with the UAV's index over N - 1.
 pub const JCAS_TAG_INDEX: i32 = 1;
-/// Observations end with a number in [0, 1) that is drawn for each UAV and episode.
-pub const JCAS_TAG_RANDOM: i32 = 2;
 
 const _: () = assert!(JCAS_MAX_DEPOTS == MAX_DEPOTS);
 
@@ -204,7 +202,7 @@ pub struct jcas_config {
     /// Whether observations show how much is unsearched in eight directions: JCAS_DIRECTIONS_OFF
     /// (default) or JCAS_DIRECTIONS_SHOWN.
     pub map_directions: i32,
-    /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default), JCAS_TAG_INDEX or JCAS_TAG_RANDOM.
+    /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default) or JCAS_TAG_INDEX.
     pub uav_tag: i32,
     /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u);
     /// from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]

@@ -59,9 +59,9 @@ static void abuse_fields(const struct subject *subject)
     config.target_visibility = -1;
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
     config = subject->config;
-    config.uav_tag = 3;
+    config.uav_tag = 2;
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
-    CHECK(strstr(message, "uav_tag = 3") != NULL);
+    CHECK(strstr(message, "uav_tag = 2") != NULL);
     config = subject->config;
     config.search_maps = JCAS_MAPS_OFF; /* which leaves a window of nothing */
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));

@@ -41,6 +41,6 @@ record several_depots --uavs 8 --hotspots 5 --policy teams --pilot adaptive \
 record narrow_grid --uavs 7 --hotspots 2 --policy random --pilot adaptive \
     --set grid_width=2 --set grid_height=9 --set neighbour_slots=3 --set horizon_steps=40
 record search --preset search --uavs 8 --hotspots 5 --policy random --pilot max --episode 2 \
-    --set uav_tag=random --set horizon_steps=60
+    --set uav_tag=index --set horizon_steps=60
 record large_fleet --uavs 70 --hotspots 66 --policy teams --pilot adaptive \
     --set grid_width=32 --set grid_height=28 --set horizon_steps=16

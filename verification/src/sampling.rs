@@ -61,8 +61,8 @@ pub fn configuration(dice: &mut Dice) -> Config {
 
 /// Search maps and what observations show of them.
 fn search(dice: &mut Dice, c: &mut Config) {
-    let tags = [UavTag::Off, UavTag::Index, UavTag::Random];
-    c.uav_tag = tags[dice.integer(0, 2) as usize];
+    let tags = [UavTag::Off, UavTag::Index];
+    c.uav_tag = tags[dice.integer(0, 1) as usize];
     if dice.one_in(2) {
         c.search_maps = SearchMaps::Shared;
         c.search_map_radius_m = match dice.integer(0, 3) {

@@ -121,12 +121,10 @@ choice! {
 
 choice! {
     /// What tells UAVs in one cell apart.
-    UavTag, "`off`, `index` or `random`" {
+    UavTag, "`off` or `index`" {
         /// Nothing.
         Off = "off",
         /// i/(N - 1).
         Index = "index",
-        /// A number in [0, 1) that is drawn for each UAV and episode.
-        Random = "random",
     }
 }

@@ -6,15 +6,14 @@ use super::standin as kani;
 use crate::rng::{Purpose, below, counter, unit};
 
 fn any_purpose() -> Purpose {
-    match between(1, 8) {
+    match between(1, 7) {
         1 => Purpose::Detect,
         2 => Purpose::Carbon,
         3 => Purpose::InitialSoc,
         4 => Purpose::Hotspot,
         5 => Purpose::Shuffle,
         6 => Purpose::Seed,
-        7 => Purpose::Policy,
-        _ => Purpose::Tag,
+        _ => Purpose::Policy,
     }
 }
 

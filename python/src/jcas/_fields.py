@@ -146,7 +146,7 @@ class Fields(TypedDict, total=False):
     map_directions: Literal["off", "shown"] | None
     """Whether observations show how much is unsearched in eight directions: `off` or `shown`. One of off,
     shown."""
-    uav_tag: Literal["off", "index", "random"] | None
+    uav_tag: Literal["off", "index"] | None
     """What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode. One of
     off, index, random."""
     shaping_unconfirmed_weight: float | None

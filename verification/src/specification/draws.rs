@@ -11,7 +11,6 @@ const SOC: u32 = 3;
 const HOTSPOT: u32 = 4;
 const SHUFFLE: u32 = 5;
 const SEED: u32 = 6;
-const TAG: u32 = 8;
 
 /// One Bernoulli(p) draw for UAV i and hotspot j in step t.
 ///
@@ -39,11 +38,6 @@ pub fn carbon_intensity(seed: u64, t: u32, lo: u64, hi: u64) -> u64 {
 /// The state of charge that UAV i starts with, uniform in [lo, hi).
 pub fn initial_soc(seed: u64, i: usize, lo: f64, hi: f64) -> f64 {
     lo + (hi - lo) * unit(first_u64(block(seed, [0, i as u32, 0, SOC])))
-}
-
-/// The random tag of UAV i.
-pub fn tag(seed: u64, i: usize) -> f64 {
-    unit(first_u64(block(seed, [0, i as u32, 0, TAG])))
 }
 
 /// A real in [0, 1) out of 64 random bits.

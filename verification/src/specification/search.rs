@@ -79,7 +79,6 @@ impl Specification {
         match self.config.uav_tag {
             UavTag::Off => {}
             UavTag::Index => entries.push(fraction(i as f64, (self.uavs() - 1) as f64)),
-            UavTag::Random => entries.push(draws::tag(world.seed, i)),
         }
     }
 
