@@ -2,7 +2,6 @@
 
 mod fmu;
 mod kani_output;
-mod ledger;
 mod mutants;
 mod process;
 mod prove;
@@ -15,7 +14,8 @@ const USAGE: &str = "\
 usage: cargo xtask <task> [name ...]
 
 tasks:
-  prove     run the Kani harnesses of verification/proofs.toml and write a table
+  prove     run the Kani harnesses of verification/proofs.toml and record the
+            verdicts in verification/results.toml and RESULTS.md
   mutants   show that the test twin of each proof catches its deliberate fault
             (with --kani also that Kani does)
   fmu       pack the kernel as a Functional Mock-up Unit, FMI 3.0 (--out FILE)

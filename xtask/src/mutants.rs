@@ -5,8 +5,8 @@
 //! in the copy without the edit and fail with it; and with `--kani`, so must the proof.
 
 use crate::kani_output::Proven;
-use crate::ledger::{Ledger, Mutant, Proof, workspace_root};
 use crate::{process, prove, report};
+use jcas_ledger::{Ledger, Mutant, Proof, read, workspace_root, write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -54,7 +54,7 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
         ]);
     }
     let path = workspace_root().join("target/proofs/mutants.md");
-    report::write(&path, &report::table(&rows))?;
+    write(&path, &report::table(&rows))?;
     println!("{}", report::table(&rows));
     println!("written to {}", path.display());
     Ok(all_caught)
@@ -79,10 +79,10 @@ impl Copy {
             copy_folder(&workspace_root().join(name), &root.join(name))?;
         }
         for name in ["Cargo.lock", "rust-toolchain.toml"] {
-            report::write(&root.join(name), &read(&workspace_root().join(name))?)?;
+            write(&root.join(name), &read(&workspace_root().join(name))?)?;
         }
         let manifest = read(&workspace_root().join("Cargo.toml"))?;
-        report::write(&root.join("Cargo.toml"), &with_members(&manifest)?)?;
+        write(&root.join("Cargo.toml"), &with_members(&manifest)?)?;
         Ok(Copy { root })
     }
 
@@ -94,21 +94,30 @@ impl Copy {
         with_kani: bool,
     ) -> Result<(String, String), String> {
         let proven = if with_kani {
-            Some(prove::prove(proof, &self.root)?)
+            Some(self.prove(proof)?)
         } else {
             None
         };
         let original = read(&self.root.join(&proof.mutant.file))?;
-        let mutated = proof.mutant.apply(&original)?;
-        report::write(&self.root.join(&proof.mutant.file), &mutated)?;
+        let mutated = apply(&proof.mutant, &original)?;
+        write(&self.root.join(&proof.mutant.file), &mutated)?;
         let after = self.run_twin(proof);
         let kani = match proven {
             None => Ok("not asked".to_owned()),
             Some(Err(why)) => Ok(not_proven(&why)),
-            Some(Ok(_)) => prove::prove(proof, &self.root).map(kani_verdict),
+            Some(Ok(_)) => self.prove(proof).map(kani_verdict),
         };
-        report::write(&self.root.join(&proof.mutant.file), &original)?;
+        write(&self.root.join(&proof.mutant.file), &original)?;
         Ok((twin_verdict(before, after?).to_owned(), kani?))
+    }
+
+    /// What Kani says of the harness in the copy as it stands.
+    fn prove(&self, proof: &Proof) -> Result<Result<Proven, String>, String> {
+        let (judged, _) = prove::prove(&[proof], &self.root)?;
+        let mut verdicts = judged.into_iter().map(|one| one.verdict);
+        Ok(verdicts
+            .next()
+            .unwrap_or_else(|| Err("no verdict".to_owned())))
     }
 
     fn run_twin(&self, proof: &Proof) -> Result<Twin, String> {
@@ -165,16 +174,14 @@ fn twin_verdict(before: Twin, after: Twin) -> &'static str {
     }
 }
 
-impl Mutant {
-    /// The text with its one edit.
-    fn apply(&self, text: &str) -> Result<String, String> {
-        match text.matches(&self.find).count() {
-            1 => Ok(text.replace(&self.find, &self.replace)),
-            n => Err(format!(
-                "{}: {n} places instead of 1 read `{}`",
-                self.file, self.find
-            )),
-        }
+/// The text with the one edit of a mutant.
+fn apply(mutant: &Mutant, text: &str) -> Result<String, String> {
+    match text.matches(&mutant.find).count() {
+        1 => Ok(text.replace(&mutant.find, &mutant.replace)),
+        n => Err(format!(
+            "{}: {n} places instead of 1 read `{}`",
+            mutant.file, mutant.find
+        )),
     }
 }
 
@@ -216,10 +223,6 @@ fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
     Ok(())
 }
 
-fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,16 +238,19 @@ mod tests {
     #[test]
     fn a_mutant_edits_exactly_one_place() {
         assert_eq!(
-            mutant("a + b").apply("let c = a + b;").unwrap(),
+            apply(&mutant("a + b"), "let c = a + b;").unwrap(),
             "let c = a - b;"
         );
         assert!(
-            mutant("a + b")
-                .apply("let c = a;")
+            apply(&mutant("a + b"), "let c = a;")
                 .unwrap_err()
                 .contains("0 places")
         );
-        assert!(mutant("a").apply("a + a").unwrap_err().contains("2 places"));
+        assert!(
+            apply(&mutant("a"), "a + a")
+                .unwrap_err()
+                .contains("2 places")
+        );
     }
 
     #[test]

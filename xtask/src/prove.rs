@@ -1,170 +1,365 @@
-//! Runs the harnesses under Kani, one by one, and writes the table of results.
+//! Runs the harnesses under Kani and records what it says of each.
 
-use crate::kani_output::{Proven, Report};
-use crate::ledger::{Ledger, Proof, workspace_root};
-use crate::{process, report};
-use std::path::{Path, PathBuf};
+use crate::kani_output::{self, Proven, Report};
+use crate::process;
+use jcas_ledger::{Ledger, Outcome, Proof, Results, Run, Solver, Verdict, workspace_root};
+use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Time that building a crate for Kani may add to a harness's own limit.
+/// Seconds that building a crate for Kani may add to the limits of its harnesses.
 const BUILD_S: u64 = 600;
 
-/// Columns of the table of results.
-const HEADING: [&str; 9] = [
-    "id",
-    "harness",
-    "claim",
-    "bound",
-    "assumptions",
-    "result",
-    "checks",
-    "covers",
-    "seconds",
-];
-
-/// Proves what `names` select; true if everything was proven.
-pub fn run(names: &[String]) -> Result<bool, String> {
-    let proofs = Ledger::read()?.select(names)?;
-    require_kani()?;
-    let mut rows = vec![HEADING.map(str::to_owned).to_vec()];
-    let mut all_proven = true;
-    for proof in &proofs {
-        eprint!("{} {} ... ", proof.id, proof.name());
-        let verdict = prove(proof, &workspace_root())?;
-        eprintln!(
-            "{}",
-            verdict
-                .as_ref()
-                .map_or_else(|why| why.clone(), |_| "proven".to_owned())
-        );
-        all_proven &= verdict.is_ok();
-        rows.push(row(proof, &verdict));
-    }
-    let path = results_path();
-    report::write(&path, &report::table(&rows))?;
-    println!("{}", report::table(&rows));
-    println!("written to {}", path.display());
-    Ok(all_proven)
+/// What became of one harness.
+pub struct Judged {
+    pub proof: Proof,
+    pub verdict: Result<Proven, String>,
+    /// The solver that ran, by its own words.
+    pub solver: Option<String>,
 }
 
-/// Runs one harness of the workspace at `root`.
-pub fn prove(proof: &Proof, root: &Path) -> Result<Result<Proven, String>, String> {
+/// Proves what `names` select, and records it; true if everything was proven.
+pub fn run(names: &[String]) -> Result<bool, String> {
+    let ledger = Ledger::read()?;
+    let proofs = ledger.select(names)?;
+    let kani = require_kani()?;
+    let root = workspace_root();
+    let commit = clean_commit(&root, &ledger)?;
+    if commit.is_none() {
+        eprintln!("The sources have changes that are not committed: nothing will be recorded.");
+    }
+    let (begin, mut proven, mut solver_s) = (Instant::now(), 0, 0.0);
+    for group in groups(&proofs) {
+        eprintln!(
+            "{}, {}, limit {} s:",
+            group[0].package,
+            group[0].solver,
+            limit_s(group[0])
+        );
+        let (judged, cbmc) = prove(&group, &root)?;
+        for one in &judged {
+            println!("{}", line(one));
+            proven += usize::from(one.verdict.is_ok());
+            solver_s += one.verdict.as_ref().map_or(0.0, |proven| proven.seconds);
+        }
+        // After each group, so that a run that is cut short keeps what it has.
+        if let Some(commit) = &commit {
+            let run = Run {
+                commit: commit.clone(),
+                date: output("date", &["-u", "+%F"])?,
+                kani: kani.clone(),
+                cbmc: cbmc.unwrap_or_else(|| "unknown".to_owned()),
+                machine: machine(),
+                sources: ledger.fingerprints(&root)?,
+            };
+            record(&ledger, run, judged)?;
+        }
+    }
+    let wall_s = begin.elapsed().as_secs_f64();
+    println!(
+        "{proven} of {} proven in {wall_s:.0} s by the clock: {solver_s:.0} s in harnesses that were proven, \
+         the rest in compilation and in harnesses that were not",
+        proofs.len()
+    );
+    Ok(proven == proofs.len())
+}
+
+/// Proofs that one call of Kani can check with one compilation: same package, solver, flags and limit.
+pub fn groups(proofs: &[Proof]) -> Vec<Vec<&Proof>> {
+    let mut groups: Vec<Vec<&Proof>> = Vec::new();
+    for proof in proofs {
+        let same = |group: &&mut Vec<&Proof>| {
+            let first = group[0];
+            first.package == proof.package
+                && first.solver == proof.solver
+                && first.flags == proof.flags
+                && limit_s(first) == limit_s(proof)
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(proof),
+            None => groups.push(vec![proof]),
+        }
+    }
+    groups
+}
+
+/// The ledger's limit, rounded up to a minute times a power of two, so that few limits occur.
+fn limit_s(proof: &Proof) -> u64 {
+    60 * proof.time_limit_s().div_ceil(60).next_power_of_two()
+}
+
+/// The arguments with which cargo checks a group.
+fn arguments(group: &[&Proof]) -> Vec<String> {
+    let first = group[0];
+    let mut arguments = vec!["kani".to_owned(), "-p".to_owned(), first.package.clone()];
+    for proof in group {
+        arguments.extend(["--harness".to_owned(), proof.harness.clone()]);
+    }
+    let limit = format!("{}s", limit_s(first));
+    let solver = first.solver.to_string();
+    let common = [
+        "--exact",
+        "-Z",
+        "function-contracts",
+        "-Z",
+        "stubbing",
+        "-Z",
+        "unstable-options",
+        "--harness-timeout",
+        &limit,
+        "--solver",
+        &solver,
+        "--output-format",
+        "regular",
+    ];
+    arguments.extend(common.map(str::to_owned));
+    arguments.extend(first.flags.iter().cloned());
+    arguments
+}
+
+/// Runs one group of the workspace at `root`; also returns the version of CBMC.
+pub fn prove(group: &[&Proof], root: &Path) -> Result<(Vec<Judged>, Option<String>), String> {
     let mut command = Command::new("cargo");
     command
         .current_dir(root)
         // Kani brings a compiler of its own; the one that runs this task is not to be passed on.
         .env_remove("RUSTUP_TOOLCHAIN")
         .env_remove("RUSTC")
-        .args([
-            "kani",
-            "-p",
-            &proof.package,
-            "--harness",
-            &proof.harness,
-            "--exact",
-        ])
-        .args([
-            "-Z",
-            "function-contracts",
-            "-Z",
-            "stubbing",
-            "-Z",
-            "unstable-options",
-        ])
-        .args(["--harness-timeout", &format!("{}s", proof.time_limit_s())])
-        .args(["--output-format", "regular"])
-        .args(&proof.flags);
-    let limit = Duration::from_secs(proof.time_limit_s() + BUILD_S);
-    let finished = process::run(&mut command, limit)?;
-    if finished.timed_out {
-        return Ok(Err(format!(
-            "stopped after {} s",
-            finished.elapsed.as_secs()
-        )));
-    }
-    let verdict = Report::parse(&finished.output).accept(&proof.harness, proof.covers);
-    if verdict.is_ok() && !finished.success {
-        return Ok(Err("cargo kani ended with an error".to_owned()));
-    }
-    Ok(verdict.map_err(|why| explain(why, &finished.output)))
+        .args(arguments(group));
+    let limits_s: u64 = group.iter().map(|proof| limit_s(proof)).sum();
+    let finished = process::run(&mut command, Duration::from_secs(limits_s + BUILD_S))?;
+    let stopped = finished.timed_out.then_some(finished.elapsed.as_secs());
+    Ok((
+        judge(group, &finished.output, stopped),
+        kani_output::cbmc_version(&finished.output),
+    ))
 }
 
-/// Adds the compiler's first error to a verdict that is only its consequence.
-fn explain(why: String, output: &str) -> String {
+/// What the output of one call says of each proof; `stopped_s` where the call itself was stopped.
+fn judge(group: &[&Proof], output: &str, stopped_s: Option<u64>) -> Vec<Judged> {
+    let reports = Report::parse_all(output);
+    let mut judged = Vec::new();
+    for proof in group {
+        let report = reports
+            .iter()
+            .find(|report| report.harness == proof.harness);
+        let verdict = match (report, stopped_s) {
+            (Some(report), _) => report.accept(proof.covers),
+            (None, Some(seconds)) => Err(format!("not reached: stopped after {seconds} s")),
+            (None, None) => Err(explain(output)),
+        };
+        judged.push(Judged {
+            proof: (*proof).clone(),
+            verdict,
+            solver: report.and_then(|report| report.solver.clone()),
+        });
+    }
+    judged
+}
+
+/// Why a harness was not run: the compiler's first error.
+fn explain(output: &str) -> String {
     let error = output.lines().find(|line| line.starts_with("error"));
-    match error {
-        Some(error) if why.starts_with("expected the harness") => format!("{why}; {error}"),
-        _ => why,
-    }
+    format!(
+        "Kani did not run the harness; {}",
+        error.unwrap_or("it gave no error")
+    )
 }
 
-fn row(proof: &Proof, verdict: &Result<Proven, String>) -> Vec<String> {
-    let mut cells = vec![
-        proof.id.clone(),
-        proof.name().to_owned(),
-        proof.claim.clone(),
-        proof.bound.clone(),
-        proof.assumptions.join(", "),
-    ];
-    match verdict {
-        Ok(proven) => cells.extend([
-            "proven".to_owned(),
-            format!("{} ({} unreachable)", proven.checks, proven.unreachable),
-            format!("{} of {}", proven.covers, proof.covers),
-            format!("{:.1}", proven.seconds),
-        ]),
-        Err(why) => cells.extend([
-            format!("NOT PROVEN: {}", why.replace('|', "/")),
-            "-".to_owned(),
-            "-".to_owned(),
-            "-".to_owned(),
-        ]),
-    }
-    cells
-}
-
-/// Stops early, with the way to install it, where Kani is missing.
-pub fn require_kani() -> Result<(), String> {
-    let version = Command::new("cargo").args(["kani", "--version"]).output();
-    match version {
-        Ok(output) if output.status.success() => Ok(()),
-        _ => Err(
-            "Kani is not installed: `cargo install --locked kani-verifier --version 0.67.0 \
-                  && cargo kani setup`.\nWithout it, `cargo test` runs every harness on random \
-                  inputs, which is a test and not a proof."
-                .to_owned(),
+fn line(judged: &Judged) -> String {
+    let name = &judged.proof.harness;
+    let solver = judged.solver.as_deref().unwrap_or("no solver");
+    match &judged.verdict {
+        Ok(p) => format!(
+            "{} {name}: proven, {} checks ({} unreachable), {} covers, {:.1} s, {solver}",
+            judged.proof.id, p.checks, p.unreachable, p.covers, p.seconds
         ),
+        Err(why) => format!("{} {name}: NOT PROVEN, {why}, {solver}", judged.proof.id),
     }
 }
 
-fn results_path() -> PathBuf {
-    workspace_root().join("target/proofs/results.md")
+/// Puts the verdicts into `results.toml` and writes the page anew.
+fn record(ledger: &Ledger, run: Run, judged: Vec<Judged>) -> Result<(), String> {
+    let mut results = Results::read()?;
+    let now = run.sources.clone();
+    let outcomes = judged
+        .into_iter()
+        .map(|one| outcome(one, &run.commit))
+        .collect();
+    results.record(run, outcomes);
+    results.prune(ledger);
+    results.write()?;
+    let page = jcas_ledger::page(ledger, &results, &now);
+    jcas_ledger::write(&workspace_root().join("verification/RESULTS.md"), &page)
+}
+
+fn outcome(judged: Judged, commit: &str) -> Outcome {
+    let asked = judged.proof.solver;
+    let mut outcome = Outcome {
+        package: judged.proof.package,
+        harness: judged.proof.harness,
+        commit: commit.to_owned(),
+        verdict: Verdict::Verified,
+        checks: None,
+        covers: None,
+        seconds: None,
+        solver: judged.solver,
+        mended: None,
+        note: None,
+    };
+    match judged.verdict {
+        Ok(proven) => {
+            outcome.checks = u32::try_from(proven.checks).ok();
+            outcome.covers = u32::try_from(proven.covers).ok();
+            outcome.seconds = Some(proven.seconds);
+            outcome.note = other_solver(asked, outcome.solver.as_deref());
+        }
+        Err(why) => {
+            outcome.verdict = match why.as_str() {
+                "CBMC timed out" => Verdict::NotSolved,
+                why if why.starts_with("not reached") => Verdict::Unfinished,
+                _ => Verdict::Failed,
+            };
+            outcome.note = Some(why);
+        }
+    }
+    outcome
+}
+
+/// CBMC takes another solver without an error where it was built without the one that is asked for.
+fn other_solver(asked: Solver, ran: Option<&str>) -> Option<String> {
+    let ran = ran?.to_lowercase();
+    // Kissat runs outside CBMC, which then says "external SAT solver".
+    let same = ran.starts_with(&asked.to_string()) || asked == Solver::Kissat;
+    (!same).then(|| format!("{asked} was asked for"))
+}
+
+/// Stops early, with the way to install it, where Kani is missing; otherwise returns its version.
+pub fn require_kani() -> Result<String, String> {
+    output("cargo", &["kani", "--version"])
+        .map(|version| version.trim_start_matches("cargo-kani ").to_owned())
+        .map_err(|_| {
+            "Kani is not installed: `cargo install --locked kani-verifier --version 0.67.0 \
+             && cargo kani setup`.\nWithout it, `cargo test` runs every harness on random \
+             inputs, which is a test and not a proof."
+                .to_owned()
+        })
+}
+
+/// The abbreviated commit; none where the ledger or a source has changes that are not committed.
+fn clean_commit(root: &Path, ledger: &Ledger) -> Result<Option<String>, String> {
+    let root = root.to_string_lossy();
+    let mut arguments = vec!["-C", &root, "status", "--porcelain", "--"];
+    arguments.push("verification/proofs.toml");
+    arguments.extend(ledger.sources.values().flatten().map(String::as_str));
+    if output("git", &arguments)?.is_empty() {
+        output("git", &["-C", &root, "rev-parse", "--short=7", "HEAD"]).map(Some)
+    } else {
+        Ok(None)
+    }
+}
+
+/// Processors, and how busy they were in the last minutes.
+fn machine() -> String {
+    let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
+    let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let load = load.split(' ').nth(2).unwrap_or("unknown").to_owned();
+    format!("{processors} processors, load {load}")
+}
+
+/// The first line of what a command prints.
+fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
+    let run = Command::new(program).args(arguments).output();
+    let run = run.map_err(|error| format!("cannot start {program}: {error}"))?;
+    if !run.status.success() {
+        return Err(String::from_utf8_lossy(&run.stderr).into_owned());
+    }
+    let text = String::from_utf8_lossy(&run.stdout);
+    Ok(text.lines().next().unwrap_or_default().to_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kani_output::tests::{PROVEN, TIMED_OUT};
 
-    /// Catches a column without a heading, and a verdict that breaks the table.
-    #[test]
-    fn every_cell_has_a_heading() {
-        let proofs = Ledger::read().unwrap().select(&[]).unwrap();
-        let proven = Proven {
-            checks: 3,
-            unreachable: 1,
-            covers: 1,
-            seconds: 0.8,
-        };
-        for verdict in [Ok(proven), Err("CBMC timed out".to_owned())] {
-            let cells = row(&proofs[0], &verdict);
-            assert_eq!(cells.len(), HEADING.len());
-        }
-        let late = row(&proofs[0], &Err("CBMC timed out".to_owned()));
-        assert_eq!(late[5], "NOT PROVEN: CBMC timed out");
+    fn proof(name: &str) -> Proof {
+        let ledger = Ledger::read().unwrap();
+        let mut proof = ledger.proof[0].clone();
+        proof.harness = format!("proofs::energy::{name}");
+        proof.covers = 1;
+        proof
     }
 
-    /// Catches flags that Kani would take for CBMC's: what follows `--cbmc-args` is passed on to CBMC.
+    fn outcome_of(output: &str, stopped_s: Option<u64>) -> Outcome {
+        let proof = proof("the_ledger_balances");
+        let mut judged = judge(&[&proof], output, stopped_s);
+        outcome(judged.remove(0), "0123456")
+    }
+
+    /// Catches a verdict that is recorded as better than Kani's output is.
+    #[test]
+    fn outcomes_are_what_kani_printed() {
+        let proven = outcome_of(PROVEN, None);
+        assert_eq!(proven.verdict, Verdict::Verified);
+        assert_eq!((proven.checks, proven.covers), (Some(3), Some(1)));
+        assert_eq!(proven.seconds, Some(0.8153));
+        assert_eq!(
+            proven.solver.as_deref(),
+            Some("MiniSAT 2.2.1 with simplifier")
+        );
+        assert_eq!(proven.note.as_deref(), Some("cadical was asked for"));
+        assert_eq!(outcome_of(TIMED_OUT, None).verdict, Verdict::NotSolved);
+        assert_eq!(outcome_of("", Some(9)).verdict, Verdict::Unfinished);
+        let broken = outcome_of("error[E0425]: no such name\n", None);
+        assert_eq!(broken.verdict, Verdict::Failed);
+        assert!(broken.note.unwrap().contains("E0425"));
+        let failed = PROVEN.replace("Status: SUCCESS", "Status: FAILURE");
+        assert_eq!(outcome_of(&failed, None).verdict, Verdict::Failed);
+    }
+
+    /// Catches a group whose harnesses are taken for each other.
+    #[test]
+    fn each_harness_of_a_call_is_judged_by_itself() {
+        let (one, other, third) = (proof("the_ledger_balances"), proof("late"), proof("never"));
+        let late = TIMED_OUT.replace("the_ledger_balances", "late");
+        let output = format!("{PROVEN}{late}");
+        let judged = judge(&[&one, &other, &third], &output, None);
+        assert!(judged[0].verdict.is_ok());
+        assert_eq!(judged[1].verdict.as_ref().unwrap_err(), "CBMC timed out");
+        assert!(
+            judged[2]
+                .verdict
+                .as_ref()
+                .unwrap_err()
+                .contains("did not run")
+        );
+    }
+
+    #[test]
+    fn proofs_of_one_call_share_all_that_the_call_fixes() {
+        let proofs = Ledger::read().unwrap().proof;
+        let groups = groups(&proofs);
+        assert_eq!(groups.iter().map(Vec::len).sum::<usize>(), proofs.len());
+        for group in &groups {
+            let first = group[0];
+            assert!(group.iter().all(|proof| proof.flags == first.flags));
+            assert!(
+                group
+                    .iter()
+                    .all(|proof| limit_s(proof) >= proof.time_limit_s())
+            );
+            let line = arguments(group).join(" ");
+            assert!(
+                line.contains(&format!("--solver {}", first.solver)),
+                "{line}"
+            );
+            assert_eq!(line.matches("--harness proofs::").count(), group.len());
+        }
+        assert!(groups.len() < proofs.len() / 2, "{} calls", groups.len());
+    }
+
+    /// Catches flags that Kani would take for CBMC's: it passes on all that follows `--cbmc-args`.
     #[test]
     fn flags_of_cbmc_come_last() {
         for proof in Ledger::read().unwrap().proof {

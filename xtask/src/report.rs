@@ -1,6 +1,4 @@
-//! A table in Markdown, written to a temporary name and then renamed.
-
-use std::path::Path;
+//! A table in Markdown.
 
 /// Rows of equal length, the first of them the heading.
 pub fn table(rows: &[Vec<String>]) -> String {
@@ -12,17 +10,6 @@ pub fn table(rows: &[Vec<String>]) -> String {
         }
     }
     text
-}
-
-/// Writes a file whole or not at all.
-pub fn write(path: &Path, text: &str) -> Result<(), String> {
-    let explain = |error: std::io::Error| format!("{}: {error}", path.display());
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(explain)?;
-    }
-    let partial = path.with_extension("partial");
-    std::fs::write(&partial, text).map_err(explain)?;
-    std::fs::rename(&partial, path).map_err(explain)
 }
 
 #[cfg(test)]

@@ -1,12 +1,17 @@
 //! `verification/proofs.toml`: what is claimed, and how each claim is checked.
 
+use crate::{read, workspace_root};
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::fmt;
 
 /// The whole ledger.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ledger {
+    /// Files and folders that the harnesses of a package depend on, from the workspace's root.
+    pub sources: BTreeMap<String, Vec<String>>,
+    /// One row for each harness.
     pub proof: Vec<Proof>,
 }
 
@@ -14,7 +19,7 @@ pub struct Ledger {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Proof {
-    /// The property it belongs to: P1, P2, ...
+    /// The property it belongs to: P1, P2, …
     pub id: String,
     /// Cargo package that holds the harness.
     pub package: String,
@@ -26,19 +31,45 @@ pub struct Proof {
     pub bound: String,
     /// Rows of ASSUMPTIONS.md that it rests on.
     pub assumptions: Vec<String>,
-    /// How many cover properties it has; all must be satisfied.
+    /// Number of its cover properties; all must be satisfied.
     pub covers: u32,
-    /// What it, or the one it was split from, took Kani on two busy cores.
+    /// Seconds that Kani took on two busy cores; 0 where nobody has measured it.
     #[serde(default)]
-    measured_s: u64,
-    /// What it may take, where nobody has measured it.
+    pub measured_s: u64,
+    /// Seconds that it may take where nobody has measured it.
     #[serde(default)]
-    estimated_s: u64,
-    /// What Kani is told beside what it is told of every harness; `--cbmc-args` and what follows it last.
+    pub estimated_s: u64,
+    /// SAT solver that Kani is asked to use.
+    #[serde(default)]
+    pub solver: Solver,
+    /// Further arguments of Kani; `--cbmc-args` and what follows it stand last.
     #[serde(default)]
     pub flags: Vec<String>,
     /// The deliberate fault that must make it fail.
     pub mutant: Mutant,
+}
+
+/// A SAT solver that CBMC can call.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Solver {
+    /// Kani's own choice.
+    #[default]
+    Cadical,
+    /// CBMC's own choice, faster for the calls of a host and for refusals.
+    Minisat,
+    /// An external program.
+    Kissat,
+}
+
+impl fmt::Display for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Cadical => "cadical",
+            Self::Minisat => "minisat",
+            Self::Kissat => "kissat",
+        })
+    }
 }
 
 /// One edit of a source file.
@@ -49,7 +80,7 @@ pub struct Mutant {
     pub file: String,
     /// Text that occurs exactly once there.
     pub find: String,
-    /// What takes its place.
+    /// The text that replaces it.
     pub replace: String,
 }
 
@@ -59,8 +90,8 @@ impl Proof {
         self.harness.rsplit("::").next().unwrap_or(&self.harness)
     }
 
-    /// Time after which it counts as failed: five times what it takes, as a machine may be half as fast and
-    /// busy, and at least a minute.
+    /// Seconds after which it counts as failed: five times its own time, since a machine may be half as
+    /// fast and busy, and at least a minute.
     pub fn time_limit_s(&self) -> u64 {
         (5 * (self.measured_s + self.estimated_s)).max(60)
     }
@@ -78,13 +109,11 @@ impl Ledger {
     /// Reads the ledger of this workspace.
     pub fn read() -> Result<Self, String> {
         let path = workspace_root().join("verification/proofs.toml");
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| format!("{}: {error}", path.display()))?;
-        toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
+        toml::from_str(&read(&path)?).map_err(|error| format!("{}: {error}", path.display()))
     }
 
     /// The proofs that `names` select by id or harness name; all of them without names.
-    pub fn select(self, names: &[String]) -> Result<Vec<Proof>, String> {
+    pub fn select(&self, names: &[String]) -> Result<Vec<Proof>, String> {
         for name in names {
             if !self.proof.iter().any(|proof| matches(proof, name)) {
                 return Err(format!(
@@ -93,17 +122,11 @@ impl Ledger {
             }
         }
         let wanted =
-            |proof: &Proof| names.is_empty() || names.iter().any(|name| matches(proof, name));
-        Ok(self.proof.into_iter().filter(wanted).collect())
+            |proof: &&Proof| names.is_empty() || names.iter().any(|name| matches(proof, name));
+        Ok(self.proof.iter().filter(wanted).cloned().collect())
     }
 }
 
 fn matches(proof: &Proof, name: &str) -> bool {
     proof.id == name || proof.name() == name || proof.harness == name
-}
-
-/// The folder that holds the workspace's Cargo.toml.
-pub fn workspace_root() -> PathBuf {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().unwrap_or(here).to_owned()
 }

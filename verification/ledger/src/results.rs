@@ -1,0 +1,145 @@
+//! `verification/results.toml`: what the model checker said of each harness, and when.
+
+use crate::{Ledger, Proof, read, workspace_root, write};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// All recorded results.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Results {
+    /// The runs that gave the outcomes below.
+    #[serde(default)]
+    pub run: Vec<Run>,
+    /// The newest outcome of each harness.
+    #[serde(default)]
+    pub outcome: Vec<Outcome>,
+}
+
+/// One run of the model checker over some or all harnesses.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// Abbreviated hash of the commit, with `+` where the sources had changes that were not committed.
+    pub commit: String,
+    /// Day in UTC, as 2026-11-24.
+    pub date: String,
+    /// Version of Kani.
+    pub kani: String,
+    /// Version of CBMC.
+    pub cbmc: String,
+    /// Processors and load.
+    pub machine: String,
+    /// Fingerprint of the sources of each package at that commit.
+    pub sources: BTreeMap<String, String>,
+}
+
+/// What one run said of one harness.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outcome {
+    /// Cargo package that holds the harness.
+    pub package: String,
+    /// Full path of the harness within its crate.
+    pub harness: String,
+    /// The commit of its run.
+    pub commit: String,
+    /// What the run showed.
+    pub verdict: Verdict,
+    /// Checks other than covers, where they were counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checks: Option<u32>,
+    /// Cover properties that were reached, where they were counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covers: Option<u32>,
+    /// Seconds by the clock, without the compilation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// Name and version of the SAT solver that ran.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver: Option<String>,
+    /// The verdict after a mend of the harness, which `note` describes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mended: Option<Verdict>,
+    /// Why it failed, or how it was run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// What a run shows about a claim.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Every check holds and every cover is reached.
+    Verified,
+    /// A check fails, or a cover is not reached.
+    Failed,
+    /// No answer within the time limit.
+    NotSolved,
+    /// The run was ended before its time limit, and says nothing.
+    Unfinished,
+}
+
+impl Results {
+    /// Where the results of this workspace lie.
+    pub fn path() -> PathBuf {
+        workspace_root().join("verification/results.toml")
+    }
+
+    /// Reads the results of this workspace.
+    pub fn read() -> Result<Self, String> {
+        let path = Self::path();
+        toml::from_str(&read(&path)?).map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    /// Writes the results of this workspace.
+    pub fn write(&self) -> Result<(), String> {
+        write(&Self::path(), &self.to_text()?)
+    }
+
+    /// The text of `results.toml`.
+    pub fn to_text(&self) -> Result<String, String> {
+        let rows = toml::to_string(self).map_err(|error| error.to_string())?;
+        Ok(format!(
+            "# What Kani said of each harness, written by `cargo xtask prove`; RESULTS.md is the page.\n\n{rows}"
+        ))
+    }
+
+    /// Puts a run and its outcomes in the place of older outcomes of the same harnesses.
+    pub fn record(&mut self, run: Run, outcomes: Vec<Outcome>) {
+        for outcome in outcomes {
+            self.outcome
+                .retain(|old| !(old.package == outcome.package && old.harness == outcome.harness));
+            self.outcome.push(outcome);
+        }
+        self.run.retain(|old| old.commit != run.commit);
+        self.run.push(run);
+    }
+
+    /// Drops outcomes of harnesses that the ledger no longer lists, and runs without an outcome. The
+    /// others stand in the order of the ledger.
+    pub fn prune(&mut self, ledger: &Ledger) {
+        let mut kept = Vec::new();
+        for proof in &ledger.proof {
+            kept.extend(self.of(proof).cloned());
+        }
+        self.outcome = kept;
+        let outcomes = &self.outcome;
+        self.run
+            .retain(|run| outcomes.iter().any(|outcome| outcome.commit == run.commit));
+    }
+
+    /// The outcome of a harness; none if it has not been run yet.
+    pub fn of(&self, proof: &Proof) -> Option<&Outcome> {
+        self.outcome
+            .iter()
+            .find(|outcome| outcome.package == proof.package && outcome.harness == proof.harness)
+    }
+
+    /// Whether the sources of an outcome are those of `now`.
+    pub fn is_current(&self, outcome: &Outcome, now: &BTreeMap<String, String>) -> bool {
+        let run = self.run.iter().find(|run| run.commit == outcome.commit);
+        run.and_then(|run| run.sources.get(&outcome.package)) == now.get(&outcome.package)
+    }
+}
