@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use jcas_core::Config;
+use jcas_core::config::FieldValue;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -290,7 +292,12 @@ impl Instance {
 
     fn set_field(&mut self, name: &str, values: Values) -> Result<(), String> {
         let value = match values {
-            Values::Float64(values) if values[0].is_nan() => Value::Null,
+            Values::Float64(values) if values[0].is_nan() => {
+                if !may_be_derived(name) {
+                    return Err(format!("{name} = NaN: must be a number"));
+                }
+                Value::Null
+            }
             Values::Float64(values) => values[0].into(),
             Values::UInt32(values) => values[0].into(),
             Values::String(mut values) if name == "depots" => {
@@ -434,4 +441,33 @@ fn output(name: &str, mission: &Mission) -> Result<Values, String> {
         "state_hash" => Values::UInt64(vec![mission.hash()]),
         other => return Err(format!("{other} has no value")),
     })
+}
+
+/// Whether a field of the configuration may be left to be derived from others.
+fn may_be_derived(name: &str) -> bool {
+    let values = Config::default().values();
+    let mut fields = Config::FIELDS.iter().zip(values);
+    fields.any(|(info, value)| info.name == name && matches!(value, FieldValue::Optional(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_means_derived_only_where_a_field_can_be() {
+        let mut unit = Instance::new(None).expect("an instance");
+        let set = |unit: &mut Instance, name: &str, value: f64| {
+            let variables = all();
+            let variable = variables.iter().find(|variable| variable.name == name);
+            let reference = variable.expect("a field is a variable").reference;
+            unit.set(reference, Values::Float64(vec![value]))
+        };
+        assert_eq!(set(&mut unit, "cell_size_m", 40.0), Ok(()));
+        let refused = set(&mut unit, "cell_size_m", f64::NAN);
+        assert_eq!(refused, Err("cell_size_m = NaN: must be a number".into()));
+        let derived = Config::FIELDS.iter().find(|info| may_be_derived(info.name));
+        let derived = derived.expect("a field can be derived").name;
+        assert_eq!(set(&mut unit, derived, f64::NAN), Ok(()));
+    }
 }

@@ -170,6 +170,12 @@ def test_what_is_wrong_is_an_error_and_changes_nothing(unpacked, wrong):
     assert unit.hash() == before
 
 
+def test_a_parameter_that_is_no_number_is_refused(unpacked):
+    unit = Unit(unpacked)
+    with pytest.raises(FMICallException):
+        unit.set("cell_size_m", float("nan"))
+
+
 @pytest.mark.parametrize("name, value", [("quorum", 0), ("policy", "fly"), ("preset", "moon"), ("cell_size_m", -1.0)])
 def test_a_parameter_that_is_not_legal_is_refused_at_the_start(unpacked, name, value):
     unit = Unit(unpacked, **{name: value} if name != "policy" else {"policy": value})
