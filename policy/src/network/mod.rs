@@ -122,10 +122,11 @@ fn length(what: &'static str, expected: usize, got: usize) -> Result<(), FlyErro
 }
 
 impl Network {
-    /// Lays out the network in the bytes of a safetensors file, without its weights.
+    /// Lays out the network in the bytes of a safetensors file and checks its weights, but keeps none.
     ///
     /// # Errors
-    /// [`LoadError`] where the bytes are no such file or its arrays are no network known here.
+    /// [`LoadError`] where the bytes are no such file or its arrays are no network known here;
+    /// [`LoadError::Value`] where a weight is no finite number.
     pub fn read(bytes: &[u8]) -> Result<Self, LoadError> {
         Self::read_into(bytes, None)
     }
@@ -133,8 +134,7 @@ impl Network {
     /// As [`Network::read`], and puts its weights into [`Network::weights_len`] numbers.
     ///
     /// # Errors
-    /// As [`Network::read`]; [`LoadError::Memory`] where `weights` has another length, [`LoadError::Value`]
-    /// where a weight is no finite number.
+    /// As [`Network::read`]; [`LoadError::Memory`] where `weights` has another length.
     pub fn load(bytes: &[u8], weights: &mut [f32]) -> Result<Self, LoadError> {
         Self::read_into(bytes, Some(weights))
     }

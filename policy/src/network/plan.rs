@@ -132,13 +132,8 @@ impl<'f> Reader<'f, '_> {
             .checked_mul(padded(outputs))
             .and_then(|len| len.checked_add(self.len))
             .ok_or(LoadError::Truncated)?;
-        if let Some(weights) = self.weights.as_deref_mut() {
-            for (index, value) in array.values().enumerate() {
-                finite(name, index, value)?;
-                let (input, output) = (index / outputs, index % outputs);
-                weights[layer.at(input, output)] = value;
-            }
-        }
+        let place = |index| layer.at(index / outputs, index % outputs);
+        self.values(name, array, place)?;
         Ok(layer)
     }
 
@@ -154,13 +149,24 @@ impl<'f> Reader<'f, '_> {
         }
         let first = self.len;
         self.len += padded(length);
-        if let Some(weights) = self.weights.as_deref_mut() {
-            for (index, value) in array.values().enumerate() {
-                finite(name, index, value)?;
-                weights[first + index] = value;
+        self.values(name, array, |index| first + index)?;
+        Ok(first)
+    }
+
+    /// Checks the values of an array, and puts each into its place of the weights where there are any.
+    fn values(
+        &mut self,
+        name: ArrayName,
+        array: Array<'_>,
+        place: impl Fn(usize) -> usize,
+    ) -> Result<(), LoadError> {
+        for (index, value) in array.values().enumerate() {
+            finite(name, index, value)?;
+            if let Some(weights) = self.weights.as_deref_mut() {
+                weights[place(index)] = value;
             }
         }
-        Ok(first)
+        Ok(())
     }
 
     /// A matrix and what is added to its product.
@@ -207,15 +213,13 @@ impl<'f> Reader<'f, '_> {
         let mut normalisation = None;
         if self.file.find(offset)?.is_some() {
             normalisation = Some(self.row(offset, inputs)?);
-            let first = self.row(scale, inputs)?;
-            if let Some(weights) = self.weights.as_deref() {
-                let scales = &weights[first..first + inputs];
-                if let Some(index) = scales.iter().position(|&scale| scale <= 0.0) {
-                    return Err(LoadError::Value {
-                        array: scale,
-                        index,
-                    });
-                }
+            self.row(scale, inputs)?;
+            let scales = self.file.find(scale)?.ok_or(LoadError::Missing(scale))?;
+            if let Some(index) = scales.values().position(|scale| scale <= 0.0) {
+                return Err(LoadError::Value {
+                    array: scale,
+                    index,
+                });
             }
         }
         Ok(Mlp {
