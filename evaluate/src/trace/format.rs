@@ -158,7 +158,12 @@ impl<'de> Deserialize<'de> for Hex {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         text.strip_prefix("0x")
-            .filter(|digits| digits.len() == 16 && digits.bytes().all(|c| c.is_ascii_hexdigit()))
+            .filter(|digits| {
+                digits.len() == 16
+                    && digits
+                        .bytes()
+                        .all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
+            })
             .and_then(|digits| u64::from_str_radix(digits, 16).ok())
             .map(Self)
             .ok_or_else(|| D::Error::custom(format!("\"{text}\": must be 0x and sixteen digits")))

@@ -63,7 +63,10 @@ impl fmt::Display for Refusal<'_> {
 
 /// Sixteen digits.
 pub(super) fn hexadecimal(digits: &str) -> Option<u64> {
-    let legal = digits.len() == 16 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let legal = digits.len() == 16
+        && digits
+            .bytes()
+            .all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
     legal
         .then(|| u64::from_str_radix(digits, 16).ok())
         .flatten()
