@@ -11,7 +11,8 @@
  * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative JCAS_ERROR_...
  *   After an error every output, buffer and handle is as it was, but for the length of a text that did not
  *   fit, and for the actions of jcas_policy_act_batch where a network gives no finite number. `Statuses:` at
- *   a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be.
+ *   a declaration lists what it can give, without JCAS_ERROR_; INTERNAL can always be, and BUSY where a
+ *   jcas_sim, jcas_batch or jcas_policy is passed.
  * Memory. ..._new takes memory from the system; ..._init builds in memory of the caller, sized by
  *   ..._layout. Both end with ..._free; every other object before its model. Pointers that are passed in
  *   are not kept, but for the memory of ..._init, the model of an object, and what a jcas_recorder points
@@ -32,15 +33,18 @@
  *   A configuration that is legal may still be hopeless: with a quorum above N nothing is ever confirmed.
  * Threads. A const jcas_model may be used by any number of threads at once. A jcas_sim, jcas_batch or
  *   jcas_policy may be used by one thread at a time; functions that take it as const may run at once with
- *   each other.
+ *   each other. A call that finds the object in use otherwise returns BUSY and has done nothing: on another
+ *   thread, or from within a jcas_run_tasks or jcas_write of a call on the same object. So does ..._free.
+ *   What BUSY cannot guard is memory: no call may be using an object, or about to, once ..._free has
+ *   returned OK. As others may have called since, ..._message tells nothing of a call that was BUSY.
  *   The library has no global state; a batch's threads are its own and end with it. A batch with threads
  *   steps only in the process that built it: after a fork the child gets FORKED and builds its own.
  * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
  *   elements, sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
  *
  * Order of calls:  reset -> step -> step -> ... -> (terminated or truncated) -> reset
- * A step by parts: step_begin -> [set_positions, ground, confirm_hotspot] -> step_sense[_over]
- *                  -> step_communicate[_over] -> step_end
+ * A step by parts: step_begin -> [set_positions, ground, confirm_hotspot] -> step_sense[_with]
+ *                  -> step_communicate[_with] -> step_end
  * Between steps: set_battery, move_hotspot; at t = 0 also set_starts, set_hotspots, set_batteries.
  * A trace: record in place of reset, ..., record_end.
  */
@@ -83,10 +87,10 @@
 // See JCAS_VERSION_MAJOR.
 #define JCAS_VERSION_PATCH 0
 
-// Version of the interface that this header declares: 65536 * major + minor, counted apart from the
-// library's, as most releases do not change it. 1.0 is the interface of library 0.1.0 as first released,
-// 1.1 what has been added since. No struct of 1.0 has grown since.
-#define JCAS_ABI_VERSION 65537
+// Version of the interface that this header declares: 16777216 * major + 65536 * minor, counted apart
+// from the library's, as most releases do not change it. 1.0 is the first that was released. Headers
+// from before have numbers of major version 0, which no release serves.
+#define JCAS_ABI_VERSION 16777216
 
 // The call did what it says.
 #define JCAS_OK 0
@@ -147,6 +151,9 @@
 
 // A trace, flown again, is not what its file says.
 #define JCAS_ERROR_DIFFERENT (-19)
+
+// Another call is using the object, on another thread or around this one: one thread at a time may use it.
+#define JCAS_ERROR_BUSY (-20)
 
 // Most depots of a configuration.
 #define JCAS_MAX_DEPOTS 16
@@ -643,6 +650,7 @@ typedef void (*jcas_task)(void *task_context, uint32_t index);
 
 // The caller's way to run tasks: calls `task(task_context, index)` once for each index from 0 to count - 1,
 // in any order and on any threads, and returns when all of these calls have. `context` is the caller's own.
+// Tasks that it leaves out the step runs itself; where it has run none, the step is JCAS_ERROR_ARGUMENT.
 typedef void (*jcas_run_tasks)(jcas_task task, void *task_context, uint32_t count, void *context);
 
 // How a batch is built.
@@ -726,9 +734,12 @@ JCAS_API const char *jcas_version(void);
 JCAS_API uint32_t jcas_abi_version(void);
 
 // Whether the library that runs serves a program compiled with this header:
-// `jcas_abi_check(JCAS_ABI_VERSION)`. Threads: any.
+// `jcas_abi_check(JCAS_ABI_VERSION)`. It does if the header has its major version and no later minor
+// one. Ask before any other call, which cannot tell another version from a wrong size. Threads: any.
 // Statuses: ABI.
-JCAS_API JCAS_NODISCARD jcas_status jcas_abi_check(uint32_t header_abi_version);
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_abi_check(uint32_t header_abi_version);
 
 // What a status means, in English.
 //

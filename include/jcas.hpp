@@ -85,9 +85,6 @@ private:
 #endif
 
 namespace detail {
-/// A call with a living handle and sizes of our own, which nothing can refuse.
-inline void certain(std::int32_t) noexcept {}
-
 [[noreturn]] inline void fail(std::int32_t code, const std::string &what)
 {
 #ifdef JCAS_EXCEPTIONS
@@ -96,6 +93,13 @@ inline void certain(std::int32_t) noexcept {}
     std::fprintf(stderr, "jcas: %s (%d)\n", what.c_str(), static_cast<int>(code));
     std::abort();
 #endif
+}
+
+/// A call with a living handle and sizes of our own. Only JCAS_ERROR_BUSY can refuse it: the object is in use.
+inline void certain(std::int32_t code)
+{
+    if (code != JCAS_OK)
+        fail(code, jcas_status_string(code));
 }
 
 /// A struct whose struct_size is set.
@@ -247,7 +251,8 @@ private:
     jcas_model_info info_;
 };
 
-/// A jcas_sim of its own. One thread at a time may use it.
+/// A jcas_sim of its own. One thread at a time may use it: a call that finds it in use gives JCAS_ERROR_BUSY, and
+/// a query, which has no status, fails as status::check() does.
 class sim {
 public:
     static result<sim> create(const model &model)
@@ -270,7 +275,7 @@ public:
         auto outcome = detail::sized<jcas_outcome>();
         std::int32_t code = jcas_sim_step(get(), actions.data(), actions.size(), &outcome);
         if (code != JCAS_OK)
-            return {code, message()};
+            return {code, message(code)};
         return outcome;
     }
 
@@ -300,7 +305,7 @@ public:
         auto outcome = detail::sized<jcas_outcome>();
         std::int32_t code = jcas_sim_step_end(get(), &outcome);
         if (code != JCAS_OK)
-            return {code, message()};
+            return {code, message(code)};
         return outcome;
     }
     status set_hotspots(span<const jcas_cell> cells)
@@ -463,6 +468,11 @@ private:
     struct end {
         void operator()(jcas_sim *handle) const noexcept { jcas_sim_free(handle); }
     };
+    /// Why a call was refused; of one that found the simulation in use, the simulation knows nothing.
+    std::string message(std::int32_t code) const
+    {
+        return code == JCAS_ERROR_BUSY ? jcas_status_string(code) : message();
+    }
     sim(jcas_sim *handle, const model &model) : handle_(handle), model_(model.get()), info_(model.info()) {}
     std::unique_ptr<detail::trace_sink> trace_sink_; // outlives the handle that writes to it
     std::unique_ptr<jcas_sim, end> handle_;
@@ -470,7 +480,7 @@ private:
     jcas_model_info info_;
 };
 
-/// A jcas_batch with the buffers that its steps write. One thread at a time may use it.
+/// A jcas_batch with the buffers that its steps write. One thread at a time may use it, as a sim.
 class batch {
 public:
     /// `threads`: 1 for the caller's own, 0 for one for each processor.
@@ -554,7 +564,7 @@ private:
     std::unique_ptr<jcas_batch, end> handle_;
 };
 
-/// A jcas_policy of its own: what flies a fleet. One thread at a time may use it.
+/// A jcas_policy of its own: what flies a fleet. One thread at a time may use it, as a sim.
 class policy {
 public:
     /// A trained network from the bytes of its file.

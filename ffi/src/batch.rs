@@ -3,10 +3,10 @@
 use std::ffi::c_void;
 
 use crate::batch_block::{BatchBlock, Plan};
+use crate::batch_job::Runner;
 use crate::handle::{Memory, model};
 use crate::memory::{Plain, Record, place, put_layout, read_record};
 use crate::model::jcas_model;
-use crate::shares::Runner;
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_OK, guard, jcas_status};
 
 /// M environments of one model, with their working memory and, if wanted, threads of their own. One
@@ -18,6 +18,7 @@ pub type jcas_task = Option<unsafe extern "C" fn(task_context: *mut c_void, inde
 
 /// The caller's way to run tasks: calls `task(task_context, index)` once for each index from 0 to count - 1,
 /// in any order and on any threads, and returns when all of these calls have. `context` is the caller's own.
+/// Tasks that it leaves out the step runs itself; where it has run none, the step is JCAS_ERROR_ARGUMENT.
 pub type jcas_run_tasks = Option<
     unsafe extern "C" fn(
         task: jcas_task,

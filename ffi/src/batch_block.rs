@@ -2,23 +2,24 @@
 //!
 //! | part | content |
 //! | --- | --- |
-//! | [`BatchBlock`] | sizes, the team of threads, where the other parts begin |
+//! | [`BatchBlock`] | the mark of calls, the pool of threads, sizes, where the other parts begin |
 //! | words | the states, two spare states, the working memory of each share |
 //! | metrics | what each environment's episode came to, while a step hands them out |
-//! | claims | one flag a share: whether a task has taken it in the present step |
+//! | taken | one flag a share: whether a thread has taken it in the present step |
 //! | threads | handles of the batch's own threads |
 
 use std::alloc::Layout;
 use std::slice;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Metrics, Model, Scratch, action, hash};
 
+use crate::batch_job::{BatchJob, Runner, check_ready};
 use crate::handle::{Block, Kind, Memory, ModelBlock, check};
-use crate::shares::{Round, Runner, check_ready};
+use crate::in_use::{Changing, InUse, Reading};
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RESOURCES};
-use crate::team::{Job, Team, Thread, join, processors, start};
+use crate::sync::AtomicBool;
+use crate::thread_pool::{Thread, ThreadPool, join, processors, start};
 
 /// Shares of the batch per thread: enough that no thread waits long for another at the end.
 const SHARES_PER_THREAD: usize = 4;
@@ -26,13 +27,21 @@ const SHARES_PER_THREAD: usize = 4;
 #[repr(C)]
 pub(crate) struct BatchBlock {
     seal: u64,
+    in_use: InUse,
+    pool: ThreadPool,
+    batch: Batch,
+}
+
+/// What calls read and change of a batch.
+pub(crate) struct Batch {
+    /// The block that this lies in.
+    block: *mut BatchBlock,
     memory: Memory,
     model: *const ModelBlock,
     plan: Plan,
     parts: Parts,
     /// The process that started the threads: they are in no other.
     process: u32,
-    team: Team,
     /// Every environment is known to be ready for a step. They are in the caches of the threads that stepped them,
     /// so that looking at each of them takes a tenth of a step.
     ready: bool,
@@ -44,7 +53,7 @@ unsafe impl Block for BatchBlock {
     const KIND: Kind = Kind::Batch;
 }
 
-/// How large a batch is and who steps it.
+/// How large a batch is, and which threads step it.
 #[derive(Clone, Copy)]
 pub(crate) struct Plan {
     pub(crate) count: usize,
@@ -59,7 +68,7 @@ pub(crate) struct Plan {
 struct Parts {
     words: usize,
     metrics: usize,
-    claims: usize,
+    taken: usize,
     threads: usize,
 }
 
@@ -109,16 +118,16 @@ impl Plan {
         let lay_out = || {
             let words = Layout::array::<u64>(self.words(model)?).ok()?;
             let metrics = Layout::array::<Metrics>(self.count).ok()?;
-            let claims = Layout::array::<AtomicBool>(self.shares).ok()?;
+            let taken = Layout::array::<AtomicBool>(self.shares).ok()?;
             let threads = Layout::array::<Thread>(self.threads).ok()?;
             let (layout, words) = Layout::new::<BatchBlock>().extend(words).ok()?;
             let (layout, metrics) = layout.extend(metrics).ok()?;
-            let (layout, claims) = layout.extend(claims).ok()?;
+            let (layout, taken) = layout.extend(taken).ok()?;
             let (layout, threads) = layout.extend(threads).ok()?;
             let parts = Parts {
                 words,
                 metrics,
-                claims,
+                taken,
                 threads,
             };
             Some((layout.pad_to_align(), parts))
@@ -134,7 +143,7 @@ struct Open<'a> {
     spare: &'a mut [u64],
     scratch: &'a mut [u64],
     metrics: &'a mut [Metrics],
-    claims: &'a [AtomicBool],
+    taken: &'a [AtomicBool],
 }
 
 impl BatchBlock {
@@ -153,23 +162,27 @@ impl BatchBlock {
         unsafe { at.write_bytes(0, memory.size()) };
         let value = Self {
             seal: Self::seal(block),
-            memory,
-            model,
-            plan,
-            parts,
-            process: std::process::id(),
-            team: Team::new(plan.threads as u32),
-            ready: false,
-            refusal: None,
+            in_use: InUse::new(),
+            pool: ThreadPool::new(plan.threads as u32),
+            batch: Batch {
+                block,
+                memory,
+                model,
+                plan,
+                parts,
+                process: std::process::id(),
+                ready: false,
+                refusal: None,
+            },
         };
         // SAFETY: in front of the other parts, aligned by the layout.
         unsafe { block.write(value) };
-        // SAFETY: just built, and nobody else has it.
-        unsafe { &mut *block }
+        // SAFETY: just built, and no other call has it.
+        unsafe { &mut (*block).batch }
             .each_mut(|model, _, words, scratch| model.reset(words, scratch, 0))?;
-        // SAFETY: as above; the block is not moved while threads serve its team.
+        // SAFETY: as above; the block is not moved while threads work in its pool.
         if let Err(fault) = unsafe { Self::start_threads(block) } {
-            // SAFETY: as above; nobody has the handle.
+            // SAFETY: as above; the handle has not been given out.
             unsafe { (&raw mut (*block).seal).write(0) };
             // SAFETY: the threads have ended.
             unsafe { memory.release(at) };
@@ -185,37 +198,34 @@ impl BatchBlock {
     /// A batch that was just built.
     unsafe fn start_threads(block: *mut Self) -> Result<(), Fault> {
         // SAFETY: the caller's promise; only shared parts of the block are used from here on.
-        let batch = unsafe { &*block };
-        let first = batch.threads_at(block);
+        let (batch, pool) = unsafe { (&(*block).batch, &(*block).pool) };
         for index in 0..batch.plan.threads {
-            // SAFETY: the team stays in the block until `stop_threads`.
-            let Some(thread) = (unsafe { start(&raw const batch.team) }) else {
+            // SAFETY: the pool stays in the block until `stop_threads`.
+            let Some(thread) = (unsafe { start(pool) }) else {
                 // SAFETY: as many as were started.
-                unsafe { batch.stop_threads(first, index) };
+                unsafe { Self::stop_threads(block, index) };
                 return Err(Fault::Status(JCAS_ERROR_RESOURCES));
             };
             // SAFETY: the layout has room for this many.
-            unsafe { first.add(index).write(thread) };
+            unsafe { batch.threads().add(index).write(thread) };
         }
         Ok(())
-    }
-
-    fn threads_at(&self, block: *mut Self) -> *mut Thread {
-        block.cast::<u8>().wrapping_add(self.parts.threads).cast()
     }
 
     /// Ends threads and waits until they have.
     ///
     /// # Safety
-    /// `count` threads of this process stand at `first`.
-    unsafe fn stop_threads(&self, first: *mut Thread, count: usize) {
+    /// A batch of which `count` threads were started in this process, and none was stopped.
+    unsafe fn stop_threads(block: *mut Self, count: usize) {
         if count == 0 {
             return;
         }
-        self.team.quit();
+        // SAFETY: the caller's promise; only shared parts of the block are used.
+        let (batch, pool) = unsafe { (&(*block).batch, &(*block).pool) };
+        pool.quit();
         for index in 0..count {
             // SAFETY: written when the thread was started, and read once.
-            let thread = unsafe { first.add(index).read() };
+            let thread = unsafe { batch.threads().add(index).read() };
             // SAFETY: the caller's promise.
             unsafe { join(thread) };
         }
@@ -224,51 +234,68 @@ impl BatchBlock {
     /// Ends a batch.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the batch.
+    /// As [`check`]; no other thread frees the batch.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living batch that only this call and its own threads use.
-        let batch = unsafe { &*at };
-        // In a forked process there are no threads to end.
+        // SAFETY: a living block, of which nothing else is looked at.
+        unsafe { &(*at).in_use }.change()?.keep();
+        // SAFETY: by the mark, only this call and the batch's own threads use the block.
+        let batch = unsafe { &(*at).batch };
+        let memory = batch.memory;
+        // A forked process has no threads to end.
         if !batch.is_forked() {
             // SAFETY: started when the batch was built.
-            unsafe { batch.stop_threads(batch.threads_at(at), batch.plan.threads) };
+            unsafe { Self::stop_threads(at, batch.plan.threads) };
         }
         // SAFETY: a model cannot be freed while it has batches.
         unsafe { &*batch.model }.drop_user();
-        let memory = batch.memory;
-        // SAFETY: nobody else uses the block any more; whoever looks again finds no seal.
+        // SAFETY: no call uses the block any more; a later one finds no seal.
         unsafe { (&raw mut (*at).seal).write(0) };
         // SAFETY: nothing uses the block any more.
         unsafe { memory.release(at.cast()) };
         Ok(())
     }
 
+    /// Opens a batch for change. No other call uses it while the mark lives.
+    ///
+    /// # Safety
+    /// As [`check`], and the batch is not freed for `'a`.
+    pub(crate) unsafe fn open<'a>(at: *mut Self) -> Result<(&'a mut Batch, Changing<'a>), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block, of which nothing else is looked at.
+        let mark = unsafe { &(*at).in_use }.change()?;
+        // SAFETY: by the mark, only this call uses the batch; its threads use the pool.
+        Ok((unsafe { &mut (*at).batch }, mark))
+    }
+
+    /// Opens a batch to read. No call changes it while the mark lives.
+    ///
+    /// # Safety
+    /// As [`check`], and the batch is not freed for `'a`.
+    pub(crate) unsafe fn see<'a>(at: *const Self) -> Result<(&'a Batch, Reading<'a>), Fault> {
+        // SAFETY: passed on.
+        unsafe { check(at) }?;
+        // SAFETY: a living block, of which nothing else is looked at.
+        let mark = unsafe { &(*at).in_use }.read()?;
+        // SAFETY: by the mark, no call changes the batch.
+        Ok((unsafe { &(*at).batch }, mark))
+    }
+}
+
+impl Batch {
     fn is_forked(&self) -> bool {
         self.plan.threads > 0 && self.process != std::process::id()
     }
 
-    /// Opens a batch for change.
-    ///
-    /// # Safety
-    /// As [`check`], and no other thread uses the batch for `'a`.
-    pub(crate) unsafe fn open<'a>(at: *mut Self) -> Result<&'a mut Self, Fault> {
-        // SAFETY: passed on.
-        unsafe { check(at) }?;
-        // SAFETY: a living batch that only this call uses; its threads wait on the team, which is shared.
-        Ok(unsafe { &mut *at })
+    /// A part behind the block.
+    fn part<T>(&self, offset: usize) -> *mut T {
+        self.block.cast::<u8>().wrapping_add(offset).cast()
     }
 
-    /// Opens a batch to read.
-    ///
-    /// # Safety
-    /// As [`check`], and no thread changes the batch for `'a`.
-    pub(crate) unsafe fn see<'a>(at: *const Self) -> Result<&'a Self, Fault> {
-        // SAFETY: passed on.
-        unsafe { check(at) }?;
-        // SAFETY: a living batch that nobody changes.
-        Ok(unsafe { &*at })
+    fn threads(&self) -> *mut Thread {
+        self.part(self.parts.threads)
     }
 
     pub(crate) fn model(&self) -> &'static Model<'static> {
@@ -288,31 +315,23 @@ impl BatchBlock {
         }
     }
 
-    fn part(&self, offset: usize) -> *const u8 {
-        (&raw const *self).cast::<u8>().wrapping_add(offset)
-    }
-
     fn states(&self) -> &[u64] {
         let count = self.plan.count * self.model().state_words();
         // SAFETY: the words begin with the states, initialised when the batch was built.
-        unsafe { slice::from_raw_parts(self.part(self.parts.words).cast(), count) }
+        unsafe { slice::from_raw_parts(self.part(self.parts.words), count) }
     }
 
     fn parts_mut(&mut self) -> Open<'_> {
         self.ready = false;
         let model = self.model();
-        let at = (&raw mut *self).cast::<u8>();
         let (plan, parts) = (self.plan, self.parts);
         let count = plan.words(model).unwrap_or(0);
         // SAFETY: laid out behind the block by `Plan::parts`, initialised when it was built.
-        let words =
-            unsafe { slice::from_raw_parts_mut(at.wrapping_add(parts.words).cast(), count) };
+        let words = unsafe { slice::from_raw_parts_mut(self.part(parts.words), count) };
         // SAFETY: as above; no part overlaps another.
-        let metrics =
-            unsafe { slice::from_raw_parts_mut(at.wrapping_add(parts.metrics).cast(), plan.count) };
+        let metrics = unsafe { slice::from_raw_parts_mut(self.part(parts.metrics), plan.count) };
         // SAFETY: as above.
-        let claims =
-            unsafe { slice::from_raw_parts(at.wrapping_add(parts.claims).cast(), plan.shares) };
+        let taken = unsafe { slice::from_raw_parts(self.part(parts.taken), plan.shares) };
         let (states, rest) = words.split_at_mut(plan.count * model.state_words());
         let (spare, scratch) = rest.split_at_mut(2 * model.state_words());
         Open {
@@ -321,7 +340,7 @@ impl BatchBlock {
             spare,
             scratch,
             metrics,
-            claims,
+            taken,
         }
     }
 
@@ -401,7 +420,8 @@ impl BatchBlock {
             return Err(Fault::Status(JCAS_ERROR_FORKED));
         }
         let plan = self.plan;
-        let team = &raw const self.team;
+        // SAFETY: the block lives as long as the batch; its threads share the pool with this call.
+        let pool = (plan.threads > 0).then(|| unsafe { &(*self.block).pool });
         let ready = self.ready;
         let open = self.parts_mut();
         // A share must not refuse after another has stepped.
@@ -414,14 +434,10 @@ impl BatchBlock {
         } else {
             &mut []
         };
-        for claim in open.claims {
-            claim.store(false, Ordering::Relaxed);
-        }
-        let (states, scratch) = (open.states, open.scratch);
-        let round = Round::new(
+        let job = BatchJob::new(
             open.model,
-            states,
-            scratch,
+            open.states,
+            open.scratch,
             actions,
             auto_reset,
             BatchOut {
@@ -430,16 +446,9 @@ impl BatchBlock {
                 truncated: &mut *out.truncated,
                 ..out
             },
-            open.claims,
+            open.taken,
         );
-        let job: Job = round.job();
-        match plan.runner {
-            Some(runner) => runner.run(job),
-            // SAFETY: a part of the block of its own, which `parts_mut` gives out nowhere.
-            None if plan.threads > 0 => unsafe { &*team }.run(job),
-            None => {}
-        }
-        round.finish()?;
+        job.run(pool, plan.runner)?;
         if metrics_wanted {
             for (m, metrics) in self.parts_mut().metrics.iter_mut().enumerate() {
                 if metrics.terminated || metrics.truncated {

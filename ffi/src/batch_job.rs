@@ -1,18 +1,18 @@
-//! One step of a batch in shares that any number of threads may take up.
+//! One step of a batch, in shares that any number of threads may take.
 
 use std::ffi::c_void;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::slice;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use jcas_core::batch::BatchOut;
 use jcas_core::header::Phase;
 use jcas_core::{Error, Model, Scratch, reward};
 use jcas_dispatch::InstructionSet;
 
-use crate::status::{Fault, JCAS_ERROR_INTERNAL};
-use crate::team::{Job, Task};
+use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_INTERNAL};
+use crate::sync::{AtomicBool, AtomicUsize, Ordering, yield_now};
+use crate::thread_pool::{Job, Task, ThreadPool};
 
 /// The caller's way to run tasks.
 #[derive(Clone, Copy)]
@@ -63,8 +63,70 @@ impl Range {
     }
 }
 
-/// One step, with all that it reads and writes. Each share is taken at most once.
-pub(crate) struct Round<'a> {
+/// The shares of a job: each is taken by exactly one thread.
+pub(crate) struct Shares<'a> {
+    taken: &'a [AtomicBool],
+    finished: AtomicUsize,
+    failed: AtomicBool,
+}
+
+impl<'a> Shares<'a> {
+    /// Shares of which none is taken.
+    pub(crate) fn new(taken: &'a [AtomicBool]) -> Self {
+        for share in taken {
+            share.store(false, Ordering::Relaxed);
+        }
+        Self {
+            taken,
+            finished: AtomicUsize::new(0),
+            failed: AtomicBool::new(false),
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.taken.len()
+    }
+
+    /// Whether any thread has taken a share.
+    pub(crate) fn any_taken(&self) -> bool {
+        self.taken.iter().any(|share| share.load(Ordering::Relaxed))
+    }
+
+    /// Does the work of a share, unless another thread has taken it. A panic or an error is a failure of the job.
+    pub(crate) fn take(&self, index: usize, work: impl FnOnce() -> Result<(), Error>) {
+        let Some(share) = self.taken.get(index) else {
+            return;
+        };
+        if share.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        let done = catch_unwind(AssertUnwindSafe(work));
+        if !matches!(done, Ok(Ok(()))) {
+            self.failed.store(true, Ordering::Relaxed);
+        }
+        self.finished.fetch_add(1, Ordering::Release);
+    }
+
+    /// Does the work of the shares that no thread has taken, and waits for the others.
+    pub(crate) fn finish(
+        &self,
+        mut work: impl FnMut(usize) -> Result<(), Error>,
+    ) -> Result<(), Fault> {
+        for index in 0..self.len() {
+            self.take(index, || work(index));
+        }
+        while self.finished.load(Ordering::Acquire) < self.len() {
+            yield_now();
+        }
+        if self.failed.load(Ordering::Relaxed) {
+            return Err(Fault::Status(JCAS_ERROR_INTERNAL));
+        }
+        Ok(())
+    }
+}
+
+/// One step of a batch, with all that it reads and writes.
+pub(crate) struct BatchJob<'a> {
     model: &'a Model<'a>,
     count: usize,
     auto_reset: bool,
@@ -81,13 +143,11 @@ pub(crate) struct Round<'a> {
     final_global: Begin<f32>,
     final_metrics: Begin<jcas_core::Metrics>,
     uav_rewards: Begin<f32>,
-    claims: &'a [AtomicBool],
-    finished: AtomicUsize,
-    failed: AtomicBool,
+    shares: Shares<'a>,
     buffers: PhantomData<&'a mut [u64]>,
 }
 
-impl<'a> Round<'a> {
+impl<'a> BatchJob<'a> {
     pub(crate) fn new(
         model: &'a Model<'a>,
         states: &'a mut [u64],
@@ -95,7 +155,7 @@ impl<'a> Round<'a> {
         actions: &'a [f32],
         auto_reset: bool,
         out: BatchOut<'a>,
-        claims: &'a [AtomicBool],
+        taken: &'a [AtomicBool],
     ) -> Self {
         Self {
             model,
@@ -114,53 +174,43 @@ impl<'a> Round<'a> {
             final_global: Begin::of(out.final_global),
             final_metrics: Begin::of(out.final_metrics),
             uav_rewards: Begin::of(out.uav_rewards),
-            claims,
-            finished: AtomicUsize::new(0),
-            failed: AtomicBool::new(false),
+            shares: Shares::new(taken),
             buffers: PhantomData,
         }
     }
 
     /// The shares as tasks.
-    pub(crate) fn job(&self) -> Job {
+    fn job(&self) -> Job {
         Job {
             task: take_share,
             context: (&raw const *self).cast_mut().cast(),
-            count: self.claims.len() as u32,
+            count: self.shares.len() as u32,
         }
     }
 
-    /// Steps the shares that nobody has taken, and waits for the others.
-    pub(crate) fn finish(&self) -> Result<(), Fault> {
-        for index in 0..self.claims.len() {
-            self.take(index);
+    /// Steps every environment: on the threads of a pool, by the caller's runner, or on this thread alone.
+    pub(crate) fn run(
+        &self,
+        pool: Option<&ThreadPool>,
+        runner: Option<Runner>,
+    ) -> Result<(), Fault> {
+        if let Some(runner) = runner {
+            runner.run(self.job());
+            if !self.shares.any_taken() {
+                return Err(Fault::Because(
+                    JCAS_ERROR_ARGUMENT,
+                    "run returned before it had run a task of the step",
+                ));
+            }
+        } else if let Some(pool) = pool {
+            pool.run(self.job());
         }
-        while self.finished.load(Ordering::Acquire) < self.claims.len() {
-            std::thread::yield_now();
-        }
-        if self.failed.load(Ordering::Relaxed) {
-            return Err(Fault::Status(JCAS_ERROR_INTERNAL));
-        }
-        Ok(())
-    }
-
-    fn take(&self, index: usize) {
-        let Some(claim) = self.claims.get(index) else {
-            return;
-        };
-        if claim.swap(true, Ordering::AcqRel) {
-            return;
-        }
-        let stepped = catch_unwind(AssertUnwindSafe(|| self.step(index)));
-        if !matches!(stepped, Ok(Ok(()))) {
-            self.failed.store(true, Ordering::Relaxed);
-        }
-        self.finished.fetch_add(1, Ordering::Release);
+        self.shares.finish(|index| self.step(index))
     }
 
     fn step(&self, index: usize) -> Result<(), Error> {
         let model = self.model;
-        let shares = self.claims.len();
+        let shares = self.shares.len();
         let range = Range {
             begin: self.count * index / shares,
             end: self.count * (index + 1) / shares,
@@ -172,7 +222,7 @@ impl<'a> Round<'a> {
         let observed = model.uav_count() * model.observation_len();
         let action_len = model.action_len();
         let actions = &self.actions[range.begin * action_len..range.end * action_len];
-        // SAFETY: lengths were checked against the model, and the claim makes this the only taker.
+        // SAFETY: lengths were checked against the model, and only one thread takes a share.
         let (states, scratch, mut out) = unsafe {
             (
                 self.states.part(&range, model.state_words()),
@@ -207,25 +257,26 @@ impl<'a> Round<'a> {
 /// A share as a task.
 ///
 /// # Safety
-/// `round` is a [`Round`] that lives until the task ends.
-unsafe extern "C" fn take_share(round: *mut c_void, index: u32) {
-    // SAFETY: the caller's promise; a round is shared, its parts are claimed.
-    unsafe { &*round.cast::<Round<'_>>() }.take(index as usize);
+/// `job` is a [`BatchJob`] that lives until the task ends.
+unsafe extern "C" fn take_share(job: *mut c_void, index: u32) {
+    // SAFETY: the caller's promise; threads share a job and divide its buffers by its shares.
+    let job = unsafe { &*job.cast::<BatchJob<'_>>() };
+    let index = index as usize;
+    job.shares.take(index, || job.step(index));
 }
 
 /// Whether any environment would refuse a step.
-pub(crate) fn check_ready(model: &Model<'_>, states: &[u64]) -> Result<(), Error> {
-    for words in states.chunks_exact(model.state_words()) {
-        match model.state(words)?.header.phase() {
-            Some(Phase::Ready) => {}
-            Some(phase) if phase.is_over() => return Err(Error::EpisodeOver),
-            _ => {
-                return Err(Error::OutOfOrder {
-                    called: "batch_step",
-                    after: "step_end",
-                });
-            }
-        }
+pub(crate) fn check_ready(model: &Model<'_>, states: &[u64]) -> Result<(), Fault> {
+    for (index, words) in states.chunks_exact(model.state_words()).enumerate() {
+        let error = match model.state(words)?.header.phase() {
+            Some(Phase::Ready) => continue,
+            Some(phase) if phase.is_over() => Error::EpisodeOver,
+            _ => Error::OutOfOrder {
+                called: "batch_step",
+                after: "step_end",
+            },
+        };
+        return Err(Fault::Environment(index, error));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Metrics, Model, Scratch, observation, reward};
 
 use crate::batch::jcas_batch;
-use crate::batch_block::{BatchBlock, Sizes};
+use crate::batch_block::{Batch, BatchBlock, Sizes};
 use crate::handle::{self, Open, see};
 use crate::memory::{
     Buffer, Plain, Record, Words, input, optional_output, output, place, read_record, text_out,
@@ -82,13 +82,10 @@ unsafe impl Record for jcas_batch_out {}
 ///
 /// # Safety
 /// As [`BatchBlock::open`].
-unsafe fn change(
-    batch: *mut jcas_batch,
-    act: impl FnOnce(&mut BatchBlock) -> Result<(), Fault>,
-) -> i32 {
+unsafe fn change(batch: *mut jcas_batch, act: impl FnOnce(&mut Batch) -> Result<(), Fault>) -> i32 {
     guard(|| {
         // SAFETY: passed on.
-        let batch = unsafe { BatchBlock::open(batch.cast()) }?;
+        let (batch, _mark) = unsafe { BatchBlock::open(batch.cast()) }?;
         let done = act(batch);
         batch.refusal = done.err();
         done
@@ -112,7 +109,7 @@ pub unsafe extern "C" fn jcas_batch_reset(
     global: *mut f32,
     global_count: usize,
 ) -> jcas_status {
-    let act = |batch: &mut BatchBlock| {
+    let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
         Buffer::check_all(&[
             Buffer::new("seeds", seeds, seed_count, sizes.count),
@@ -158,7 +155,7 @@ pub unsafe extern "C" fn jcas_batch_reset_some(
     global: *mut f32,
     global_count: usize,
 ) -> jcas_status {
-    let act = |batch: &mut BatchBlock| {
+    let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
         Buffer::check_all(&[
             Buffer::new("mask", mask, mask_count, sizes.count),
@@ -211,7 +208,7 @@ pub unsafe extern "C" fn jcas_batch_step(
     auto_reset: i32,
     out: *const jcas_batch_out,
 ) -> jcas_status {
-    let act = |batch: &mut BatchBlock| {
+    let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
         let m = sizes.count;
         let auto_reset = match auto_reset {
@@ -337,7 +334,7 @@ pub unsafe extern "C" fn jcas_batch_observe(
     global: *mut f32,
     global_count: usize,
 ) -> jcas_status {
-    let act = |batch: &mut BatchBlock| {
+    let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
         Buffer::check_all(&[
             Buffer::new(
@@ -373,7 +370,7 @@ pub unsafe extern "C" fn jcas_batch_save(
 ) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let (batch, _mark) = unsafe { BatchBlock::see(batch.cast()) }?;
         // SAFETY: the caller's promise for `snapshots`.
         let out = unsafe { output::<u8>(snapshots.cast(), size, batch.sizes().snapshots) }?;
         batch.save(out)
@@ -392,7 +389,7 @@ pub unsafe extern "C" fn jcas_batch_load(
     snapshots: *const c_void,
     size: usize,
 ) -> jcas_status {
-    let act = |batch: &mut BatchBlock| {
+    let act = |batch: &mut Batch| {
         // SAFETY: the caller's promise for `snapshots`.
         let saved = unsafe { input::<u8>(snapshots.cast(), size, batch.sizes().snapshots) }?;
         batch.load(saved)
@@ -412,7 +409,7 @@ pub unsafe extern "C" fn jcas_batch_hash(
 ) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let (batch, _mark) = unsafe { BatchBlock::see(batch.cast()) }?;
         // SAFETY: the caller's promise for `states_hash`.
         let out = unsafe { place(states_hash) }?;
         out.put(batch.hash());
@@ -434,7 +431,7 @@ pub unsafe extern "C" fn jcas_batch_get(
 ) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let (batch, _mark) = unsafe { BatchBlock::see(batch.cast()) }?;
         let copy = |sim: &mut Open<'_>| {
             if batch.model().config_hash() != sim.model.config_hash() {
                 return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
@@ -463,7 +460,7 @@ pub unsafe extern "C" fn jcas_batch_set(
     index: u32,
     sim: *const jcas_sim,
 ) -> jcas_status {
-    let act = |batch: &mut BatchBlock| {
+    let act = |batch: &mut Batch| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { see(sim.cast()) }?;
         if batch.model().config_hash() != sim.model.config_hash() {
@@ -490,7 +487,7 @@ pub unsafe extern "C" fn jcas_batch_message(
 ) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let (batch, _mark) = unsafe { BatchBlock::see(batch.cast()) }?;
         // SAFETY: the caller's promises for `text` and `length`.
         unsafe { text_out(&Words(batch.refusal), text, capacity, length) }
     })

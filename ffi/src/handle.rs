@@ -1,7 +1,8 @@
 //! Handles: blocks of memory that begin with a seal.
 //!
 //! A seal mixes a constant of the handle's kind with the block's own address. Whatever is not a living
-//! handle of that kind, also a copy of one, therefore shows.
+//! handle of that kind, also a copy of one, therefore shows. In a block that changes, a mark follows that says which
+//! calls use it ([`InUse`]).
 //!
 //! | block | content |
 //! | --- | --- |
@@ -16,6 +17,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use jcas_core::{Config, Error, Model, Scratch, StateMut};
 
+use crate::in_use::{Changing, InUse, Reading};
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_IN_USE, JCAS_ERROR_LENGTH,
     JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES, guard,
@@ -71,6 +73,7 @@ pub(crate) struct ModelBlock {
 #[repr(C)]
 pub(crate) struct SimBlock {
     seal: u64,
+    in_use: InUse,
     memory: Memory,
     model: *const ModelBlock,
     /// The model's sizes, kept here so that no call works them out again.
@@ -283,8 +286,9 @@ impl ModelBlock {
     }
 }
 
-/// A simulation opened for change.
+/// A simulation opened for change, which no other call uses meanwhile.
 pub(crate) struct Open<'a> {
+    _mark: Changing<'a>,
     pub(crate) model: &'a Model<'static>,
     pub(crate) words: &'a mut [u64],
     pub(crate) scratch: &'a mut [u64],
@@ -293,8 +297,9 @@ pub(crate) struct Open<'a> {
     pub(crate) recording: &'a mut Option<Recording>,
 }
 
-/// A simulation opened to read.
+/// A simulation opened to read, which no call changes meanwhile.
 pub(crate) struct Seen<'a> {
+    _mark: Reading<'a>,
     pub(crate) model: &'a Model<'static>,
     pub(crate) words: &'a [u64],
     pub(crate) refusal: &'a Option<Fault>,
@@ -303,26 +308,30 @@ pub(crate) struct Seen<'a> {
 /// Opens a simulation for change.
 ///
 /// # Safety
-/// As [`check`], and no other thread uses the simulation for `'a`.
+/// As [`check`], and the simulation is not freed for `'a`.
 pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
     // SAFETY: passed on.
     unsafe { check(at) }?;
-    // SAFETY: a living block, which only this call uses.
-    let block = unsafe { &mut *at };
+    // SAFETY: a living block, of which nothing else is looked at.
+    let mark = unsafe { &(*at).in_use }.change()?;
+    // SAFETY: what is read here never changes while the block lives.
+    let (model, state, scratch) = unsafe { ((*at).model, (*at).state_words, (*at).scratch_words) };
     // SAFETY: a model cannot be freed while it has simulations.
-    let model = unsafe { &(*block.model).model };
-    let (state, scratch) = (block.state_words, block.scratch_words);
-    // SAFETY: the block was laid out with these words after it, which are no part of `block`.
+    let model = unsafe { &(*model).model };
+    // SAFETY: by the mark, only this call uses these.
+    let (refusal, recording) = unsafe { (&mut (*at).refusal, &mut (*at).recording) };
+    // SAFETY: the block was laid out with these words after it, which only this call uses.
     let words = unsafe { words_after(at, 2 * state + scratch) };
     let (words, rest) = words.split_at_mut(state);
     let (spare, scratch) = rest.split_at_mut(state);
     Ok(Open {
+        _mark: mark,
         model,
         words,
         scratch,
         spare,
-        refusal: &mut block.refusal,
-        recording: &mut block.recording,
+        refusal,
+        recording,
     })
 }
 
@@ -346,11 +355,13 @@ pub(crate) unsafe fn change(
 /// Opens a simulation to read.
 ///
 /// # Safety
-/// As [`check`], and no thread changes the simulation for `'a`.
+/// As [`check`], and the simulation is not freed for `'a`.
 pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
     // SAFETY: passed on.
     unsafe { check(at) }?;
-    // SAFETY: a living block that nobody changes.
+    // SAFETY: a living block, of which nothing else is looked at.
+    let mark = unsafe { &(*at).in_use }.read()?;
+    // SAFETY: by the mark, no call changes the block.
     let block = unsafe { &*at };
     // SAFETY: a model cannot be freed while it has simulations.
     let model = unsafe { &(*block.model).model };
@@ -359,6 +370,7 @@ pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
     // SAFETY: as many as the model's states have.
     let words = unsafe { slice::from_raw_parts(first.cast(), block.state_words) };
     Ok(Seen {
+        _mark: mark,
         model,
         words,
         refusal: &block.refusal,
@@ -383,6 +395,7 @@ impl SimBlock {
         unsafe { at.write_bytes(0, memory.layout.size()) };
         let value = Self {
             seal: Self::seal(block),
+            in_use: InUse::new(),
             memory,
             model,
             state_words: model.get().state_words(),
@@ -392,7 +405,7 @@ impl SimBlock {
         };
         // SAFETY: in front of the words, aligned by the layout.
         unsafe { block.write(value) };
-        // SAFETY: just built, and nobody else has it.
+        // SAFETY: just built.
         unsafe { open(block) }?.reset(0)?;
         model.add_user();
         Ok(block)
@@ -401,11 +414,13 @@ impl SimBlock {
     /// Ends a simulation.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the simulation.
+    /// As [`check`]; no other thread frees the simulation.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block, which only this call uses.
+        // SAFETY: a living block, of which nothing else is looked at.
+        unsafe { &(*at).in_use }.change()?.keep();
+        // SAFETY: by the mark, only this call uses the block.
         let block = unsafe { &mut *at };
         // SAFETY: a model cannot be freed while it has simulations.
         unsafe { &*block.model }.drop_user();

@@ -39,13 +39,17 @@ mod batch_step;
 mod policy;
 
 mod batch_block;
+mod batch_job;
 mod handle;
+mod in_use;
 mod memory;
+#[cfg(all(test, loom))]
+mod model_check;
 mod policy_block;
-#[cfg(any(kani, test))]
+#[cfg(any(kani, all(test, not(loom))))]
 mod proofs;
-mod shares;
-mod team;
+mod sync;
+mod thread_pool;
 mod trace;
 
 pub use batch::*;

@@ -229,7 +229,10 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
             _ => return Err(Fault::Status(JCAS_ERROR_ARGUMENT)),
         };
         // SAFETY: the caller's promise for `policy`.
-        unsafe { PolicyBlock::set_mode(policy.cast(), mode) }
+        let _mark = unsafe { PolicyBlock::hold(policy.cast()) }?;
+        // SAFETY: held.
+        unsafe { PolicyBlock::set_mode(policy.cast(), mode) };
+        Ok(())
     })
 }
 
@@ -256,6 +259,8 @@ pub unsafe extern "C" fn jcas_policy_act(
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { output(actions, action_count, sim.model.action_len()) }?;
         // SAFETY: the caller's promise for `policy`.
+        let _mark = unsafe { PolicyBlock::hold(policy.cast()) }?;
+        // SAFETY: held.
         unsafe { PolicyBlock::plan(policy.cast(), 0, sim.model, sim.words) }?;
         // SAFETY: as above.
         unsafe { PolicyBlock::act(policy.cast(), 0, sim.model, sim.words, actions) }
@@ -278,13 +283,15 @@ pub unsafe extern "C" fn jcas_policy_act_batch(
 ) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
-        let batch = unsafe { BatchBlock::see(batch.cast()) }?;
+        let (batch, _mark) = unsafe { BatchBlock::see(batch.cast()) }?;
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { output(actions, action_count, batch.sizes().actions) }?;
+        // SAFETY: the caller's promise for `policy`.
+        let _held = unsafe { PolicyBlock::hold(policy.cast()) }?;
         let each = actions.chunks_exact_mut(batch.model().action_len());
         for index in 0..each.len() {
             let words = batch.state(index)?;
-            // SAFETY: the caller's promise for `policy`.
+            // SAFETY: held.
             unsafe { PolicyBlock::plan(policy.cast(), index, batch.model(), words) }?;
         }
         for (index, actions) in each.enumerate() {

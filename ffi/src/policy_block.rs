@@ -13,6 +13,7 @@ use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
 use jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode};
 
 use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
+use crate::in_use::{Changing, InUse};
 use crate::status::{
     Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN, JCAS_ERROR_RESOURCES,
 };
@@ -20,6 +21,7 @@ use crate::status::{
 #[repr(C)]
 pub(crate) struct PolicyBlock {
     seal: u64,
+    in_use: InUse,
     memory: Memory,
     model: *const ModelBlock,
     pilot: Pilot,
@@ -193,6 +195,7 @@ impl PolicyBlock {
     unsafe fn begin(block: *mut Self, memory: Memory, model: &ModelBlock, pilot: Pilot) {
         let value = Self {
             seal: Self::seal(block),
+            in_use: InUse::new(),
             memory,
             model,
             pilot,
@@ -205,13 +208,13 @@ impl PolicyBlock {
     /// Ends a policy.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the policy.
+    /// As [`check`]; no other thread frees the policy.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
-        unsafe { check(at) }?;
-        // SAFETY: a living block that only this call uses, read out whole and not used again.
+        unsafe { Self::hold(at) }?.keep();
+        // SAFETY: by the mark, only this call uses the block, which is read out whole and not used again.
         let block = unsafe { at.read() };
-        // SAFETY: as above; whoever looks again finds no seal.
+        // SAFETY: as above; a later call finds no seal.
         unsafe { (&raw mut (*at).seal).write(0) };
         // SAFETY: a model cannot be freed while it has policies.
         unsafe { &*block.model }.drop_user();
@@ -220,45 +223,49 @@ impl PolicyBlock {
         Ok(())
     }
 
-    /// How a network's actions follow from its outputs; a baseline has no choice.
+    /// Marks a policy as being used. No other call uses it while the mark lives.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the policy.
-    pub(crate) unsafe fn set_mode(
-        at: *mut Self,
-        mode: jcas_policy::head::Mode,
-    ) -> Result<(), Fault> {
+    /// As [`check`], and the policy is not freed for `'a`.
+    pub(crate) unsafe fn hold<'a>(at: *mut Self) -> Result<Changing<'a>, Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block that only this call uses.
+        // SAFETY: a living block, of which nothing else is looked at.
+        unsafe { &(*at).in_use }.change()
+    }
+
+    /// Sets how a network's actions follow from its outputs; a baseline has no choice.
+    ///
+    /// # Safety
+    /// The caller [holds](PolicyBlock::hold) the policy.
+    pub(crate) unsafe fn set_mode(at: *mut Self, mode: jcas_policy::head::Mode) {
+        // SAFETY: only this call uses the block.
         if let Pilot::Network(learned) = unsafe { &mut (*at).pilot } {
             learned.flight.mode = mode;
         }
-        Ok(())
     }
 
     /// What acting in one state of a model with this policy's configuration needs memory for. `place` is the
     /// simulation's in its batch.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the policy.
+    /// The caller [holds](PolicyBlock::hold) the policy.
     pub(crate) unsafe fn plan(
         at: *mut Self,
         place: usize,
         model: &Model<'_>,
         words: &[u64],
     ) -> Result<(), Fault> {
-        // SAFETY: passed on.
-        unsafe { check(at) }?;
-        // SAFETY: a living block that only this call uses; its words are no part of it.
-        let block = unsafe { &mut *at };
+        // SAFETY: never changes while the block lives.
+        let own = unsafe { (*at).model };
         // SAFETY: a model cannot be freed while it has policies.
-        let own = unsafe { &*block.model }.get();
+        let own = unsafe { &*own }.get();
         if own.config_hash() != model.config_hash() {
             return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
         }
         let state = model.state(words)?;
-        let Pilot::Baseline { kind, mode, each } = &mut block.pilot else {
+        // SAFETY: only this call uses the block.
+        let Pilot::Baseline { kind, mode, each } = (unsafe { &mut (*at).pilot }) else {
             return Ok(());
         };
         let missing = (place + 1).saturating_sub(each.len());
@@ -283,7 +290,7 @@ impl PolicyBlock {
     /// Writes the actions for a state that [`PolicyBlock::plan`] has just seen.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the policy.
+    /// The caller [holds](PolicyBlock::hold) the policy.
     pub(crate) unsafe fn act(
         at: *mut Self,
         place: usize,
@@ -291,12 +298,9 @@ impl PolicyBlock {
         words: &[u64],
         actions: &mut [f32],
     ) -> Result<(), Fault> {
-        // SAFETY: passed on.
-        unsafe { check(at) }?;
-        // SAFETY: a living block that only this call uses; its words are no part of it.
-        let block = unsafe { &mut *at };
         let state = model.state(words)?;
-        match &mut block.pilot {
+        // SAFETY: only this call uses the block; its words are no part of it.
+        match unsafe { &mut (*at).pilot } {
             Pilot::Network(learned) => {
                 // SAFETY: the block was laid out with these lengths.
                 let parts = unsafe { parts(at, &learned.lengths) };

@@ -127,7 +127,11 @@ pub unsafe extern "C" fn jcas_sim_record_end(sim: *mut jcas_sim) -> jcas_status 
         let parted = (state.header.phase()).is_some_and(|phase| within.contains(&phase));
         match sim.recording.take_if(|_| !parted) {
             Some(recording) => Recording::end(recording, &state),
-            None => Err(Fault::Status(JCAS_ERROR_OUT_OF_ORDER)),
+            None if parted => Err(Fault::Status(JCAS_ERROR_OUT_OF_ORDER)),
+            None => Err(Fault::Because(
+                JCAS_ERROR_OUT_OF_ORDER,
+                "nothing is recorded: jcas_sim_record begins a recording",
+            )),
         }
     };
     // SAFETY: the caller's promise for `sim`.

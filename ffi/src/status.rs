@@ -50,6 +50,8 @@ pub const JCAS_ERROR_FORKED: i32 = -17;
 pub const JCAS_ERROR_SINK: i32 = -18;
 /// A trace, flown again, is not what its file says.
 pub const JCAS_ERROR_DIFFERENT: i32 = -19;
+/// Another call is using the object, on another thread or around this one: one thread at a time may use it.
+pub const JCAS_ERROR_BUSY: i32 = -20;
 
 /// What a status means, in English.
 ///
@@ -79,6 +81,7 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
         JCAS_ERROR_FORKED => "the threads of the batch are in the parent process\0",
         JCAS_ERROR_SINK => "the sink has not taken all of the trace\0",
         JCAS_ERROR_DIFFERENT => "flown again, the trace is not what its file says\0",
+        JCAS_ERROR_BUSY => "another call is using the object\0",
         _ => "not a status of jcas\0",
     };
     text.as_ptr().cast()
@@ -89,10 +92,14 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
 pub(crate) enum Fault {
     /// A status of the ABI itself.
     Status(i32),
+    /// A status of the ABI itself, with words that say more.
+    Because(i32, &'static str),
     /// Two buffers that share memory.
     Overlap(&'static str, &'static str),
     /// A refusal of the kernel.
     Kernel(Error),
+    /// A refusal of the kernel for one environment of a batch.
+    Environment(usize, Error),
 }
 
 impl From<Error> for Fault {
@@ -104,9 +111,9 @@ impl From<Error> for Fault {
 impl Fault {
     pub(crate) fn status(&self) -> i32 {
         match self {
-            Self::Status(status) => *status,
+            Self::Status(status) | Self::Because(status, _) => *status,
             Self::Overlap(..) => JCAS_ERROR_ARGUMENT,
-            Self::Kernel(error) => match error {
+            Self::Kernel(error) | Self::Environment(_, error) => match error {
                 Error::Config(_) => JCAS_ERROR_CONFIG,
                 Error::ActionNan { .. } => JCAS_ERROR_NAN,
                 Error::Length { .. } => JCAS_ERROR_LENGTH,
@@ -129,8 +136,10 @@ impl fmt::Display for Fault {
                 let words = unsafe { CStr::from_ptr(jcas_status_string(*status)) };
                 out.write_str(words.to_str().unwrap_or_default())
             }
+            Self::Because(_, words) => out.write_str(words),
             Self::Overlap(a, b) => write!(out, "{a} and {b} overlap: buffers must lie apart"),
             Self::Kernel(error) => error.fmt(out),
+            Self::Environment(index, error) => write!(out, "environment {index}: {error}"),
         }
     }
 }

@@ -1,12 +1,15 @@
-//! Threads of a batch: started when it is built, joined when it ends. Handing out work allocates nothing.
+//! The threads of a batch: started when it is built, joined when it ends. Handing out work allocates nothing.
+//!
+//! `ffi/src/model_check.rs` runs all interleavings of a small pool.
 
 use std::ffi::c_void;
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::PoisonError;
 
-/// How often a thread looks whether it may go on before it sleeps: some tens of microseconds on present x86 processors,
-/// less on others, which is what waking it takes, and in which a caller in a loop is back.
-const LOOKS: u32 = 1000;
+use crate::sync::{AtomicU32, Condvar, Mutex, MutexGuard, Ordering, spin_loop};
+
+/// How often a thread tests whether it may go on before it sleeps: some tens of microseconds on present x86
+/// processors, less on others. Waking it takes as long, and a caller in a loop is back by then.
+const SPINS: u32 = 1000;
 
 pub(crate) type Task = unsafe extern "C" fn(*mut c_void, u32);
 
@@ -18,7 +21,7 @@ pub(crate) struct Job {
     pub(crate) count: u32,
 }
 
-// SAFETY: whoever makes a job lets any thread run its tasks.
+// SAFETY: a job is made for tasks that any thread may run.
 unsafe impl Send for Job {}
 
 /// What the threads are to do.
@@ -27,41 +30,49 @@ struct Orders {
     quit: bool,
 }
 
-pub(crate) struct Team {
+/// A number of threads that run the tasks of one job at a time together with the caller's.
+pub(crate) struct ThreadPool {
     orders: Mutex<Orders>,
-    /// Threads that have begun to serve.
-    serving: AtomicU32,
-    /// Rises by one with each job. As `working`, written by who holds the orders, for all to see.
-    round: AtomicU32,
+    /// Threads that have begun to work.
+    started: AtomicU32,
+    /// Rises by one with each job. As `working`, it is written under the lock of `orders` and read without it.
+    jobs: AtomicU32,
     /// Threads that have not finished the present job.
     working: AtomicU32,
-    /// All of them, beside the caller's.
+    /// Threads of the pool, beside the caller's.
     threads: u32,
-    looks: u32,
-    begin: Condvar,
-    end: Condvar,
+    /// Tests before a thread sleeps.
+    spins: u32,
+    job_given: Condvar,
+    job_done: Condvar,
 }
 
-impl Team {
-    /// Of so many threads beside the caller's. Where there are not as many processors, who looks would only keep
-    /// another from its work.
+impl ThreadPool {
+    /// A pool for `threads` threads beside the caller's. Where the machine has no more processors than that, a thread
+    /// that spins would keep another from its work, so that none does.
     pub(crate) fn new(threads: u32) -> Self {
+        let spins = if (threads as usize) < processors() {
+            SPINS
+        } else {
+            0
+        };
+        Self::with_spins(threads, spins)
+    }
+
+    pub(crate) fn with_spins(threads: u32, spins: u32) -> Self {
+        let orders = Orders {
+            job: None,
+            quit: false,
+        };
         Self {
-            orders: Mutex::new(Orders {
-                job: None,
-                quit: false,
-            }),
-            serving: AtomicU32::new(0),
-            round: AtomicU32::new(0),
+            orders: Mutex::new(orders),
+            started: AtomicU32::new(0),
+            jobs: AtomicU32::new(0),
             working: AtomicU32::new(0),
             threads,
-            looks: if (threads as usize) < processors() {
-                LOOKS
-            } else {
-                0
-            },
-            begin: Condvar::new(),
-            end: Condvar::new(),
+            spins,
+            job_given: Condvar::new(),
+            job_done: Condvar::new(),
         }
     }
 
@@ -74,35 +85,32 @@ impl Team {
         let mut orders = self.orders();
         orders.job = Some(job);
         self.working.store(self.threads, Ordering::Relaxed);
-        self.round.fetch_add(1, Ordering::Release);
+        self.jobs.fetch_add(1, Ordering::Release);
         drop(orders);
-        self.begin.notify_all();
-        self.take_tasks(job, 0);
+        self.job_given.notify_all();
+        self.run_tasks(job, 0);
         let done = || self.working.load(Ordering::Acquire) == 0;
-        self.look_for(done);
+        self.spin_until(done);
         let mut orders = self.orders();
         while !done() {
-            orders = self
-                .end
-                .wait(orders)
-                .unwrap_or_else(PoisonError::into_inner);
+            orders = (self.job_done.wait(orders)).unwrap_or_else(PoisonError::into_inner);
         }
         orders.job = None;
     }
 
-    /// Waits for something to become true, but not for long.
-    fn look_for(&self, happened: impl Fn() -> bool) {
-        for _ in 0..self.looks {
-            if happened() {
+    /// Waits until a condition holds, but not for long.
+    fn spin_until(&self, holds: impl Fn() -> bool) {
+        for _ in 0..self.spins {
+            if holds() {
                 return;
             }
-            std::hint::spin_loop();
+            spin_loop();
         }
     }
 
-    /// Runs what no other thread has taken of a job, each from a place of its own on: what it wrote in the last
-    /// step is in its cache.
-    fn take_tasks(&self, job: Job, place: u32) {
+    /// Runs every task of a job, from a first one on that differs between threads: the data that a thread wrote in the
+    /// last step is in its cache. A task that another thread has taken returns at once.
+    fn run_tasks(&self, job: Job, place: u32) {
         let first = u64::from(job.count) * u64::from(place) / (u64::from(self.threads) + 1);
         let first = first as u32;
         for index in (first..job.count).chain(0..first) {
@@ -114,45 +122,42 @@ impl Team {
     /// Tells the threads to end.
     pub(crate) fn quit(&self) {
         self.orders().quit = true;
-        self.begin.notify_all();
+        self.job_given.notify_all();
     }
 
-    /// What each thread does: job after job, until it is told to quit.
-    fn serve(&self) {
-        let place = 1 + self.serving.fetch_add(1, Ordering::Relaxed);
+    /// What each thread of the pool does: job after job, until it is told to quit.
+    pub(crate) fn work(&self) {
+        let place = 1 + self.started.fetch_add(1, Ordering::Relaxed);
         let mut done = 0;
         loop {
-            let called = || self.round.load(Ordering::Acquire) != done;
-            self.look_for(called);
+            let given = || self.jobs.load(Ordering::Acquire) != done;
+            self.spin_until(given);
             let mut orders = self.orders();
-            while !called() && !orders.quit {
-                orders = self
-                    .begin
-                    .wait(orders)
-                    .unwrap_or_else(PoisonError::into_inner);
+            while !given() && !orders.quit {
+                orders = (self.job_given.wait(orders)).unwrap_or_else(PoisonError::into_inner);
             }
             if orders.quit {
                 return;
             }
-            done = self.round.load(Ordering::Relaxed);
+            done = self.jobs.load(Ordering::Relaxed);
             let job = orders.job;
             drop(orders);
             if let Some(job) = job {
-                self.take_tasks(job, place);
+                self.run_tasks(job, place);
             }
             let orders = self.orders();
             let last = self.working.fetch_sub(1, Ordering::Release) == 1;
             drop(orders);
             if last {
-                self.end.notify_one();
+                self.job_done.notify_one();
             }
         }
     }
 }
 
-extern "C" fn serve(team: *mut c_void) -> *mut c_void {
-    // SAFETY: a team outlives its threads: its owner joins them first.
-    unsafe { &*team.cast::<Team>() }.serve();
+extern "C" fn work(pool: *mut c_void) -> *mut c_void {
+    // SAFETY: a pool outlives its threads: its owner joins them first.
+    unsafe { &*pool.cast::<ThreadPool>() }.work();
     std::ptr::null_mut()
 }
 
@@ -164,23 +169,23 @@ mod system {
     use std::mem::MaybeUninit;
     use std::ptr;
 
-    use super::Team;
+    use super::ThreadPool;
 
     pub(crate) type Thread = libc::pthread_t;
 
-    /// Starts a thread of a team; `None` if the system has none.
+    /// Starts a thread of a pool; `None` if the system has none.
     ///
     /// # Safety
-    /// The team stays where it is until the thread has been joined.
-    pub(crate) unsafe fn start(team: *const Team) -> Option<Thread> {
+    /// The pool stays where it is until the thread has been joined.
+    pub(crate) unsafe fn start(pool: *const ThreadPool) -> Option<Thread> {
         let mut thread = MaybeUninit::uninit();
-        // SAFETY: `thread` is a place for a thread; the team lives by the caller's promise.
+        // SAFETY: `thread` is a place for a thread; the pool lives by the caller's promise.
         let failed = unsafe {
             libc::pthread_create(
                 thread.as_mut_ptr(),
                 ptr::null(),
-                super::serve,
-                team.cast_mut().cast(),
+                super::work,
+                pool.cast_mut().cast(),
             )
         };
         // SAFETY: written where the thread was created.
@@ -208,26 +213,26 @@ mod system {
 mod system {
     use std::thread::{Builder, JoinHandle, available_parallelism};
 
-    use super::Team;
+    use super::ThreadPool;
 
     pub(crate) type Thread = JoinHandle<()>;
 
-    /// Starts a thread of a team; `None` if the system has none.
+    /// Starts a thread of a pool; `None` if the system has none.
     ///
     /// # Safety
-    /// The team stays where it is until the thread has been joined.
-    pub(crate) unsafe fn start(team: *const Team) -> Option<Thread> {
-        let address = team.expose_provenance();
-        let serve = move || {
-            super::serve(std::ptr::with_exposed_provenance_mut(address));
+    /// The pool stays where it is until the thread has been joined.
+    pub(crate) unsafe fn start(pool: *const ThreadPool) -> Option<Thread> {
+        let address = pool.expose_provenance();
+        let work = move || {
+            super::work(std::ptr::with_exposed_provenance_mut(address));
         };
-        Builder::new().spawn(serve).ok()
+        Builder::new().spawn(work).ok()
     }
 
     /// Waits for a thread to end.
     ///
     /// # Safety
-    /// None: the handle says it all.
+    /// None is needed: the handle joins its own thread.
     pub(crate) unsafe fn join(thread: Thread) {
         let _ended = thread.join();
     }

@@ -11,10 +11,10 @@ pub const JCAS_VERSION_MINOR: u32 = 1;
 /// See JCAS_VERSION_MAJOR.
 pub const JCAS_VERSION_PATCH: u32 = 0;
 
-/// Version of the interface that this header declares: 65536 * major + minor, counted apart from the
-/// library's, as most releases do not change it. 1.0 is the interface of library 0.1.0 as first released,
-/// 1.1 what has been added since. No struct of 1.0 has grown since.
-pub const JCAS_ABI_VERSION: u32 = 0x0001_0001;
+/// Version of the interface that this header declares: 16777216 * major + 65536 * minor, counted apart
+/// from the library's, as most releases do not change it. 1.0 is the first that was released. Headers
+/// from before have numbers of major version 0, which no release serves.
+pub const JCAS_ABI_VERSION: u32 = 0x0100_0000;
 
 /// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
 #[unsafe(no_mangle)]
@@ -29,12 +29,13 @@ pub extern "C" fn jcas_abi_version() -> u32 {
 }
 
 /// Whether the library that runs serves a program compiled with this header:
-/// `jcas_abi_check(JCAS_ABI_VERSION)`. Threads: any.
+/// `jcas_abi_check(JCAS_ABI_VERSION)`. It does if the header has its major version and no later minor
+/// one. Ask before any other call, which cannot tell another version from a wrong size. Threads: any.
 /// Statuses: ABI.
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_abi_check(header_abi_version: u32) -> jcas_status {
-    let same_major = header_abi_version >> 16 == JCAS_ABI_VERSION >> 16;
+    let same_major = header_abi_version >> 24 == JCAS_ABI_VERSION >> 24;
     if same_major && header_abi_version <= JCAS_ABI_VERSION {
         JCAS_OK
     } else {

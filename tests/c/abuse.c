@@ -7,14 +7,18 @@ static void tell_versions(void)
 {
     CHECK(jcas_abi_version() == JCAS_ABI_VERSION);
     CHECK(jcas_abi_check(JCAS_ABI_VERSION) == JCAS_OK);
-    CHECK(jcas_abi_check(JCAS_ABI_VERSION + 1) == JCAS_ERROR_ABI);
+    CHECK(JCAS_ABI_VERSION == 0x01000000); /* 1.0, the first that was released */
     CHECK(jcas_abi_check(JCAS_ABI_VERSION + 65536) == JCAS_ERROR_ABI);
+    CHECK(jcas_abi_check(JCAS_ABI_VERSION + 16777216) == JCAS_ERROR_ABI);
     CHECK(jcas_abi_check(0) == JCAS_ERROR_ABI);
+    /* Headers from before the first release. */
+    CHECK(jcas_abi_check(0x00010000) == JCAS_ERROR_ABI);
+    CHECK(jcas_abi_check(0x00010001) == JCAS_ERROR_ABI);
     char version[32];
     snprintf(version, sizeof version, "%d.%d.%d", JCAS_VERSION_MAJOR, JCAS_VERSION_MINOR,
              JCAS_VERSION_PATCH);
     CHECK(strcmp(version, jcas_version()) == 0);
-    for (int32_t status = JCAS_ERROR_DIFFERENT; status <= JCAS_OK; status++)
+    for (int32_t status = JCAS_ERROR_BUSY; status <= JCAS_OK; status++)
         CHECK(strcmp(jcas_status_string(status), "not a status of jcas") != 0);
     CHECK(strcmp(jcas_status_string(1), "not a status of jcas") == 0);
     CHECK(strcmp(jcas_status_string(INT32_MIN), "not a status of jcas") == 0);

@@ -90,6 +90,32 @@ static void record(const jcas::model &model)
     CHECK(cut.code() == JCAS_ERROR_CORRUPT && cut.message().find("not a whole trace") == 0);
 }
 
+/* A sink that calls back into the simulation that writes to it finds it in use. */
+static void refuse_a_simulation_in_use(const jcas::model &model)
+{
+    jcas::sim sim = jcas::sim::create(model).take();
+    const std::vector<float> actions(model.info().action_len, 0.0f);
+    int asked = 0;
+    const auto sink = [&](std::string_view) {
+        const auto stepped = sim.step(actions);
+        CHECK(stepped.code() == JCAS_ERROR_BUSY);
+        CHECK(stepped.message() == jcas_status_string(JCAS_ERROR_BUSY));
+#ifdef JCAS_EXCEPTIONS
+        try {
+            CHECK(sim.hash() == 0);
+            CHECK(false);
+        } catch (const jcas::error &error) {
+            CHECK(error.code() == JCAS_ERROR_BUSY);
+        }
+#endif
+        asked++;
+        return true;
+    };
+    CHECK(sim.record(7, sink));
+    CHECK(sim.step(actions));
+    CHECK(sim.record_end() && asked >= 3);
+}
+
 static void fly_batch(const jcas::model &model)
 {
     jcas::batch batch = jcas::batch::create(model, 3, 2).take();
@@ -135,6 +161,7 @@ int main()
         CHECK(!model.radio(99, 0, 0.3));
         fly(model);
         record(model);
+        refuse_a_simulation_in_use(model);
         fly_batch(model);
         fly_policies(model);
         // Nothing is left that uses the model.

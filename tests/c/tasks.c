@@ -42,10 +42,88 @@ static void run_backwards(jcas_task task, void *task_context, uint32_t count, vo
     task(task_context, count); /* there is none */
 }
 
-/* A host that forgets its tasks: the step does them. */
+/* A host that forgets most of its tasks: the step does them. */
+static void run_one(jcas_task task, void *task_context, uint32_t count, void *context)
+{
+    (void)context;
+    task(task_context, count / 2);
+}
+
+/* A host that forgets all of its tasks. */
 static void run_nothing(jcas_task task, void *task_context, uint32_t count, void *context)
 {
     (void)task, (void)task_context, (void)count, (void)context;
+}
+
+/* A host that calls back into the batch that is being stepped: each such call is refused. */
+static jcas_batch *stepped;
+
+static void run_and_intrude(jcas_task task, void *task_context, uint32_t count, void *context)
+{
+    uint64_t hash;
+    EXPECT(JCAS_ERROR_BUSY, jcas_batch_step(stepped, actions, M * 2 * N, 1, &out));
+    EXPECT(JCAS_ERROR_BUSY, jcas_batch_hash(stepped, &hash));
+    EXPECT(JCAS_ERROR_BUSY, jcas_batch_free(stepped));
+    run_backwards(task, task_context, count, context);
+}
+
+/* A step whose runner runs nothing is refused, and writes nothing. */
+static void refuse_a_runner_that_runs_nothing(const jcas_model *model)
+{
+    jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = TASKS,
+                                  .run = run_nothing};
+    size_t size, alignment, length;
+    OK(jcas_batch_layout(model, &options, &size, &alignment));
+    void *memory = allocated(size);
+    jcas_batch *batch;
+    OK(jcas_batch_init(memory, size, model, &options, &batch));
+    uint64_t before, after;
+    char why[100];
+    OK(jcas_batch_hash(batch, &before));
+    mark(observations, observed * sizeof(float));
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_batch_step(batch, actions, M * 2 * N, 1, &out));
+    OK(jcas_batch_message(batch, why, sizeof why, &length));
+    CHECK(strcmp(why, "run returned before it had run a task of the step") == 0);
+    CHECK(untouched(observations, observed * sizeof(float)));
+    OK(jcas_batch_hash(batch, &after));
+    CHECK(before == after);
+    OK(jcas_batch_free(batch));
+    free(memory);
+}
+
+/* Without automatic resets, a message names the environment whose episode has ended. */
+static void name_the_environment_that_refuses(const jcas_model *model)
+{
+    jcas_batch *batch;
+    jcas_sim *ended;
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    float stay[2 * N] = {0};
+    char why[100];
+    size_t length;
+    OK(jcas_sim_new(model, &ended));
+    while (!outcome.terminated && !outcome.truncated)
+        OK(jcas_sim_step(ended, stay, 2 * N, &outcome));
+    OK(jcas_batch_new(model, M, 2, &batch));
+    OK(jcas_batch_set(batch, 5, ended));
+    EXPECT(JCAS_ERROR_EPISODE_OVER, jcas_batch_step(batch, actions, M * 2 * N, 0, &out));
+    OK(jcas_batch_message(batch, why, sizeof why, &length));
+    CHECK(strcmp(why, "environment 5: the episode has ended: reset before the next step") == 0);
+    OK(jcas_batch_free(batch));
+    OK(jcas_sim_free(ended));
+}
+
+static void refuse_a_batch_in_use(const jcas_model *model, uint64_t expected)
+{
+    int seven = 7;
+    jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = TASKS,
+                                  .run = run_and_intrude, .run_context = &seven};
+    size_t size, alignment;
+    OK(jcas_batch_layout(model, &options, &size, &alignment));
+    void *memory = allocated(size);
+    OK(jcas_batch_init(memory, size, model, &options, &stepped));
+    CHECK(flown(stepped) == expected);
+    OK(jcas_batch_free(stepped));
+    free(memory);
 }
 
 struct errand {
@@ -77,7 +155,7 @@ static void run_threads(jcas_task task, void *task_context, uint32_t count, void
 static void use_tasks(const jcas_model *model, uint64_t expected)
 {
     int seven = 7;
-    jcas_run_tasks runners[] = {run_backwards, run_nothing, run_threads, NULL};
+    jcas_run_tasks runners[] = {run_backwards, run_one, run_threads, NULL};
     for (int i = 0; i < 4; i++) {
         jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = TASKS,
                                       .run = runners[i], .run_context = &seven};
@@ -227,6 +305,9 @@ int main(void)
     uint64_t expected = flown(batch);
     OK(jcas_batch_free(batch));
     use_tasks(model, expected);
+    refuse_a_batch_in_use(model, expected);
+    refuse_a_runner_that_runs_nothing(model);
+    name_the_environment_that_refuses(model);
     save_and_reset(model, info.snapshot_size);
     threads_end(model);
     fork_with_threads(model, expected);

@@ -1,5 +1,6 @@
 /* Threads that share one model, each with a simulation of its own; threads that read one simulation;
  * a batch with worker threads against one without. Every result has to be that of one thread alone.
+ * Threads that step one simulation, one batch or one policy at once: each call is made whole or refused.
  *
  *   threads          all
  *   threads shared   without the batch, whose locks thread checkers cannot see through
@@ -7,6 +8,7 @@
 #include "check.h"
 
 #include <pthread.h>
+#include <sched.h>
 
 enum { THREADS = 4, STEPS = 60, ENVIRONMENTS = 24 };
 
@@ -154,6 +156,134 @@ static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
     return hash;
 }
 
+/* An object that several threads use at once, against the contract. */
+enum { CALLS = 1000 };
+
+struct intruder {
+    jcas_sim *sim;
+    jcas_batch *batch;
+    jcas_policy *policy;
+    const jcas_sim *seen;
+    jcas_model_info info;
+    uint64_t done, refused;
+};
+
+/* Counts a call, which is made whole or refused. One that was refused lets the others go on. */
+static void count_call(struct intruder *intruder, int32_t status)
+{
+    CHECK(status == JCAS_OK || status == JCAS_ERROR_BUSY);
+    if (status == JCAS_OK) {
+        intruder->done++;
+    } else {
+        intruder->refused++;
+        sched_yield();
+    }
+}
+
+static void *step_one_sim(void *intruder_)
+{
+    struct intruder *intruder = (struct intruder *)intruder_;
+    float *actions = ARRAY(float, intruder->info.action_len);
+    jcas_outcome outcome;
+    outcome.struct_size = sizeof outcome;
+    for (uint32_t call = 0; intruder->done < CALLS; call++) {
+        for (uint32_t i = 0; i < intruder->info.action_len; i++)
+            actions[i] = action_of(1, call, i);
+        count_call(intruder, jcas_sim_step(intruder->sim, actions, intruder->info.action_len, &outcome));
+        uint64_t hash;
+        int32_t status = jcas_sim_hash(intruder->sim, &hash);
+        CHECK(status == JCAS_OK || status == JCAS_ERROR_BUSY);
+    }
+    free(actions);
+    return NULL;
+}
+
+static void *step_one_batch(void *intruder_)
+{
+    struct intruder *intruder = (struct intruder *)intruder_;
+    size_t acted = (size_t)ENVIRONMENTS * intruder->info.action_len;
+    size_t observed = (size_t)ENVIRONMENTS * intruder->info.uav_count * intruder->info.observation_len;
+    float *actions = ARRAY(float, acted), *observations = ARRAY(float, observed);
+    float rewards[ENVIRONMENTS];
+    uint8_t terminated[ENVIRONMENTS], truncated[ENVIRONMENTS];
+    jcas_batch_out out;
+    memset(&out, 0, sizeof out);
+    out.struct_size = sizeof out;
+    out.observations = observations, out.observation_count = observed;
+    out.rewards = rewards, out.reward_count = ENVIRONMENTS;
+    out.terminated = terminated, out.terminated_count = ENVIRONMENTS;
+    out.truncated = truncated, out.truncated_count = ENVIRONMENTS;
+    for (uint32_t call = 0; intruder->done < CALLS / 10; call++) {
+        for (size_t i = 0; i < acted; i++)
+            actions[i] = action_of(2, call, (uint32_t)i);
+        count_call(intruder, jcas_batch_step(intruder->batch, actions, acted, 1, &out));
+    }
+    free(actions);
+    free(observations);
+    return NULL;
+}
+
+static void *fly_one_policy(void *intruder_)
+{
+    struct intruder *intruder = (struct intruder *)intruder_;
+    float *actions = ARRAY(float, intruder->info.action_len);
+    while (intruder->done < CALLS)
+        count_call(intruder,
+                   jcas_policy_act(intruder->policy, intruder->seen, actions, intruder->info.action_len));
+    free(actions);
+    return NULL;
+}
+
+/* Lets every thread make its calls. */
+static void intrude(const struct intruder *shared, void *(*task)(void *))
+{
+    struct intruder intruders[THREADS];
+    pthread_t threads[THREADS];
+    uint64_t refused = 0;
+    for (int i = 0; i < THREADS; i++) {
+        intruders[i] = *shared;
+        CHECK(pthread_create(&threads[i], NULL, task, &intruders[i]) == 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        CHECK(pthread_join(threads[i], NULL) == 0);
+        refused += intruders[i].refused;
+    }
+    printf("%llu calls refused\n", (unsigned long long)refused);
+}
+
+static void share_one_object(const jcas_model *model, const jcas_model *long_model, int with_batch)
+{
+    struct intruder shared;
+    memset(&shared, 0, sizeof shared);
+    shared.info.struct_size = sizeof shared.info;
+    OK(jcas_model_get_info(model, &shared.info));
+
+    /* Each step that was made counts, and no other. */
+    OK(jcas_sim_new(long_model, &shared.sim));
+    intrude(&shared, step_one_sim);
+    jcas_episode episode;
+    episode.struct_size = sizeof episode;
+    OK(jcas_sim_get_episode(shared.sim, &episode));
+    CHECK(episode.t == THREADS * CALLS);
+    OK(jcas_sim_free(shared.sim));
+
+    jcas_sim *seen;
+    OK(jcas_sim_new(model, &seen));
+    shared.seen = seen;
+    OK(jcas_policy_baseline(model, "greedy", NULL, &shared.policy, NULL, 0));
+    intrude(&shared, fly_one_policy);
+    OK(jcas_policy_free(shared.policy));
+    OK(jcas_sim_free(seen));
+
+    for (uint32_t threads = 1; with_batch && threads < 3; threads++) {
+        OK(jcas_batch_new(model, ENVIRONMENTS, threads, &shared.batch));
+        intrude(&shared, step_one_batch);
+        uint64_t hash;
+        OK(jcas_batch_hash(shared.batch, &hash));
+        OK(jcas_batch_free(shared.batch));
+    }
+}
+
 int main(int count, char **arguments)
 {
     jcas_config config;
@@ -164,7 +294,14 @@ int main(int count, char **arguments)
     jcas_model *model;
     OK(jcas_model_new(&config, &model, NULL, 0));
     share_a_model(model);
-    if (count < 2 || strcmp(arguments[1], "shared") != 0) {
+    config.horizon_steps = THREADS * CALLS + 1;
+    config.quorum = config.uav_count;
+    jcas_model *long_model;
+    OK(jcas_model_new(&config, &long_model, NULL, 0));
+    int with_batch = count < 2 || strcmp(arguments[1], "shared") != 0;
+    share_one_object(model, long_model, with_batch);
+    OK(jcas_model_free(long_model));
+    if (with_batch) {
         uint64_t alone = fly_batch(model, 1);
         CHECK(fly_batch(model, 2) == alone);
         CHECK(fly_batch(model, 5) == alone);

@@ -137,6 +137,10 @@ static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
     OK(jcas_sim_set_battery(sim, 0, 7));
     OK(jcas_sim_record_end(sim));
     EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_record_end(sim));
+    char why[100];
+    size_t said;
+    OK(jcas_sim_message(sim, why, sizeof why, &said));
+    CHECK(strcmp(why, "nothing is recorded: jcas_sim_record begins a recording") == 0);
 }
 
 /* Flies a trace again in a simulation of its own. */
@@ -215,6 +219,14 @@ static void damage(const struct text *whole)
         CHECK(status == JCAS_OK || status == JCAS_ERROR_CORRUPT || status == JCAS_ERROR_DIFFERENT);
         CHECK((status == JCAS_OK) == (why[0] == 0));
     }
+    /* The checksum in capitals: the same number, but not the same bytes. */
+    memcpy(text.bytes, whole->bytes, whole->length);
+    int capitals = 0;
+    for (char *digit = text.bytes + whole->length - 19; digit < text.bytes + whole->length - 3; digit++)
+        if (*digit >= 'a' && *digit <= 'f')
+            *digit -= 'a' - 'A', capitals++;
+    CHECK(capitals > 0);
+    EXPECT(JCAS_ERROR_CORRUPT, verify(text.bytes, text.length, why, sizeof why));
     char *battery = strstr(memcpy(text.bytes, whole->bytes, whole->length), "\"kind\":\"step\"");
     battery = strstr(battery, "\"battery_uj\":[") + 15;
     *battery = *battery == '9' ? '8' : '9';

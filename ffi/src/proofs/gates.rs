@@ -170,7 +170,7 @@ pub fn a_handle_is_known_by_its_seal() {
 
 #[cfg_attr(kani, kani::proof)]
 pub fn a_later_interface_is_refused() {
-    let near = between(0, 2) << 16 | between(0, 2);
+    let near = between(0, 2) << 24 | between(0, 2) << 16 | between(0, 2);
     let header: u32 = if kani::any() {
         kani::any()
     } else {
@@ -179,8 +179,8 @@ pub fn a_later_interface_is_refused() {
     let served = jcas_abi_check(header) == JCAS_OK;
     kani::cover!(served, "the same interface");
     kani::cover!(!served, "another one");
-    let (major, minor) = (header >> 16, header & 0xFFFF);
-    let (our_major, our_minor) = (JCAS_ABI_VERSION >> 16, JCAS_ABI_VERSION & 0xFFFF);
+    let (major, minor) = (header >> 24, header & 0xFF_FFFF);
+    let (our_major, our_minor) = (JCAS_ABI_VERSION >> 24, JCAS_ABI_VERSION & 0xFF_FFFF);
     assert!(served == (major == our_major && minor <= our_minor));
 }
 
