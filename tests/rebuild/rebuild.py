@@ -109,7 +109,7 @@ class Mission:
         if "detection_threshold_db" in c:
             return c["detection_threshold_db"]
         if "sensing_range_m" in c:
-            return self.sensing_snr_db(max(c["sensing_range_m"], c.get("range_min_m", c["cell_size_m"] / 2)))
+            return self.sensing_snr_db(c["sensing_range_m"])
         p = c["detection_probability"]
         a = math.log(0.62 / c["false_alarm_probability"])
         b = math.log(p / (1 - p))

@@ -375,6 +375,101 @@ fn large_fleet() {
     assert!(trace.end.metrics.confirmed > 0);
 }
 
+/// Steps in which some pairs of UAVs are linked and others are not.
+fn partly_linked(trace: &Trace) -> usize {
+    let uavs = trace.header.config.uav_count as usize;
+    let pairs = uavs * (uavs - 1) / 2;
+    let partly = |step: &&Step| !step.links.is_empty() && step.links.len() < pairs;
+    trace.steps.iter().filter(partly).count()
+}
+
+#[test]
+fn ten_uavs() {
+    let trace = reproduced("ten_uavs");
+    let config = &trace.header.config;
+    assert_eq!(config.uav_count, 10);
+    // R_min is a floor of distances between cells, not of the distance that sets the threshold.
+    let least_m = config.range_min_m.unwrap_or(config.cell_size_m / 2.0);
+    assert!(config.sensing_range_m.is_some_and(|range| range < least_m));
+    assert!(trace.end.metrics.confirmed > trace.end.metrics.informed);
+    assert!(partly_linked(&trace) > 20);
+    let returning = trace.steps.iter().flat_map(|step| &step.returning);
+    let (first, rest): (Vec<usize>, Vec<usize>) = returning.partition(|&&uav| uav < 8);
+    assert!(
+        !first.is_empty() && !rest.is_empty(),
+        "UAVs return in both parts of the fleet"
+    );
+}
+
+#[test]
+fn fifteen_uavs() {
+    let trace = reproduced("fifteen_uavs");
+    let paper = Config {
+        uav_count: 15,
+        hotspot_count: 5,
+        ..Config::preset(jcas_core::Preset::Paper)
+    };
+    assert_eq!(trace.header.config, paper);
+    assert!(trace.end.terminated);
+    assert!(partly_linked(&trace) > 10);
+}
+
+#[test]
+fn twenty_uavs() {
+    let trace = reproduced("twenty_uavs");
+    let search = Config {
+        uav_count: 20,
+        hotspot_count: 5,
+        horizon_steps: 20,
+        ..Config::preset(jcas_core::Preset::Search)
+    };
+    assert_eq!(trace.header.config, search);
+    assert!(trace.end.terminated);
+    let travelling = |step: &&Step| step.confirmed.len() > step.informed.len();
+    assert!(trace.steps.iter().filter(travelling).count() > 10);
+}
+
+/// The two sides of the size from which neighbours are looked for in buckets, short of charge alike.
+fn short_of_charge(trace: &Trace, uavs: u32) {
+    assert_eq!(trace.header.config.uav_count, uavs);
+    assert!(trace.end.metrics.confirmed > 0);
+    assert!(partly_linked(trace) > 5);
+    let growing = pairs(trace).all(|(a, b)| b.grounded.len() >= a.grounded.len());
+    assert!(growing, "UAVs run empty one after another");
+    let mixed = |step: &Step, block: usize| {
+        let uavs = 16 * block..16 * block + 16;
+        let grounded = step.grounded.iter().filter(|uav| uavs.contains(uav));
+        let grounded = grounded.count();
+        0 < grounded && grounded < 16
+    };
+    let all_mixed = |step: &Step| (0..3).all(|block| mixed(step, block));
+    assert!(
+        trace.steps.iter().any(all_mixed),
+        "some of each sixteen are grounded, some fly"
+    );
+}
+
+#[test]
+fn forty_eight_uavs() {
+    short_of_charge(&reproduced("forty_eight_uavs"), 48);
+}
+
+#[test]
+fn forty_nine_uavs() {
+    short_of_charge(&reproduced("forty_nine_uavs"), 49);
+}
+
+#[test]
+fn hundred_uavs() {
+    let trace = reproduced("hundred_uavs");
+    assert_eq!(trace.header.config.uav_count, 100);
+    assert!(partly_linked(&trace) > 5);
+    // Links join UAVs of both words of a set.
+    let across = |&[i, k]: &[usize; 2]| i < 64 && k >= 64;
+    assert!(trace.steps.iter().any(|step| step.links.iter().any(across)));
+    assert!(trace.end.metrics.confirmed > 0 && trace.end.metrics.informed == 0);
+}
+
 /// No trace without a test, no test without a trace, no trace that the script does not record.
 #[test]
 fn every_trace_has_its_test_and_its_line() {

@@ -23,7 +23,7 @@ pub fn golden_traces() -> Vec<PathBuf> {
         .filter(|path| path.extension().is_some_and(|ending| ending == "jsonl"))
         .collect();
     traces.sort();
-    assert!(traces.len() >= 14, "traces are missing: {traces:?}");
+    assert!(traces.len() >= 21, "traces are missing: {traces:?}");
     traces
 }
 
