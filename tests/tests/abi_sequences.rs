@@ -34,19 +34,28 @@ enum Call {
     Fork,
 }
 
-const UAVS: usize = 3;
+/// Sizes at which the kernel changes its way: ends of its blocks of UAVs and of the words of its sets, and
+/// the size from which it looks for neighbours in buckets.
+const SEAMS: [usize; 18] = [
+    1, 2, 7, 8, 9, 15, 16, 17, 31, 32, 33, 47, 48, 49, 63, 64, 65, 100,
+];
+
 const HOTSPOTS: usize = 2;
 
-fn config() -> Config {
+const WIDTH: u32 = 5;
+const HEIGHT: u32 = 4;
+
+fn config(uavs: usize) -> Config {
     Config {
-        grid_width: 4,
-        grid_height: 3,
-        uav_count: UAVS as u32,
+        grid_width: WIDTH,
+        grid_height: HEIGHT,
+        uav_count: uavs as u32,
         hotspot_count: HOTSPOTS as u32,
         horizon_steps: 6,
         quorum: 2,
         radar_cross_section_dbsm: 20.0,
         battery_capacity_kwh: 0.003,
+        link_throughput_min: 1.2,
         rtb_threshold_kwh: 0.001,
         ..Config::default()
     }
@@ -57,56 +66,66 @@ fn about(count: usize) -> impl Strategy<Value = usize> {
     prop_oneof![12 => Just(count), 1 => Just(count - 1), 1 => Just(count + 1), 1 => Just(0)]
 }
 
-fn several<T: std::fmt::Debug>(
-    element: impl Strategy<Value = T> + Clone,
+/// Good values, one time in ten one bad value among them.
+fn several<T: std::fmt::Debug + Clone>(
+    good: impl Strategy<Value = T> + Clone,
+    bad: impl Strategy<Value = T>,
     count: usize,
 ) -> impl Strategy<Value = Vec<T>> {
-    about(count).prop_flat_map(move |count| prop::collection::vec(element.clone(), count))
+    let values =
+        about(count).prop_flat_map(move |count| prop::collection::vec(good.clone(), count));
+    let one_bad = prop::option::weighted(0.1, (any::<prop::sample::Index>(), bad));
+    (values, one_bad).prop_map(|(mut values, one_bad)| {
+        if let Some((place, bad)) = one_bad
+            && !values.is_empty()
+        {
+            let place = place.index(values.len());
+            values[place] = bad;
+        }
+        values
+    })
 }
 
-fn action() -> impl Strategy<Value = f32> + Clone {
-    prop_oneof![
-        60 => -1.2f32..1.2,
-        1 => Just(f32::NAN),
-        1 => Just(f32::INFINITY),
-        1 => any::<f32>(),
-    ]
+fn actions(uavs: usize) -> impl Strategy<Value = Vec<f32>> {
+    let bad = prop_oneof![Just(f32::NAN), Just(f32::INFINITY), any::<f32>()];
+    several(-1.2f32..1.2, bad, 2 * uavs)
 }
 
-fn cell() -> impl Strategy<Value = (u32, u32)> + Clone {
-    prop_oneof![30 => (0u32..4, 0u32..3), 1 => any::<(u32, u32)>()]
+fn cells(count: usize) -> impl Strategy<Value = Vec<(u32, u32)>> {
+    several((0..WIDTH, 0..HEIGHT), any::<(u32, u32)>(), count)
 }
 
-fn charge() -> impl Strategy<Value = u64> + Clone {
-    prop_oneof![20 => 0u64..=10_800_000_000, 1 => any::<u64>()]
+fn charges(uavs: usize) -> impl Strategy<Value = Vec<u64>> {
+    several(0u64..=10_800_000_000, any::<u64>(), uavs)
 }
 
-fn links() -> impl Strategy<Value = Vec<u8>> {
-    let symmetric = prop::collection::vec(any::<bool>(), 3).prop_map(|pair| {
-        let mut links = vec![0; UAVS * UAVS];
-        for (index, (i, k)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-            links[i * UAVS + k] = u8::from(pair[index]);
-            links[k * UAVS + i] = 7 * u8::from(pair[index]);
+fn links(uavs: usize) -> impl Strategy<Value = Vec<u8>> {
+    let pairs = uavs * (uavs - 1) / 2;
+    let symmetric = prop::collection::vec(any::<bool>(), pairs).prop_map(move |pair| {
+        let mut links = vec![0; uavs * uavs];
+        let places = (0..uavs).flat_map(|i| (0..i).map(move |k| (i, k)));
+        for ((i, k), linked) in places.zip(pair) {
+            links[i * uavs + k] = u8::from(linked);
+            links[k * uavs + i] = 7 * u8::from(linked);
         }
         links
     });
-    prop_oneof![8 => symmetric, 1 => several(0u8..2, UAVS * UAVS)]
+    prop_oneof![8 => symmetric, 1 => several(0u8..2, any::<u8>(), uavs * uavs)]
 }
 
-fn call() -> impl Strategy<Value = Call> {
-    let throughput = prop_oneof![9 => 0.0f64..3.0, 1 => any::<f64>()];
+fn call(uavs: usize) -> impl Strategy<Value = Call> {
     prop_oneof![
         1 => any::<u64>().prop_map(Call::Reset),
-        8 => several(action(), 2 * UAVS).prop_map(Call::Step),
-        8 => several(action(), 2 * UAVS).prop_map(Call::Begin),
-        3 => several(cell(), UAVS).prop_map(Call::Positions),
+        8 => actions(uavs).prop_map(Call::Step),
+        8 => actions(uavs).prop_map(Call::Begin),
+        3 => cells(uavs).prop_map(Call::Positions),
         8 => Just(Call::Sense),
         4 => Just(Call::Communicate),
-        6 => (links(), prop::option::of(several(throughput, UAVS)))
+        6 => (links(uavs), prop::option::of(several(0.0f64..3.0, any::<f64>(), uavs)))
             .prop_map(|(links, throughput)| Call::CommunicateOver(links, throughput)),
         8 => Just(Call::End),
-        1 => several(cell(), HOTSPOTS).prop_map(Call::Hotspots),
-        1 => several(charge(), UAVS).prop_map(Call::Batteries),
+        1 => cells(HOTSPOTS).prop_map(Call::Hotspots),
+        1 => charges(uavs).prop_map(Call::Batteries),
         2 => Just(Call::Save),
         1 => Just(Call::LoadSaved),
         3 => (prop::collection::vec(any::<(u16, u8)>(), 1..4), any::<bool>())
@@ -115,6 +134,16 @@ fn call() -> impl Strategy<Value = Call> {
         1 => prop::collection::vec(any::<u8>(), 0..64).prop_map(Call::LoadBytes),
         1 => Just(Call::Fork),
     ]
+}
+
+/// A fleet, two times in three at a seam, and calls that fit it. A call to a large fleet takes as long as
+/// many to a small one.
+fn sequence() -> impl Strategy<Value = (usize, Vec<Call>)> {
+    let size = prop_oneof![2 => prop::sample::select(&SEAMS[..]), 1 => 1..=100usize];
+    size.prop_flat_map(|uavs| {
+        let most = 60.min(20 + 400 / uavs);
+        (Just(uavs), prop::collection::vec(call(uavs), 1..most))
+    })
 }
 
 /// The same simulation twice: through the ABI, and by the kernel itself.
@@ -322,8 +351,8 @@ fn ok(status: i32) {
 
 proptest! {
     #[test]
-    fn any_sequence_of_calls_is_what_the_kernel_does(calls in prop::collection::vec(call(), 1..60)) {
-        let model = Model::new(config()).expect("a legal configuration");
+    fn any_sequence_of_calls_is_what_the_kernel_does((uavs, calls) in sequence()) {
+        let model = Model::new(config(uavs)).expect("a legal configuration");
         let mut pair = Pair::new(&model);
         for call in &calls {
             let before = pair.state_hash();
