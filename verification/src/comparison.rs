@@ -133,7 +133,7 @@ fn cell(position: crate::specification::Position) -> Cell {
 }
 
 /// Compares what two observers see: equal to within one unit in the last place.
-pub fn observations(what: &str, ours: &[f32], theirs: &[f32]) -> Outcome {
+pub fn observations(what: impl core::fmt::Display, ours: &[f32], theirs: &[f32]) -> Outcome {
     equal(format_args!("length of {what}"), ours.len(), theirs.len())?;
     for (index, (&a, &b)) in ours.iter().zip(theirs).enumerate() {
         if (ordinal(a) - ordinal(b)).abs() > 1 {

@@ -1,6 +1,6 @@
 //! A machine that makes random sequences of every public call, and judges each call.
 //!
-//! What a model checker does for a fleet of two, this does at length for fleets of any size: a call that is
+//! What a model checker does for a fleet of two, this does at length for fleets of every size: a call that is
 //! accepted leaves a valid state, and after every whole step the state of the specification; a call that is
 //! refused leaves every word as it was. Working memory is filled with rubbish before each call, so that a
 //! call that reads it is noticed.
@@ -87,6 +87,8 @@ pub struct Tally {
     pub agent_steps: u64,
     /// Whole steps compared with the specification, counted likewise.
     pub compared: u64,
+    /// The same, of fleets of eight UAVs and more.
+    pub compared_from_eight: u64,
     /// Calls that were accepted, by kind.
     pub accepted: [u64; KINDS],
     /// Calls that were refused, by kind.
@@ -94,10 +96,20 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Counts a step that was compared with the specification.
+    pub fn count_compared(&mut self, uavs: u64) {
+        self.agent_steps += uavs;
+        self.compared += uavs;
+        if uavs >= 8 {
+            self.compared_from_eight += uavs;
+        }
+    }
+
     /// Adds another sequence's.
     pub fn add(&mut self, other: &Tally) {
         self.agent_steps += other.agent_steps;
         self.compared += other.compared;
+        self.compared_from_eight += other.compared_from_eight;
         for kind in 0..KINDS {
             self.accepted[kind] += other.accepted[kind];
             self.refused[kind] += other.refused[kind];
@@ -108,8 +120,8 @@ impl Tally {
 /// What the specification knows of a state.
 #[derive(Clone)]
 struct Shadow {
-    /// The state before the step under way; none in a sequence that is not compared, and once a host has
-    /// moved UAVs after keeping some on the ground, until the next reset.
+    /// The state before the step under way; none once a host has moved UAVs after keeping some on the
+    /// ground, until the next reset.
     world: Option<World>,
     /// The actions of that step.
     actions: Vec<(f32, f32)>,
@@ -122,8 +134,6 @@ struct Machine<'m> {
     spec: Specification,
     words: Vec<u64>,
     scratch: Vec<u64>,
-    /// Whether the specification flies along.
-    compares: bool,
     /// A world to choose actions in where the specification does not know the present one.
     start: World,
     shadow: Shadow,
@@ -131,21 +141,17 @@ struct Machine<'m> {
     tally: Tally,
 }
 
-/// Plays the calls that `calls` stand for on the model that `seed` stands for; with `compares`, every whole
-/// step against the specification, which takes many times as long. Without, half of the fleets are larger.
+/// Plays the calls that `calls` stand for on the model that `seed` stands for.
 ///
 /// # Errors
 /// The first call that did not do what it must.
-pub fn play(seed: u64, calls: &[u64], compares: bool) -> Result<Tally, String> {
+pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
     let mut dice = Dice::new(seed);
-    let mut config = if dice.one_in(500) {
+    let config = if dice.one_in(500) {
         sampling::large_configuration(&mut dice)
     } else {
         sampling::configuration(&mut dice)
     };
-    if !compares && config.uav_count > 6 {
-        config.uav_count = config.uav_count.max(dice.integer(7, 48));
-    }
     let model = Model::new(config).map_err(|error| error.to_string())?;
     let spec = Specification::new(&config);
     let mut machine = Machine {
@@ -159,7 +165,6 @@ pub fn play(seed: u64, calls: &[u64], compares: bool) -> Result<Tally, String> {
         saved: None,
         tally: Tally::default(),
         model: &model,
-        compares,
         start: spec.reset(0),
         spec,
     };
@@ -265,7 +270,7 @@ impl Machine<'_> {
         self.model
             .reset(&mut self.words, &mut scratch, seed)
             .expect("memory of the right size");
-        self.shadow.world = self.compares.then(|| self.spec.reset(seed));
+        self.shadow.world = Some(self.spec.reset(seed));
         self.shadow.host = Host::default();
     }
 
@@ -344,14 +349,14 @@ impl Machine<'_> {
     /// A step is whole: the specification makes it too.
     fn ended(&mut self, reward: f64) -> Done {
         let uavs = self.model.uav_count() as u64;
-        self.tally.agent_steps += uavs;
         let host = std::mem::take(&mut self.shadow.host);
-        if let Some(world) = &mut self.shadow.world {
-            self.tally.compared += uavs;
-            self.spec.step_with(world, &self.shadow.actions, &host);
-            comparison::real("reward", world.rewards.sum(), reward).map_err(Refusal::Wrong)?;
-        }
-        Ok(())
+        let Some(world) = &mut self.shadow.world else {
+            self.tally.agent_steps += uavs;
+            return Ok(());
+        };
+        self.tally.count_compared(uavs);
+        self.spec.step_with(world, &self.shadow.actions, &host);
+        comparison::real("reward", world.rewards.sum(), reward).map_err(Refusal::Wrong)
     }
 
     fn save(&mut self) -> Done {

@@ -40,8 +40,32 @@ impl Dice {
     }
 }
 
-/// A legal configuration of a small mission, far from the defaults in many fields.
+/// Sizes at which the kernel changes its way: ends of its blocks of UAVs and of the words of its sets, and
+/// the size from which it looks for neighbours in buckets. Each stands between its neighbours.
+pub const SEAMS: [u32; 18] = [
+    1, 2, 7, 8, 9, 15, 16, 17, 31, 32, 33, 47, 48, 49, 63, 64, 65, 100,
+];
+
+/// The most UAVs that are drawn.
+pub const UAVS_MAX: u32 = 100;
+
+/// A number of UAVs, two times in three at a seam.
+pub fn fleet_size(dice: &mut Dice) -> u32 {
+    if dice.one_in(3) {
+        dice.integer(1, UAVS_MAX)
+    } else {
+        SEAMS[dice.integer(0, SEAMS.len() as u32 - 1) as usize]
+    }
+}
+
+/// A legal configuration of a fleet of any size, far from the defaults in many fields.
 pub fn configuration(dice: &mut Dice) -> Config {
+    let uavs = fleet_size(dice);
+    configuration_of(dice, uavs)
+}
+
+/// The same for a number of UAVs.
+pub fn configuration_of(dice: &mut Dice, uavs: u32) -> Config {
     let preset = if dice.one_in(2) {
         Preset::Mission
     } else {
@@ -49,6 +73,7 @@ pub fn configuration(dice: &mut Dice) -> Config {
     };
     let mut c = Config::preset(preset);
     c.sensing_range_m = None;
+    c.uav_count = uavs;
     mission(dice, &mut c);
     radio(dice, &mut c);
     energy(dice, &mut c);
@@ -87,9 +112,9 @@ fn mission(dice: &mut Dice, c: &mut Config) {
         }
     }
     let cells = c.grid_width * c.grid_height;
-    c.uav_count = dice.integer(1, 12);
     c.hotspot_count = dice.integer(1, 9.min(cells - 1));
-    c.horizon_steps = dice.integer(1, 40);
+    // A step of a large fleet takes as long as many of a small one.
+    c.horizon_steps = dice.integer(1, 40.min(8 + 600 / c.uav_count));
     c.quorum = dice.integer(1, 4);
     c.cell_size_m = dice.real(1.0, 120.0);
     c.depots = depots(dice, c);
@@ -97,18 +122,18 @@ fn mission(dice: &mut Dice, c: &mut Config) {
         c.target_visibility = TargetVisibility::Hidden;
     }
     if dice.one_in(3) {
-        c.neighbour_slots = dice.integer(0, 12);
+        c.neighbour_slots = dice.integer(0, c.uav_count + 1);
     }
 }
 
 /// A legal configuration of a fleet so large, on a grid so wide, that the kernel
 /// sorts UAVs into buckets and a set of UAVs or hotspots takes two words.
 pub fn large_configuration(dice: &mut Dice) -> Config {
-    let mut c = configuration(dice);
+    let uavs = dice.integer(49, UAVS_MAX);
+    let mut c = configuration_of(dice, uavs);
     c.grid_width = dice.integer(20, 30);
     c.grid_height = dice.integer(20, 30);
     c.depots = Depots::CENTRE;
-    c.uav_count = dice.integer(65, 75);
     c.hotspot_count = dice.integer(60, 75);
     c.horizon_steps = 10;
     c.neighbour_slots = dice.integer(0, 4095);

@@ -12,7 +12,7 @@ use jcas_verification::specification::{Host, Position, Specification, World};
 #[test]
 fn hosted_missions_agree_with_the_specification() {
     let (mut given, mut confirmed, mut detected) = (0, 0, 0);
-    for mission in 0..600 {
+    for mission in 0..300 {
         let mut dice = Dice::new(mission);
         let config = sampling::configuration(&mut dice);
         let world = fly(config, &mut dice).unwrap_or_else(|why| panic!("mission {mission}: {why}"));

@@ -1,24 +1,25 @@
-//! The link budget, evaluated for one pair, and the graph that follows from it.
+//! The link budget, and the graph that follows from it.
 
 use super::{Position, SPEED_OF_LIGHT_M_PER_S, Specification, World};
+use jcas_core::Config;
 use std::f64::consts::PI;
 
-impl Specification {
-    /// SNR^comm in dB between two cells.
-    pub fn comm_snr_db(&self, a: Position, b: Position) -> f64 {
-        let c = &self.config;
-        let reference = 4.0 * PI * c.carrier_frequency_hz / SPEED_OF_LIGHT_M_PER_S;
-        let path_loss = 20.0 * libm::log10(reference)
-            + 10.0 * c.path_loss_exponent * libm::log10(self.range_m(a, b));
-        c.transmit_power_dbm + c.transmit_gain_dbi + c.receive_gain_dbi
-            - path_loss
-            - c.comm_noise_dbm
-    }
+/// log2(1 + SNR^comm) at range R, in bit/s/Hz.
+pub fn spectral_efficiency(c: &Config, range_m: f64) -> f64 {
+    let reference = 4.0 * PI * c.carrier_frequency_hz / SPEED_OF_LIGHT_M_PER_S;
+    let path_loss_db =
+        20.0 * libm::log10(reference) + 10.0 * c.path_loss_exponent * libm::log10(range_m);
+    let snr_db = c.transmit_power_dbm + c.transmit_gain_dbi + c.receive_gain_dbi
+        - path_loss_db
+        - c.comm_noise_dbm;
+    libm::log2(1.0 + libm::pow(10.0, snr_db / 10.0))
+}
 
+impl Specification {
     /// η_ij: what a UAV with this pilot density reaches toward another cell.
     pub fn link_throughput(&self, from: Position, to: Position, pilot: f64) -> f64 {
-        let snr = libm::pow(10.0, self.comm_snr_db(from, to) / 10.0);
-        (1.0 - pilot) * libm::log2(1.0 + snr) / self.config.reference_spectral_efficiency
+        let efficiency = self.spectral_efficiency.between(from, to);
+        (1.0 - pilot) * efficiency / self.config.reference_spectral_efficiency
     }
 
     /// Links every pair of flying UAVs of which both hear the other well enough.
@@ -59,13 +60,17 @@ impl Specification {
         world.mean_throughput = world.throughput.iter().sum::<f64>() / n as f64;
     }
 
-    /// The paper's consensus, literally: N rounds, each from the round before.
+    /// The paper's consensus: N rounds, each from the round before.
     pub fn consensus(&self, world: &mut World) {
-        let n = self.uavs();
-        for _ in 0..n {
+        // A round that changes nothing is followed by none that does.
+        let mut settled = false;
+        for _ in 0..self.uavs() {
+            if settled {
+                break;
+            }
             let before = world.knows.clone();
-            for i in 0..n {
-                for k in 0..n {
+            for i in 0..self.uavs() {
+                for k in 0..self.uavs() {
                     if world.linked[i][k] {
                         for j in 0..self.hotspots() {
                             world.knows[i][j] = world.knows[i][j] || before[k][j];
@@ -73,6 +78,7 @@ impl Specification {
                     }
                 }
             }
+            settled = world.knows == before;
         }
     }
 }

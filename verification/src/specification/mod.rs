@@ -2,12 +2,13 @@
 //!
 //! The kernel is fast: bit words, tables over cell offsets, caller memory. This
 //! module is the opposite on purpose. Every set is a `Vec<bool>`, every radar and
-//! link value is computed from its equation for the one pair that needs it,
-//! consensus is the paper's N literal iterations, and the random generator is
-//! written from its publication. It shares the kernel's [`Config`] and nothing
-//! else, so a mistake has to be made twice, in two different ways, to go unseen
-//! by `tests/differential.rs`.
+//! link value is computed from its equation, once for each distance that two cells
+//! of the grid can have, consensus is the paper's iterations, and the random
+//! generator is written from its publication. It shares the kernel's [`Config`] and
+//! nothing else, so a mistake has to be made twice, in two different ways, to go
+//! unseen by `tests/differential.rs`.
 
+mod distances;
 pub mod draws;
 mod energy;
 mod host;
@@ -26,6 +27,7 @@ pub use host::Host;
 pub use reward::Rewards;
 pub use step::motion;
 
+use distances::ByDistance;
 use jcas_core::Config;
 
 /// Metres a second, exact by the definition of the metre.
@@ -62,6 +64,12 @@ pub struct Specification {
     pub depots: Vec<Position>,
     /// Energies in microjoules.
     pub energy: Ledger,
+    /// SNR^sens in dB, before communication load.
+    sensing_snr_db: ByDistance,
+    /// log2(1 + SNR^comm), in bit/s/Hz.
+    spectral_efficiency: ByDistance,
+    /// γ_det in dB.
+    detection_threshold_db: f64,
 }
 
 /// Everything that changes during a mission.
@@ -150,6 +158,9 @@ impl Specification {
             config: *config,
             depots,
             energy: Ledger::new(config),
+            sensing_snr_db: ByDistance::new(config, radar::sensing_snr_db),
+            spectral_efficiency: ByDistance::new(config, link::spectral_efficiency),
+            detection_threshold_db: radar::detection_threshold_db(config),
         }
     }
 
@@ -187,21 +198,6 @@ impl Specification {
             }
         }
         best
-    }
-
-    /// λ = c / f_c.
-    fn wavelength_m(&self) -> f64 {
-        SPEED_OF_LIGHT_M_PER_S / self.config.carrier_frequency_hz
-    }
-
-    /// R = max(R_min, d·√(Δx² + Δy²)), R_min half a cell unless given.
-    fn range_m(&self, a: Position, b: Position) -> f64 {
-        let least = self
-            .config
-            .range_min_m
-            .unwrap_or(self.config.cell_size_m / 2.0);
-        let range = self.config.cell_size_m * libm::sqrt(a.squared(b) as f64);
-        if range < least { least } else { range }
     }
 }
 

@@ -1,20 +1,9 @@
 //! Search maps: who knows which cells to have been looked at.
 
-use super::{Position, Specification, World, draws, fraction};
+use super::{Position, Specification, World, fraction};
 use jcas_core::{MapDirections, SearchMaps, UavTag};
 
 impl Specification {
-    /// Every cell of the grid, row by row from below.
-    fn all_cells(&self) -> Vec<Position> {
-        let mut cells = Vec::new();
-        for y in 0..self.height() {
-            for x in 0..self.width() {
-                cells.push(Position { x, y });
-            }
-        }
-        cells
-    }
-
     /// After the move: a UAV that is not grounded has looked at the cells within the radius.
     pub(super) fn look_around(&self, world: &mut World) {
         if self.config.search_maps == SearchMaps::Off {
@@ -25,10 +14,12 @@ impl Specification {
             if world.grounded[i] {
                 continue;
             }
-            for cell in self.all_cells() {
-                let squared = world.position[i].squared(cell) as f64;
-                if squared <= cells_m * cells_m {
-                    world.searched[i][cell.y as usize][cell.x as usize] = true;
+            for y in 0..self.height() {
+                for x in 0..self.width() {
+                    let squared = world.position[i].squared(Position { x, y }) as f64;
+                    if squared <= cells_m * cells_m {
+                        world.searched[i][y as usize][x as usize] = true;
+                    }
                 }
             }
         }
@@ -51,9 +42,10 @@ impl Specification {
                     if !world.linked[i][k] {
                         continue;
                     }
-                    for cell in self.all_cells() {
-                        let (x, y) = (cell.x as usize, cell.y as usize);
-                        world.searched[i][y][x] |= before[k][y][x];
+                    for (own, other) in world.searched[i].iter_mut().zip(&before[k]) {
+                        for (own, other) in own.iter_mut().zip(other) {
+                            *own |= other;
+                        }
                     }
                 }
             }
@@ -72,9 +64,7 @@ impl Specification {
             }
         }
         if self.config.map_directions == MapDirections::Shown {
-            for direction in 0..8 {
-                entries.push(self.unsearched_share(world, i, direction));
-            }
+            entries.extend(self.unsearched_shares(world, i));
         }
         match self.config.uav_tag {
             UavTag::Off => {}
@@ -93,23 +83,28 @@ impl Specification {
         }
     }
 
-    fn unsearched_share(&self, world: &World, i: usize, wanted: u32) -> f64 {
-        let (mut cells, mut unsearched) = (0.0, 0.0);
-        for cell in self.all_cells() {
-            let (dx, dy) = (cell.x - world.position[i].x, cell.y - world.position[i].y);
-            if direction(dx, dy) == Some(wanted) {
-                cells += 1.0;
-                if !world.searched[i][cell.y as usize][cell.x as usize] {
-                    unsearched += 1.0;
+    /// The share of each direction's cells that the UAV's map does not hold.
+    fn unsearched_shares(&self, world: &World, i: usize) -> [f64; 8] {
+        let (mut cells, mut unsearched) = ([0.0; 8], [0.0; 8]);
+        for (y, row) in world.searched[i].iter().enumerate() {
+            for (x, &searched) in row.iter().enumerate() {
+                let dx = x as i64 - world.position[i].x;
+                let dy = y as i64 - world.position[i].y;
+                let Some(direction) = direction(dx, dy) else {
+                    continue;
+                };
+                cells[direction] += 1.0;
+                if !searched {
+                    unsearched[direction] += 1.0;
                 }
             }
         }
-        fraction(unsearched, cells)
+        std::array::from_fn(|direction| fraction(unsearched[direction], cells[direction]))
     }
 }
 
 /// Which of eight directions an offset lies in: 0 right, then counterclockwise.
-fn direction(dx: i64, dy: i64) -> Option<u32> {
+fn direction(dx: i64, dy: i64) -> Option<usize> {
     let flat = 2 * dy.abs() < dx.abs();
     let steep = 2 * dx.abs() < dy.abs();
     match (dx.signum(), dy.signum()) {

@@ -1,0 +1,304 @@
+//! Random missions, sequences of calls and batches, until the agent-steps asked for are made:
+//!
+//! ```console
+//! $ cargo run --release -p jcas-verification --example soak -- 1e9 out/soak.txt
+//! ```
+//!
+//! Every fourth agent-step is compared with the specification, in whole missions and in random sequences of
+//! every public call. The others are flown by the batch step of every instruction set of the machine, and
+//! have to be the same bits on each; such a step counts once. Sizes are those of `sampling::fleet_size`.
+//!
+//! The file holds how far the run has come; the same command goes on from there. A third argument is a seed,
+//! zero where it is missing: runs of different seeds make different rounds. A difference is printed with what
+//! reproduces it, and ends the run; a failing sequence of calls is made shorter first.
+
+use jcas_core::batch::BatchOut;
+use jcas_core::{Model, Scratch};
+use jcas_dispatch::InstructionSet;
+use jcas_verification::machine::{Tally, play};
+use jcas_verification::mission;
+use jcas_verification::sampling::{self, Dice};
+use jcas_verification::specification::draws::derive_seed;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use std::cell::RefCell;
+use std::path::Path;
+
+/// Missions in a round.
+const MISSIONS: u32 = 100;
+/// Sequences of calls in a round.
+const SEQUENCES: u32 = 50;
+/// Agent-steps of a round for each that is compared with the specification.
+const STEPS_PER_COMPARED: u64 = 4;
+/// Environments in a batch.
+const ENVIRONMENTS: usize = 4;
+/// Steps of a batch.
+const BATCH_STEPS: u32 = 60;
+
+/// The first difference, as text.
+type Outcome = Result<(), String>;
+
+/// How far a run has come.
+#[derive(Default)]
+struct Progress {
+    seed: u64,
+    rounds: u64,
+    agent_steps: u64,
+    compared: u64,
+    /// Compared, of fleets of eight UAVs and more.
+    compared_from_eight: u64,
+}
+
+fn main() -> Outcome {
+    let usage = "usage: soak <agent-steps> <file> [<seed>]";
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (steps, path, seed) = match &arguments[..] {
+        [steps, path] => (steps, path, "0"),
+        [steps, path, seed] => (steps, path, seed.as_str()),
+        _ => return Err(usage.to_owned()),
+    };
+    let wanted: f64 = steps.parse().map_err(|_| usage)?;
+    let seed: u64 = seed.parse().map_err(|_| usage)?;
+    let path = Path::new(path);
+    let mut progress = read(path, seed)?;
+    let sets: Vec<&str> = InstructionSet::all().map(InstructionSet::name).collect();
+    println!("instruction sets: {}", sets.join(", "));
+    while (progress.agent_steps as f64) < wanted {
+        let seed = derive_seed(progress.seed, progress.rounds);
+        let round = progress.rounds;
+        fly_round(seed, &mut progress).map_err(|why| format!("round {round}, {why}"))?;
+        progress.rounds += 1;
+        write(path, &progress)?;
+    }
+    println!("{}", text(&progress));
+    Ok(())
+}
+
+fn fly_round(seed: u64, progress: &mut Progress) -> Outcome {
+    let mut tally = fly_missions(seed)?;
+    tally.add(&play_sequences(seed)?);
+    progress.compared += tally.compared;
+    progress.compared_from_eight += tally.compared_from_eight;
+    progress.agent_steps += tally.agent_steps;
+    let due = tally.compared * STEPS_PER_COMPARED;
+    let (mut flown, mut batch) = (tally.agent_steps, 0);
+    while flown < due {
+        let (before, seed) = (flown, derive_seed(seed, batch));
+        flown += fly_batch(seed).map_err(|why| format!("batch {batch}: {why}"))?;
+        progress.agent_steps += flown - before;
+        batch += 1;
+    }
+    Ok(())
+}
+
+/// Whole missions beside the specification, observations and all.
+fn fly_missions(seed: u64) -> Result<Tally, String> {
+    let mut tally = Tally::default();
+    let mut dice = Dice::new(seed);
+    for mission in 0..MISSIONS {
+        let config = if dice.one_in(200) {
+            sampling::large_configuration(&mut dice)
+        } else {
+            sampling::configuration(&mut dice)
+        };
+        let pilot = sampling::pilot(&mut dice);
+        let uavs = u64::from(config.uav_count);
+        mission::fly(&config, pilot, &mut dice, |_, _| tally.count_compared(uavs))
+            .map_err(|why| format!("mission {mission}: {why}"))?;
+    }
+    Ok(tally)
+}
+
+/// Sequences of every public call, beside the specification.
+fn play_sequences(seed: u64) -> Result<Tally, String> {
+    let mut start = [0; 32];
+    start[..8].copy_from_slice(&seed.to_le_bytes());
+    let config = Config {
+        cases: SEQUENCES,
+        failure_persistence: None,
+        ..Config::default()
+    };
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &start);
+    let mut runner = TestRunner::new_with_rng(config, rng);
+    let tally = RefCell::new(Tally::default());
+    let sequence = (any::<u64>(), prop::collection::vec(any::<u64>(), 0..200));
+    let outcome = runner.run(&sequence, |(seed, calls)| {
+        let one = play(seed, &calls).map_err(TestCaseError::fail)?;
+        tally.borrow_mut().add(&one);
+        Ok(())
+    });
+    outcome.map_err(|failure| format!("sequences: {failure}"))?;
+    Ok(tally.into_inner())
+}
+
+/// What one instruction set makes of a batch.
+struct Flight {
+    set: InstructionSet,
+    states: Vec<u64>,
+    scratch: Vec<u64>,
+    observations: Vec<f32>,
+    rewards: Vec<f32>,
+    uav_rewards: Vec<f32>,
+    terminated: Vec<u8>,
+    truncated: Vec<u8>,
+}
+
+impl Flight {
+    fn new(set: InstructionSet, model: &Model<'_>, seeds: &[u64; ENVIRONMENTS]) -> Self {
+        let uavs = ENVIRONMENTS * model.uav_count();
+        let mut flight = Flight {
+            set,
+            states: vec![0; ENVIRONMENTS * model.state_words()],
+            scratch: vec![0; Scratch::words_for(model)],
+            observations: vec![0.0; uavs * model.observation_len()],
+            rewards: vec![0.0; ENVIRONMENTS],
+            uav_rewards: vec![0.0; uavs],
+            terminated: vec![0; ENVIRONMENTS],
+            truncated: vec![0; ENVIRONMENTS],
+        };
+        let mut scratch = Scratch::new(model, &mut flight.scratch).expect("enough memory");
+        model
+            .batch_reset(
+                &mut flight.states,
+                &mut scratch,
+                seeds,
+                &mut flight.observations,
+                &mut [],
+            )
+            .expect("buffers of the right lengths");
+        flight
+    }
+
+    fn step(&mut self, model: &Model<'_>, actions: &[f32]) -> Outcome {
+        let mut scratch = Scratch::new(model, &mut self.scratch).expect("enough memory");
+        let mut out = BatchOut {
+            observations: &mut self.observations,
+            rewards: &mut self.rewards,
+            uav_rewards: &mut self.uav_rewards,
+            terminated: &mut self.terminated,
+            truncated: &mut self.truncated,
+            ..BatchOut::default()
+        };
+        self.set
+            .batch_step(
+                model,
+                &mut self.states,
+                &mut scratch,
+                actions,
+                true,
+                &mut out,
+            )
+            .map_err(|error| error.to_string())
+    }
+
+    /// The first output of which a bit differs.
+    fn differs_from(&self, other: &Self) -> Option<&'static str> {
+        let bits = |ours: &[f32], theirs: &[f32]| {
+            let mut pairs = ours.iter().zip(theirs);
+            pairs.any(|(a, b)| a.to_bits() != b.to_bits())
+        };
+        if self.states != other.states {
+            Some("states")
+        } else if bits(&self.observations, &other.observations) {
+            Some("observations")
+        } else if bits(&self.rewards, &other.rewards) {
+            Some("rewards")
+        } else if bits(&self.uav_rewards, &other.uav_rewards) {
+            Some("rewards of UAVs")
+        } else if self.terminated != other.terminated || self.truncated != other.truncated {
+            Some("ends of episodes")
+        } else {
+            None
+        }
+    }
+}
+
+/// One batch on every instruction set; returns its agent-steps.
+fn fly_batch(seed: u64) -> Result<u64, String> {
+    let mut dice = Dice::new(seed);
+    let config = if dice.one_in(50) {
+        sampling::large_configuration(&mut dice)
+    } else {
+        sampling::configuration(&mut dice)
+    };
+    let model = Model::new(config).map_err(|error| error.to_string())?;
+    let seeds = std::array::from_fn(|_| dice.bits());
+    let mut flights: Vec<Flight> = InstructionSet::all()
+        .map(|set| Flight::new(set, &model, &seeds))
+        .collect();
+    let uavs = ENVIRONMENTS * model.uav_count();
+    for t in 1..=BATCH_STEPS {
+        let actions: Vec<f32> = (0..uavs)
+            .flat_map(|_| {
+                // Both components of a UAV from one draw, a tenth of them beyond [-1, 1].
+                let bits = dice.bits();
+                [bits as u32, (bits >> 32) as u32].map(|half| half as f32 / 2.0f32.powi(31))
+            })
+            .map(|unit| unit * 1.1 - 1.1)
+            .collect();
+        for flight in &mut flights {
+            flight.step(&model, &actions)?;
+        }
+        for flight in &flights[1..] {
+            if let Some(what) = flight.differs_from(&flights[0]) {
+                let set = flight.set.name();
+                return Err(format!("{set}, step {t}: other {what}\n{config:?}"));
+            }
+        }
+    }
+    Ok(u64::from(BATCH_STEPS) * uavs as u64)
+}
+
+const NAMES: [&str; 5] = [
+    "seed",
+    "rounds",
+    "agent-steps",
+    "compared",
+    "compared-from-eight",
+];
+
+fn text(progress: &Progress) -> String {
+    let numbers = [
+        progress.seed,
+        progress.rounds,
+        progress.agent_steps,
+        progress.compared,
+        progress.compared_from_eight,
+    ];
+    let pairs = NAMES.iter().zip(numbers);
+    let words: Vec<String> = pairs
+        .map(|(name, number)| format!("{name} {number}"))
+        .collect();
+    words.join(" ")
+}
+
+/// How far an earlier run of the seed has come.
+fn read(path: &Path, seed: u64) -> Result<Progress, String> {
+    let Ok(text) = std::fs::read_to_string(path) else {
+        return Ok(Progress {
+            seed,
+            ..Progress::default()
+        });
+    };
+    let numbers: Vec<u64> = text
+        .split_whitespace()
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    match numbers[..] {
+        [of, rounds, agent_steps, compared, compared_from_eight] if of == seed => Ok(Progress {
+            seed,
+            rounds,
+            agent_steps,
+            compared,
+            compared_from_eight,
+        }),
+        _ => Err(format!("{} is not of this run", path.display())),
+    }
+}
+
+fn write(path: &Path, progress: &Progress) -> Outcome {
+    let partial = path.with_extension("partial");
+    std::fs::write(&partial, text(progress) + "\n")
+        .and_then(|()| std::fs::rename(&partial, path))
+        .map_err(|error| format!("{}: {error}", path.display()))
+}

@@ -1,0 +1,57 @@
+//! A whole mission in the kernel and in the specification, compared after every step.
+
+use crate::comparison::{self, Outcome};
+use crate::sampling::{self, Dice, Pilot};
+use crate::specification::{Specification, World};
+use jcas_core::{Config, Model, Sim};
+
+/// Flies a mission to its end and shows every world after its step to `note`.
+///
+/// # Errors
+/// The first difference, with its step, the step's actions and the configuration.
+pub fn fly(
+    config: &Config,
+    pilot: Pilot,
+    dice: &mut Dice,
+    mut note: impl FnMut(&Specification, &World),
+) -> Outcome {
+    let model = Model::new(*config).map_err(|error| format!("refused: {error}"))?;
+    let spec = Specification::new(config);
+    let seed = dice.bits();
+    let mut world = spec.reset(seed);
+    let mut sim = Sim::new(&model);
+    sim.reset(seed);
+    compare(&spec, &world, &mut sim).map_err(|why| format!("at reset: {why}\n{config:?}"))?;
+    while !world.terminated && !world.truncated {
+        let actions = sampling::actions(dice, pilot, &spec, &world);
+        let flat: Vec<f32> = actions
+            .iter()
+            .flat_map(|&(dir, pilot)| [dir, pilot])
+            .collect();
+        spec.step(&mut world, &actions);
+        let outcome = sim.step(&flat).map_err(|error| error.to_string())?;
+        comparison::real("reward", world.rewards.sum(), outcome.reward)
+            .and_then(|()| compare(&spec, &world, &mut sim))
+            .map_err(|why| format!("t = {}: {why}\n{actions:?}\n{config:?}", world.t))?;
+        note(&spec, &world);
+    }
+    Ok(())
+}
+
+/// The state, its validity and every observation.
+fn compare(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
+    comparison::states(spec, world, &sim.state())?;
+    comparison::equal("is_valid", true, sim.state().is_valid(sim.model()))?;
+    let model = sim.model();
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    sim.observe(&mut observations)
+        .map_err(|error| error.to_string())?;
+    for (i, theirs) in observations.chunks(model.observation_len()).enumerate() {
+        let what = format_args!("observation {i}");
+        comparison::observations(what, &spec.observe(world, i), theirs)?;
+    }
+    let mut global = vec![0.0; model.global_len()];
+    sim.observe_global(&mut global)
+        .map_err(|error| error.to_string())?;
+    comparison::observations("global state", &spec.observe_global(world), &global)
+}
