@@ -7,3 +7,6 @@ for crate in no_std portable; do
     cargo fmt --check --manifest-path tests/$crate/Cargo.toml
 done
 cargo clippy --locked --quiet --workspace --all-targets -- -D warnings
+
+# Columns, long functions and sentences, words, dead files, tables, names of types, subjects of commits.
+cargo run --locked --quiet --package xtask -- tidy

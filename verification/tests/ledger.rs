@@ -1,7 +1,7 @@
 //! `proofs.toml`, `ASSUMPTIONS.md` and `README.md` against the sources.
 //!
-//! Catches a harness that no ledger lists, a row whose harness is gone, a stub or a
-//! loop bound that nobody declared, and a mutant that no longer fits its file.
+//! Catches a harness that no ledger lists, a row whose harness is gone, and a mutant that no longer
+//! fits its file. Catches a stub or a loop bound that nobody declared.
 
 use jcas_ledger::{Ledger, Mutant, Proof, Results};
 use std::collections::{BTreeMap, BTreeSet};
@@ -175,8 +175,8 @@ fn every_property_is_claimed() {
     }
 }
 
-/// A harness's time is either measured or estimated. All together, compilation aside, they take less than 90
-/// minutes.
+/// A harness's time is either measured or estimated. All together, compilation aside, they take
+/// less than 90 minutes.
 #[test]
 fn the_proofs_take_less_than_ninety_minutes() {
     let mut seconds = 0;

@@ -34,7 +34,7 @@ impl Check {
 
 /// What Kani printed of one harness.
 #[derive(Debug, Default)]
-pub struct Report {
+pub struct HarnessReport {
     /// Full path of the harness within its crate.
     pub harness: String,
     pub checks: Vec<Check>,
@@ -66,15 +66,15 @@ pub fn cbmc_version(output: &str) -> Option<String> {
     Some(versions.next()?.split(' ').next()?.to_owned())
 }
 
-impl Report {
+impl HarnessReport {
     /// One report for each harness that Kani began to check.
     pub fn parse_all(output: &str) -> Vec<Self> {
-        let mut reports: Vec<Report> = Vec::new();
+        let mut reports: Vec<HarnessReport> = Vec::new();
         for line in output.lines().map(str::trim) {
             if let Some(rest) = line.strip_prefix("Checking harness ") {
-                reports.push(Report {
+                reports.push(HarnessReport {
                     harness: rest.trim_end_matches("...").to_owned(),
-                    ..Report::default()
+                    ..HarnessReport::default()
                 });
             } else if let Some(report) = reports.last_mut() {
                 report.read_line(line);
@@ -274,7 +274,7 @@ Complete - 0 successfully verified harnesses, 1 failures, 1 total.
     /// Catches a phrase of Kani's that the reader no longer knows.
     #[test]
     fn the_phrases_of_kani_are_read() {
-        let proven = &Report::parse_all(PROVEN)[0];
+        let proven = &HarnessReport::parse_all(PROVEN)[0];
         assert_eq!(proven.harness, "proofs::energy::the_ledger_balances");
         assert_eq!(proven.verdicts, ["SUCCESSFUL"]);
         assert_eq!(
@@ -284,7 +284,7 @@ Complete - 0 successfully verified harnesses, 1 failures, 1 total.
         assert_eq!(cbmc_version(PROVEN).as_deref(), Some("6.6.0"));
         assert_eq!(proven.covers, Some((1, 1)));
         assert!(!proven.timed_out);
-        let stopped = &Report::parse_all(TIMED_OUT)[0];
+        let stopped = &HarnessReport::parse_all(TIMED_OUT)[0];
         assert_eq!(stopped.verdicts, ["FAILED"]);
         assert!(stopped.timed_out && stopped.covers.is_none());
     }
@@ -296,7 +296,7 @@ Complete - 0 successfully verified harnesses, 1 failures, 1 total.
     }
 
     fn verdict(output: &str) -> Result<Proven, String> {
-        Report::parse_all(output)[0].accept(1)
+        HarnessReport::parse_all(output)[0].accept(1)
     }
 
     #[test]
@@ -324,7 +324,7 @@ Complete - 0 successfully verified harnesses, 1 failures, 1 total.
     #[test]
     fn a_harness_that_is_missing_has_no_report() {
         let none = "error: no harnesses matched the name: `proofs::x`\n";
-        assert!(Report::parse_all(none).is_empty());
+        assert!(HarnessReport::parse_all(none).is_empty());
     }
 
     #[test]
@@ -338,7 +338,7 @@ Complete - 0 successfully verified harnesses, 1 failures, 1 total.
     #[test]
     fn a_lost_cover_is_rejected() {
         assert!(
-            Report::parse_all(PROVEN)[0]
+            HarnessReport::parse_all(PROVEN)[0]
                 .accept(2)
                 .unwrap_err()
                 .contains("ledger says 2")

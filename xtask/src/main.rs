@@ -6,6 +6,7 @@ mod mutants;
 mod process;
 mod prove;
 mod report;
+mod tidy;
 mod web;
 
 use std::process::ExitCode;
@@ -18,6 +19,8 @@ tasks:
             verdicts in verification/results.toml and RESULTS.md
   mutants   show that the test twin of each proof catches its deliberate fault
             (with --kani also that Kani does)
+  tidy      hold sources, documents and commits against the rules of style
+            (--bless lowers the accepted counts of xtask/tidy.toml)
   fmu       pack the kernel as a Functional Mock-up Unit, FMI 3.0 (--out FILE)
   web       write the playground as one page, with the kernel inside
             (--out FILE; --wasm FILE for a kernel that is built already)
@@ -29,6 +32,7 @@ fn main() -> ExitCode {
     let outcome = match arguments.split_first() {
         Some((task, names)) if task == "prove" => prove::run(names),
         Some((task, names)) if task == "mutants" => mutants::run(names),
+        Some((task, options)) if task == "tidy" => tidy::run(options),
         Some((task, options)) if task == "fmu" => fmu::run(options),
         Some((task, options)) if task == "web" => web::run(options),
         _ => Err(USAGE.to_owned()),

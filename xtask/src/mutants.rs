@@ -86,7 +86,8 @@ impl Copy {
         Ok(Copy { root })
     }
 
-    /// What the twin, and if asked Kani, say to the mutant; `before` is what the twin says without it.
+    /// What the twin, and if asked Kani, say to the mutant; `before` is what the twin says without
+    /// it.
     fn verdicts(
         &self,
         proof: &Proof,

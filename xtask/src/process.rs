@@ -18,8 +18,8 @@ pub struct Finished {
     pub elapsed: Duration,
 }
 
-/// Runs the command in a process group of its own, which is killed at the limit:
-/// a solver is a grandchild and would outlive its parent.
+/// Runs the command in a process group of its own, which is killed at the limit.
+/// A solver is a grandchild, and would outlive its parent.
 pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, String> {
     let start = Instant::now();
     let mut child = command

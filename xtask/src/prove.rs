@@ -1,8 +1,8 @@
 //! Runs the harnesses under Kani and records what it says of each.
 
-use crate::kani_output::{self, Proven, Report};
+use crate::kani_output::{self, HarnessReport, Proven};
 use crate::process;
-use jcas_ledger::{Ledger, Outcome, Proof, Results, Run, Solver, Verdict, workspace_root};
+use jcas_ledger::{Ledger, Outcome, Proof, ProofVerdict, Results, Run, Solver, workspace_root};
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -57,14 +57,15 @@ pub fn run(names: &[String]) -> Result<bool, String> {
     }
     let wall_s = begin.elapsed().as_secs_f64();
     println!(
-        "{proven} of {} proven in {wall_s:.0} s by the clock: {solver_s:.0} s in harnesses that were proven, \
-         the rest in compilation and in harnesses that were not",
+        "{proven} of {} proven in {wall_s:.0} s by the clock: {solver_s:.0} s in harnesses that \
+         were proven, the rest in compilation and in harnesses that were not",
         proofs.len()
     );
     Ok(proven == proofs.len())
 }
 
-/// Proofs that one call of Kani can check with one compilation: same package, solver, flags and limit.
+/// Proofs that one call of Kani can check with one compilation: same package, solver, flags and
+/// limit.
 pub fn groups(proofs: &[Proof]) -> Vec<Vec<&Proof>> {
     let mut groups: Vec<Vec<&Proof>> = Vec::new();
     for proof in proofs {
@@ -137,7 +138,7 @@ pub fn prove(group: &[&Proof], root: &Path) -> Result<(Vec<Judged>, Option<Strin
 
 /// What the output of one call says of each proof; `stopped_s` where the call itself was stopped.
 fn judge(group: &[&Proof], output: &str, stopped_s: Option<u64>) -> Vec<Judged> {
-    let reports = Report::parse_all(output);
+    let reports = HarnessReport::parse_all(output);
     let mut judged = Vec::new();
     for proof in group {
         let report = reports
@@ -199,7 +200,7 @@ fn outcome(judged: Judged, commit: &str) -> Outcome {
         package: judged.proof.package,
         harness: judged.proof.harness,
         commit: commit.to_owned(),
-        verdict: Verdict::Verified,
+        verdict: ProofVerdict::Verified,
         checks: None,
         covers: None,
         seconds: None,
@@ -216,9 +217,9 @@ fn outcome(judged: Judged, commit: &str) -> Outcome {
         }
         Err(why) => {
             outcome.verdict = match why.as_str() {
-                "CBMC timed out" => Verdict::NotSolved,
-                why if why.starts_with("not reached") => Verdict::Unfinished,
-                _ => Verdict::Failed,
+                "CBMC timed out" => ProofVerdict::NotSolved,
+                why if why.starts_with("not reached") => ProofVerdict::Unfinished,
+                _ => ProofVerdict::Failed,
             };
             outcome.note = Some(why);
         }
@@ -301,7 +302,7 @@ mod tests {
     #[test]
     fn outcomes_are_what_kani_printed() {
         let proven = outcome_of(PROVEN, None);
-        assert_eq!(proven.verdict, Verdict::Verified);
+        assert_eq!(proven.verdict, ProofVerdict::Verified);
         assert_eq!((proven.checks, proven.covers), (Some(3), Some(1)));
         assert_eq!(proven.seconds, Some(0.8153));
         assert_eq!(
@@ -309,13 +310,13 @@ mod tests {
             Some("MiniSAT 2.2.1 with simplifier")
         );
         assert_eq!(proven.note.as_deref(), Some("cadical was asked for"));
-        assert_eq!(outcome_of(TIMED_OUT, None).verdict, Verdict::NotSolved);
-        assert_eq!(outcome_of("", Some(9)).verdict, Verdict::Unfinished);
+        assert_eq!(outcome_of(TIMED_OUT, None).verdict, ProofVerdict::NotSolved);
+        assert_eq!(outcome_of("", Some(9)).verdict, ProofVerdict::Unfinished);
         let broken = outcome_of("error[E0425]: no such name\n", None);
-        assert_eq!(broken.verdict, Verdict::Failed);
+        assert_eq!(broken.verdict, ProofVerdict::Failed);
         assert!(broken.note.unwrap().contains("E0425"));
         let failed = PROVEN.replace("Status: SUCCESS", "Status: FAILURE");
-        assert_eq!(outcome_of(&failed, None).verdict, Verdict::Failed);
+        assert_eq!(outcome_of(&failed, None).verdict, ProofVerdict::Failed);
     }
 
     /// Catches a group whose harnesses are taken for each other.

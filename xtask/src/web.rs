@@ -60,7 +60,8 @@ fn build() -> Result<PathBuf, String> {
             .join("release/jcas_web.wasm"))
     } else {
         Err(format!(
-            "the kernel does not build for {TARGET}; `rustup target add {TARGET}` installs its library"
+            "the kernel does not build for {TARGET}; `rustup target add {TARGET}` installs its \
+             library"
         ))
     }
 }

@@ -1,7 +1,8 @@
-//! The ledger of the proofs: what each harness claims (`proofs.toml`), what the model checker said of it
-//! (`results.toml`), and whether its sources have changed since.
+//! The ledger of the proofs: what each harness claims (`proofs.toml`), what the model checker said
+//! of it (`results.toml`), and whether its sources have changed since.
 //!
-//! `cargo xtask prove` writes results with it; `verification/tests/ledger.rs` compares them with the sources.
+//! `cargo xtask prove` writes results with it; `verification/tests/ledger.rs` compares them with
+//! the sources.
 
 mod page;
 mod proofs;
@@ -10,7 +11,7 @@ mod sources;
 
 pub use page::{page, replace_summary, summary};
 pub use proofs::{Ledger, Mutant, Proof, Solver};
-pub use results::{Outcome, Results, Run, Verdict};
+pub use results::{Outcome, ProofVerdict, Results, Run};
 pub use sources::fingerprint;
 
 use std::path::{Path, PathBuf};

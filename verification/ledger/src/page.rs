@@ -1,6 +1,6 @@
 //! `verification/RESULTS.md`, and the sentences that other documents quote from it.
 
-use crate::{Ledger, Outcome, Proof, Results, Verdict};
+use crate::{Ledger, Outcome, Proof, ProofVerdict, Results};
 use std::collections::BTreeMap;
 
 /// Marks around the summary in a document that quotes it.
@@ -12,7 +12,8 @@ const END: &str = "<!-- end of verdicts -->";
 pub fn page(ledger: &Ledger, results: &Results, now: &BTreeMap<String, String>) -> String {
     let mut text = String::from(
         "# Verdicts of the model checker\n\n\
-         Written by `cargo xtask prove` from `results.toml`. Each row is the newest run of one harness.\n\
+         Written by `cargo xtask prove` from `results.toml`.\n\
+         Each row is the newest run of one harness.\n\
          A harness counts as verified if every check holds and every cover is reached.\n\
          The last column compares the sources of the run with the present ones, comments aside:\n\
          after a change the verdict is that of the commit, and not of the present code.\n\n",
@@ -27,7 +28,8 @@ pub fn page(ledger: &Ledger, results: &Results, now: &BTreeMap<String, String>) 
         );
     }
     text += "\n## Harnesses\n\n\
-             | id | harness | verdict | covers | checks | seconds | solver | commit | sources since |\n\
+             | id | harness | verdict | covers | checks | seconds | solver | commit | \
+             sources since |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
     for proof in &ledger.proof {
         text += &row(proof, results, now);
@@ -66,10 +68,10 @@ fn row(proof: &Proof, results: &Results, now: &BTreeMap<String, String>) -> Stri
 /// The verdict with its note.
 fn verdict(outcome: &Outcome) -> String {
     let word = |verdict| match verdict {
-        Verdict::Verified => "verified",
-        Verdict::Failed => "**failed**",
-        Verdict::NotSolved => "**not solved**",
-        Verdict::Unfinished => "not run to its end",
+        ProofVerdict::Verified => "verified",
+        ProofVerdict::Failed => "**failed**",
+        ProofVerdict::NotSolved => "**not solved**",
+        ProofVerdict::Unfinished => "not run to its end",
     };
     let mut text = word(outcome.verdict).to_owned();
     if let Some(mended) = outcome.mended {
@@ -88,19 +90,21 @@ pub fn summary(ledger: &Ledger, results: &Results, now: &BTreeMap<String, String
         outcomes.filter(|outcome| wanted(outcome)).count()
     };
     let verdicts = |wanted| count(&|outcome| outcome.mended.is_none() && outcome.verdict == wanted);
-    let verified = verdicts(Verdict::Verified);
-    let mended = count(&|outcome| outcome.mended == Some(Verdict::Verified));
-    let unchanged = count(&|o| o.verdict == Verdict::Verified && results.is_current(o, now));
+    let verified = verdicts(ProofVerdict::Verified);
+    let mended = count(&|outcome| outcome.mended == Some(ProofVerdict::Verified));
+    let unchanged = count(&|o| o.verdict == ProofVerdict::Verified && results.is_current(o, now));
     let missing = ledger.proof.len() - count(&|_| true);
     format!(
-        "Of {} harnesses, {verified} verified as they stood and {mended} more after a mend of the harness.\n\
-         {} failed, {} were not solved in their time, {} were not run to their end, {missing} have not \
-         been run yet.\n\
-         Of the {verified}, {unchanged} were run on the present sources; the others on older ones.\n",
+        "Of {} harnesses, {verified} verified as they stood and {mended} more after a mend of the \
+         harness.\n\
+         {} failed, {} were not solved in their time, {} were not run to their end, {missing} have \
+         not been run yet.\n\
+         Of the {verified}, {unchanged} were run on the present sources; the others on older \
+         ones.\n",
         ledger.proof.len(),
-        verdicts(Verdict::Failed),
-        verdicts(Verdict::NotSolved),
-        verdicts(Verdict::Unfinished),
+        verdicts(ProofVerdict::Failed),
+        verdicts(ProofVerdict::NotSolved),
+        verdicts(ProofVerdict::Unfinished),
     )
 }
 
@@ -119,8 +123,8 @@ mod tests {
     fn ledger() -> Ledger {
         let row = |name: &str| {
             format!(
-                "[[proof]]\nid = \"P1\"\npackage = \"a\"\nharness = \"proofs::m::{name}\"\nclaim = \"c\"\n\
-                 bound = \"b\"\nassumptions = []\ncovers = 2\n\
+                "[[proof]]\nid = \"P1\"\npackage = \"a\"\n\
+                 harness = \"proofs::m::{name}\"\nclaim = \"c\"\nbound = \"b\"\nassumptions = []\ncovers = 2\n\
                  [proof.mutant]\nfile = \"f\"\nfind = \"x\"\nreplace = \"y\"\n"
             )
         };
@@ -133,7 +137,7 @@ mod tests {
         toml::from_str(&text).unwrap()
     }
 
-    fn outcome(name: &str, verdict: Verdict) -> Outcome {
+    fn outcome(name: &str, verdict: ProofVerdict) -> Outcome {
         Outcome {
             package: "a".into(),
             harness: format!("proofs::m::{name}"),
@@ -170,9 +174,9 @@ mod tests {
     #[test]
     fn the_page_tells_what_has_changed_and_what_is_missing() {
         let outcomes = vec![
-            outcome("one", Verdict::Verified),
-            outcome("two", Verdict::Failed),
-            outcome("gone", Verdict::Verified),
+            outcome("one", ProofVerdict::Verified),
+            outcome("two", ProofVerdict::Failed),
+            outcome("gone", ProofVerdict::Verified),
         ];
         let (ledger, mut results) = (ledger(), results(outcomes));
         let row = |name: &str, now: &str| {
@@ -205,15 +209,15 @@ mod tests {
 
     #[test]
     fn a_newer_outcome_takes_the_place_of_an_older_one() {
-        let mut results = results(vec![outcome("one", Verdict::Verified)]);
+        let mut results = results(vec![outcome("one", ProofVerdict::Verified)]);
         let mut run = results.run[0].clone();
         run.commit = "89abcde".into();
-        let mut newer = outcome("one", Verdict::NotSolved);
+        let mut newer = outcome("one", ProofVerdict::NotSolved);
         newer.commit.clone_from(&run.commit);
         results.record(run, vec![newer]);
         results.prune(&ledger());
         assert_eq!(results.outcome.len(), 1);
-        assert_eq!(results.outcome[0].verdict, Verdict::NotSolved);
+        assert_eq!(results.outcome[0].verdict, ProofVerdict::NotSolved);
         assert_eq!(results.run.len(), 1, "a run without an outcome stays");
         let again: Results = toml::from_str(&results.to_text().unwrap()).unwrap();
         assert_eq!(again.to_text(), results.to_text());

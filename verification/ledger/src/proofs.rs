@@ -90,8 +90,8 @@ impl Proof {
         self.harness.rsplit("::").next().unwrap_or(&self.harness)
     }
 
-    /// Seconds after which it counts as failed: five times its own time, since a machine may be half as
-    /// fast and busy, and at least a minute.
+    /// Seconds after which it counts as failed: five times its own time, and at least a minute.
+    /// A machine may be half as fast, and busy.
     pub fn time_limit_s(&self) -> u64 {
         (5 * (self.measured_s + self.estimated_s)).max(60)
     }

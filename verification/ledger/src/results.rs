@@ -21,7 +21,7 @@ pub struct Results {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// Abbreviated hash of the commit, with `+` where the sources had changes that were not committed.
+    /// Abbreviated hash of the commit; its sources had no further changes.
     pub commit: String,
     /// Day in UTC, as 2026-11-24.
     pub date: String,
@@ -46,7 +46,7 @@ pub struct Outcome {
     /// The commit of its run.
     pub commit: String,
     /// What the run showed.
-    pub verdict: Verdict,
+    pub verdict: ProofVerdict,
     /// Checks other than covers, where they were counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub checks: Option<u32>,
@@ -61,7 +61,7 @@ pub struct Outcome {
     pub solver: Option<String>,
     /// The verdict after a mend of the harness, which `note` describes.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mended: Option<Verdict>,
+    pub mended: Option<ProofVerdict>,
     /// Why it failed, or how it was run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -70,7 +70,7 @@ pub struct Outcome {
 /// What a run shows about a claim.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum ProofVerdict {
     /// Every check holds and every cover is reached.
     Verified,
     /// A check fails, or a cover is not reached.
@@ -102,7 +102,8 @@ impl Results {
     pub fn to_text(&self) -> Result<String, String> {
         let rows = toml::to_string(self).map_err(|error| error.to_string())?;
         Ok(format!(
-            "# What Kani said of each harness, written by `cargo xtask prove`; RESULTS.md is the page.\n\n{rows}"
+            "# What Kani said of each harness, written by `cargo xtask prove`; RESULTS.md is the \
+             page.\n\n{rows}"
         ))
     }
 
@@ -117,8 +118,8 @@ impl Results {
         self.run.push(run);
     }
 
-    /// Drops outcomes of harnesses that the ledger no longer lists, and runs without an outcome. The
-    /// others stand in the order of the ledger.
+    /// Drops outcomes of harnesses that the ledger no longer lists, and runs without an outcome.
+    /// The others stand in the order of the ledger.
     pub fn prune(&mut self, ledger: &Ledger) {
         let mut kept = Vec::new();
         for proof in &ledger.proof {

@@ -17,7 +17,8 @@ impl Ledger {
 
 /// A 64-bit FNV-1a hash, in hexadecimal, of the Rust files at and below `paths`.
 ///
-/// Comments on lines of their own, blank lines and indentation do not count: no proof depends on them.
+/// Comments on lines of their own, blank lines and indentation do not count: no proof depends on
+/// them.
 pub fn fingerprint(root: &Path, paths: &[String]) -> Result<String, String> {
     let mut files = Vec::new();
     for path in paths {
