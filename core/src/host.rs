@@ -1,6 +1,10 @@
 //! What a host simulator may own: where the UAVs start and are, who detects what, who hears whom, where the
 //! hotspots lie and when they are confirmed, what the batteries hold.
 
+mod call;
+
+pub use call::Call;
+
 use crate::bits;
 use crate::config::Cell;
 use crate::error::{Allowed, ConfigError, Error, Value};

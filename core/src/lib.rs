@@ -39,7 +39,7 @@ pub mod error;
 mod graph;
 pub mod hash;
 pub mod header;
-mod host;
+pub mod host;
 pub mod knowledge;
 mod lanes;
 pub mod layout;

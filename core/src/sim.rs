@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use crate::config::Cell;
 use crate::error::Error;
 use crate::hash;
+use crate::host::Call;
 use crate::model::Model;
 use crate::observation;
 use crate::scratch::Scratch;
@@ -74,6 +75,14 @@ impl<'m> Sim<'m> {
     /// As [`Model::step_begin`].
     pub fn step_begin(&mut self, actions: &[f32]) -> Result<(), Error> {
         self.with(|model, state, _| model.step_begin(state, actions))
+    }
+
+    /// A call of a host simulator; see [`Call::apply`].
+    ///
+    /// # Errors
+    /// As [`Call::apply`].
+    pub fn apply(&mut self, call: &Call<'_>) -> Result<(), Error> {
+        self.with(|model, state, scratch| call.apply(model, state, scratch))
     }
 
     /// The host's positions; see [`Model::set_positions`].
