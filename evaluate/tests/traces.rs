@@ -1,9 +1,10 @@
 //! Traces under attack: whatever happens to a file, reading it ends in a trace or a typed error.
 
+use jcas_core::host::Call;
 use jcas_core::rng::{self, Purpose};
 use jcas_core::{Cell, Config, Model};
 use jcas_evaluate::policy::{BaselineKind, PilotMode};
-use jcas_evaluate::trace::{self, Flight, Host, Trace, TraceError, Writer};
+use jcas_evaluate::trace::{self, EpisodeRecorder, Host, Trace, TraceError};
 
 fn recorded(seed: u64) -> Vec<u8> {
     let model = Model::new(Config {
@@ -121,65 +122,63 @@ fn hosted() -> Vec<u8> {
         ..Config::default()
     };
     let model = Model::new(config).unwrap();
-    let mut flight = Flight::begin(&model, 9).unwrap();
     let cell = |x, y| Cell { x, y };
     let mut text = Vec::new();
-    let mut writer = Writer::new(&mut text, &flight.header("host", "mid")).unwrap();
-    let starts = vec![cell(0, 0), cell(1, 0), cell(2, 0), cell(3, 0)];
+    let mut episode = EpisodeRecorder::begin(&model, 9, ("host", "mid"), &mut text).unwrap();
+    let starts = [cell(0, 0), cell(1, 0), cell(2, 0), cell(3, 0)];
     let before = [
-        vec![
-            Host::SetStarts {
-                cells: starts.clone(),
-            },
-            Host::SetHotspots {
-                cells: vec![cell(1, 1), cell(9, 9)],
-            },
-            Host::SetBatteries {
-                charges_uj: vec![500_000_000_000, 1, 600_000_000_000, 7],
-            },
-        ],
-        vec![Host::SetPositions { cells: starts }],
-        vec![
-            Host::SetBattery {
-                uav: 1,
-                charge_uj: 300_000_000_000,
-            },
-            Host::MoveHotspot {
-                hotspot: 1,
-                cell: cell(4, 4),
-            },
-            Host::SetPositions {
-                cells: vec![cell(5, 5); 4],
-            },
-            Host::Ground { uav: 2 },
-            Host::ConfirmHotspot { hotspot: 0 },
-            Host::StepSenseOver {
-                detections: vec![[0, 0], [3, 1]],
-            },
-            Host::StepCommunicateOver {
-                links: vec![[0, 1], [1, 3]],
-                throughput: None,
-            },
-        ],
-        vec![],
-        vec![Host::StepCommunicateOver {
-            links: vec![[0, 1]],
-            throughput: Some(vec![0.1, 2.5, 0.0, 1e-7]),
-        }],
+        Call::SetStarts { cells: &starts },
+        Call::SetHotspots {
+            cells: &[cell(1, 1), cell(9, 9)],
+        },
+        Call::SetBatteries {
+            charges_uj: &[500_000_000_000, 1, 600_000_000_000, 7],
+        },
     ];
-    for calls in before {
-        for call in calls {
-            flight.own(call).unwrap();
-        }
-        writer.step(&flight.step(&[0.8; 8]).unwrap()).unwrap();
-    }
-    flight
-        .own(Host::SetBattery {
-            uav: 0,
-            charge_uj: 5,
-        })
+    before.iter().for_each(|call| episode.call(call).unwrap());
+    let actions = [0.8; 8];
+    episode.step(&actions, &[]).unwrap();
+    episode
+        .step(&actions, &[Call::SetPositions { cells: &starts }])
         .unwrap();
-    writer.end(flight.end()).unwrap();
+    let before = [
+        Call::SetBattery {
+            uav: 1,
+            charge_uj: 300_000_000_000,
+        },
+        Call::MoveHotspot {
+            hotspot: 1,
+            cell: cell(4, 4),
+        },
+    ];
+    before.iter().for_each(|call| episode.call(call).unwrap());
+    let within = [
+        Call::SetPositions {
+            cells: &[cell(5, 5); 4],
+        },
+        Call::Ground { uav: 2 },
+        Call::ConfirmHotspot { hotspot: 0 },
+        Call::StepSenseWith {
+            detections: &[1, 0, 0, 0, 0, 0, 0, 1],
+        },
+        Call::StepCommunicateWith {
+            links: &[0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0],
+            throughput: None,
+        },
+    ];
+    episode.step(&actions, &within).unwrap();
+    episode.step(&actions, &[]).unwrap();
+    let measured = Call::StepCommunicateWith {
+        links: &[0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
+        throughput: Some(&[0.1, 2.5, 0.0, 1e-7]),
+    };
+    episode.step(&actions, &[measured]).unwrap();
+    let after = Call::SetBattery {
+        uav: 0,
+        charge_uj: 5,
+    };
+    episode.call(&after).unwrap();
+    episode.end().unwrap();
     text
 }
 
@@ -189,14 +188,7 @@ fn what_a_host_owned_is_flown_again_with_the_same_bits() {
     let read = read(&text).unwrap();
     assert_eq!(trace::verify(&read).unwrap(), None);
     assert_eq!(read.steps[2].host.len(), 7);
-    // Written again it is the same file.
-    let mut again = Vec::new();
-    let mut writer = Writer::new(&mut again, &read.header).unwrap();
-    for step in &read.steps {
-        writer.step(step).unwrap();
-    }
-    writer.end(read.end).unwrap();
-    assert_eq!(again, text);
+    assert_eq!(read.to_text().into_bytes(), text);
 }
 
 #[test]

@@ -15,14 +15,15 @@ use std::alloc::{Layout, alloc, dealloc};
 use std::slice;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use jcas_core::host::Call;
 use jcas_core::{Config, Error, Model, Scratch, StateMut};
 
 use crate::in_use::{Changing, InUse, Reading};
+use crate::recording::{Recording, Sink, Workspace};
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_IN_USE, JCAS_ERROR_LENGTH,
     JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES, guard,
 };
-use crate::trace::{Host, Recording, Sink, Workspace};
 
 /// What a handle is to.
 #[derive(Clone, Copy)]
@@ -469,12 +470,8 @@ impl Open<'_> {
     }
 
     /// Lets the kernel take what a host owns, and tells the recording.
-    pub(crate) fn own(
-        &mut self,
-        call: &Host<'_>,
-        act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<(), Error>,
-    ) -> Result<(), Fault> {
-        self.act(act)?;
+    pub(crate) fn own(&mut self, call: &Call<'_>) -> Result<(), Fault> {
+        self.act(|model, state, scratch| call.apply(model, state, scratch))?;
         if let Some(recording) = self.recording {
             recording.host(call, self.model.uav_count());
         }

@@ -48,9 +48,9 @@ mod model_check;
 mod policy_block;
 #[cfg(any(kani, all(test, not(loom))))]
 mod proofs;
+mod recording;
 mod sync;
 mod thread_pool;
-mod trace;
 
 pub use batch::*;
 pub use batch_step::*;

@@ -4,6 +4,7 @@ use std::mem::offset_of;
 use std::slice;
 
 use jcas_core::Cell;
+use jcas_core::host::Call;
 
 use crate::config::jcas_cell;
 use crate::handle::{Open, change};
@@ -11,7 +12,6 @@ use crate::memory::{input, record};
 use crate::records::jcas_outcome;
 use crate::sim::jcas_sim;
 use crate::status::jcas_status;
-use crate::trace::Host;
 
 /// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
 /// jcas_sim_step_sense.
@@ -52,9 +52,7 @@ pub unsafe extern "C" fn jcas_sim_set_positions(
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
         let cells = kernel_cells(cells);
-        sim.own(&Host::Positions(cells), |model, state, _| {
-            model.set_positions(state, cells)
-        })
+        sim.own(&Call::SetPositions { cells })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -83,11 +81,7 @@ pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> jcas_status 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_status {
     let uav = uav as usize;
-    let act = |sim: &mut Open<'_>| {
-        sim.own(&Host::Ground(uav), |model, state, _| {
-            model.ground(state, uav)
-        })
-    };
+    let act = |sim: &mut Open<'_>| sim.own(&Call::Ground { uav });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -102,11 +96,7 @@ pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_s
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u32) -> jcas_status {
     let hotspot = hotspot as usize;
-    let act = |sim: &mut Open<'_>| {
-        sim.own(&Host::Confirm(hotspot), |model, state, _| {
-            model.confirm_hotspot(state, hotspot)
-        })
-    };
+    let act = |sim: &mut Open<'_>| sim.own(&Call::ConfirmHotspot { hotspot });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -128,9 +118,7 @@ pub unsafe extern "C" fn jcas_sim_step_sense_with(
         let expected = sim.model.uav_count() * sim.model.hotspot_count();
         // SAFETY: the caller's promise for `detections`.
         let detections = unsafe { input(detections, count, expected) }?;
-        sim.own(&Host::Detections(detections), |model, state, scratch| {
-            model.step_sense_with(state, scratch, detections)
-        })
+        sim.own(&Call::StepSenseWith { detections })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -178,9 +166,7 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_with(
             // SAFETY: the caller's promise for `throughput`.
             Some(unsafe { input(throughput, throughput_count, uavs) }?)
         };
-        sim.own(&Host::Links(links, throughput), |model, state, scratch| {
-            model.step_communicate_with(state, scratch, links, throughput)
-        })
+        sim.own(&Call::StepCommunicateWith { links, throughput })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -223,9 +209,7 @@ pub unsafe extern "C" fn jcas_sim_set_hotspots(
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.hotspot_count()) }?;
         let cells = kernel_cells(cells);
-        sim.own(&Host::Hotspots(cells), |model, state, scratch| {
-            model.set_hotspots(state, scratch, cells)
-        })
+        sim.own(&Call::SetHotspots { cells })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -245,11 +229,7 @@ pub unsafe extern "C" fn jcas_sim_move_hotspot(
     y: u32,
 ) -> jcas_status {
     let (hotspot, cell) = (hotspot as usize, Cell { x, y });
-    let act = |sim: &mut Open<'_>| {
-        sim.own(&Host::Hotspot(hotspot, cell), |model, state, scratch| {
-            model.move_hotspot(state, scratch, hotspot, cell)
-        })
-    };
+    let act = |sim: &mut Open<'_>| sim.own(&Call::MoveHotspot { hotspot, cell });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -269,9 +249,7 @@ pub unsafe extern "C" fn jcas_sim_set_starts(
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
         let cells = kernel_cells(cells);
-        sim.own(&Host::Starts(cells), |model, state, scratch| {
-            model.set_starts(state, scratch, cells)
-        })
+        sim.own(&Call::SetStarts { cells })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
@@ -291,11 +269,7 @@ pub unsafe extern "C" fn jcas_sim_set_battery(
     charge_uj: u64,
 ) -> jcas_status {
     let uav = uav as usize;
-    let act = |sim: &mut Open<'_>| {
-        sim.own(&Host::Battery(uav, charge_uj), |model, state, scratch| {
-            model.set_battery(state, scratch, uav, charge_uj)
-        })
-    };
+    let act = |sim: &mut Open<'_>| sim.own(&Call::SetBattery { uav, charge_uj });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -313,10 +287,8 @@ pub unsafe extern "C" fn jcas_sim_set_batteries(
 ) -> jcas_status {
     let act = |sim: &mut Open<'_>| {
         // SAFETY: the caller's promise for `charges_uj`.
-        let charges = unsafe { input(charges_uj, count, sim.model.uav_count()) }?;
-        sim.own(&Host::Batteries(charges), |model, state, scratch| {
-            model.set_batteries(state, scratch, charges)
-        })
+        let charges_uj = unsafe { input(charges_uj, count, sim.model.uav_count()) }?;
+        sim.own(&Call::SetBatteries { charges_uj })
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }

@@ -3,17 +3,18 @@
 use std::ffi::{CStr, c_char, c_void};
 
 use jcas_core::header::Phase;
+use jcas_trace::{Problem, Replay, VerifyError, configuration};
 
 use crate::config::jcas_config;
 use crate::handle::{Open, change, model, open};
 use crate::memory::{Plain, Record, Said, bytes, message, put_layout, read_record, sized_record};
 use crate::model::jcas_model;
+use crate::recording::{Recording, Sink, Workspace};
 use crate::sim::jcas_sim;
 use crate::status::{
-    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_ERROR_OUT_OF_ORDER,
-    guard, jcas_status,
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_DIFFERENT, JCAS_ERROR_INTERNAL,
+    JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NULL, JCAS_ERROR_OUT_OF_ORDER, guard, jcas_status,
 };
-use crate::trace::{Recording, Refusal, Sink, Workspace, configuration, verify};
 
 /// Takes `count` bytes of a trace, in their order; `context` is the caller's own. Returns 0; anything else
 /// says that they could not be taken, and no more are offered.
@@ -160,7 +161,7 @@ pub unsafe extern "C" fn jcas_trace_config(
         let out = unsafe { sized_record(config, struct_size) }?;
         let config = configuration(trace)
             // SAFETY: the caller's promise for `message`.
-            .map_err(|refusal| unsafe { say(&refusal, message, message_capacity) })?;
+            .map_err(|error| unsafe { say(&error, message, message_capacity) })?;
         out.put(jcas_config::from_core(&config));
         Ok(())
     })
@@ -189,16 +190,17 @@ pub unsafe extern "C" fn jcas_trace_verify(
 ) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
-        let mut sim = unsafe { open(sim.cast()) }?;
+        let sim = unsafe { open(sim.cast()) }?;
         // SAFETY: the caller's promise for `memory`.
         let workspace = unsafe { Workspace::lent(memory, size, sim.model) }?;
         // SAFETY: the caller's promises for `trace` and `message`.
         let trace = unsafe { text(trace, length, message, message_capacity) }?;
         *sim.recording = None;
         // SAFETY: only this call uses the workspace.
-        let verified = verify(&mut sim, unsafe { workspace.parts() }, trace);
+        let workspace = unsafe { workspace.parts() };
+        let verified = Replay::new(sim.model, sim.words, sim.scratch, workspace).verify(trace);
         // SAFETY: the caller's promise for `message`.
-        verified.map_err(|refusal| unsafe { say(&refusal, message, message_capacity) })
+        verified.map_err(|error| unsafe { say(&error, message, message_capacity) })
     })
 }
 
@@ -237,8 +239,13 @@ unsafe fn text<'a>(
 
 /// # Safety
 /// As [`message`].
-unsafe fn say(refusal: &Refusal<'_>, buffer: *mut c_char, capacity: usize) -> Fault {
+unsafe fn say(error: &VerifyError<'_>, buffer: *mut c_char, capacity: usize) -> Fault {
     // SAFETY: passed on.
-    unsafe { message(&Said(refusal), buffer, capacity) };
-    refusal.status()
+    unsafe { message(&Said(error), buffer, capacity) };
+    Fault::Status(match error.problem {
+        Problem::OtherModel => JCAS_ERROR_MODEL_MISMATCH,
+        Problem::Differs(_) => JCAS_ERROR_DIFFERENT,
+        Problem::Memory => JCAS_ERROR_INTERNAL,
+        _ => JCAS_ERROR_CORRUPT,
+    })
 }

@@ -1,10 +1,11 @@
 //! A mission and the deeds of the person who watches it.
 
+use jcas_core::host::Call;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Config, Model, Motion};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, Trained};
 use jcas_evaluate::replay;
-use jcas_evaluate::trace::{Flight, Host, Trace};
+use jcas_evaluate::trace::{self, EpisodeRecorder, Trace, TraceError};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -62,6 +63,9 @@ enum Deed {
     Ground { t: u32, uav: usize },
 }
 
+/// Records the mission into a text.
+type Recorder<'m, 't> = EpisodeRecorder<'m, &'t mut Vec<u8>>;
+
 impl Mission {
     /// Flies it: the episode as the replay page reads it, the chances of detection over distance, and the
     /// hash of the last state.
@@ -101,45 +105,54 @@ impl Mission {
 
     fn trace(&self, model: &Model<'_>, policy: &mut dyn Policy) -> Result<Trace, String> {
         self.check_deeds(model)?;
+        let mut text = Vec::new();
+        let flown = self.record(model, policy, &mut text);
+        flown
+            .and_then(|()| trace::read(text.as_slice()))
+            .map_err(|error| error.to_string())
+    }
+
+    fn record(
+        &self,
+        model: &Model<'_>,
+        policy: &mut dyn Policy,
+        text: &mut Vec<u8>,
+    ) -> Result<(), TraceError> {
         let seed = derive_seed(u64::from(self.seed), 0);
-        let text = |error: jcas_core::Error| error.to_string();
-        let mut flight = Flight::begin(model, seed).map_err(text)?;
+        let pilot = policy.pilot().to_string();
+        let mut episode = EpisodeRecorder::begin(model, seed, (policy.name(), &pilot), text)?;
         policy.reset(model, seed);
-        let header = flight.header(policy.name(), &policy.pilot().to_string());
-        self.place(&mut flight).map_err(text)?;
+        self.place(&mut episode)?;
         let mut actions = vec![0.0; model.action_len()];
-        let mut steps = Vec::new();
-        while !flight.over() {
-            let t = steps.len() as u32 + 1;
+        for t in 1.. {
+            if episode.over() {
+                break;
+            }
             let deeds = || self.deeds.iter().filter(|deed| deed.step() == t);
             for deed in deeds() {
-                deed.change(&mut flight).map_err(text)?;
+                deed.change(&mut episode)?;
             }
-            flight.ask(policy, &mut actions);
+            episode.ask(policy, &mut actions);
             for deed in deeds() {
                 deed.steer(&mut actions);
             }
-            steps.push(flight.step(&actions).map_err(text)?);
+            episode.step(&actions, &[])?;
         }
-        Ok(Trace {
-            header,
-            steps,
-            end: flight.end(),
-        })
+        episode.end().map(|_| ())
     }
 
-    fn place(&self, flight: &mut Flight<'_>) -> Result<(), jcas_core::Error> {
+    fn place(&self, episode: &mut Recorder<'_, '_>) -> Result<(), TraceError> {
         if self.moved.is_empty() {
             return Ok(());
         }
-        let state = flight.state();
+        let state = episode.state();
         let mut cells: Vec<Cell> = (0..state.hotspot_count())
             .map(|hotspot| state.hotspot_cell(hotspot))
             .collect();
         for &(hotspot, cell) in &self.moved {
             cells[hotspot] = cell;
         }
-        flight.own(Host::SetHotspots { cells })
+        episode.call(&Call::SetHotspots { cells: &cells })
     }
 
     fn check_deeds(&self, model: &Model<'_>) -> Result<(), String> {
@@ -177,10 +190,10 @@ impl Deed {
     }
 
     /// What changes the state before a step.
-    fn change(self, flight: &mut Flight<'_>) -> Result<(), jcas_core::Error> {
+    fn change(self, episode: &mut Recorder<'_, '_>) -> Result<(), TraceError> {
         match self {
             Self::Steer { .. } => Ok(()),
-            Self::Ground { uav, .. } => flight.own(Host::SetBattery { uav, charge_uj: 0 }),
+            Self::Ground { uav, .. } => episode.call(&Call::SetBattery { uav, charge_uj: 0 }),
         }
     }
 

@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use super::format::{FORMAT, FORMAT_VERSION, Hex};
+use jcas_trace::FORMAT_VERSION;
+
+use super::format::{FORMAT, Hex};
 
 /// Why a trace cannot be recorded, read or flown again.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use jcas_core::hash::Fnv1a;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::{Cell, Config, Metrics};
 use serde::de::{Error as _, MapAccess, Visitor};
@@ -12,8 +13,6 @@ use super::host::Host;
 
 /// The name of the format, in every header.
 pub const FORMAT: &str = "jcas-trace";
-/// The version of the format that this build writes. It reads version 1 too, which has no calls of a host.
-pub const FORMAT_VERSION: u32 = 2;
 
 /// A whole trace.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +25,37 @@ pub struct Trace {
     pub end: End,
 }
 
+impl Trace {
+    /// The file's text, with the checksum of that text.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = json(&self.header) + "\n";
+        for step in &self.steps {
+            step.host
+                .iter()
+                .for_each(|call| text += &(json(call) + "\n"));
+            text += &(json(step) + "\n");
+        }
+        self.end
+            .host
+            .iter()
+            .for_each(|call| text += &(json(call) + "\n"));
+        let end = json(&self.end);
+        text += &end[..end.rfind(CHECKSUM_KEY).unwrap_or(end.len())];
+        let mut hash = Fnv1a::new();
+        hash.write(text.as_bytes());
+        text + CHECKSUM_KEY + &json(&Hex(hash.finish())) + "}\n"
+    }
+}
+
+/// What separates the bytes under the checksum from the checksum.
+pub(super) const CHECKSUM_KEY: &str = ",\"checksum\":";
+
+/// A line holds strings, finite numbers and lists of them, which always have a JSON text.
+fn json(line: &impl Serialize) -> String {
+    serde_json::to_string(line).expect("a line of a trace has a JSON text")
+}
+
 /// The first line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -34,7 +64,7 @@ pub struct Header {
     pub kind: String,
     /// Always [`FORMAT`].
     pub format: String,
-    /// [`FORMAT_VERSION`] of the build that wrote it.
+    /// [`FORMAT_VERSION`](super::FORMAT_VERSION) of the build that wrote it.
     pub format_version: u32,
     /// Version of the kernel that flew it.
     pub core_version: String,
@@ -138,6 +168,21 @@ pub struct End {
     pub host: Vec<Host>,
 }
 
+impl End {
+    /// The last line of an episode.
+    pub(super) fn of(metrics: Metrics, checksum: Hex) -> Self {
+        Self {
+            kind: "end".to_owned(),
+            steps: metrics.steps,
+            terminated: metrics.terminated,
+            truncated: metrics.truncated,
+            metrics,
+            checksum,
+            host: Vec::new(),
+        }
+    }
+}
+
 /// 64 bits, written as `0x` and sixteen digits: JSON numbers are doubles to many readers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hex(pub u64);
@@ -226,7 +271,13 @@ mod tests {
             serde_json::from_str::<Hex>(&text).unwrap(),
             Hex(0xdead_beef)
         );
-        for bad in ["\"deadbeef\"", "\"0x12\"", "\"0x+000000000000001\"", "12"] {
+        for bad in [
+            "\"deadbeef\"",
+            "\"0x12\"",
+            "\"0x+000000000000001\"",
+            "12",
+            "\"0x00000000DEADBEEF\"",
+        ] {
             assert!(serde_json::from_str::<Hex>(bad).is_err(), "{bad}");
         }
     }

@@ -14,18 +14,17 @@
 //!
 //! Nothing here needs threads or the file system, so that traces are checked on any target.
 
-mod capture;
 mod compare;
 mod error;
 mod format;
 mod host;
 mod read;
-mod write;
+mod record;
 
-pub use capture::{Flight, record, verify};
 pub use compare::{Difference, diff};
 pub use error::TraceError;
-pub use format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Initial, Rewards, Step, Trace};
+pub use format::{End, FORMAT, Header, Hex, Initial, Rewards, Step, Trace};
 pub use host::Host;
+pub use jcas_trace::FORMAT_VERSION;
 pub use read::read;
-pub use write::Writer;
+pub use record::{EpisodeRecorder, record, verify};

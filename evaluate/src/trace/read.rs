@@ -3,13 +3,14 @@
 use std::io::BufRead;
 
 use jcas_core::hash::Fnv1a;
+use jcas_core::host::Call;
+use jcas_trace::FORMAT_VERSION;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::error::TraceError;
-use super::format::{End, FORMAT, FORMAT_VERSION, Header, Hex, Step, Trace};
+use super::format::{CHECKSUM_KEY, End, FORMAT, Header, Hex, Step, Trace};
 use super::host::Host;
-use super::write::CHECKSUM_KEY;
 
 /// The part of a line that tells what to expect of the rest.
 #[derive(Deserialize)]
@@ -73,7 +74,7 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
                 hash.write(&text.as_bytes()[..covered]);
                 end = Some(parsed);
             }
-            kind if header.format_version > 1 && Host::KINDS.contains(&kind) => {
+            kind if header.format_version > 1 && Call::KINDS.contains(&kind) => {
                 host.push(read_host(&text, header, line)?);
                 hash.write(text.as_bytes());
             }

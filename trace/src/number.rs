@@ -1,7 +1,7 @@
 //! Reals as trace files write them, by the code that serde_json writes them with: the fewest digits that read back
 //! the same.
 
-use std::fmt::{self, Display};
+use core::fmt::{self, Display};
 
 /// A finite real that is displayed as a trace file has it.
 pub(crate) struct Real<T>(pub(crate) T);

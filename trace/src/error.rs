@@ -1,0 +1,63 @@
+//! Why a trace is not reproduced.
+
+use core::error::Error as StdError;
+use core::fmt;
+
+use jcas_core::Error;
+use jcas_core::config::text::TextError;
+
+/// Why a trace is not reproduced, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VerifyError<'t> {
+    /// 1 for the first line of the file; 0 for the whole of it.
+    pub line: usize,
+    /// What is wrong there.
+    pub problem: Problem<'t>,
+}
+
+/// What is wrong with a trace.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Problem<'t> {
+    /// The file has no last line, or its checksum does not fit.
+    Incomplete,
+    /// A line is not as this crate writes it.
+    Form,
+    /// The simulation has another configuration.
+    OtherModel,
+    /// The kernel refuses an action or a call of the host.
+    Kernel(Error),
+    /// The configuration is not legal.
+    Config(TextError),
+    /// The line differs from the one that is flown, first in this field.
+    Differs(&'t str),
+    /// The caller's memory has the wrong size.
+    Memory,
+}
+
+impl fmt::Display for VerifyError<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.line > 0 {
+            write!(out, "line {}: ", self.line)?;
+        }
+        self.problem.fmt(out)
+    }
+}
+
+impl fmt::Display for Problem<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Incomplete => {
+                out.write_str("not a whole trace: must end with a checksum that fits")
+            }
+            Self::Form => out.write_str("not as jcas writes traces"),
+            Self::OtherModel => out.write_str("the simulation has another configuration"),
+            Self::Kernel(error) => error.fmt(out),
+            Self::Config(error) => error.fmt(out),
+            Self::Differs(field) => write!(out, "{field} differs from what is flown"),
+            Self::Memory => out.write_str("a fault of the library itself"),
+        }
+    }
+}
+
+impl StdError for VerifyError<'_> {}

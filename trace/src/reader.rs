@@ -1,0 +1,231 @@
+//! A trace read line by line, exactly as it is written and without an allocation.
+
+use core::str::FromStr;
+
+use jcas_core::{Cell, Config};
+
+use crate::error::{Problem, VerifyError};
+use crate::line::FORMAT_VERSION;
+
+/// The configuration that a trace was flown with.
+///
+/// # Errors
+/// Where the first line is no header of a trace, or its configuration is not legal.
+pub fn configuration(trace: &str) -> Result<Config, VerifyError<'_>> {
+    Ok(Reader::new(trace).header()?.config)
+}
+
+/// Sixteen hexadecimal digits, without capitals.
+pub(crate) fn hexadecimal(digits: &str) -> Option<u64> {
+    let legal = digits.len() == 16
+        && digits
+            .bytes()
+            .all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
+    legal
+        .then(|| u64::from_str_radix(digits, 16).ok())
+        .flatten()
+}
+
+/// The parts of the first line that a replay needs.
+pub(crate) struct Header<'t> {
+    pub(crate) version: u32,
+    pub(crate) core_version: &'t str,
+    pub(crate) config: Config,
+    pub(crate) seed: u64,
+    pub(crate) policy: &'t str,
+    pub(crate) pilot: &'t str,
+    pub(crate) line: &'t str,
+}
+
+/// A place in a trace.
+#[derive(Clone)]
+pub(crate) struct Reader<'t> {
+    /// This line, whole.
+    pub(crate) line: &'t str,
+    /// What of it is still to be read.
+    pub(crate) rest: &'t str,
+    /// The lines after it.
+    pub(crate) later: &'t str,
+    number: usize,
+}
+
+impl<'t> Reader<'t> {
+    pub(crate) fn new(trace: &'t str) -> Self {
+        let mut reader = Self {
+            line: "",
+            rest: "",
+            later: trace,
+            number: 0,
+        };
+        reader.next_line();
+        reader
+    }
+
+    pub(crate) fn next_line(&mut self) {
+        let end = self.later.find('\n').map_or(self.later.len(), |at| at + 1);
+        let (line, later) = self.later.split_at(end);
+        self.line = line;
+        self.rest = line;
+        self.later = later;
+        self.number += 1;
+    }
+
+    pub(crate) fn error(&self, problem: Problem<'t>) -> VerifyError<'t> {
+        VerifyError {
+            line: self.number,
+            problem,
+        }
+    }
+
+    pub(crate) fn skip(&mut self, text: &str) -> Result<(), Problem<'t>> {
+        self.rest = self.rest.strip_prefix(text).ok_or(Problem::Form)?;
+        Ok(())
+    }
+
+    /// Up to a character, which stays.
+    fn until(&mut self, stop: impl Fn(char) -> bool) -> Result<&'t str, Problem<'t>> {
+        let at = self.rest.find(stop).ok_or(Problem::Form)?;
+        let (text, rest) = self.rest.split_at(at);
+        self.rest = rest;
+        Ok(text)
+    }
+
+    pub(crate) fn number<T: FromStr>(&mut self) -> Result<T, Problem<'t>> {
+        let digits = |c: char| !matches!(c, '0'..='9' | '-' | '+' | '.' | 'e');
+        self.until(digits)?.parse().map_err(|_| Problem::Form)
+    }
+
+    /// A number after the name of its field.
+    pub(crate) fn field<T: FromStr>(&mut self, name: &str) -> Result<T, Problem<'t>> {
+        self.skip(name)?;
+        self.number()
+    }
+
+    /// What stands between quotes, with its escapes.
+    pub(crate) fn text(&mut self) -> Result<&'t str, Problem<'t>> {
+        let mut escaped = false;
+        let at = self.rest.find(|c| {
+            let ends = c == '"' && !escaped;
+            escaped = c == '\\' && !escaped;
+            ends
+        });
+        let (text, rest) = self.rest.split_at(at.ok_or(Problem::Form)?);
+        self.rest = rest;
+        Ok(text)
+    }
+
+    fn hex(&mut self) -> Result<u64, Problem<'t>> {
+        let (digits, rest) = self.rest.split_at_checked(16).ok_or(Problem::Form)?;
+        self.rest = rest;
+        hexadecimal(digits).ok_or(Problem::Form)
+    }
+
+    /// `[..]`: calls `each` before every element with its index.
+    pub(crate) fn list(
+        &mut self,
+        mut each: impl FnMut(&mut Self, usize) -> Result<(), Problem<'t>>,
+    ) -> Result<usize, Problem<'t>> {
+        self.skip("[")?;
+        let mut count = 0;
+        while !self.rest.starts_with(']') {
+            if count > 0 {
+                self.skip(",")?;
+            }
+            each(self, count)?;
+            count += 1;
+        }
+        self.skip("]")?;
+        Ok(count)
+    }
+
+    /// Reads a list of exactly the length of `out`.
+    pub(crate) fn fill<'a, T>(
+        &mut self,
+        out: &'a mut [T],
+        mut read: impl FnMut(&mut Self) -> Result<T, Problem<'t>>,
+    ) -> Result<&'a [T], Problem<'t>> {
+        let count = self.list(|reader, index| {
+            *out.get_mut(index).ok_or(Problem::Form)? = read(reader)?;
+            Ok(())
+        })?;
+        expect(count == out.len())?;
+        Ok(out)
+    }
+
+    pub(crate) fn pair<T: FromStr>(&mut self) -> Result<[T; 2], Problem<'t>> {
+        self.skip("[")?;
+        let first = self.number()?;
+        self.skip(",")?;
+        let second = self.number()?;
+        self.skip("]")?;
+        Ok([first, second])
+    }
+
+    pub(crate) fn cell(&mut self) -> Result<Cell, Problem<'t>> {
+        let [x, y] = self.pair()?;
+        Ok(Cell { x, y })
+    }
+
+    pub(crate) fn header(&mut self) -> Result<Header<'t>, VerifyError<'t>> {
+        self.read_header().map_err(|problem| self.error(problem))
+    }
+
+    fn read_header(&mut self) -> Result<Header<'t>, Problem<'t>> {
+        self.skip("{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":")?;
+        let version = self.number()?;
+        if !(1..=FORMAT_VERSION).contains(&version) {
+            return Err(Problem::Form);
+        }
+        self.skip(",\"core_version\":\"")?;
+        let core_version = self.text()?;
+        self.skip("\",\"config\":")?;
+        let text = self.rest;
+        let braced = self.until(|c| c == '}')?.len() + 1;
+        let config = Config::from_json(&text[..braced]).map_err(Problem::Config)?;
+        self.skip("},\"config_hash\":\"0x")?;
+        self.hex()?;
+        self.skip("\",\"seed\":\"0x")?;
+        let seed = self.hex()?;
+        self.skip("\",\"policy\":\"")?;
+        let policy = self.text()?;
+        self.skip("\",\"pilot\":\"")?;
+        let pilot = self.text()?;
+        Ok(Header {
+            version,
+            core_version,
+            config,
+            seed,
+            policy,
+            pilot,
+            line: self.line,
+        })
+    }
+
+    /// The actions of the next step in the file, from this line on.
+    pub(crate) fn actions(&self, actions: &mut [f32]) -> Result<(), Problem<'t>> {
+        let mut ahead = self.clone();
+        while !ahead.line.starts_with(STEP) {
+            if ahead.later.is_empty() {
+                return Err(Problem::Form);
+            }
+            ahead.next_line();
+        }
+        ahead.rest = ahead.line;
+        ahead.skip(STEP)?;
+        ahead.number::<u32>()?;
+        ahead.skip(",\"actions\":")?;
+        let count = ahead.list(|reader, index| {
+            let place = actions.get_mut(2 * index..2 * index + 2);
+            place.ok_or(Problem::Form)?.copy_from_slice(&reader.pair()?);
+            Ok(())
+        })?;
+        expect(2 * count == actions.len())
+    }
+}
+
+/// How the line of a step begins.
+pub(crate) const STEP: &str = "{\"kind\":\"step\",\"t\":";
+
+pub(crate) fn expect<'t>(legal: bool) -> Result<(), Problem<'t>> {
+    if legal { Ok(()) } else { Err(Problem::Form) }
+}
