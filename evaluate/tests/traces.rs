@@ -27,21 +27,13 @@ fn read(bytes: &[u8]) -> Result<Trace, TraceError> {
 #[test]
 fn no_changed_byte_goes_unnoticed() {
     let text = recorded(1);
-    let honest = read(&text).unwrap();
+    read(&text).unwrap();
     for trial in 0..2000 {
         let bits = rng::bits64(1, trial, 0, 0, Purpose::Policy);
         let mut changed = text.clone();
         let place = rng::below(bits, changed.len() as u64) as usize;
         changed[place] ^= 1 << (trial % 8);
-        // Letters of the checksum itself may change their case without changing its value.
-        if let Ok(same) = read(&changed) {
-            assert_eq!(same, honest, "byte {place}");
-            let digit = changed[place] as char;
-            assert!(
-                digit.is_ascii_hexdigit() && place > text.len() - 20,
-                "byte {place}"
-            );
-        }
+        assert!(read(&changed).is_err(), "byte {place}");
     }
 }
 

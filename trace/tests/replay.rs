@@ -81,7 +81,14 @@ fn a_changed_file_is_refused() {
     let cut = &trace[..trace.len() - 1];
     assert_eq!(refused(cut), (0, incomplete.clone()));
     let changed = trace.replacen("\"t\":3,", "\"t\":4,", 1);
-    assert_eq!(refused(&changed), (0, incomplete));
+    assert_eq!(refused(&changed), (0, incomplete.clone()));
+
+    // The same number in capitals is another text.
+    let digits = trace.len() - "0123456789abcdef\"}\n".len();
+    let (body, checksum) = trace.split_at(digits);
+    let capitals = checksum.to_uppercase();
+    assert_ne!(checksum, capitals, "a checksum with letters");
+    assert_eq!(refused(&format!("{body}{capitals}")), (0, incomplete));
 }
 
 #[test]
