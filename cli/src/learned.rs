@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use jcas_core::Model;
+use jcas_evaluate::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
+use jcas_evaluate::policy::head::Mode;
 use jcas_evaluate::policy::{PilotMode, Policy};
-use jcas_train::error::TrainError;
-use jcas_train::policy::Mode;
-use jcas_train::policy::files::{CARD, Card, Stored, load};
 
 use crate::error::CliError;
 
@@ -27,7 +26,7 @@ pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
 }
 
 /// Reads a trained policy and makes sure that it fits the mission.
-pub fn open(folder: &Path, model: &Model<'_>) -> Result<Stored, CliError> {
+pub fn open(folder: &Path, model: &Model<'_>) -> Result<StoredPolicy, CliError> {
     let stored = load(folder)?;
     stored.check(model)?;
     Ok(stored)
@@ -35,7 +34,7 @@ pub fn open(folder: &Path, model: &Model<'_>) -> Result<Stored, CliError> {
 
 /// What a trained policy says of itself.
 pub fn card(folder: &Path) -> Result<Card, CliError> {
-    Ok(load(folder)?.card)
+    Ok(load_card(folder)?)
 }
 
 /// Says on standard error where a mission differs from what a policy was trained on.
@@ -66,10 +65,10 @@ pub fn factory(
     Ok(Box::new(move || Box::new(stored.policy(mode))))
 }
 
-impl From<TrainError> for CliError {
-    fn from(error: TrainError) -> Self {
+impl From<CardError> for CliError {
+    fn from(error: CardError) -> Self {
         match error {
-            TrainError::File(path, error) => Self::Io(path, error),
+            CardError::File(path, error) => Self::Io(path, error),
             other => Self::input(other),
         }
     }

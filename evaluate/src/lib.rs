@@ -1,6 +1,7 @@
 //! Everything around the kernel that flies missions and reports on them, without learning:
 //!
 //! - [`policy`]: what chooses actions, and the baselines (the crate `jcas-policy`);
+//! - [`card`]: trained policies on disk, with their cards;
 //! - [`mission`]: one episode, or many over all cores;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
@@ -13,6 +14,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod card;
 #[cfg(feature = "figures")]
 pub mod figures;
 pub mod mission;

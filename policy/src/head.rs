@@ -7,14 +7,16 @@ mod beta;
 
 use jcas_core::rng::{self, Purpose};
 
-/// Motions, in the order of their bins.
-const MOTIONS: usize = 5;
+/// Motions of the paper, in the order of their bins: up, down, left, right, stay.
+pub const MOTIONS: usize = 5;
 
 /// Bounds of a normal's log standard deviation.
 const LOG_STD: [f32; 2] = [-2.3, 1.0];
 
 /// Which distribution a network's outputs describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Head {
     /// An independent normal for each of the two action components: two means, two log deviations.
     Gaussian,
@@ -25,6 +27,8 @@ pub enum Head {
 
 /// How actions follow from the distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Mode {
     /// The most likely motion and the mean pilot density.
     Deterministic,
@@ -32,6 +36,27 @@ pub enum Mode {
     Sampled,
     /// Motions shared out: UAVs of one cell take quantiles of theirs that lie apart. The mean pilot density.
     Stratified,
+}
+
+impl Mode {
+    /// Every mode; those that draw least come first.
+    pub const ALL: [Self; 3] = [Self::Deterministic, Self::Stratified, Self::Sampled];
+
+    /// Its name in files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Deterministic => "deterministic",
+            Self::Sampled => "sampled",
+            Self::Stratified => "stratified",
+        }
+    }
+
+    /// The mode of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.name() == name)
+    }
 }
 
 /// Which draw.
@@ -87,7 +112,8 @@ fn softplus(x: f32) -> f64 {
 }
 
 /// The direction action in the middle of a motion's bin.
-fn motion_centre(motion: usize) -> f32 {
+#[must_use]
+pub fn motion_centre(motion: usize) -> f32 {
     -0.8 + 0.4 * motion as f32
 }
 
@@ -109,8 +135,10 @@ impl Head {
         }
     }
 
-    /// The action (u_dir, u_pilot) that stands for the whole distribution.
-    pub(crate) fn deterministic(self, outputs: &[f32]) -> [f32; 2] {
+    /// The action (u_dir, u_pilot) that stands for the whole distribution: the most likely motion
+    /// and the mean pilot density. `outputs` holds [`Head::outputs`] numbers.
+    #[must_use]
+    pub fn deterministic(self, outputs: &[f32]) -> [f32; 2] {
         match self {
             Self::Gaussian => [
                 between(outputs[0], -1.0, 1.0),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use jcas_core::{Model, StateRef};
 
 use crate::Policy;
-use crate::network::{Flight, FlyError, LINE_LEN, LoadError, Network, Product, line_offset};
+use crate::network::{Flight, FlyError, LINE_LEN, LoadError, Network, Note, Product, line_offset};
 
 /// A trained fleet, flying one mission at a time, every UAV from its own observation. A clone shares the weights.
 #[derive(Clone)]
@@ -59,6 +59,12 @@ impl Trained {
             network: self.network.with_product(product),
             ..self
         }
+    }
+
+    /// What its file says about how it is flown.
+    #[must_use]
+    pub const fn note(&self) -> Note {
+        self.network.note()
     }
 
     /// Whether it reads what the UAVs of this model observe.

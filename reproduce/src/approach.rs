@@ -1,11 +1,10 @@
 //! What pilot density a policy holds at which distance from the nearest unconfirmed hotspot.
 
 use jcas_core::{Model, Sim};
+use jcas_evaluate::card::{EVALUATION_SEED, StoredPolicy};
 use jcas_evaluate::mission::Campaign;
 use jcas_evaluate::policy::Policy;
-use jcas_train::policy::Mode;
-use jcas_train::policy::files::Stored;
-use jcas_train::run::EVALUATION_SEED;
+use jcas_evaluate::policy::head::Mode;
 
 /// The table of it that a reproduction keeps of each training seed.
 pub(crate) fn table(seed: u64) -> String {
@@ -15,7 +14,7 @@ pub(crate) fn table(seed: u64) -> String {
 /// For each Manhattan distance: how many UAV-steps, and the sum of their pilot densities.
 pub(crate) fn observe(
     model: &Model<'static>,
-    policy: &Stored,
+    policy: &StoredPolicy,
     episodes: u64,
 ) -> Result<Vec<(u64, f64)>, jcas_core::Error> {
     let config = model.config();

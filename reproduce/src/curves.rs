@@ -4,8 +4,8 @@
 use crate::flight::pilot_name;
 use crate::flights::{POLICIES, paper_name};
 use crate::plan::{PAPER_ITERATIONS, Scale, Training};
+use jcas_evaluate::card::CARD;
 use jcas_train::error::TrainError;
-use jcas_train::policy::files::CARD;
 use jcas_train::run::METRICS;
 use jcas_train::store::{csv_bytes, write_whole};
 use serde::de::DeserializeOwned;

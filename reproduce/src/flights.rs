@@ -7,12 +7,13 @@ use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Training, Variation};
 use crate::table::{Key, Table};
 use crate::{endurance, pilot, range, search};
 use jcas_core::{Config, Model, Preset};
+use jcas_evaluate::card::{CARD, Card, CardError, EVALUATION_SEED, StoredPolicy, load};
 use jcas_evaluate::mission::{Campaign, fly};
 use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_evaluate::statistics::Summary;
 use jcas_train::error::TrainError;
-use jcas_train::policy::files::{CARD, Card, Precision, Stored, load};
-use jcas_train::run::{EVALUATION_SEED, Ending, Origin, Plan};
+use jcas_train::policy::files::Precision;
+use jcas_train::run::{Ending, Origin, Plan};
 use jcas_train::settings::Settings;
 use jcas_train::store::write_whole;
 use std::ops::ControlFlow;
@@ -38,7 +39,7 @@ struct Flights<'a> {
     out: &'a Path,
     table: &'a mut Table,
     narrator: &'a mut dyn Narrator,
-    given: Vec<Arc<Stored>>,
+    given: Vec<Arc<StoredPolicy>>,
 }
 
 /// The parts that are asked for, in an order in which early ones already tell something.
@@ -49,7 +50,7 @@ pub(crate) fn fly_all(
     narrator: &mut dyn Narrator,
 ) -> Result<Progress, TrainError> {
     let given = scale.given.iter().map(|at| load(at).map(Arc::new));
-    let given: Result<_, TrainError> = given.collect();
+    let given: Result<_, CardError> = given.collect();
     let mut flights = Flights {
         scale,
         out,
@@ -132,9 +133,10 @@ impl Flights<'_> {
     }
 
     /// The given policies that were trained on missions like this, whatever their number of UAVs and hotspots.
-    fn given_for(&self, config: &Config) -> Vec<Arc<Stored>> {
-        let like =
-            |policy: &&Arc<Stored>| sized_as(config, &policy.card.config) == policy.card.config;
+    fn given_for(&self, config: &Config) -> Vec<Arc<StoredPolicy>> {
+        let like = |policy: &&Arc<StoredPolicy>| {
+            sized_as(config, &policy.card.config) == policy.card.config
+        };
         self.given.iter().filter(like).cloned().collect()
     }
 
@@ -175,7 +177,7 @@ impl Flights<'_> {
         &mut self,
         key: &Key,
         config: Config,
-        policy: &Stored,
+        policy: &StoredPolicy,
         held: Option<f64>,
     ) -> Result<(), TrainError> {
         let held = held.map(|density| policy.clone().holding(action_of(&config, density)));
@@ -307,7 +309,7 @@ impl Flights<'_> {
     fn experiments(
         &mut self,
         preset: Preset,
-        policy: &Stored,
+        policy: &StoredPolicy,
         seed: u64,
     ) -> Result<(), TrainError> {
         if preset != Preset::Mission {
@@ -324,7 +326,7 @@ impl Flights<'_> {
         preset: Preset,
         seed: u64,
         constant: Option<f64>,
-    ) -> Result<Option<Stored>, TrainError> {
+    ) -> Result<Option<StoredPolicy>, TrainError> {
         let name = format!("learned-{}-{}-s{seed}", preset.name(), pilot_name(constant));
         let settings = Settings {
             seed,
@@ -342,7 +344,7 @@ impl Flights<'_> {
         name: &str,
         settings: Settings,
         configs: Vec<Config>,
-    ) -> Result<Option<Stored>, TrainError> {
+    ) -> Result<Option<StoredPolicy>, TrainError> {
         let out = self.folder(name);
         if !out.join(CARD).exists() {
             self.narrator.chapter(&format!("training {name}"));
@@ -372,7 +374,7 @@ impl Flights<'_> {
     fn grid(
         &mut self,
         preset: Preset,
-        policy: &Stored,
+        policy: &StoredPolicy,
         seed: u64,
         constant: Option<f64>,
     ) -> Result<(), TrainError> {
@@ -387,7 +389,7 @@ impl Flights<'_> {
     }
 
     /// Success against throughput: the motions of the learned policy and of `teams`, the pilot density held.
-    fn trade_off(&mut self, policy: &Stored, seed: u64) -> Result<(), TrainError> {
+    fn trade_off(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("sensing against communication");
         let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
         for &density in &self.scale.densities {
@@ -405,7 +407,7 @@ impl Flights<'_> {
         Ok(())
     }
 
-    fn batteries(&mut self, policy: &Stored, seed: u64) -> Result<(), TrainError> {
+    fn batteries(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("small batteries");
         for &share in &self.scale.renewable_shares {
             let config = self.scale.small_battery(share);
@@ -429,7 +431,7 @@ impl Flights<'_> {
     }
 
     /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
-    fn approach(&mut self, policy: &Stored, seed: u64) -> Result<(), TrainError> {
+    fn approach(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
         let path = self.out.join(approach::table(seed));
         if path.exists() || self.stopped() {
             return Ok(());
@@ -547,7 +549,7 @@ fn sized_as(config: &Config, other: &Config) -> Config {
 
 /// Whether a policy was trained with these settings and on these missions at least.
 fn is_of(card: &Card, settings: &Settings, configs: &[Config]) -> bool {
-    card.settings.as_ref() == Some(settings)
+    Settings::of_card(card).as_ref() == Some(settings)
         && configs.iter().all(|config| {
             let cell = (config.uav_count, config.hotspot_count);
             sized_as(config, &card.config) == card.config && card.trained_on.contains(&cell)

@@ -12,10 +12,10 @@ use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
 use crate::{TABLE, endurance, pilot, search, seeds, text};
 use jcas_core::Preset;
+use jcas_evaluate::card::EVALUATION_SEED;
 use jcas_evaluate::figures::report::{Cell, Report, Table as ReportTable, Tone};
 use jcas_evaluate::figures::{Draw, FigureError};
 use jcas_train::error::TrainError;
-use jcas_train::run::EVALUATION_SEED;
 use jcas_train::store::write_whole;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use crate::fit;
 use crate::text::list;
 use jcas_core::{Config, InformPayment, Preset as World};
-use jcas_train::head::Head;
+use jcas_policy::head::Head;
 use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
 use std::path::PathBuf;
 

@@ -14,11 +14,10 @@ use std::path::Path;
 use burn_tensor::{Device, Tensor};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
-use jcas_dispatch::InstructionSet;
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, Trained};
+use jcas_evaluate::card;
+use jcas_policy::{BaselineKind, PilotMode, Policy};
 use jcas_train::network::values;
-use jcas_train::policy::files::{self, Stored, WEIGHTS};
-use jcas_train::policy::shape_of;
+use jcas_train::policy::{Actor, files, shape_of};
 
 const MISSIONS: u64 = 64;
 /// Into the mission by which the fleet has spread out.
@@ -29,7 +28,8 @@ fn main() {
     let [folder, uavs, hotspots, to] = &arguments[..] else {
         panic!("inference POLICY UAVS HOTSPOTS OBSERVATIONS");
     };
-    let stored = files::load(Path::new(folder)).expect("the folder of a policy");
+    let folder = Path::new(folder);
+    let stored = card::load(folder).expect("the folder of a policy");
     let model = Model::new(Config {
         uav_count: uavs.parse().expect("a number of UAVs"),
         hotspot_count: hotspots.parse().expect("a number of hotspots"),
@@ -40,10 +40,9 @@ fn main() {
     let observations = observe(&model);
     let bytes: Vec<u8> = observations.iter().flat_map(|x| x.to_le_bytes()).collect();
     std::fs::write(to, bytes).expect("a file that can be written");
-    let file = std::fs::read(Path::new(folder).join(WEIGHTS)).expect("the policy's weights");
-    let ours = Trained::read("ours", &file).expect("a network");
-    let mut ours = ours.with_product(InstructionSet::best().product());
-    let trainer = Trainer::new(&stored);
+    let mut ours = stored.policy(None);
+    let (_, actor) = files::load(folder).expect("the network of a policy");
+    let trainer = Trainer::new(&actor);
     for line in std::io::stdin().lock().lines() {
         let line = line.expect("text");
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -90,26 +89,21 @@ fn observe(model: &Model<'_>) -> Vec<f32> {
 }
 
 /// The actor as rollouts use it.
-struct Trainer<'s> {
-    stored: &'s Stored,
+struct Trainer<'a> {
+    actor: &'a Actor,
     weights: Vec<Tensor<2>>,
 }
 
-impl<'s> Trainer<'s> {
-    fn new(stored: &'s Stored) -> Self {
-        let actor = &stored.actor;
+impl<'a> Trainer<'a> {
+    fn new(actor: &'a Actor) -> Self {
         let weights = actor.network.tensors(&actor.parameters, &Device::flex());
-        Self { stored, weights }
+        Self { actor, weights }
     }
 
     fn outputs(&self, model: &Model<'_>, observations: &[f32]) -> Vec<f32> {
-        let actor = &self.stored.actor;
         let mut inputs = observations.to_vec();
-        actor.inputs.apply(&mut inputs);
-        values(
-            actor
-                .network
-                .forward(&self.weights, inputs, &shape_of(model)),
-        )
+        self.actor.inputs.apply(&mut inputs);
+        let shape = shape_of(model);
+        values(self.actor.network.forward(&self.weights, inputs, &shape))
     }
 }

@@ -1,5 +1,6 @@
 //! What can go wrong around training.
 
+use jcas_evaluate::card::CardError;
 use std::path::{Path, PathBuf};
 
 /// Names what was wrong, where, and what is allowed.
@@ -26,6 +27,16 @@ impl std::fmt::Display for TrainError {
 }
 
 impl std::error::Error for TrainError {}
+
+impl From<CardError> for TrainError {
+    fn from(error: CardError) -> TrainError {
+        match error {
+            CardError::File(path, error) => TrainError::File(path, error),
+            CardError::Format(path, what) => TrainError::Format(path, what),
+            CardError::Fit(what) => TrainError::Fit(what),
+        }
+    }
+}
 
 impl TrainError {
     /// For `map_err` after file operations on `path`.

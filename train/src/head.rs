@@ -7,31 +7,13 @@ pub mod gaussian;
 pub mod hybrid;
 
 use burn_tensor::Tensor;
+use jcas_policy::head::{Head, MOTIONS, motion_centre};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
-
-/// Motions of the paper, in the order of their bins: up, down, left, right, stay.
-pub const MOTIONS: usize = 5;
 
 /// Motion index of a direction action: five equal bins over [-1, 1].
 pub fn motion_of(u_dir: f32) -> usize {
     (((u_dir.clamp(-1.0, 1.0) + 1.0) / 2.0 * MOTIONS as f32) as usize).min(MOTIONS - 1)
-}
-
-/// Centre of a motion's bin, the direction action that stands for it.
-pub fn motion_centre(motion: usize) -> f32 {
-    -0.8 + 0.4 * motion as f32
-}
-
-/// Which distribution the actor's outputs describe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Head {
-    /// The paper's: an independent normal for each of the two action components.
-    Gaussian,
-    /// A categorical motion and a Beta-distributed pilot density.
-    Hybrid,
 }
 
 /// Log-densities and entropies of a batch of raw actions, one row each.
@@ -42,18 +24,29 @@ pub struct Densities {
     pub entropies: Tensor<2>,
 }
 
-impl Head {
-    /// Outputs that the actor must have.
-    pub fn output_len(self) -> usize {
-        match self {
-            Head::Gaussian => gaussian::OUTPUT_LEN,
-            Head::Hybrid => hybrid::OUTPUT_LEN,
-        }
-    }
+/// What learning asks of an action head, beside what flying does.
+pub trait LearningHead {
+    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot. The
+    /// motion of [`Head::Hybrid`] may be given as a quantile of its distribution, 0 to 1.
+    fn draw(
+        self,
+        outputs: &[f32],
+        quantile: Option<f64>,
+        random: &mut ChaCha8Rng,
+    ) -> ([f32; 2], [f32; 2]);
 
-    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot. A hybrid's motion may
-    /// be given as a quantile of its distribution, 0 to 1.
-    pub fn sample(
+    /// The kernel's action pair of a raw action.
+    fn action(self, raw: [f32; 2]) -> [f32; 2];
+
+    /// Log-densities of `raw` (rows × 2) under `outputs` (rows × [`Head::outputs`]), differentiable.
+    fn densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities;
+
+    /// As [`Self::densities`], of the motion alone (rows × 1 each).
+    fn motion_densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities;
+}
+
+impl LearningHead for Head {
+    fn draw(
         self,
         outputs: &[f32],
         quantile: Option<f64>,
@@ -68,32 +61,21 @@ impl Head {
         }
     }
 
-    /// The raw action that stands for the whole distribution: most likely motion, mean pilot.
-    pub fn deterministic(self, outputs: &[f32]) -> [f32; 2] {
-        match self {
-            Head::Gaussian => gaussian::deterministic(outputs),
-            Head::Hybrid => hybrid::deterministic(outputs),
-        }
-    }
-
-    /// The kernel's action pair of a raw action.
-    pub fn action(self, raw: [f32; 2]) -> [f32; 2] {
+    fn action(self, raw: [f32; 2]) -> [f32; 2] {
         match self {
             Head::Gaussian => raw.map(|u| u.clamp(-1.0, 1.0)),
             Head::Hybrid => [motion_centre(raw[0] as usize), 2.0 * raw[1] - 1.0],
         }
     }
 
-    /// Log-densities of `raw` (rows × 2) under `outputs` (rows × output_len), differentiable.
-    pub fn densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities {
+    fn densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities {
         match self {
             Head::Gaussian => gaussian::densities(outputs, raw),
             Head::Hybrid => hybrid::densities(outputs, raw),
         }
     }
 
-    /// As [`Self::densities`], of the motion alone (rows × 1 each).
-    pub fn motion_densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities {
+    fn motion_densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities {
         match self {
             Head::Gaussian => gaussian::motion_densities(outputs, raw),
             Head::Hybrid => hybrid::motion_densities(&outputs, raw),

@@ -18,6 +18,5 @@ pub mod random;
 pub mod run;
 pub mod settings;
 pub mod speed;
-pub mod starts;
 pub mod store;
 pub mod trainer;

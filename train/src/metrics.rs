@@ -4,9 +4,9 @@ pub mod tensorboard;
 
 use crate::environment::Episode;
 use crate::error::TrainError;
-use crate::policy::files::Evaluation;
 use crate::store::{csv_bytes, write_whole};
 use crate::trainer::Iteration;
+use jcas_evaluate::card::Evaluation;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

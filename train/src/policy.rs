@@ -4,37 +4,15 @@ pub mod files;
 pub mod onnx;
 
 use crate::environment::Shape;
-use crate::head::Head;
 use crate::network::Network;
 use crate::ppo::normalise::Affine;
 use files::Precision;
 use jcas_core::Model;
 use jcas_dispatch::InstructionSet;
-use jcas_evaluate::policy::Trained;
-use jcas_evaluate::policy::network::Flight;
-use jcas_evaluate::policy::strata::FleetStarts;
-
-/// How actions follow from the actor's distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// The most likely motion and the mean pilot density.
-    Deterministic,
-    /// A draw; which draw follows from the mission's seed.
-    Sampled,
-    /// Motions shared out among the UAVs of each cell, and the mean pilot density.
-    Stratified,
-}
-
-impl From<Mode> for jcas_evaluate::policy::head::Mode {
-    fn from(mode: Mode) -> Self {
-        match mode {
-            Mode::Deterministic => Self::Deterministic,
-            Mode::Sampled => Self::Sampled,
-            Mode::Stratified => Self::Stratified,
-        }
-    }
-}
+use jcas_policy::Trained;
+use jcas_policy::head::{Head, Mode};
+use jcas_policy::network::Flight;
+use jcas_policy::strata::FleetStarts;
 
 /// What an actor computes, apart from how it is used.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,10 +25,8 @@ pub struct Actor {
     pub head: Head,
     /// Normalisation of observations.
     pub inputs: Affine,
-    /// Pilot action held, whatever the outputs say.
+    /// The action u_pilot that overrides the network's.
     pub constant_pilot: Option<f32>,
-    /// How fleets begin, where it is flown stratified.
-    pub starts: FleetStarts,
 }
 
 impl Actor {
@@ -69,9 +45,9 @@ impl Actor {
     #[must_use]
     pub fn flight(&self, mode: Mode) -> Flight {
         Flight {
-            mode: mode.into(),
+            mode,
             pilot: self.constant_pilot,
-            starts: self.starts,
+            starts: FleetStarts::default(),
         }
     }
 }

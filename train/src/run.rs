@@ -7,18 +7,17 @@ use crate::environment::lesson::Lesson;
 use crate::error::TrainError;
 use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
-use crate::policy::files::{Card, Evaluation, Precision, save};
-use crate::policy::{Actor, Mode, shape_of};
+use crate::policy::files::{Precision, save};
+use crate::policy::{Actor, shape_of};
 use crate::settings::Settings;
 use crate::speed::{self, Speed};
-use crate::starts;
 use crate::store::write_whole;
 use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
+use jcas_evaluate::card::{self, Card, EVALUATION_SEED, Evaluation};
 use jcas_evaluate::mission::{self, Campaign};
-use jcas_evaluate::policy::strata::{FLEETS_MAX, FleetStarts};
-use jcas_evaluate::policy::{Trained, action_of};
-use std::collections::BTreeSet;
+use jcas_policy::head::Mode;
+use jcas_policy::{Trained, action_of};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,8 +29,6 @@ pub const CHECKPOINT: &str = "checkpoint.safetensors";
 pub const METRICS: &str = "metrics.csv";
 /// Times and rates of a run in its folder; they differ from run to run.
 pub const SPEED: &str = "speed.json";
-/// Seed of the missions that every policy and baseline is compared on.
-pub const EVALUATION_SEED: u64 = 1;
 
 /// What to train, and where to put it.
 #[derive(Clone, Debug)]
@@ -63,10 +60,8 @@ pub enum Origin {
 pub trait Observer {
     /// After every iteration: its row, iterations in all, seconds left as forecast.
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64);
-    /// Before every iteration and every beginning that is tried: whether to stop here, with a checkpoint.
+    /// Before every iteration: whether to stop here, with a checkpoint.
     fn stop(&mut self) -> bool;
-    /// Once trained, before every beginning that is tried: how many missions have been flown to choose, of how many.
-    fn beginnings(&mut self, _flown: u64, _total: u64) {}
 }
 
 /// Nobody watches.
@@ -122,13 +117,6 @@ impl Plan {
             return Err(TrainError::Setting(format!(
                 "workers: {} cannot share {} configurations, allowed: 1 to workers",
                 settings.workers, count
-            )));
-        }
-        let sizes = self.sizes().len();
-        if settings.evaluation_starts > 1 && sizes > FLEETS_MAX {
-            return Err(TrainError::Setting(format!(
-                "evaluation_starts: {} for {sizes} sizes of fleets, more than 1 are tried for at most {FLEETS_MAX} sizes",
-                settings.evaluation_starts
             )));
         }
         let missions = settings.environments / settings.workers;
@@ -225,7 +213,7 @@ impl Plan {
                 metrics.write()?;
             }
         }
-        self.conclude(&trainer, &mut speed, observer)
+        self.conclude(&trainer, &mut speed)
     }
 
     /// The actor as it stands, apart from the trainer.
@@ -236,7 +224,6 @@ impl Plan {
             head: trainer.settings.head,
             inputs: trainer.observation_inputs(),
             constant_pilot: self.constant_pilot(),
-            starts: FleetStarts::default(),
         }
     }
 
@@ -251,15 +238,10 @@ impl Plan {
         missions
     }
 
-    /// Sizes of the fleets among them, the smallest first.
-    fn sizes(&self) -> BTreeSet<u32> {
-        self.configs.iter().map(|config| config.uav_count).collect()
-    }
-
     /// The policy as it stands on every mission it is trained for, in every mode.
     fn evaluations(&self, actor: &Actor) -> Result<Vec<Evaluation>, TrainError> {
         let episodes = self.settings.evaluation_episodes as u64;
-        let policies = MODES.map(|mode| (mode, actor.fly("policy", mode)));
+        let policies = Mode::ALL.map(|mode| (mode, actor.fly("policy", mode)));
         let mut evaluations = Vec::new();
         for model in models(&self.missions())? {
             for (mode, policy) in &policies {
@@ -269,61 +251,21 @@ impl Plan {
         Ok(evaluations)
     }
 
-    /// How fleets of each size begin best; none where the observer stops it.
-    fn best_starts(
-        &self,
-        actor: &Actor,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<FleetStarts>, TrainError> {
-        let count = self.settings.evaluation_starts;
-        let episodes = self.settings.evaluation_episodes as u64;
-        let total = self.missions().len() as u64 * starts::missions(count, episodes);
-        let mut flown = 0;
-        let mut best = Vec::new();
-        for uavs in self.sizes() {
-            let mut missions = self.missions();
-            missions.retain(|config| config.uav_count == uavs);
-            let mut stop = |missions| {
-                observer.beginnings(flown, total);
-                flown += missions;
-                observer.stop()
-            };
-            let starts = starts::best(actor, &models(&missions)?, count, episodes, &mut stop)?;
-            let Some(starts) = starts else {
-                return Ok(None);
-            };
-            best.push((uavs, starts));
-        }
-        Ok(FleetStarts::new(best))
-    }
-
     /// Evaluates in every mode, keeps the best, writes policy and speed.
-    fn conclude(
-        &self,
-        trainer: &Trainer,
-        speed: &mut Speed,
-        observer: &mut dyn Observer,
-    ) -> Result<Ending, TrainError> {
-        let mut actor = self.actor(trainer);
+    fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Ending, TrainError> {
+        let actor = self.actor(trainer);
         let started = Instant::now();
-        if self.settings.evaluation_starts > 1 {
-            let Some(starts) = self.best_starts(&actor, observer)? else {
-                return Ok(Ending::Stopped);
-            };
-            actor.starts = starts;
-        }
         let evaluations = self.evaluations(&actor)?;
         speed.evaluation_s = started.elapsed().as_secs_f64();
         let config = self.configs[0];
         let card = Card {
-            format: Card::format(),
+            format: card::FORMAT,
             name: self.name.clone(),
             head: actor.head,
-            architecture: actor.network.architecture.clone(),
+            architecture: json(&actor.network.architecture)?,
             normalised_inputs: !actor.inputs.offset.is_empty(),
             constant_pilot_density: self.settings.constant_pilot,
             mode: best_mode(&evaluations),
-            starts: actor.starts.fleets().iter().copied().collect(),
             trained_on: self
                 .missions()
                 .iter()
@@ -331,7 +273,7 @@ impl Plan {
                 .collect(),
             config,
             config_hash: format!("0x{:016x}", config.hash()),
-            settings: Some(self.settings.clone()),
+            settings: Some(json(&self.settings)?),
             environment_steps: Some(trainer.environment_steps),
             evaluations,
         };
@@ -347,10 +289,14 @@ impl Plan {
     }
 }
 
-/// The ways to fly, those that draw least first.
-const MODES: [Mode; 3] = [Mode::Deterministic, Mode::Stratified, Mode::Sampled];
+/// The value as a card holds it. The detour by way of text keeps the short form of an f32.
+fn json(value: &impl serde::Serialize) -> Result<serde_json::Value, TrainError> {
+    let text = serde_json::to_string(value);
+    text.and_then(|text| serde_json::from_str(&text))
+        .map_err(|error| TrainError::Setting(error.to_string()))
+}
 
-/// The first of them that none exceeds in success on average, or in speed where both succeed as often.
+/// The first mode that none exceeds in success on average, or in speed where both succeed as often.
 fn best_mode(evaluations: &[Evaluation]) -> Mode {
     let of_mode = |mode| score(evaluations.iter().filter(move |e| e.mode == mode));
     let better = |best, mode| {
@@ -360,7 +306,7 @@ fn best_mode(evaluations: &[Evaluation]) -> Mode {
             best
         }
     };
-    MODES.into_iter().fold(Mode::Deterministic, better)
+    Mode::ALL.into_iter().fold(Mode::Deterministic, better)
 }
 
 /// How well missions went on average: ten steps of mission time weigh as much as one mission in ten.

@@ -4,8 +4,9 @@ mod presets;
 
 pub use presets::Preset;
 
-use crate::head::Head;
 use crate::ppo::schedule::Schedule;
+use jcas_evaluate::card::Card;
+use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -133,16 +134,8 @@ pub struct Settings {
     pub evaluate_every: usize,
     /// Missions of each evaluation.
     pub evaluation_episodes: usize,
-    /// After training, so many beginnings of each phase of a mission are tried in stratified flight, for each size of
-    /// fleet; 1: none is chosen.
-    #[serde(default = "one")]
-    pub evaluation_starts: u16,
     /// Iterations between checkpoints.
     pub checkpoint_every: usize,
-}
-
-fn one() -> u16 {
-    1
 }
 
 /// Networks to choose from.
@@ -247,7 +240,6 @@ impl Settings {
             ("critic_minibatch_rows", self.critic_minibatch_rows),
             ("shard_rows", self.shard_rows),
             ("evaluation_episodes", self.evaluation_episodes),
-            ("evaluation_starts", usize::from(self.evaluation_starts)),
             ("checkpoint_every", self.checkpoint_every),
             (
                 "entropy_batches",
@@ -346,6 +338,11 @@ impl Settings {
             ));
         }
         Ok(())
+    }
+
+    /// The settings on a card; none where they are those of another version or of another trainer.
+    pub fn of_card(card: &Card) -> Option<Settings> {
+        Settings::deserialize(card.settings.as_ref()?).ok()
     }
 
     /// What a fleet of so many UAVs is paid.

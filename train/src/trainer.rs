@@ -74,7 +74,7 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
         sizes.push(output);
         sizes
     };
-    let outputs = settings.head.output_len();
+    let outputs = settings.head.outputs();
     match settings.network {
         NetworkKind::Mlp => (
             Network::new(Architecture::Mlp {

@@ -1,9 +1,9 @@
 //! PPO learns from nothing: the toy task from chance to most of what the best policy earns, and missions of
 //! the kernel that a random walk fails.
 
+use jcas_policy::head::Head;
 use jcas_train::environment::VectorEnvironment;
 use jcas_train::environment::beacon::Beacon;
-use jcas_train::head::Head;
 use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
 use jcas_train::trainer::Trainer;
 
@@ -93,7 +93,7 @@ fn a_held_pilot_density_is_not_judged() {
             ..settings(head)
         };
         let mut trainer = Trainer::new(settings.clone(), workers(&settings)).unwrap();
-        let outputs = head.output_len();
+        let outputs = head.outputs();
         let last_layer = |trainer: &Trainer, columns: &[usize]| -> Vec<f32> {
             let parameters = &trainer.actor.parameters;
             let first = parameters.len() - (32 + 1) * outputs;

@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
 use jcas_core::{Config, Model, TargetVisibility};
+use jcas_evaluate::card::Card;
+use jcas_train::error::TrainError;
 use jcas_train::metrics::Row;
-use jcas_train::policy::files::{Card, Precision};
+use jcas_train::policy::files::Precision;
 use jcas_train::run::{Ending, Observer, Origin, Plan};
 use jcas_train::settings::{Preset, Settings};
 use toml::Table;
@@ -24,6 +26,15 @@ Examples:
   jcas train --out run --resume
   jcas train --out tuned --from run --train-set learning_rate=0.0001
   jcas evaluate run";
+
+impl From<TrainError> for CliError {
+    fn from(error: TrainError) -> Self {
+        match error {
+            TrainError::File(path, error) => Self::Io(path, error),
+            other => Self::input(other),
+        }
+    }
+}
 
 /// Settings to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -315,16 +326,5 @@ impl Observer for Watcher {
 
     fn stop(&mut self) -> bool {
         interrupt::requested()
-    }
-
-    fn beginnings(&mut self, flown: u64, total: u64) {
-        if flown == 0 {
-            self.bar.reset();
-            self.bar.set_length(total);
-        }
-        self.bar.set_position(flown);
-        let left_s = self.bar.eta().as_secs();
-        let message = format!("missions flown to choose how fleets begin, {left_s} s left");
-        self.bar.set_message(message);
     }
 }

@@ -45,13 +45,10 @@ impl Note {
         }
         for pair in text.split(' ') {
             match pair.split_once('=') {
-                Some(("mode", "deterministic")) => note.mode = Mode::Deterministic,
-                Some(("mode", "sampled")) => note.mode = Mode::Sampled,
-                Some(("mode", "stratified")) => note.mode = Mode::Stratified,
-                Some(("mode", _)) => {
-                    return Err(LoadError::Note(
+                Some(("mode", name)) => {
+                    note.mode = Mode::named(name).ok_or(LoadError::Note(
                         "mode: must be deterministic, sampled or stratified",
-                    ));
+                    ))?;
                 }
                 Some(("target_visibility", "known")) => {
                     note.target_visibility = Some(TargetVisibility::Known);

@@ -27,10 +27,6 @@ pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f3
     (raw, log_probs)
 }
 
-pub(super) fn deterministic(outputs: &[f32]) -> [f32; 2] {
-    [outputs[0], outputs[1]]
-}
-
 pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
     let rows = outputs.dims()[0];
     let device = outputs.device();

@@ -3,9 +3,10 @@
 //! Motion has no order, so a normal over five bins has to pass through one motion to reach
 //! another; a categorical does not. The Beta lives on the pilot range itself and needs no clipping.
 
-use super::{Densities, MOTIONS};
+use super::Densities;
 use burn_tensor::activation::{log_softmax, softplus};
 use burn_tensor::{Int, Tensor, TensorData};
+use jcas_policy::head::MOTIONS;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Beta, Distribution};
 
@@ -73,17 +74,6 @@ pub(super) fn sample(
     let pilot_log_prob = beta_log_density(alpha, beta, f64::from(pilot));
     let log_probs = [log_probs[motion], pilot_log_prob].map(|log_prob| log_prob as f32);
     ([motion as f32, pilot], log_probs)
-}
-
-pub(super) fn deterministic(outputs: &[f32]) -> [f32; 2] {
-    let mut motion = 0;
-    for candidate in 1..MOTIONS {
-        if outputs[candidate] > outputs[motion] {
-            motion = candidate;
-        }
-    }
-    let (alpha, beta) = concentrations(outputs);
-    [motion as f32, (alpha / (alpha + beta)) as f32]
 }
 
 /// The tensor twin of [`ln_gamma`].

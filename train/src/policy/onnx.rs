@@ -8,10 +8,10 @@ mod set;
 
 use super::Actor;
 use crate::environment::Shape;
-use crate::head::{Head, MOTIONS};
 use crate::network::Architecture;
 use crate::ppo::normalise::CLIP;
 use graph::{Graph, Value};
+use jcas_policy::head::{Head, MOTIONS};
 
 /// Name of the input, rows × observation fields.
 pub const INPUT: &str = "observations";
@@ -53,7 +53,7 @@ pub fn encode(actor: &Actor, shape: &Shape) -> Vec<u8> {
         _ => mlp(&mut graph, &weights, hidden),
     };
     let actions = actions(&mut graph, actor, &outputs);
-    graph.output(&outputs, OUTPUTS, actor.head.output_len());
+    graph.output(&outputs, OUTPUTS, actor.head.outputs());
     graph.output(&actions, ACTIONS, 2);
     graph.encode()
 }

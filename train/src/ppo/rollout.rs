@@ -1,12 +1,13 @@
 //! Collecting experience: each worker flies its missions for T steps, then the critic looks back.
 
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
-use crate::head::Head;
+use crate::head::LearningHead;
 use crate::network::{Network, values};
 use crate::ppo::normalise::Affine;
 use crate::settings::{Credit, CriticInput, Draws, PilotCredit};
 use burn_tensor::{Device, Tensor};
-use jcas_evaluate::policy::strata;
+use jcas_policy::head::Head;
+use jcas_policy::strata;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
@@ -110,7 +111,7 @@ pub fn collect(
                 [rows.start * shape.observation_len..rows.end * shape.observation_len];
             act(policy, &weights, observations, &shape)
         };
-        let samples = outputs.chunks_exact(policy.head.output_len());
+        let samples = outputs.chunks_exact(policy.head.outputs());
         if policy.draws == Draws::Stratified {
             environment.companions(&mut companions);
         }
@@ -122,7 +123,7 @@ pub fn collect(
                 };
                 quantiles[row]
             });
-            let (raw, log_probs) = policy.head.sample(output, quantile, random);
+            let (raw, log_probs) = policy.head.draw(output, quantile, random);
             let place = rows.start + row;
             rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
             rollout.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
@@ -331,7 +332,7 @@ mod tests {
         let mut fleet = Fleet::new(lesson, 60, treatment);
         let shape = fleet.shape();
         let network = Network::new(Architecture::Mlp {
-            sizes: vec![shape.observation_len, Head::Hybrid.output_len()],
+            sizes: vec![shape.observation_len, Head::Hybrid.outputs()],
         });
         let farthest_from_two = |fleet: &mut Fleet, draws| {
             fleet.reset(1);
@@ -348,7 +349,7 @@ mod tests {
             let rollout = collect(fleet, &policy, 1, Credit::Team, pilots, &mut random);
             let missions = rollout.raw_actions.chunks_exact(2 * uavs);
             let farthest = missions.map(|actions| {
-                let mut counts = [0i32; crate::head::MOTIONS];
+                let mut counts = [0i32; jcas_policy::head::MOTIONS];
                 for raw in actions.chunks_exact(2) {
                     counts[raw[0] as usize] += 1;
                 }

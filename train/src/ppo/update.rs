@@ -4,13 +4,14 @@
 //! order, so the cores change when a gradient is ready, never what it is.
 
 use crate::environment::Shape;
-use crate::head::Head;
+use crate::head::LearningHead;
 use crate::network::{Network, flat_gradient, matrix, values};
 use crate::ppo::adam::Adam;
 use crate::ppo::normalise::Affine;
 use crate::ppo::rollout::Rollout;
 use crate::settings::CriticInput;
 use burn_tensor::{Device, Tensor};
+use jcas_policy::head::Head;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

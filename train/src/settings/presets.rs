@@ -3,8 +3,8 @@
 use super::{
     Credit, CriticInput, Curriculum, Draws, NetworkKind, PilotCredit, Settings, SmallFleets,
 };
-use crate::head::Head;
 use crate::ppo::schedule::Schedule;
+use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -101,7 +101,6 @@ impl Settings {
             small_fleets: None,
             evaluate_every: 0,
             evaluation_episodes: 100,
-            evaluation_starts: 1,
             checkpoint_every: 10,
         }
     }

@@ -6,7 +6,7 @@ use jcas_train::run::{Ending, Origin, Plan, Unwatched};
 use jcas_train::settings::{NetworkKind, Settings};
 
 fn weights(plan: &Plan) -> Vec<u8> {
-    std::fs::read(plan.out.join(files::WEIGHTS)).unwrap()
+    std::fs::read(plan.out.join(jcas_evaluate::card::WEIGHTS)).unwrap()
 }
 
 /// Stopped twice, or killed between checkpoints, a run ends with the same

@@ -2,10 +2,9 @@
 
 mod going_on;
 mod policies;
-mod starts;
 
 use jcas_core::Config;
-use jcas_train::head::Head;
+use jcas_policy::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
 use jcas_train::run::{Observer, Origin, Plan};

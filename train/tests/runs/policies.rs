@@ -3,15 +3,15 @@
 use crate::{config, fleets, plan, settings};
 use burn_tensor::Device;
 use jcas_core::{Config, Model};
-use jcas_evaluate::policy::Policy;
-use jcas_train::head::Head;
+use jcas_evaluate::card;
+use jcas_policy::Policy;
+use jcas_policy::head::{Head, Mode};
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
-use jcas_train::policy::{Actor, Mode, shape_of};
+use jcas_train::policy::{Actor, shape_of};
 use jcas_train::run::{Origin, Unwatched};
 use jcas_train::settings::{NetworkKind, Settings};
 use std::path::Path;
-use std::sync::Arc;
 
 fn observations(model: &Model<'static>) -> Vec<f32> {
     let mut sim = jcas_core::Sim::new(model);
@@ -33,32 +33,32 @@ fn policies_read_back_as_written() {
     let plan = plan("store", settings(NetworkKind::Mlp));
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
     let model = Model::new(config()).unwrap();
-    let stored = files::load(&plan.out).unwrap();
-    stored.check(&model).unwrap();
+    card::load(&plan.out).unwrap().check(&model).unwrap();
+    let (card, stored) = files::load(&plan.out).unwrap();
     let mut trainer = plan.trainer().unwrap();
     while !trainer.finished() {
         trainer.iterate();
     }
-    let trained = Arc::new(plan.actor(&trainer));
-    assert_eq!(*stored.actor, *trained);
+    let trained = plan.actor(&trainer);
+    assert_eq!(stored, trained);
 
     let shape = shape_of(&model);
-    files::save(&plan.out, &trained, &stored.card, &shape, Precision::Half).unwrap();
-    let half = files::load(&plan.out).unwrap();
-    let outputs = |actor: Arc<Actor>| {
+    files::save(&plan.out, &trained, &card, &shape, Precision::Half).unwrap();
+    let (_, half) = files::load(&plan.out).unwrap();
+    let outputs = |actor: &Actor| {
         actor
             .fly("p", Mode::Deterministic)
             .outputs(&model, &observations(&model))
             .unwrap()
     };
-    for (a, b) in outputs(trained).iter().zip(outputs(half.actor)) {
+    for (a, b) in outputs(&trained).iter().zip(outputs(&half)) {
         assert!((a - b).abs() < 0.02, "{a} {b}");
     }
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
 /// Flights use the inference that every host uses, learning uses tensors: the same function.
-fn same_outputs(actor: &Arc<Actor>, model: &Model<'static>) {
+fn same_outputs(actor: &Actor, model: &Model<'static>) {
     let weights = actor.network.tensors(&actor.parameters, &Device::flex());
     let mut inputs = observations(model);
     let mut policy = actor.fly("p", Mode::Deterministic);
@@ -78,7 +78,7 @@ fn what_flies_is_what_was_trained() {
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let plan = plan(&format!("flies-{network:?}"), settings(network));
         plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
-        same_outputs(&files::load(&plan.out).unwrap().actor, &model);
+        same_outputs(&files::load(&plan.out).unwrap().1, &model);
         std::fs::remove_dir_all(&plan.out).unwrap();
     }
 }
@@ -88,7 +88,7 @@ fn what_flies_is_what_was_trained() {
 fn a_policy_that_does_not_fit_is_refused() {
     let plan = plan("fit", settings(NetworkKind::Mlp));
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
-    let stored = files::load(&plan.out).unwrap();
+    let stored = card::load(&plan.out).unwrap();
     let other = Model::new(Config {
         uav_count: 6,
         ..config()
@@ -112,7 +112,7 @@ fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     let mut plan = plan("tags", settings(NetworkKind::Set));
     plan.configs = vec![tagged];
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
-    let stored = files::load(&plan.out).unwrap();
+    let stored = card::load(&plan.out).unwrap();
     // At the start all UAVs see the same but for their tags.
     let outputs = |config: Config| {
         let model = Model::new(config).unwrap();
@@ -155,10 +155,11 @@ fn the_set_network_reads_search_maps() {
     let mut plan = plan("maps", without_tours);
     plan.configs = vec![searched];
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
-    let stored = files::load(&plan.out).unwrap();
+    let stored = card::load(&plan.out).unwrap();
     let model = Model::new(searched).unwrap();
     stored.check(&model).unwrap();
-    same_outputs(&stored.actor, &model);
+    let (_, actor) = files::load(&plan.out).unwrap();
+    same_outputs(&actor, &model);
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
@@ -170,18 +171,19 @@ fn the_set_network_reads_the_size_of_the_fleet() {
     // Trained on twice as often, listed and evaluated once.
     plan.configs.push(plan.configs[1]);
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
-    let stored = files::load(&plan.out).unwrap();
+    let stored = card::load(&plan.out).unwrap();
     assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
     assert_eq!(stored.card.evaluations.len(), 2 * 3);
     let reads = |actor: &Actor| match actor.network.architecture {
         Architecture::SetActor { fleet_size, .. } => fleet_size,
         _ => false,
     };
-    assert!(reads(&stored.actor));
+    let (_, actor) = files::load(&plan.out).unwrap();
+    assert!(reads(&actor));
     for config in plan.configs {
         let model = Model::new(config).unwrap();
         stored.check(&model).unwrap();
-        same_outputs(&stored.actor, &model);
+        same_outputs(&actor, &model);
     }
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
@@ -191,7 +193,7 @@ fn the_set_network_reads_the_size_of_the_fleet() {
 fn sampled_flights_repeat() {
     let plan = plan("sampled", settings(NetworkKind::Set));
     plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
-    let stored = files::load(&plan.out).unwrap();
+    let stored = card::load(&plan.out).unwrap();
     let model = Model::new(Config {
         uav_count: 7,
         hotspot_count: 2,
@@ -243,13 +245,13 @@ fn onnxruntime_gives_the_same_actions() {
         plan.configs = configs;
         plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
         let model = Model::new(config()).unwrap();
-        let stored = files::load(&plan.out).unwrap();
+        let (_, actor) = files::load(&plan.out).unwrap();
         let observations = observations(&model);
-        let mut policy = stored.actor.fly("p", Mode::Deterministic);
+        let mut policy = actor.fly("p", Mode::Deterministic);
         let outputs = policy.outputs(&model, &observations).unwrap();
         let actions: Vec<f32> = outputs
-            .chunks_exact(head.output_len())
-            .flat_map(|row| head.action(head.deterministic(row)))
+            .chunks_exact(head.outputs())
+            .flat_map(|row| head.deterministic(row))
             .collect();
         compare(
             &python,

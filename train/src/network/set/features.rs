@@ -5,7 +5,7 @@
 
 use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS};
 use crate::environment::Shape;
-use jcas_evaluate::policy::network::tours;
+use jcas_policy::network::tours;
 
 /// Inputs of the actor's products.
 pub(super) struct Observed {

@@ -7,7 +7,7 @@ use crate::environment::Shape;
 use crate::network::set::{
     CROWD, HEADS, HOTSPOT_FIELDS, HOTSPOT_WIDTH, OWN_FIRST, SLOT_FIELDS, UAV_WIDTH,
 };
-use jcas_evaluate::policy::network::tours;
+use jcas_policy::network::tours;
 
 /// Longer than any tour.
 const OFF: f32 = 1e6;

@@ -1,0 +1,50 @@
+//! Every policy that comes along can be read and flown as its card says.
+
+use std::fs;
+use std::path::Path;
+
+use jcas_core::{Config, Model, Sim};
+use jcas_evaluate::card;
+use jcas_evaluate::mission::fly_episode;
+
+#[test]
+fn every_shipped_policy_flies_what_its_card_says() {
+    let policies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../policies");
+    let mut seen = 0;
+    for entry in fs::read_dir(policies).unwrap() {
+        let folder = entry.unwrap().path();
+        if !folder.join(card::CARD).is_file() {
+            continue;
+        }
+        let stored = card::load(&folder).unwrap();
+        let own = &stored.card;
+        assert_eq!(own.config_hash, format!("0x{:016x}", own.config.hash()));
+        assert_eq!(
+            own.evaluations.len(),
+            3 * own.trained_on.len(),
+            "{folder:?}"
+        );
+        assert!(
+            own.settings
+                .as_ref()
+                .is_some_and(|settings| settings.is_object())
+        );
+        for &(uav_count, hotspot_count) in &own.trained_on {
+            let config = Config {
+                uav_count,
+                hotspot_count,
+                ..own.config
+            };
+            let model = Model::new(config).unwrap();
+            stored.check(&model).unwrap();
+            let mut policy = stored.policy(None);
+            let flown = fly_episode(&model, &mut Sim::new(&model), &mut policy, 7).unwrap();
+            assert!(
+                flown.terminated,
+                "{folder:?}: {uav_count} × {hotspot_count}"
+            );
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 4);
+}
