@@ -6,7 +6,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 for trace in tests/golden/*.jsonl; do
     page=$out/$(basename "$trace" .jsonl).html
-    cargo run --locked --quiet --release --package jcas -- replay "$trace" -o "$page"
+    cargo run --locked --quiet --release --package jcas-cli -- replay "$trace" -o "$page"
     node tests/browser/replay.mjs "$trace" "$page"
 done
 

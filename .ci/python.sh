@@ -26,13 +26,13 @@ rm "$overrides"
 )
 
 export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
-# With the command line, where an earlier section has built it: its policies fly the same here.
+# With the command, where an earlier section has built it: its policies fly the same here.
 [[ ! -x $CARGO_TARGET_DIR/release/jcas ]] || export JCAS_COMMAND=$CARGO_TARGET_DIR/release/jcas
 "$python" -m pytest -q python/tests --run-heavy
 
-# Exported networks give the same actions in onnxruntime.
-# The packages of the release section, so that nothing is built again.
-JCAS_ONNX_PYTHON=$python cargo test --locked --release --package jcas-train --package jcas-reproduce --package jcas \
+# Exported networks pass onnx.checker and give the same actions in onnxruntime.
+# The packages of the section lab, so that nothing is built again.
+JCAS_ONNX_PYTHON=$python cargo test --locked --release --manifest-path lab/Cargo.toml --workspace \
     --test runs onnxruntime
 
 # The README's lines, as they stand.

@@ -4,9 +4,9 @@ use core::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use jcas_evaluate::mission::FlightError;
-use jcas_evaluate::policy::PolicyError;
-use jcas_evaluate::trace::TraceError;
+use jcas_episode::mission::FlightError;
+use jcas_episode::trace::TraceError;
+use jcas_policy::PolicyError;
 
 /// How a command ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,11 +28,31 @@ pub enum CliError {
     Interrupted(String),
 }
 
-/// Exit codes, as documented in `jcas --help`.
-pub const EXIT_DIFFERENT: u8 = 1;
+/// Explanation of the exit codes, for `--help`.
+pub const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    a verification or comparison found a difference
+  2    something given is not acceptable: an option, a field, the content of a file
+  3    a file could not be read or written
+  130  stopped by Ctrl-C";
+
+const EXIT_DIFFERENT: u8 = 1;
 const EXIT_INPUT: u8 = 2;
 const EXIT_IO: u8 = 3;
 const EXIT_INTERRUPTED: u8 = 130;
+
+/// What the process returns; an error is printed on standard error.
+pub fn exit_code(result: Result<Outcome, CliError>) -> ExitCode {
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Different) => ExitCode::from(EXIT_DIFFERENT),
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.exit_code()
+        }
+    }
+}
 
 impl CliError {
     /// An unacceptable input.

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use jcas_core::Model;
-use jcas_evaluate::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
-use jcas_evaluate::policy::head::Mode;
-use jcas_evaluate::policy::{PilotMode, Policy};
+use jcas_episode::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
+use jcas_policy::head::Mode;
+use jcas_policy::{PilotMode, Policy};
 
 use crate::error::CliError;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model};
-use jcas_evaluate::policy::{BaselineKind, PilotMode};
+use jcas_policy::{BaselineKind, PilotMode};
 
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::CliError;

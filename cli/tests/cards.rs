@@ -150,3 +150,53 @@ fn a_sweep_says_where_its_missions_are_not_those_of_a_card() {
     );
     assert!(output.status.success(), "{told}");
 }
+
+/// Other trainers know neither our settings nor our evaluations, and tell more of their own.
+#[test]
+fn a_card_of_another_trainer_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    policy_of_short_missions(folder);
+    let path = folder.join("short/policy.json");
+    let evaluate = ["evaluate", "short", "--episodes=5", "--json"];
+    let ours = succeed(folder, &evaluate);
+    let mut card: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let fields = card.as_object_mut().unwrap();
+    for name in ["settings", "environment_steps", "evaluations"] {
+        fields.remove(name).unwrap();
+    }
+    fields.insert("trainer".into(), "another".into());
+    fs::write(&path, card.to_string()).unwrap();
+    assert_eq!(succeed(folder, &evaluate), ours);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
+fn a_trained_policy_flies_wherever_a_baseline_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let fleet = concat!(env!("CARGO_MANIFEST_DIR"), "/../policies/fleet");
+    let mission = ["--uavs=6", "--hotspots=2", "--seed=3"];
+    let with = |arguments: &[&str]| succeed(folder.path(), &[arguments, &mission].concat());
+
+    let simulated = with(&["simulate", "--policy", fleet, "--episodes=20", "--json"]);
+    let evaluated = with(&["evaluate", fleet, "--episodes=20", "--json"]);
+    assert_eq!(simulated, evaluated);
+    let baseline = with(&["simulate", "--policy=random", "--episodes=20", "--json"]);
+    assert_ne!(simulated, baseline);
+
+    with(&["trace", "record", "--policy", fleet, "-o", "flight.jsonl"]);
+    let told = succeed(folder.path(), &["trace", "verify", "flight.jsonl"]);
+    assert!(told.starts_with("flight.jsonl: reproduced"), "{told}");
+    with(&["replay", "--policy", fleet, "-o", "flight.html"]);
+    let page = fs::read_to_string(folder.path().join("flight.html")).unwrap();
+    assert!(page.contains("</html>"));
+
+    // Targets that the policy has never had to look for.
+    let refused = jcas(
+        folder.path(),
+        &["evaluate", fleet, "--set=target_visibility=hidden"],
+    );
+    assert_eq!(refused.status.code(), Some(2));
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(told.contains("target_visibility"), "{told}");
+}

@@ -8,7 +8,7 @@ use std::slice;
 use jcas_core::batch::BatchOut;
 use jcas_core::header::Phase;
 use jcas_core::{Error, Model, Scratch, reward};
-use jcas_dispatch::InstructionSet;
+use jcas_simd::InstructionSet;
 
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_INTERNAL};
 use crate::sync::{AtomicBool, AtomicUsize, Ordering, yield_now};

@@ -8,9 +8,9 @@ use std::alloc::Layout;
 use std::slice;
 
 use jcas_core::{Error, Model, Scratch, StateRef, observation};
-use jcas_dispatch::InstructionSet;
 use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
 use jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode};
+use jcas_simd::InstructionSet;
 
 use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
 use crate::in_use::{Changing, InUse};

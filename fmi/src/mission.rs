@@ -1,8 +1,8 @@
 //! A mission in flight: the kernel, and whoever chooses its actions.
 
 use jcas_core::{Cell, Error, Model, Scratch, StateRef, hash, observation};
-use jcas_dispatch::InstructionSet;
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
+use jcas_simd::InstructionSet;
 
 use crate::setup::Setup;
 

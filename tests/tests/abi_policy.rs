@@ -10,10 +10,10 @@ use std::process::Command;
 use abi_support::{c_compilers, compile, root, run};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
-use jcas_evaluate::mission::fly_episode;
-use jcas_evaluate::policy::head::Mode;
-use jcas_evaluate::policy::network::{Flight, Network};
-use jcas_evaluate::policy::{BaselineKind, PilotMode};
+use jcas_episode::mission::fly_episode;
+use jcas_policy::head::Mode;
+use jcas_policy::network::{Flight, Network};
+use jcas_policy::{BaselineKind, PilotMode};
 
 const SEED: u64 = 4;
 

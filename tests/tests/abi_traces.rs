@@ -12,8 +12,8 @@ use std::process::Command;
 use abi_support::{c_compilers, compile, golden_traces, root, run};
 use jcas_core::config::Depots;
 use jcas_core::{Cell, Config, Model};
-use jcas_evaluate::policy::{BaselineKind, PilotMode};
-use jcas_evaluate::{replay, trace};
+use jcas_episode::{replay, trace};
+use jcas_policy::{BaselineKind, PilotMode};
 
 /// What `jcas trace record` writes of the mission that the C program has its policy fly.
 fn recorded_here() -> Vec<u8> {

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use abi_support::skip;
 use jcas_core::config::FieldValue;
 use jcas_core::{Cell, Config, Model, TargetVisibility, motion};
-use jcas_evaluate::trace::{self, Step, Trace};
+use jcas_episode::trace::{self, Step, Trace};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden")

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Model, Scratch, hash};
-use jcas_dispatch::InstructionSet;
-use jcas_evaluate::trace::{self, Trace};
+use jcas_episode::trace::{self, Trace};
+use jcas_simd::InstructionSet;
 
 /// Flies a trace's actions as a batch of one and compares every state and observation with the trace.
 fn reproduce(name: &str, trace: &Trace, set: InstructionSet) {

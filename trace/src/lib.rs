@@ -2,7 +2,7 @@
 //!
 //! A file has one `header` line, one `step` line for each step and one `end` line, each a JSON object.
 //! Each call of a host simulator is a line of its own, before the step that it is part of. The format is
-//! documented in `jcas-evaluate`, which reads traces into structures.
+//! documented in `jcas-episode`, which reads traces into structures.
 //!
 //! - [`Writer`] passes lines to a [`Sink`] and adds the checksum.
 //! - [`HeaderLine`], [`StepLine`], [`EndLine`] and [`CallLine`] display a line from a state or a call.

@@ -14,7 +14,7 @@
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Model, Scratch};
-use jcas_dispatch::InstructionSet;
+use jcas_simd::InstructionSet;
 use jcas_verification::machine::{Tally, play};
 use jcas_verification::mission;
 use jcas_verification::sampling::{self, Dice};

@@ -2,7 +2,7 @@
 
 use crate::mission::SHIPPED;
 use jcas_core::{Config, Preset};
-use jcas_evaluate::policy::BaselineKind;
+use jcas_policy::BaselineKind;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 

@@ -3,9 +3,9 @@
 use jcas_core::host::Call;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Config, Model, Motion};
-use jcas_evaluate::policy::{BaselineKind, PilotMode, Policy, Trained};
-use jcas_evaluate::replay;
-use jcas_evaluate::trace::{self, EpisodeRecorder, Trace, TraceError};
+use jcas_episode::replay;
+use jcas_episode::trace::{self, EpisodeRecorder, Trace, TraceError};
+use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -257,7 +257,7 @@ fn radar(model: &Model<'_>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jcas_evaluate::trace::Hex;
+    use jcas_episode::trace::Hex;
 
     fn fly(question: &Value) -> Value {
         serde_json::from_str(&crate::answer(&question.to_string())).unwrap()

@@ -1,6 +1,6 @@
 //! The playground's page: the player of recorded episodes, with controls, and a kernel inside or behind it.
 
-use jcas_evaluate::replay::{Parts, assemble};
+use jcas_episode::replay::{Parts, assemble};
 
 const CONTROLS: &str = include_str!("../page/controls.html");
 const STYLE: &str = include_str!("../page/controls.css");

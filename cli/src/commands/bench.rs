@@ -6,7 +6,7 @@ use clap::Args;
 use jcas_core::batch::BatchOut;
 use jcas_core::rng::{self, Purpose};
 use jcas_core::{Error, Model, Scratch, Sim};
-use jcas_dispatch::InstructionSet;
+use jcas_simd::InstructionSet;
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};

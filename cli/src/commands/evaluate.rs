@@ -4,9 +4,9 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use jcas_core::Model;
-use jcas_evaluate::card::EVALUATION_SEED;
-use jcas_evaluate::mission::Campaign;
-use jcas_evaluate::policy::head::Mode;
+use jcas_episode::card::EVALUATION_SEED;
+use jcas_episode::mission::Campaign;
+use jcas_policy::head::Mode;
 
 use super::simulate::{Report, fly};
 use crate::error::{CliError, Outcome};

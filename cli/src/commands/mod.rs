@@ -5,24 +5,21 @@ mod config;
 mod evaluate;
 mod play;
 mod replay;
-mod reproduce;
 mod simulate;
 mod sweep;
 mod trace;
-mod train;
 
 use clap::Subcommand;
 
 use crate::error::{CliError, Outcome};
 
-/// The commands.
+/// The commands. The documentation of each is its help.
+#[allow(missing_docs)]
 #[derive(Subcommand)]
 pub enum Command {
     Simulate(simulate::Simulate),
     Sweep(sweep::Sweep),
-    Train(train::Train),
     Evaluate(evaluate::Evaluate),
-    Reproduce(reproduce::Reproduce),
     #[command(subcommand)]
     Trace(trace::Trace),
     Replay(replay::Replay),
@@ -38,9 +35,7 @@ impl Command {
         match self {
             Self::Simulate(command) => command.run(),
             Self::Sweep(command) => command.run(),
-            Self::Train(command) => command.run(),
             Self::Evaluate(command) => command.run(),
-            Self::Reproduce(command) => command.run(),
             Self::Trace(command) => command.run(),
             Self::Replay(command) => command.run(),
             Self::Play(command) => command.run(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jcas_core::Model;
-use jcas_evaluate::{replay, trace};
+use jcas_episode::{replay, trace};
 
 use super::trace::read_from;
 use crate::error::{CliError, Outcome};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jcas_core::{Config, Model};
-use jcas_evaluate::mission::{self, Campaign};
-use jcas_evaluate::statistics::Summary;
+use jcas_episode::mission::{self, Campaign};
+use jcas_episode::statistics::Summary;
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};

@@ -6,19 +6,19 @@ use clap::Args;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
 use jcas_core::{Model, TargetVisibility};
-use jcas_evaluate::mission::{self, Campaign};
-use jcas_evaluate::policy::BaselineKind;
-use jcas_evaluate::statistics::{Estimate, Summary};
+use jcas_episode::mission::Campaign;
+use jcas_episode::statistics::{Estimate, Summary};
+use jcas_policy::BaselineKind;
 use serde::Serialize;
 
 use super::replay::fly_page;
 use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
-use crate::sweep::charts;
 use crate::sweep::plan::{self, Axis, Cell};
 use crate::sweep::store::Store;
-use crate::{files, interrupt, learned, progress};
+use crate::sweep::{self, charts};
+use crate::{files, learned};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -101,7 +101,7 @@ impl Sweep {
             self.episodes,
             self.overwrite,
         )?;
-        self.fly(&cells, &mut store)?;
+        sweep::fly(&cells, &mut store, self.campaign(), &self.threads)?;
 
         let mut written = vec![table];
         if !self.no_figures {
@@ -172,48 +172,6 @@ impl Sweep {
         Ok(axes)
     }
 
-    /// Cell after cell, the missions of one over all cores. Finished cells are on file when it stops.
-    fn fly(&self, cells: &[Cell], store: &mut Store) -> Result<(), CliError> {
-        let bar = progress::bar(cells.len() as u64 * self.episodes, "missions");
-        bar.inc(store.len() as u64 * self.episodes);
-        bar.reset_eta();
-        let flown = self.threads.run(|| {
-            for (index, cell) in cells.iter().enumerate() {
-                if store.has(index) {
-                    continue;
-                }
-                let summary = self.fly_cell(cell, &bar)?;
-                store.add(index, &summary)?;
-            }
-            Ok(())
-        })?;
-        bar.finish_and_clear();
-        store.write()?;
-        match flown {
-            Err(CliError::Interrupted(_)) => Err(CliError::Interrupted(format!(
-                "interrupted: {} of {} cells are in {}; the same command goes on from there",
-                store.len(),
-                cells.len(),
-                self.out.join("results.csv").display()
-            ))),
-            other => other,
-        }
-    }
-
-    fn fly_cell(&self, cell: &Cell, bar: &indicatif::ProgressBar) -> Result<Summary, CliError> {
-        let model = Model::new(cell.config)?;
-        let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
-        let campaign = Campaign {
-            episodes: self.episodes,
-            seed: self.seed,
-        };
-        let missions = mission::fly(&model, campaign, &factory, &|| {
-            bar.inc(1);
-            interrupt::check()
-        })?;
-        Ok(Summary::of(&missions, cell.config.horizon_steps))
-    }
-
     /// Plays the first mission of the last cell, in most sweeps the largest.
     fn replay(&self, cells: &[Cell], path: &std::path::Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
@@ -221,16 +179,19 @@ impl Sweep {
         };
         let model = Model::new(cell.config)?;
         let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
-        let campaign = Campaign {
+        fly_page(path, &model, &factory, self.campaign().episode_seed(0))
+    }
+
+    fn campaign(&self) -> Campaign {
+        Campaign {
             episodes: self.episodes,
             seed: self.seed,
-        };
-        fly_page(path, &model, &factory, campaign.episode_seed(0))
+        }
     }
 }
 
 /// Columns of the printed table: name in the file, title, decimals.
-const SHOWN: [(&str, &str, usize); 5] = [
+pub(super) const SHOWN: [(&str, &str, usize); 5] = [
     ("success_rate", "success", 3),
     ("mission_steps_mean", "steps", 1),
     ("energy_kwh_mean", "energy kWh", 3),
@@ -239,7 +200,7 @@ const SHOWN: [(&str, &str, usize); 5] = [
 ];
 
 /// Lists with one value stand above the table, the others are its columns.
-fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
+pub(super) fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
     let (columns, common): (Vec<usize>, Vec<usize>) =
         (0..axes.len()).partition(|&axis| axes[axis].values.len() > 1);
     let common: Vec<String> = common
@@ -264,8 +225,8 @@ fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
     format!("{}\n{table}\n", common.join(", "))
 }
 
-/// How people call an axis.
-fn title(axis: &str) -> &str {
+/// Label of an axis.
+pub(super) fn title(axis: &str) -> &str {
     match axis {
         "uav_count" => "UAVs",
         "hotspot_count" => "hotspots",
@@ -274,7 +235,7 @@ fn title(axis: &str) -> &str {
 }
 
 /// A value with half the width of its interval; the file has both ends.
-fn shown(estimate: Estimate, digits: usize) -> String {
+pub(super) fn shown(estimate: Estimate, digits: usize) -> String {
     let half = (estimate.high - estimate.low) / 2.0;
     format!("{:.digits$} ± {half:.digits$}", estimate.value)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use jcas_core::Model;
-use jcas_evaluate::trace::{self, Difference, End, Trace as Recorded};
+use jcas_episode::trace::{self, Difference, End, Trace as Recorded};
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};

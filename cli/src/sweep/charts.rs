@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use jcas_core::Config;
-use jcas_evaluate::figures::{self, Draw, Figure, Panels, Point, Series};
+use jcas_figures::{Draw, Figure, Panels, Point, Series};
 
 use super::plan::{Axis, Cell};
 use super::store::Store;
@@ -42,18 +42,32 @@ pub fn draw(
     episodes: u64,
 ) -> Result<Vec<PathBuf>, CliError> {
     let mut written = Vec::new();
+    for (name, figure) in figures(axes, cells, store, episodes) {
+        written.extend(write(out, &name, figure.as_ref())?);
+    }
+    Ok(written)
+}
+
+/// A figure for each quantity over each axis with several numbers, with the name of its file.
+pub fn figures(
+    axes: &[Axis],
+    cells: &[Cell],
+    store: &Store,
+    episodes: u64,
+) -> Vec<(String, Box<dyn Draw>)> {
+    let mut all: Vec<(String, Box<dyn Draw>)> = Vec::new();
     for x_axis in (0..axes.len()).filter(|&index| numbers(&axes[index]).is_some()) {
         let layout = Layout::new(axes, x_axis);
         for quantity in QUANTITIES {
             let name = format!("{}_over_{}", quantity.1, axes[x_axis].name);
-            let panels: Vec<Figure> = layout
+            let mut panels: Vec<Figure> = layout
                 .facets(cells)
                 .into_iter()
                 .take(PANELS_MAX)
                 .map(|facet| layout.figure(quantity, &facet, cells, store, episodes))
                 .collect();
-            if let [single] = panels.as_slice() {
-                written.extend(write(out, &name, single)?);
+            if panels.len() == 1 {
+                all.push((name, Box::new(panels.remove(0))));
             } else {
                 let figure = Panels {
                     title: panels_title(quantity.2, &axes[x_axis].name),
@@ -61,11 +75,11 @@ pub fn draw(
                     columns: PANEL_COLUMNS.min(panels.len()),
                     figures: panels,
                 };
-                written.extend(write(out, &name, &figure)?);
+                all.push((name, Box::new(figure)));
             }
         }
     }
-    Ok(written)
+    all
 }
 
 /// What the whiskers are, and how many missions there are to a point.
@@ -85,7 +99,7 @@ fn panels_title(quantity: &str, axis: &str) -> String {
     title
 }
 
-fn write(out: &Path, name: &str, figure: &impl Draw) -> Result<[PathBuf; 2], CliError> {
+fn write(out: &Path, name: &str, figure: &dyn Draw) -> Result<[PathBuf; 2], CliError> {
     let (svg, png) = (
         out.join(format!("{name}.svg")),
         out.join(format!("{name}.png")),
@@ -161,8 +175,8 @@ impl<'a> Layout<'a> {
         episodes: u64,
     ) -> Figure {
         let (x_label, x_unit) = label(&self.axes[self.x_axis].name);
-        let x_axis = figures::Axis::new(x_label, x_unit);
-        let mut y_axis = figures::Axis::new(title, unit);
+        let x_axis = jcas_figures::Axis::new(x_label, x_unit);
+        let mut y_axis = jcas_figures::Axis::new(title, unit);
         if share {
             y_axis = y_axis.span(0.0, 1.0);
         }

@@ -1,5 +1,63 @@
-//! Missions over a grid of settings: which cells there are, what is known of each, how they look.
+//! Campaigns over a grid of settings: its cells, their results on file, their figures.
 
 pub mod charts;
 pub mod plan;
 pub mod store;
+
+use jcas_core::Model;
+use jcas_episode::mission::{self, Campaign};
+use jcas_episode::statistics::Summary;
+
+use crate::error::CliError;
+use crate::options::{ThreadOptions, policy_factory};
+use crate::{interrupt, progress};
+use plan::Cell;
+use store::Store;
+
+/// Flies the cells that are not in the store, one after the other, the episodes of one over all
+/// cores. Finished cells are on file when Ctrl-C stops it.
+pub fn fly(
+    cells: &[Cell],
+    store: &mut Store,
+    campaign: Campaign,
+    threads: &ThreadOptions,
+) -> Result<(), CliError> {
+    let bar = progress::bar(cells.len() as u64 * campaign.episodes, "missions");
+    bar.inc(store.len() as u64 * campaign.episodes);
+    bar.reset_eta();
+    let flown = threads.run(|| {
+        for (index, cell) in cells.iter().enumerate() {
+            if store.has(index) {
+                continue;
+            }
+            let summary = fly_cell(cell, campaign, &bar)?;
+            store.add(index, &summary)?;
+        }
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    store.write()?;
+    match flown {
+        Err(CliError::Interrupted(_)) => Err(CliError::Interrupted(format!(
+            "interrupted: {} of {} cells are in {}; the same command goes on from there",
+            store.len(),
+            cells.len(),
+            store.path().display()
+        ))),
+        other => other,
+    }
+}
+
+fn fly_cell(
+    cell: &Cell,
+    campaign: Campaign,
+    bar: &indicatif::ProgressBar,
+) -> Result<Summary, CliError> {
+    let model = Model::new(cell.config)?;
+    let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
+    let missions = mission::fly(&model, campaign, &factory, &|| {
+        bar.inc(1);
+        interrupt::check()
+    })?;
+    Ok(Summary::of(&missions, cell.config.horizon_steps))
+}

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jcas_evaluate::statistics::{Estimate, Summary};
+use jcas_episode::statistics::{Estimate, Summary};
 
 use super::plan::{Axis, Cell};
 use crate::error::CliError;
@@ -102,6 +102,11 @@ impl Store {
             self.rows.insert(cell, row);
         }
         Ok(())
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Whether a cell was flown.

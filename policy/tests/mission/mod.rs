@@ -1,5 +1,5 @@
 //! Missions of shipped policies and the hash of all actions of each, on every platform. The tests of this
-//! crate fly them, those of jcas-dispatch with each instruction set, and `tests/portable` on AArch64 and wasm32.
+//! crate fly them, those of jcas-simd with each instruction set, and `tests/portable` on AArch64 and wasm32.
 
 use jcas_core::hash::Fnv1a;
 use jcas_core::{Config, Model, Preset, Sim};

@@ -7,7 +7,7 @@ mod wasm;
 #[path = "../../../policy/tests/mission/mod.rs"]
 mod mission;
 
-use jcas_evaluate::trace;
+use jcas_episode::trace;
 use jcas_policy::network::Product;
 
 /// Name and text of each trace in `tests/golden`.

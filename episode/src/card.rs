@@ -1,0 +1,229 @@
+//! Trained policies on disk: a folder with weights (`policy.safetensors`) and a card (`policy.json`).
+
+use core::fmt;
+use std::path::{Path, PathBuf};
+
+use jcas_core::{Config, Model, TargetVisibility};
+use jcas_policy::head::{Head, Mode};
+use jcas_policy::network::{Flight, FlyError};
+use jcas_policy::{Trained, action_of};
+use jcas_simd::InstructionSet;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// File of the weights in a policy's folder.
+pub const WEIGHTS: &str = "policy.safetensors";
+/// File of the card in a policy's folder.
+pub const CARD: &str = "policy.json";
+/// Version of the card that is written and read.
+pub const FORMAT: u32 = 1;
+/// Seed of the campaign that every policy and baseline is compared on.
+pub const EVALUATION_SEED: u64 = 1;
+
+/// Description of a trained policy: what it is, where it comes from and how well it did.
+///
+/// Other trainers (`jcas.rllib`) write cards as well, with fields of their own, which are ignored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Card {
+    /// Version of the card, [`FORMAT`].
+    pub format: u32,
+    /// Name in reports.
+    pub name: String,
+    /// Action head.
+    pub head: Head,
+    /// Network of the actor, as its trainer describes it. Flying reads the shapes of the weights.
+    pub architecture: Value,
+    /// Whether observations are normalised by stored statistics.
+    pub normalised_inputs: bool,
+    /// Pilot density that overrides the network's; absent: the network chooses.
+    pub constant_pilot_density: Option<f64>,
+    /// Mode in which the policy should be flown.
+    pub mode: Mode,
+    /// Fleets and hotspots that it was trained on: (N, n).
+    pub trained_on: Vec<(u32, u32)>,
+    /// The first configuration that it was trained on.
+    pub config: Config,
+    /// Hash of this configuration.
+    pub config_hash: String,
+    /// Settings of the training run, as its trainer wrote them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<Value>,
+    /// Environment steps of its training.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_steps: Option<u64>,
+    /// Evaluations after training.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub evaluations: Vec<Evaluation>,
+}
+
+/// Means over a campaign of episodes with fixed seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Evaluation {
+    /// UAVs.
+    pub uav_count: u32,
+    /// Hotspots.
+    pub hotspot_count: u32,
+    /// How actions followed from the network.
+    pub mode: Mode,
+    /// Episodes.
+    pub episodes: u64,
+    /// Seed of the campaign.
+    pub seed: u64,
+    /// Share of the episodes that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// Mean number of steps; an episode that failed counts its horizon.
+    pub mission_steps_mean: f64,
+    /// Mean energy of the fleet, kWh.
+    pub energy_kwh_mean: f64,
+    /// Mean normalised throughput.
+    pub throughput_mean: f64,
+}
+
+/// Why a trained policy cannot be read or flown.
+#[derive(Debug)]
+pub enum CardError {
+    /// A file could not be read.
+    File(PathBuf, std::io::Error),
+    /// A file does not hold what it should.
+    Format(PathBuf, String),
+    /// The policy does not fit the configuration.
+    Fit(String),
+}
+
+impl fmt::Display for CardError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path, error) => write!(out, "{}: {error}", path.display()),
+            Self::Format(path, what) => write!(out, "{}: {what}", path.display()),
+            Self::Fit(what) => out.write_str(what),
+        }
+    }
+}
+
+impl std::error::Error for CardError {}
+
+/// A trained policy with its card, read from a folder.
+#[derive(Clone)]
+pub struct StoredPolicy {
+    /// Its card.
+    pub card: Card,
+    trained: Trained,
+    /// The action u_pilot that overrides the network's.
+    pilot: Option<f32>,
+}
+
+/// Reads the card of a policy's folder.
+///
+/// # Errors
+/// [`CardError::File`] or [`CardError::Format`].
+pub fn load_card(folder: &Path) -> Result<Card, CardError> {
+    let path = folder.join(CARD);
+    let text =
+        std::fs::read_to_string(&path).map_err(|error| CardError::File(path.clone(), error))?;
+    let card: Card = serde_json::from_str(&text)
+        .map_err(|error| CardError::Format(path.clone(), error.to_string()))?;
+    if card.format != FORMAT {
+        let what = format!(
+            "format: {} is not read by this version, only {FORMAT}",
+            card.format
+        );
+        return Err(CardError::Format(path, what));
+    }
+    Ok(card)
+}
+
+/// Reads the card and the weights of a policy's folder.
+///
+/// # Errors
+/// [`CardError::File`] or [`CardError::Format`].
+pub fn load(folder: &Path) -> Result<StoredPolicy, CardError> {
+    let card = load_card(folder)?;
+    let path = folder.join(WEIGHTS);
+    let bytes = std::fs::read(&path).map_err(|error| CardError::File(path.clone(), error))?;
+    let trained = Trained::read(&card.name, &bytes)
+        .map_err(|error| CardError::Format(path, error.to_string()))?
+        .with_product(InstructionSet::best().product());
+    let pilot = card
+        .constant_pilot_density
+        .map(|density| action_of(&card.config, density));
+    Ok(StoredPolicy {
+        card,
+        trained,
+        pilot,
+    })
+}
+
+impl StoredPolicy {
+    /// The same policy with its action u_pilot held at a value in [−1, 1].
+    #[must_use]
+    pub fn holding(self, pilot: f32) -> Self {
+        Self {
+            pilot: Some(pilot),
+            ..self
+        }
+    }
+
+    /// Refuses a model whose observations the network cannot read.
+    ///
+    /// # Errors
+    /// [`CardError::Fit`] names the policy, both sizes, and the fields that they follow from.
+    pub fn check(&self, model: &Model<'_>) -> Result<(), CardError> {
+        let (own, config) = (&self.card.config, model.config());
+        let unfit =
+            |what: String| Err(CardError::Fit(format!("policy {}: {what}", self.card.name)));
+        if own.target_visibility != config.target_visibility {
+            return unfit(format!(
+                "trained with target_visibility = {}, this configuration has {}",
+                visibility(own.target_visibility),
+                visibility(config.target_visibility),
+            ));
+        }
+        match self.trained.check(model) {
+            Ok(()) => Ok(()),
+            Err(error @ FlyError::Observation { .. }) => unfit(format!(
+                "{error}; trained with {}, this configuration has {}",
+                observed(own),
+                observed(config)
+            )),
+            Err(error) => unfit(error.to_string()),
+        }
+    }
+
+    /// A policy ready to fly in a mode, by default the card's.
+    #[must_use]
+    pub fn policy(&self, mode: Option<Mode>) -> Trained {
+        self.trained.clone().with_flight(Flight {
+            mode: mode.unwrap_or(self.card.mode),
+            pilot: self.pilot,
+            starts: self.trained.note().starts,
+        })
+    }
+}
+
+/// The fields that the size of an observation follows from, with their values.
+fn observed(config: &Config) -> String {
+    const FIELDS: [&str; 7] = [
+        "uav_count",
+        "hotspot_count",
+        "neighbour_slots",
+        "search_maps",
+        "map_window_radius",
+        "map_directions",
+        "uav_tag",
+    ];
+    let values = config.values();
+    let fields = Config::FIELDS.iter().zip(values.iter());
+    let named = fields.filter(|(info, _)| FIELDS.contains(&info.name));
+    let texts: Vec<String> = named
+        .map(|(info, value)| format!("{} = {value}", info.name))
+        .collect();
+    texts.join(", ")
+}
+
+fn visibility(visibility: TargetVisibility) -> &'static str {
+    match visibility {
+        TargetVisibility::Known => "known",
+        TargetVisibility::Hidden => "hidden",
+    }
+}

@@ -1,0 +1,19 @@
+//! Episodes of jcas, flown and reported on without learning:
+//!
+//! - [`card`]: trained policies on disk, with their cards;
+//! - [`mission`]: one episode, or a campaign of many over all cores;
+//! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
+//! - [`trace`]: an episode on file, verified bit for bit;
+//! - [`replay`]: a page that plays such an episode.
+//!
+//! With the feature `parallel` (default) a campaign uses all cores through rayon; results do not
+//! depend on their number. Without it everything runs on one thread, on any target that has the
+//! standard library.
+
+#![forbid(unsafe_code)]
+
+pub mod card;
+pub mod mission;
+pub mod replay;
+pub mod statistics;
+pub mod trace;

@@ -1,0 +1,140 @@
+//! Missions flown: one, or many over all cores.
+
+use core::fmt;
+use std::ops::ControlFlow;
+
+use jcas_core::rng::derive_seed;
+use jcas_core::{Error, Metrics, Model, Sim};
+
+use jcas_policy::Policy;
+
+/// Which episodes to fly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Campaign {
+    /// How many.
+    pub episodes: u64,
+    /// Episode k has the seed `derive_seed(seed, k)`.
+    pub seed: u64,
+}
+
+impl Campaign {
+    /// The seed of one episode.
+    #[must_use]
+    pub fn episode_seed(&self, episode: u64) -> u64 {
+        derive_seed(self.seed, episode)
+    }
+}
+
+/// Why a campaign did not come to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FlightError {
+    /// The kernel refused a step, for example because the policy gave NaN.
+    Kernel {
+        /// Episode in which it happened.
+        episode: u64,
+        /// Its seed, to fly it again.
+        seed: u64,
+        /// What was refused.
+        error: Error,
+    },
+    /// The progress callback asked to stop.
+    Stopped,
+}
+
+impl fmt::Display for FlightError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Kernel {
+                episode,
+                seed,
+                error,
+            } => write!(out, "episode {episode} (seed 0x{seed:016x}): {error}"),
+            Self::Stopped => out.write_str("stopped before the last episode"),
+        }
+    }
+}
+
+impl std::error::Error for FlightError {}
+
+/// Flies one episode to its end.
+///
+/// # Errors
+/// What the kernel refuses; with a policy that gives no NaN, nothing.
+pub fn fly_episode(
+    model: &Model<'_>,
+    sim: &mut Sim<'_>,
+    policy: &mut dyn Policy,
+    seed: u64,
+) -> Result<Metrics, Error> {
+    let mut actions = vec![0.0; 2 * model.uav_count()];
+    let mut observations = if policy.reads_observations() {
+        vec![0.0; model.uav_count() * model.observation_len()]
+    } else {
+        Vec::new()
+    };
+    sim.reset(seed);
+    policy.reset(model, seed);
+    // The horizon bounds the episode; the kernel truncates there.
+    for _ in 0..model.config().horizon_steps {
+        if policy.reads_observations() {
+            sim.observe(&mut observations)?;
+            policy.see(&observations);
+        }
+        policy.act(model, &sim.state(), &mut actions);
+        let outcome = sim.step(&actions)?;
+        if outcome.terminated || outcome.truncated {
+            break;
+        }
+    }
+    Ok(sim.state().metrics())
+}
+
+/// Flies every episode of a campaign, on all cores of the current rayon pool if there is the feature
+/// `parallel`. Episode k's metrics are at index k, whatever the number of threads.
+///
+/// `make_policy` makes one policy for each worker. `progress` is called once for every finished episode,
+/// from any thread, and may end the campaign.
+///
+/// # Errors
+/// The first refusal by the kernel, or [`FlightError::Stopped`].
+pub fn fly(
+    model: &Model<'_>,
+    campaign: Campaign,
+    make_policy: &(dyn Fn() -> Box<dyn Policy> + Sync),
+    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Result<Vec<Metrics>, FlightError> {
+    let worker = || (Sim::new(model), make_policy());
+    let one = |(sim, policy): &mut (Sim<'_>, Box<dyn Policy>), episode: u64| {
+        let seed = campaign.episode_seed(episode);
+        let metrics = fly_episode(model, sim, policy.as_mut(), seed).map_err(|error| {
+            FlightError::Kernel {
+                episode,
+                seed,
+                error,
+            }
+        })?;
+        match progress() {
+            ControlFlow::Continue(()) => Ok(metrics),
+            ControlFlow::Break(()) => Err(FlightError::Stopped),
+        }
+    };
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        // A policy may plan for long before its first mission: a few parts for each thread, each with one.
+        let parts = 4 * rayon::current_num_threads();
+        (0..campaign.episodes as usize)
+            .into_par_iter()
+            .with_min_len(campaign.episodes.div_ceil(parts as u64) as usize)
+            .map(|episode| episode as u64)
+            .map_init(worker, one)
+            .collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        let mut worker = worker();
+        (0..campaign.episodes)
+            .map(|episode| one(&mut worker, episode))
+            .collect()
+    }
+}

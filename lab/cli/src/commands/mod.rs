@@ -1,0 +1,16 @@
+//! One file for each command.
+
+use jcas_cli::error::CliError;
+use jcas_train::error::TrainError;
+
+pub mod export;
+pub mod reproduce;
+pub mod train;
+
+/// The command's error for an error of training or reproduction.
+fn failed(error: TrainError) -> CliError {
+    match error {
+        TrainError::File(path, error) => CliError::Io(path, error),
+        other => CliError::input(other),
+    }
+}

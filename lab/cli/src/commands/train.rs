@@ -1,0 +1,322 @@
+//! `jcas-lab train`: a policy from nothing.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
+use jcas_cli::error::{CliError, Outcome};
+use jcas_cli::options::{ConfigOptions, ThreadOptions};
+use jcas_cli::{files, interrupt};
+use jcas_core::{Config, Model, TargetVisibility};
+use jcas_episode::card::Card;
+use jcas_train::metrics::Row;
+use jcas_train::policy::files::Precision;
+use jcas_train::run::{Ending, Observer, Origin, Plan};
+use jcas_train::settings::{Preset, Settings};
+use toml::Table;
+
+use super::failed;
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas-lab train --uavs 10 --hotspots 5 --out run
+  jcas-lab train --training paper --preset paper --uavs 15 --hotspots 3,5,7 --out runs
+  jcas-lab train --uavs 5,10 --hotspots 3,5 --out run
+  jcas-lab train --preset search --uavs 10 --hotspots 5 --out run
+  jcas-lab train --out run --resume
+  jcas-lab train --out tuned --from run --train-set learning_rate=0.0001
+  jcas evaluate run";
+
+/// Settings to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TrainingPreset {
+    /// What the measurements kept
+    Tuned,
+    /// The same for hidden hotspots
+    Search,
+    /// The same for a radar that detects in the own cell only
+    Mission,
+    /// The paper's table
+    Paper,
+}
+
+/// Train a policy with PPO and write it as safetensors and a JSON card
+///
+/// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run that
+/// was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of hotspots
+/// train one policy for all of them, which needs the network `set`.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Train {
+    #[command(flatten)]
+    config: ConfigOptions,
+    /// UAVs in the fleet; several with commas
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        help_heading = "Configuration"
+    )]
+    uavs: Vec<u32>,
+    /// Hotspots to find; several with commas
+    #[arg(
+        long,
+        value_name = "n",
+        value_delimiter = ',',
+        help_heading = "Configuration"
+    )]
+    hotspots: Vec<u32>,
+    /// Training settings to start from [default: search where hotspots are hidden, mission where no UAV detects one from
+    /// a neighbouring cell, else tuned]
+    #[arg(long, value_enum, help_heading = "Training")]
+    training: Option<TrainingPreset>,
+    /// TOML or JSON file whose settings replace those of the preset
+    #[arg(long, value_name = "FILE", help_heading = "Training")]
+    train_config: Option<PathBuf>,
+    /// One setting; may be repeated; comes after the file
+    #[arg(long, value_name = "SETTING=VALUE", help_heading = "Training")]
+    train_set: Vec<String>,
+    /// Environment steps to train for
+    #[arg(long, value_name = "STEPS", help_heading = "Training")]
+    steps: Option<u64>,
+    /// Seed of the run
+    #[arg(long, value_name = "S", help_heading = "Training")]
+    seed: Option<u64>,
+    /// Print the settings as TOML and stop
+    #[arg(long, help_heading = "Training")]
+    show_settings: bool,
+    /// Folder of the run
+    #[arg(long, short, value_name = "DIR", default_value = "run")]
+    out: PathBuf,
+    /// Name of the policy in reports [default: the folder's]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Store weights in half precision
+    #[arg(long)]
+    half: bool,
+    /// Go on with the run in the folder, if there is one
+    #[arg(long)]
+    resume: bool,
+    /// Folder of another run, to begin with what it has learnt instead of random weights; the settings are this run's
+    #[arg(long, value_name = "RUN", conflicts_with = "resume")]
+    from: Option<PathBuf>,
+    #[command(flatten)]
+    threads: ThreadOptions,
+}
+
+impl Train {
+    /// Trains and reports.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        let settings = self.settings()?;
+        if self.show_settings {
+            let text = toml::to_string(&settings).map_err(CliError::input)?;
+            files::print(&text)?;
+            return Ok(Outcome::Done);
+        }
+        let plan = self.plan(settings)?;
+        let mut watcher = Watcher::new(plan.settings.iterations());
+        let ending = self
+            .threads
+            .run(|| plan.train(&self.origin(), &mut watcher))?
+            .map_err(failed)?;
+        watcher.bar.finish_and_clear();
+        match ending {
+            Ending::Finished(card) => {
+                files::print(&summary(&card, &plan))?;
+                Ok(Outcome::Done)
+            }
+            Ending::Stopped => Err(CliError::Interrupted(format!(
+                "stopped; the run is saved in {}, go on with --resume",
+                plan.out.display()
+            ))),
+        }
+    }
+
+    fn origin(&self) -> Origin {
+        match &self.from {
+            Some(folder) => Origin::Run(folder.clone()),
+            None if self.resume => Origin::Resume,
+            None => Origin::Nothing,
+        }
+    }
+
+    fn plan(&self, settings: Settings) -> Result<Plan, CliError> {
+        let name = self
+            .name
+            .clone()
+            .or_else(|| Some(self.out.file_name()?.to_string_lossy().into_owned()));
+        Ok(Plan {
+            settings,
+            configs: self.configs()?,
+            out: self.out.clone(),
+            name: name.unwrap_or_else(|| "policy".to_owned()),
+            precision: if self.half {
+                Precision::Half
+            } else {
+                Precision::Single
+            },
+        })
+    }
+
+    fn configs(&self) -> Result<Vec<Config>, CliError> {
+        let source = self.config.source()?;
+        let base = source.resolve()?;
+        let or = |given: &[u32], configured: u32| {
+            if given.is_empty() {
+                vec![configured]
+            } else {
+                given.to_vec()
+            }
+        };
+        let mut configs = Vec::new();
+        for uavs in or(&self.uavs, base.uav_count) {
+            for hotspots in or(&self.hotspots, base.hotspot_count) {
+                let mut source = source.clone();
+                source.set("uav_count", uavs)?;
+                source.set("hotspot_count", hotspots)?;
+                configs.push(source.resolve()?);
+            }
+        }
+        Ok(configs)
+    }
+
+    fn settings(&self) -> Result<Settings, CliError> {
+        let preset = match self.training {
+            Some(TrainingPreset::Tuned) => Preset::Tuned,
+            Some(TrainingPreset::Search) => Preset::Search,
+            Some(TrainingPreset::Mission) => Preset::Mission,
+            Some(TrainingPreset::Paper) => Preset::Paper,
+            None => fitting(&self.config.source()?.resolve()?)?,
+        };
+        let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;
+        if let Some(path) = &self.train_config {
+            let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
+            let json = path
+                .extension()
+                .is_some_and(|extension| extension == "json");
+            let fields: Table = if json {
+                serde_json::from_str(&text).map_err(|error| CliError::file(path, error))?
+            } else {
+                toml::from_str(&text).map_err(|error| CliError::file(path, error))?
+            };
+            table.extend(fields);
+        }
+        for assignment in &self.train_set {
+            assign(&mut table, assignment)?;
+        }
+        let mut settings: Settings = table.try_into().map_err(|error: toml::de::Error| {
+            CliError::input(format!("training settings: {}", error.message()))
+        })?;
+        settings.total_steps = self.steps.unwrap_or(settings.total_steps);
+        settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.validate().map_err(CliError::input)?;
+        Ok(settings)
+    }
+}
+
+/// The settings that were kept for missions like this one.
+fn fitting(config: &Config) -> Result<Preset, CliError> {
+    let model = Model::new(*config).map_err(CliError::input)?;
+    let from_next_cell = model.detection_probability(1, 0, config.pilot_density_max);
+    Ok(match config.target_visibility {
+        TargetVisibility::Hidden => Preset::Search,
+        TargetVisibility::Known if from_next_cell < 0.01 => Preset::Mission,
+        TargetVisibility::Known => Preset::Tuned,
+    })
+}
+
+/// Puts `setting=value` into a table; `none` takes a setting away, a dot reaches into a table.
+fn assign(table: &mut Table, assignment: &str) -> Result<(), CliError> {
+    let (setting, text) = assignment.split_once('=').ok_or_else(|| {
+        CliError::input(format!(
+            "--train-set {assignment}: must be of the form setting=value"
+        ))
+    })?;
+    let (setting, text) = (setting.trim(), text.trim());
+    let (table, setting) = match setting.split_once('.') {
+        None => (table, setting),
+        Some((outer, inner)) => {
+            let entry = table
+                .entry(outer)
+                .or_insert_with(|| toml::Value::Table(Table::new()));
+            let inside = entry.as_table_mut().ok_or_else(|| {
+                CliError::input(format!("--train-set {assignment}: {outer} is no table"))
+            })?;
+            (inside, inner)
+        }
+    };
+    if text == "none" {
+        table.remove(setting);
+        return Ok(());
+    }
+    let value = toml::from_str::<Table>(&format!("value = {text}"))
+        .ok()
+        .and_then(|mut table| table.remove("value"))
+        .unwrap_or_else(|| toml::Value::String(text.to_owned()));
+    table.insert(setting.to_owned(), value);
+    Ok(())
+}
+
+/// What came of the run, for people.
+fn summary(card: &Card, plan: &Plan) -> String {
+    let mut text = format!(
+        "{}: trained for {} environment steps; flown {:?} from now on\n\n",
+        plan.out.display(),
+        card.environment_steps.unwrap_or_default(),
+        card.mode
+    )
+    .to_lowercase();
+    for e in &card.evaluations {
+        text += &format!(
+            "N = {:2}, n = {:2}, {:13}  success {:.3}  steps {:6.2}  energy {:.4} kWh  throughput {:.3}\n",
+            e.uav_count,
+            e.hotspot_count,
+            format!("{:?}", e.mode).to_lowercase(),
+            e.success_rate,
+            e.mission_steps_mean,
+            e.energy_kwh_mean,
+            e.throughput_mean
+        );
+    }
+    text + "\nMissions of seed 1, as in `jcas simulate`; a failed one counts with its horizon.\n"
+}
+
+/// Shows each iteration on one line, and stops at Ctrl-C.
+struct Watcher {
+    bar: ProgressBar,
+}
+
+impl Watcher {
+    fn new(iterations: u64) -> Watcher {
+        let style = indicatif::ProgressStyle::with_template("[{bar:24}] {pos}/{len} {msg}")
+            .expect("the template is valid")
+            .progress_chars("=> ");
+        Watcher {
+            bar: ProgressBar::new(iterations).with_style(style),
+        }
+    }
+}
+
+impl Observer for Watcher {
+    fn iteration(&mut self, row: &Row, _total: u64, left_s: f64) {
+        let number = |value: Option<f64>, digits: usize| {
+            value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        self.bar.set_position(row.iteration);
+        self.bar.set_message(format!(
+            "return {} success {} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} {:.0} steps/s, {left_s:.0} s left",
+            number(row.return_mean, 1),
+            row.success(),
+            number(row.mission_steps_mean, 1),
+            row.entropy,
+            row.kl,
+            row.clip_fraction,
+            row.explained_variance,
+            row.steps_per_s,
+        ));
+    }
+
+    fn stop(&mut self) -> bool {
+        interrupt::requested()
+    }
+}

@@ -1,0 +1,557 @@
+//! Training and flying what the table lacks.
+
+use crate::approach;
+use crate::flight::{Flight, HELD, OURS, Who, pilot_name};
+use crate::narrator::{Narrator, Progress};
+use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Training, Variation};
+use crate::table::{Key, Table};
+use crate::{endurance, pilot, range, search};
+use jcas_core::{Config, Model, Preset};
+use jcas_episode::card::{CARD, Card, CardError, EVALUATION_SEED, StoredPolicy, load};
+use jcas_episode::mission::{Campaign, fly};
+use jcas_episode::statistics::Summary;
+use jcas_policy::{BaselineKind, PilotMode, Policy, action_of};
+use jcas_train::error::TrainError;
+use jcas_train::policy::files::Precision;
+use jcas_train::run::{Ending, Origin, Plan};
+use jcas_train::settings::Settings;
+use jcas_train::store::write_whole;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The baselines that stand beside learned policies; the other searchers have nothing to search here.
+const BASELINES: [BaselineKind; 5] = [
+    BaselineKind::Random,
+    BaselineKind::Greedy,
+    BaselineKind::Swarm,
+    BaselineKind::Teams,
+    BaselineKind::Sweep,
+];
+
+type Factory<'a> = &'a (dyn Fn() -> Box<dyn Policy> + Sync);
+
+/// Where the trained policies of a reproduction lie.
+pub const POLICIES: &str = "policies";
+
+struct Flights<'a> {
+    scale: &'a Scale,
+    out: &'a Path,
+    table: &'a mut Table,
+    narrator: &'a mut dyn Narrator,
+    given: Vec<Arc<StoredPolicy>>,
+}
+
+/// The parts that are asked for, in an order in which early ones already tell something.
+pub(crate) fn fly_all(
+    scale: &Scale,
+    out: &Path,
+    table: &mut Table,
+    narrator: &mut dyn Narrator,
+) -> Result<Progress, TrainError> {
+    let given = scale.given.iter().map(|at| load(at).map(Arc::new));
+    let given: Result<_, CardError> = given.collect();
+    let mut flights = Flights {
+        scale,
+        out,
+        table,
+        narrator,
+        given: given?,
+    };
+    let progress = flights.all_parts();
+    flights.table.write()?;
+    progress
+}
+
+fn key(
+    (experiment, x): (&str, f64),
+    preset: Preset,
+    config: &Config,
+    (policy, pilot): (&str, &str),
+    seed: u64,
+) -> Key {
+    Key {
+        experiment: experiment.to_owned(),
+        preset: preset.name().to_owned(),
+        uavs: config.uav_count,
+        hotspots: config.hotspot_count,
+        policy: policy.to_owned(),
+        pilot: pilot.to_owned(),
+        seed,
+        x,
+        config_hash: format!("0x{:016x}", config.hash()),
+    }
+}
+
+const GRID: (&str, f64) = ("grid", 0.0);
+
+/// The folder of a training with the paper's settings in the preset `paper`.
+pub(crate) fn paper_name(
+    learner: &str,
+    (uavs, hotspots): (u32, u32),
+    constant: Option<f64>,
+    seed: u64,
+) -> String {
+    format!(
+        "{learner}-{uavs}x{hotspots}-{}-s{seed}",
+        pilot_name(constant)
+    )
+}
+
+impl Flights<'_> {
+    fn all_parts(&mut self) -> Result<Progress, TrainError> {
+        for part in Part::ALL {
+            if !self.scale.parts.contains(&part) {
+                continue;
+            }
+            let whole = match part {
+                Part::Baselines => self.baselines()?,
+                Part::SensingRange => {
+                    self.flown("success over the sensing range", range::flights(self.scale))?
+                }
+                Part::Search => self.flown("search", search::flights(self.scale))?,
+                Part::Pilot => self.flown("adaptive pilots", pilot::flights(self.scale))?,
+                Part::Endurance => self.flown("endurance", endurance::flights(self.scale))?,
+                Part::Tuned => self.all_tuned()?,
+                Part::Paper => self.paper()?,
+                Part::TrainedRanges => self.trained_ranges()?,
+                Part::Variations => self.variations()?,
+            };
+            if !whole || self.stopped() {
+                return Ok(Progress::Stopped);
+            }
+        }
+        Ok(Progress::Finished)
+    }
+
+    fn folder(&self, policy: &str) -> PathBuf {
+        self.out.join(POLICIES).join(policy)
+    }
+
+    fn stopped(&mut self) -> bool {
+        self.narrator.stop()
+    }
+
+    /// The given policies that were trained on missions like this, whatever their number of UAVs and hotspots.
+    fn given_for(&self, config: &Config) -> Vec<Arc<StoredPolicy>> {
+        let like = |policy: &&Arc<StoredPolicy>| {
+            sized_as(config, &policy.card.config) == policy.card.config
+        };
+        self.given.iter().filter(like).cloned().collect()
+    }
+
+    /// Campaigns without training.
+    fn flown(&mut self, chapter: &str, flights: Vec<Flight>) -> Result<bool, TrainError> {
+        self.narrator.chapter(chapter);
+        for flight in flights {
+            let Flight {
+                experiment: (experiment, x),
+                preset,
+                config,
+                who,
+            } = flight;
+            let campaign = (experiment.as_str(), x);
+            match who {
+                Who::Script(kind, pilot) => {
+                    let mode = match pilot {
+                        PilotMode::Held(_) => HELD.to_owned(),
+                        named => named.name(),
+                    };
+                    let key = key(campaign, preset, &config, (kind.name(), &mode), 0);
+                    self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                }
+                Who::Ours { base, held } => {
+                    for (seed, policy) in self.given_for(&base).iter().enumerate() {
+                        let pilot = held.map_or(pilot_name(None), |_| HELD);
+                        let key = key(campaign, preset, &config, (OURS, pilot), seed as u64);
+                        self.ours(&key, config, policy, held)?;
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// A policy of ours, as it is or with its pilot density held.
+    fn ours(
+        &mut self,
+        key: &Key,
+        config: Config,
+        policy: &StoredPolicy,
+        held: Option<f64>,
+    ) -> Result<(), TrainError> {
+        let held = held.map(|density| policy.clone().holding(action_of(&config, density)));
+        let policy = held.as_ref().unwrap_or(policy);
+        self.campaign(key, config, &|| Box::new(policy.policy(None)))
+    }
+
+    /// Whether a campaign is in the table; refused where the table is of another reproduction.
+    fn is_there(&self, key: &Key) -> Result<bool, TrainError> {
+        let episodes = self.scale.episodes;
+        match self.table.find(key) {
+            Some(row) if row.episodes != episodes => Err(TrainError::Setting(format!(
+                "{}: holds campaigns of {} missions, this reproduction flies {episodes}; \
+                 give another folder",
+                self.out.display(),
+                row.episodes
+            ))),
+            Some(row) if row.config_hash != key.config_hash => Err(TrainError::Setting(format!(
+                "{}: holds {} {} at N = {}, n = {} of another configuration; give another folder",
+                self.out.display(),
+                row.experiment,
+                row.policy,
+                row.uavs,
+                row.hotspots
+            ))),
+            found => Ok(found.is_some()),
+        }
+    }
+
+    /// One campaign, unless it is there.
+    fn campaign(&mut self, key: &Key, config: Config, make: Factory) -> Result<(), TrainError> {
+        if self.is_there(key)? {
+            return Ok(());
+        }
+        if self.stopped() {
+            return Ok(());
+        }
+        let refused = |error: &dyn std::fmt::Display| TrainError::Setting(error.to_string());
+        let model = Model::new(config).map_err(|error| refused(&error))?;
+        let campaign = Campaign {
+            episodes: self.scale.episodes,
+            seed: EVALUATION_SEED,
+        };
+        let missions = fly(&model, campaign, make, &|| ControlFlow::Continue(()))
+            .map_err(|error| refused(&error))?;
+        self.table
+            .add(key, &Summary::of(&missions, config.horizon_steps))
+    }
+
+    fn baselines(&mut self) -> Result<bool, TrainError> {
+        self.narrator.chapter("baselines over the grid");
+        for &preset in &self.scale.presets {
+            for cell in self.scale.cells() {
+                let config = self.scale.mission(preset, cell);
+                for kind in BASELINES {
+                    for pilot in [PilotMode::Adaptive, PilotMode::Mid, PilotMode::Max] {
+                        let flown = (kind.name(), pilot.name());
+                        let key = key(GRID, preset, &config, (flown.0, &flown.1), 0);
+                        self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// The paper's training over the sensing range; false if stopped meanwhile.
+    fn trained_ranges(&mut self) -> Result<bool, TrainError> {
+        let (ranges, trained) = self.scale.trained_ranges.clone();
+        for &cells in &ranges {
+            for &cell in &trained {
+                for &seed in &self.scale.seeds {
+                    for learner in self.scale.trained() {
+                        let config = self.scale.ranged(cells, cell);
+                        // The range of the preset is a cell of the grid.
+                        let name = if config == self.scale.mission(Preset::Paper, cell) {
+                            paper_name(learner.name, cell, None, seed)
+                        } else {
+                            let (uavs, hotspots) = cell;
+                            format!("{}-{uavs}x{hotspots}-{cells}cells-s{seed}", learner.name)
+                        };
+                        let campaign = (range::EXPERIMENT, cells);
+                        let flown = (learner.name, pilot_name(None));
+                        let key = key(campaign, Preset::Paper, &config, flown, seed);
+                        let settings = Settings {
+                            seed,
+                            ..learner.settings.clone()
+                        };
+                        if !self.trained_and_flown(&name, settings, config, &key)? {
+                            return Ok(false);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Our settings: one policy for the whole grid of each preset, the one that is given or one that is trained; false
+    /// if stopped meanwhile.
+    fn all_tuned(&mut self) -> Result<bool, TrainError> {
+        for &preset in &self.scale.presets {
+            let given = self.given_for(&self.scale.mission(preset, (10, 5)));
+            for (seed, policy) in given.iter().enumerate() {
+                for held in [None, Some(CONSTANT_PILOT)] {
+                    self.grid(preset, policy, seed as u64, held)?;
+                }
+                self.experiments(preset, policy, seed as u64)?;
+            }
+            if !given.is_empty() {
+                continue;
+            }
+            for &seed in &self.scale.seeds {
+                for constant in [None, Some(CONSTANT_PILOT)] {
+                    let Some(policy) = self.tuned(preset, seed, constant)? else {
+                        return Ok(false);
+                    };
+                    self.grid(preset, &policy, seed, constant)?;
+                    if constant.is_none() {
+                        self.experiments(preset, &policy, seed)?;
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// What is flown in the preset `mission` alone.
+    fn experiments(
+        &mut self,
+        preset: Preset,
+        policy: &StoredPolicy,
+        seed: u64,
+    ) -> Result<(), TrainError> {
+        if preset != Preset::Mission {
+            return Ok(());
+        }
+        self.trade_off(policy, seed)?;
+        self.batteries(policy, seed)?;
+        self.approach(policy, seed)
+    }
+
+    /// A policy with our settings for the whole grid; none if stopped meanwhile.
+    fn tuned(
+        &mut self,
+        preset: Preset,
+        seed: u64,
+        constant: Option<f64>,
+    ) -> Result<Option<StoredPolicy>, TrainError> {
+        let name = format!("learned-{}-{}-s{seed}", preset.name(), pilot_name(constant));
+        let settings = Settings {
+            seed,
+            constant_pilot: constant,
+            ..self.scale.tuned.clone()
+        };
+        let cells = self.scale.cells();
+        let configs = cells.iter().map(|&cell| self.scale.mission(preset, cell));
+        self.trained(&name, settings, configs.collect())
+    }
+
+    /// The policy of a finished run, trained to the end if it is not there.
+    fn trained(
+        &mut self,
+        name: &str,
+        settings: Settings,
+        configs: Vec<Config>,
+    ) -> Result<Option<StoredPolicy>, TrainError> {
+        let out = self.folder(name);
+        if !out.join(CARD).exists() {
+            self.narrator.chapter(&format!("training {name}"));
+            let precision = Precision::Single;
+            let plan = Plan {
+                settings: settings.clone(),
+                configs: configs.clone(),
+                out: out.clone(),
+                name: name.to_owned(),
+                precision,
+            };
+            let narrator: &mut dyn Narrator = self.narrator;
+            if matches!(plan.train(&Origin::Resume, narrator)?, Ending::Stopped) {
+                return Ok(None);
+            }
+        }
+        let policy = load(&out)?;
+        if !is_of(&policy.card, &settings, &configs) {
+            return Err(TrainError::Setting(format!(
+                "{}: was trained with other settings or on other missions; give another folder",
+                out.display()
+            )));
+        }
+        Ok(Some(policy))
+    }
+
+    fn grid(
+        &mut self,
+        preset: Preset,
+        policy: &StoredPolicy,
+        seed: u64,
+        constant: Option<f64>,
+    ) -> Result<(), TrainError> {
+        self.narrator
+            .chapter(&format!("flying {} over the grid", policy.card.name));
+        for cell in self.scale.cells() {
+            let config = self.scale.mission(preset, cell);
+            let key = key(GRID, preset, &config, (OURS, pilot_name(constant)), seed);
+            self.ours(&key, config, policy, constant)?;
+        }
+        Ok(())
+    }
+
+    /// Success against throughput: the motions of the learned policy and of `teams`, the pilot density held.
+    fn trade_off(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
+        self.narrator.chapter("sensing against communication");
+        let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
+        for &density in &self.scale.densities {
+            let key_of = |policy, seed| {
+                let campaign = ("density", density);
+                key(campaign, Preset::Mission, &config, (policy, HELD), seed)
+            };
+            self.ours(&key_of(OURS, seed), config, policy, Some(density))?;
+            let key = key_of("teams", 0);
+            let pilot = PilotMode::Held(density);
+            self.campaign(&key, config, &|| {
+                Box::new(BaselineKind::Teams.build_privileged(pilot))
+            })?;
+        }
+        Ok(())
+    }
+
+    fn batteries(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
+        self.narrator.chapter("small batteries");
+        for &share in &self.scale.renewable_shares {
+            let config = self.scale.small_battery(share);
+            let key_of = |policy, seed| {
+                let campaign = ("battery", share);
+                key(
+                    campaign,
+                    Preset::Mission,
+                    &config,
+                    (policy, "adaptive"),
+                    seed,
+                )
+            };
+            self.ours(&key_of(OURS, seed), config, policy, None)?;
+            let teams = key_of("teams", 0);
+            self.campaign(&teams, config, &|| {
+                Box::new(BaselineKind::Teams.build_privileged(PilotMode::Adaptive))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
+    fn approach(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
+        let path = self.out.join(approach::table(seed));
+        if path.exists() || self.stopped() {
+            return Ok(());
+        }
+        let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
+        let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
+        let bins = approach::observe(&model, policy, self.scale.episodes.min(100))
+            .map_err(|error| TrainError::Setting(error.to_string()))?;
+        let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
+        for (distance, (count, sum)) in bins.iter().enumerate() {
+            if *count > 0 {
+                text += &format!("{distance},{count},{:.6}\n", sum / *count as f64);
+            }
+        }
+        write_whole(&path, text.as_bytes())
+    }
+
+    /// The paper's settings in every cell, with every credit; false if stopped meanwhile.
+    fn paper(&mut self) -> Result<bool, TrainError> {
+        for training in self.scale.trainings() {
+            for learner in self.scale.trained() {
+                if !self.paper_cell(&learner, training)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    fn paper_cell(
+        &mut self,
+        learner: &Learner,
+        Training {
+            cell,
+            constant,
+            seed,
+        }: Training,
+    ) -> Result<bool, TrainError> {
+        let name = paper_name(learner.name, cell, constant, seed);
+        let settings = Settings {
+            seed,
+            constant_pilot: constant,
+            ..learner.settings.clone()
+        };
+        let config = self.scale.mission(Preset::Paper, cell);
+        let flown = (learner.name, pilot_name(constant));
+        let key = key(GRID, Preset::Paper, &config, flown, seed);
+        self.trained_and_flown(&name, settings, config, &key)
+    }
+
+    /// One policy for one mission; false if stopped meanwhile. What the table has from elsewhere, without the policy, is
+    /// not trained again.
+    fn trained_and_flown(
+        &mut self,
+        name: &str,
+        settings: Settings,
+        config: Config,
+        key: &Key,
+    ) -> Result<bool, TrainError> {
+        if self.is_there(key)? && !self.folder(name).join(CARD).exists() {
+            return Ok(true);
+        }
+        let Some(policy) = self.trained(name, settings, vec![config])? else {
+            return Ok(false);
+        };
+        self.campaign(key, config, &|| Box::new(policy.policy(None)))?;
+        Ok(true)
+    }
+
+    /// The paper's settings with one thing changed at a time; false if stopped meanwhile.
+    fn variations(&mut self) -> Result<bool, TrainError> {
+        let Some(cell) = self.scale.variation_cell() else {
+            return Ok(true);
+        };
+        for variation in &self.scale.variations {
+            for &seed in &self.scale.seeds {
+                if !self.variation(variation, cell, seed)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    fn variation(
+        &mut self,
+        variation: &Variation,
+        cell: (u32, u32),
+        seed: u64,
+    ) -> Result<bool, TrainError> {
+        let mut config = self.scale.mission(Preset::Paper, cell);
+        let mut settings = Settings {
+            seed,
+            ..self.scale.paper.clone()
+        };
+        (variation.apply)(&mut config, &mut settings);
+        let name = format!("ppo-{}x{}-{}-s{seed}", cell.0, cell.1, variation.name);
+        let campaign = ("variation", 0.0);
+        let flown = (variation.name, pilot_name(None));
+        let key = key(campaign, Preset::Paper, &config, flown, seed);
+        self.trained_and_flown(&name, settings, config, &key)
+    }
+}
+
+/// A mission with another's numbers of UAVs and hotspots, and with its tags: where a mission shows none, a policy that
+/// reads them numbers the UAVs itself.
+fn sized_as(config: &Config, other: &Config) -> Config {
+    Config {
+        uav_count: other.uav_count,
+        hotspot_count: other.hotspot_count,
+        uav_tag: other.uav_tag,
+        ..*config
+    }
+}
+
+/// Whether a policy was trained with these settings and on these missions at least.
+fn is_of(card: &Card, settings: &Settings, configs: &[Config]) -> bool {
+    Settings::of_card(card).as_ref() == Some(settings)
+        && configs.iter().all(|config| {
+            let cell = (config.uav_count, config.hotspot_count);
+            sized_as(config, &card.config) == card.config && card.trained_on.contains(&cell)
+        })
+}

@@ -1,0 +1,503 @@
+//! The pages of a reproduction: Markdown, and one HTML report with every figure.
+
+use crate::bars::{self, bars};
+use crate::chapter::{Block, Chapter};
+use crate::claims::{self, Judged, Verdict};
+use crate::curves::TRAININGS;
+use crate::figures::{self, PICTURES};
+use crate::fit::PAPER;
+use crate::flight::{OURS, pilot_name};
+use crate::range::Study;
+use crate::results::Results;
+use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
+use crate::{TABLE, endurance, pilot, search, seeds, text};
+use jcas_core::Preset;
+use jcas_episode::card::EVALUATION_SEED;
+use jcas_figures::report::{Cell, Report, Table as ReportTable, Tone};
+use jcas_figures::{Draw, FigureError};
+use jcas_train::error::TrainError;
+use jcas_train::store::write_whole;
+use std::path::Path;
+
+const NUMBERS_HEAD: [&str; 5] = [
+    "in the preset `paper`",
+    "success at N = 10",
+    "success at N = 15",
+    "steps at N = 10",
+    "steps at N = 15",
+];
+const CLAIMS_HEAD: [&str; 4] = ["the paper", "who", "measured here", ""];
+const VARIATION_HEAD: [&str; 6] = [
+    "changed",
+    "tests",
+    "success",
+    "steps",
+    "energy (kWh)",
+    "throughput",
+];
+
+impl Results<'_> {
+    /// The paper's two numbers and what policies do about them.
+    fn numbers(&self) -> Vec<[String; 5]> {
+        let learners = self.scale.learners();
+        let learned = learners
+            .iter()
+            .map(|learner| (learner.as_trained(), learner.name, "adaptive"));
+        let policies = [
+            ("a random walk".to_owned(), "random", "mid"),
+            ("the best script, `teams`".to_owned(), "teams", "max"),
+        ]
+        .into_iter()
+        .chain(learned)
+        .chain([("our policy".to_owned(), "learned", "adaptive")]);
+        let paper = [
+            "the paper".to_owned(),
+            format!("{}", PAPER[0].rate),
+            format!("{}", PAPER[1].rate),
+            String::new(),
+            String::new(),
+        ];
+        let measured = policies.map(|(title, policy, pilot)| {
+            let at = |uavs, quantity: Quantity| {
+                let query = Query::new("grid", Preset::Paper.name(), (policy, pilot)).uavs(uavs);
+                let rows = query.rows(self.table);
+                let Some(e) = mean(&rows, quantity) else {
+                    return "not run".to_owned();
+                };
+                let digits = quantity.digits();
+                let over = self.scale.over(&numbers_of_hotspots(&rows));
+                format!("{:.digits$}{over}", e.value)
+            };
+            [
+                title,
+                at(10, Quantity::Success),
+                at(15, Quantity::Success),
+                at(10, Quantity::Steps),
+                at(15, Quantity::Steps),
+            ]
+        });
+        [paper].into_iter().chain(measured).collect()
+    }
+
+    fn claims(&self) -> Vec<Judged> {
+        claims::judge(self.scale, self.table, self.curves)
+    }
+
+    /// What becomes of the paper's training when one thing is changed; first as the paper has it.
+    fn variations(&self) -> Vec<[String; 6]> {
+        let Some((uavs, hotspots)) = self.scale.variation_cell() else {
+            return Vec::new();
+        };
+        let line = |experiment, name: &str, shown: &str, tests: &str| -> Option<[String; 6]> {
+            let query = Query::new(experiment, Preset::Paper.name(), (name, "adaptive"));
+            let rows = query.uavs(uavs).hotspots(hotspots).rows(self.table);
+            let of = |quantity: Quantity| {
+                let e = mean(&rows, quantity)?;
+                let digits = quantity.digits();
+                Some(format!(
+                    "{:.digits$} [{:.digits$}, {:.digits$}]",
+                    e.value, e.low, e.high
+                ))
+            };
+            Some([
+                shown.to_owned(),
+                tests.to_owned(),
+                of(Quantity::Success)?,
+                of(Quantity::Steps)?,
+                of(Quantity::Energy)?,
+                of(Quantity::Throughput)?,
+            ])
+        };
+        let unchanged = line(
+            "grid",
+            "ppo",
+            "nothing",
+            "the paper's equations and settings",
+        );
+        let changed = self.scale.variations.iter().filter_map(|variation| {
+            line("variation", variation.name, variation.name, variation.tests)
+        });
+        let changed: Vec<_> = changed.collect();
+        if changed.is_empty() {
+            return Vec::new();
+        }
+        unchanged.into_iter().chain(changed).collect()
+    }
+
+    /// Which cells were trained with the paper's settings, with how many seeds.
+    fn trained(&self) -> String {
+        let shortened = self.scale.shortened();
+        let but = shortened.as_deref().map_or(String::new(), |shortened| {
+            format!(", but with {shortened}, which shows that it runs and not what it comes to")
+        });
+        let mut text = format!(
+            "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are several): ",
+            self.scale.cells().len()
+        );
+        let learners = self.scale.learners();
+        let parts: Vec<String> = learners
+            .iter()
+            .flat_map(|learner| {
+                let pilots = self.scale.paper_pilots.iter();
+                pilots.map(move |&pilot| (learner, pilot_name(pilot)))
+            })
+            .map(|(learner, pilot)| {
+                let query = Query::new("grid", Preset::Paper.name(), (learner.name, pilot));
+                let cells = self
+                    .scale
+                    .cells()
+                    .into_iter()
+                    .filter_map(|(uavs, hotspots)| {
+                        let seeds = query.uavs(uavs).hotspots(hotspots).rows(self.table).len();
+                        match seeds {
+                            0 => None,
+                            1 => Some(format!("{uavs} × {hotspots}")),
+                            _ => Some(format!("{uavs} × {hotspots} ({seeds})")),
+                        }
+                    });
+                let cells: Vec<String> = cells.collect();
+                let cells = if cells.is_empty() {
+                    "none".to_owned()
+                } else {
+                    cells.join(", ")
+                };
+                format!("{}, {pilot} pilot: {cells}", learner.title)
+            })
+            .collect();
+        text += &parts.join("; ");
+        text += ".";
+        let unasked = claims::unasked(self.scale);
+        if !unasked.is_empty() {
+            text += &format!(" Not asked of such trainings: {}.", unasked.join("; "));
+        }
+        text
+    }
+
+    fn summary(&self) -> String {
+        let given: Vec<String> = self
+            .scale
+            .given
+            .iter()
+            .map(|folder| format!("`{}`", folder.display()))
+            .collect();
+        let asked = self.scale.seeds.len() as u64;
+        let mut beyond = self.table.rows.iter().filter(|row| row.seed >= asked);
+        let more = match beyond.clone().next() {
+            Some(_) => ", in some cells more",
+            None => "",
+        };
+        let others = match beyond.find(|row| row.policy == OURS) {
+            Some(_) => " and of other seeds",
+            None => "",
+        };
+        let ours = if given.is_empty() {
+            String::new()
+        } else {
+            format!("; our policies are those of {}{others}", given.join(", "))
+        };
+        format!(
+            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s){more}; means over n = {}, \
+             or over the numbers that stand beside a value{ours}",
+            self.scale.episodes,
+            self.scale.seeds.len(),
+            text::list(&self.scale.hotspots)
+        )
+    }
+
+    /// The Markdown page, with the pictures that lie in `pictures` (relative to the page).
+    pub fn markdown(&self, pictures: &str) -> String {
+        let quick = if self.scale.name == "quick" {
+            " --quick"
+        } else {
+            ""
+        };
+        let trainings = if self.curves.is_empty() {
+            String::new()
+        } else {
+            format!(", [{TRAININGS}]({pictures}{TRAININGS}) how trainings went")
+        };
+        let mut text = format!(
+            "# Results\n\nMade by `jcas reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every campaign{trainings}.\n\n## \
+             The paper's two numbers\n\n",
+            self.summary()
+        );
+        text += &text::table(&NUMBERS_HEAD, &self.numbers());
+        if let Some(study) = Study::of(self.scale, self.table) {
+            text += &study.chapter(self.scale, self.table).markdown(pictures);
+        }
+        text += "\n## The paper's claims\n\n";
+        let rows: Vec<[String; 4]> = self
+            .claims()
+            .into_iter()
+            .map(|c| {
+                [
+                    c.claim.to_owned(),
+                    c.reading,
+                    c.measured,
+                    c.verdict.text().to_owned(),
+                ]
+            })
+            .collect();
+        text += &text::table(&CLAIMS_HEAD, &rows);
+        text += &format!("\n{}\n", self.trained());
+        for &preset in &self.scale.presets {
+            let rows: Vec<[String; 8]> = bars(self.scale, self.table, preset)
+                .iter()
+                .map(bars::Bar::texts)
+                .collect();
+            if rows.is_empty() {
+                continue;
+            }
+            text += &format!(
+                "\n## Every cell of the preset `{}` against the best baseline\n\nThe best baseline has the highest \
+                 success, then the shortest missions, among five baselines with three pilot rules.\n\n",
+                preset.name()
+            );
+            text += &text::table(&bars::HEAD, &rows);
+        }
+        let variations = self.variations();
+        if let (Some((uavs, hotspots)), false) =
+            (self.scale.variation_cell(), variations.is_empty())
+        {
+            text += &format!(
+                "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
+                 n = {hotspots}, with one thing changed at a time.\n\n"
+            );
+            text += &text::table(&VARIATION_HEAD, &variations);
+        }
+        for chapter in self.chapters() {
+            text += &chapter.markdown(pictures);
+        }
+        text += "\n## Pictures\n";
+        for picture in self.pictures() {
+            text += &format!("\n![{}]({pictures}{}.png)\n", picture.title, picture.name);
+        }
+        text
+    }
+
+    /// The studies that go beyond the paper, as far as they have been flown.
+    fn chapters(&self) -> impl Iterator<Item = Chapter> {
+        let all = [
+            search::chapter,
+            pilot::chapter,
+            endurance::chapter,
+            seeds::chapter,
+        ];
+        all.into_iter()
+            .filter_map(|chapter| chapter(self.scale, self.table))
+    }
+
+    /// Names of all pictures on the Markdown page.
+    pub fn pictures_on_page(&self) -> Vec<String> {
+        let study = Study::of(self.scale, self.table);
+        let study = study.map(|study| study.chapter(self.scale, self.table));
+        let chapters: Vec<Chapter> = study.into_iter().chain(self.chapters()).collect();
+        let of_chapters = chapters.iter().flat_map(Chapter::figures);
+        let names = self.pictures().map(|picture| picture.name);
+        names.chain(of_chapters).map(str::to_owned).collect()
+    }
+
+    /// Those of the pictures on the Markdown page that show something.
+    pub fn pictures(&self) -> impl Iterator<Item = &'static figures::Picture> {
+        PICTURES
+            .iter()
+            .filter(|picture| picture.on_page && picture.shows(self))
+    }
+
+    /// Draws every figure and writes the report.
+    pub fn write(&self, out: &Path) -> Result<(), TrainError> {
+        let mut report = Report::new(
+            "The paper's results, measured here",
+            &format!(
+                "A {} reproduction on this machine: {}.",
+                self.scale.name,
+                self.summary()
+            ),
+        );
+        report.section("The paper's two numbers");
+        report.table(&plain(
+            "Success and mission time",
+            NUMBERS_HEAD,
+            self.numbers(),
+        ));
+        let mut gallery = Gallery {
+            report: &mut report,
+            out,
+            section: String::new(),
+        };
+        if let Some(study) = Study::of(self.scale, self.table) {
+            gallery.chapter(&study.chapter(self.scale, self.table))?;
+        }
+        gallery.begin("Claims");
+        gallery
+            .report
+            .text("What the paper says, what was measured here, and whether it holds.");
+        gallery.report.table(&judged_table(self.claims()));
+        gallery.report.text(&self.trained());
+        for picture in PICTURES.iter().filter(|picture| picture.shows(self)) {
+            gallery.begin(picture.section);
+            gallery.add(picture.name, &picture.draw(self, out)?)?;
+        }
+        for &preset in &self.scale.presets {
+            let rows = bars(self.scale, self.table, preset);
+            if rows.is_empty() {
+                continue;
+            }
+            gallery.begin(&format!(
+                "Every cell of the preset `{}` against the best baseline",
+                preset.name()
+            ));
+            gallery.report.table(&bar_table(&rows));
+        }
+        let variations = self.variations();
+        if !variations.is_empty() {
+            gallery.begin("What the paper's training hangs on");
+            let caption = "The paper's training with one thing changed";
+            gallery
+                .report
+                .table(&plain(caption, VARIATION_HEAD, variations));
+        }
+        for chapter in self.chapters() {
+            gallery.chapter(&chapter)?;
+        }
+        let path = out.join("report.html");
+        report.write(&path).map_err(|error| drawn(&path)(error))
+    }
+}
+
+fn plain<const K: usize>(caption: &str, head: [&str; K], rows: Vec<[String; K]>) -> ReportTable {
+    ReportTable {
+        caption: caption.to_owned(),
+        head: head.map(str::to_owned).to_vec(),
+        rows: rows
+            .into_iter()
+            .map(|row| row.map(Cell::from).to_vec())
+            .collect(),
+    }
+}
+
+fn judged_table(judged: Vec<Judged>) -> ReportTable {
+    let row = |judged: Judged| {
+        let tone = match judged.verdict {
+            Verdict::Holds | Verdict::Exceeded => Tone::Good,
+            Verdict::Fails => Tone::Bad,
+            Verdict::NotMeasured => Tone::Plain,
+        };
+        vec![
+            judged.claim.into(),
+            judged.reading.into(),
+            judged.measured.into(),
+            Cell::from(judged.verdict.text()).tone(tone),
+        ]
+    };
+    ReportTable {
+        caption: "The paper's claims".to_owned(),
+        head: CLAIMS_HEAD.map(str::to_owned).to_vec(),
+        rows: judged.into_iter().map(row).collect(),
+    }
+}
+
+fn bar_table(rows: &[bars::Bar]) -> ReportTable {
+    let row = |bar: &bars::Bar| {
+        let mut cells = bar.texts().map(Cell::from).to_vec();
+        let good = bar.success_holds() && bar.time_holds();
+        let last = cells.len() - 1;
+        cells[last].tone = if good { Tone::Good } else { Tone::Bad };
+        cells
+    };
+    ReportTable {
+        caption: "Learned policy beside the best baseline on the same missions".to_owned(),
+        head: bars::HEAD.map(str::to_owned).to_vec(),
+        rows: rows.iter().map(row).collect(),
+    }
+}
+
+fn drawn(path: &Path) -> impl FnOnce(FigureError) -> TrainError {
+    TrainError::format(path)
+}
+
+struct Gallery<'a> {
+    report: &'a mut Report,
+    out: &'a Path,
+    section: String,
+}
+
+impl Gallery<'_> {
+    /// Starts a section unless it has begun.
+    fn begin(&mut self, heading: &str) {
+        if self.section != heading {
+            self.report.section(heading);
+            heading.clone_into(&mut self.section);
+        }
+    }
+
+    fn chapter(&mut self, chapter: &Chapter) -> Result<(), TrainError> {
+        self.begin(&chapter.heading);
+        for block in &chapter.blocks {
+            match block {
+                Block::Text(text) => {
+                    self.report.text(text);
+                }
+                Block::Table {
+                    caption,
+                    head,
+                    rows,
+                } => {
+                    let cells = |row: &Vec<String>| row.iter().map(Cell::from).collect();
+                    self.report.table(&ReportTable {
+                        caption: caption.clone(),
+                        head: head.clone(),
+                        rows: rows.iter().map(cells).collect(),
+                    });
+                }
+                Block::Figure { name, figure, .. } => self.add(name, figure.as_ref())?,
+            }
+        }
+        Ok(())
+    }
+
+    /// A figure in the report and in files of its own.
+    fn add(&mut self, name: &str, figure: &(impl Draw + ?Sized)) -> Result<(), TrainError> {
+        let svg = self.out.join(format!("{name}.svg"));
+        let text = figure.svg().map_err(drawn(&svg))?;
+        write_whole(&svg, text.as_bytes())?;
+        let png = self.out.join(format!("{name}.png"));
+        write_whole(&png, &figure.png().map_err(drawn(&png))?)?;
+        self.report.figure(figure, "").map_err(drawn(&svg))?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Scale;
+    use crate::table::testing::table;
+
+    #[test]
+    fn a_page_says_where_it_has_more_seeds_than_were_asked_for() {
+        let mut table = table("summary", &[(10, 3, 0), (10, 3, 1)]);
+        let summary = |seeds, table: &_| {
+            let scale = Scale {
+                given: vec!["ours".into()],
+                ..Scale::full(seeds)
+            };
+            let curves = &[];
+            Results {
+                scale: &scale,
+                table,
+                curves,
+            }
+            .summary()
+        };
+        assert!(summary(1, &table).contains("1 training seed(s), in some cells more;"));
+        assert!(summary(2, &table).contains("2 training seed(s);"));
+        assert!(summary(1, &table).ends_with("our policies are those of `ours`"));
+        for row in &mut table.rows {
+            row.policy = OURS.to_owned();
+        }
+        assert!(
+            summary(1, &table).ends_with("our policies are those of `ours` and of other seeds")
+        );
+    }
+}

@@ -1,0 +1,189 @@
+//! Who finds hidden hotspots, and how soon.
+
+use crate::chapter::{Block, Chapter};
+use crate::flight::{ADAPTIVE, Flight, OURS, Who};
+use crate::plan::Scale;
+use crate::table::{Quantity, Query, Row, Table, mean};
+use crate::text::list;
+use jcas_core::Preset;
+use jcas_figures::{Axis, Figure, Point, Series};
+use jcas_policy::{BaselineKind, PilotMode};
+
+/// Name in the table of results.
+const EXPERIMENT: &str = "grid";
+
+/// Scripts that look for what they do not know.
+fn searchers() -> impl Iterator<Item = BaselineKind> {
+    let all = BaselineKind::ALL.into_iter();
+    all.filter(|kind| !kind.reads_positions())
+}
+
+/// All of them, and ours, in every cell.
+pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
+    let mut flights = Vec::new();
+    for cell in scale.cells() {
+        let config = scale.mission(Preset::Search, cell);
+        let scripts = searchers().map(|kind| Who::Script(kind, PilotMode::Adaptive));
+        let ours = Who::Ours {
+            base: config,
+            held: None,
+        };
+        flights.extend(scripts.chain([ours]).map(|who| Flight {
+            experiment: (EXPERIMENT.to_owned(), 0.0),
+            preset: Preset::Search,
+            config,
+            who,
+        }));
+    }
+    flights
+}
+
+fn query(policy: &str) -> Query<'_> {
+    Query::new(EXPERIMENT, Preset::Search.name(), (policy, ADAPTIVE))
+}
+
+/// One cell of the grid: what each searcher came to in it, in the order of the heads.
+struct Place {
+    cell: (u32, u32),
+    rows: Vec<Vec<Row>>,
+}
+
+impl Place {
+    fn mean(&self, policy: usize, quantity: Quantity) -> Option<f64> {
+        let rows: Vec<&Row> = self.rows[policy].iter().collect();
+        Some(mean(&rows, quantity)?.value)
+    }
+
+    fn text(&self, policy: usize) -> String {
+        let both = [Quantity::Success, Quantity::Steps].map(|quantity| self.mean(policy, quantity));
+        match both {
+            [Some(success), Some(steps)] if success >= 0.9995 => format!("{steps:.1}"),
+            [Some(success), Some(steps)] => format!("{steps:.1} ({success:.3})"),
+            _ => String::new(),
+        }
+    }
+}
+
+/// How ours compares with the best script, cell by cell.
+struct Comparison {
+    /// Success no lower than the lower end of the script's interval.
+    succeeds: bool,
+    /// Steps over the script's.
+    time: f64,
+}
+
+/// The best script has the highest success, then the fewest steps.
+fn comparison(place: &Place, ours: usize) -> Option<Comparison> {
+    let scripts = place.rows[..ours].iter().flatten();
+    let best = scripts.max_by(|a, b| {
+        let key = |row: &Row| (row.success_rate, -row.mission_steps);
+        let (a, b) = (key(a), key(b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })?;
+    Some(Comparison {
+        succeeds: place.mean(ours, Quantity::Success)? >= best.success_rate_low,
+        time: place.mean(ours, Quantity::Steps)? / best.mission_steps,
+    })
+}
+
+/// The chapter as far as the table has it; none without a row.
+pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
+    let names: Vec<&str> = searchers().map(BaselineKind::name).chain([OURS]).collect();
+    let flown: Vec<&str> = names
+        .into_iter()
+        .filter(|name| !query(name).rows(table).is_empty())
+        .collect();
+    let places: Vec<Place> = scale
+        .cells()
+        .into_iter()
+        .map(|cell| Place {
+            cell,
+            rows: flown
+                .iter()
+                .map(|name| {
+                    let query = query(name).uavs(cell.0).hotspots(cell.1);
+                    query.rows(table).into_iter().cloned().collect()
+                })
+                .collect(),
+        })
+        .filter(|place| place.rows.iter().any(|rows| !rows.is_empty()))
+        .collect();
+    if places.is_empty() {
+        return None;
+    }
+    let mut text = format!(
+        "The preset `search` hides the hotspots. Mean steps to the end of {} missions a cell, pilot density `adaptive`; \
+         the share of missions that succeeded in brackets where it is not 1. A mission that did not succeed counts with \
+         its horizon.",
+        scale.episodes
+    );
+    let ours = flown.iter().position(|name| *name == OURS);
+    let compared: Vec<Comparison> = ours
+        .map(|ours| {
+            places
+                .iter()
+                .filter_map(|place| comparison(place, ours))
+                .collect()
+        })
+        .unwrap_or_default();
+    if !compared.is_empty() {
+        let count = |wanted: fn(&Comparison) -> bool| compared.iter().filter(|c| wanted(c)).count();
+        text += &format!(
+            " The learned policy succeeds no less often than the best script (within its interval) in {} of {} cells, \
+             takes at least a tenth fewer steps in {}, fewer in {}, and more than 3 % more in {}.",
+            count(|c| c.succeeds),
+            compared.len(),
+            count(|c| c.time <= 0.9),
+            count(|c| c.time < 1.0),
+            count(|c| c.time > 1.03),
+        );
+    }
+    let mut head = vec!["N".to_owned(), "n".to_owned()];
+    head.extend(flown.iter().map(|&name| name.to_owned()));
+    let rows = places
+        .iter()
+        .map(|place| {
+            let (uavs, hotspots) = place.cell;
+            let mut row = vec![uavs.to_string(), hotspots.to_string()];
+            row.extend((0..flown.len()).map(|policy| place.text(policy)));
+            row
+        })
+        .collect();
+    Some(Chapter {
+        heading: "Search".to_owned(),
+        blocks: vec![
+            Block::Text(text),
+            Block::Table {
+                caption: "Steps of all searchers".to_owned(),
+                head,
+                rows,
+            },
+            Block::figure(
+                "search_mission_time_over_uavs",
+                "Mission time over fleet size, preset search",
+                figure(scale, table, &flown),
+            ),
+        ],
+    })
+}
+
+fn figure(scale: &Scale, table: &Table, flown: &[&str]) -> Figure {
+    let mut figure = Figure::new(
+        "Mission time over fleet size, preset search",
+        Axis::new("UAVs", ""),
+        Axis::new(Quantity::Steps.title(), Quantity::Steps.unit()),
+    )
+    .note(format!(
+        "{} missions a cell, mean over n = {}; a mission without success counts with its horizon.",
+        scale.episodes,
+        list(&scale.hotspots)
+    ));
+    for &name in flown {
+        let points = scale.fleets.iter().filter_map(|&uavs| {
+            let e = query(name).uavs(uavs).mean(table, Quantity::Steps)?;
+            Some(Point::interval(f64::from(uavs), e.value, e.low, e.high))
+        });
+        figure = figure.with(Series::line(name, points.collect()));
+    }
+    figure
+}

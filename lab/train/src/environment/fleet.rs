@@ -1,0 +1,494 @@
+//! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
+
+use super::finding::Finding;
+use super::informing::{Informed, Informing};
+use super::lesson::Lesson;
+use super::progress::Progress;
+use super::survey::Survey;
+use super::{Episode, Shape, StepOut, VectorEnvironment};
+use crate::settings::Settings;
+use jcas_core::batch::BatchOut;
+use jcas_core::reward::{COMPONENTS, NAMES};
+use jcas_core::rng::derive_seed;
+use jcas_core::{Metrics, Model, Scratch};
+use jcas_simd::InstructionSet;
+use std::sync::Arc;
+
+/// What training changes about the missions it flies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Treatment {
+    /// Factor on each reward component.
+    pub factors: [f64; COMPONENTS],
+    /// Those of them that a pilot density has to do with in the same step; 0 elsewhere.
+    pilot_factors: [f64; COMPONENTS],
+    /// Subtracted in every step.
+    pub step_cost: f64,
+    /// Paid to each UAV for each cell of its own progress.
+    pub progress_reward: f64,
+    /// Paid to each UAV for each confirmation that it is expected to add.
+    pub finding_reward: f64,
+    /// The critic sees where hotspots may still be.
+    pub critic_survey: bool,
+    /// Paid to each UAV for each confirmed hotspot that it comes to know.
+    pub informing_reward: f64,
+    /// Paid to each UAV, once all is confirmed, for each cell nearer to somebody who knows others.
+    pub meeting_reward: f64,
+    /// Pilot action held, whatever the policy says.
+    pub constant_pilot: Option<f32>,
+}
+
+impl Treatment {
+    /// Of fleets of so many UAVs, from the settings' names; an unknown component is refused.
+    pub fn new(
+        settings: &Settings,
+        uavs: usize,
+        constant_pilot: Option<f32>,
+    ) -> Result<Treatment, String> {
+        let pay = settings.pay(uavs);
+        let mut treatment = Treatment {
+            factors: [1.0; COMPONENTS],
+            pilot_factors: [0.0; COMPONENTS],
+            step_cost: pay.step_cost,
+            progress_reward: settings.progress_reward,
+            finding_reward: pay.finding_reward,
+            critic_survey: settings.critic_survey,
+            informing_reward: settings.informing_reward,
+            meeting_reward: settings.meeting_reward,
+            constant_pilot,
+        };
+        for (name, &factor) in &settings.reward_factors {
+            let index = NAMES
+                .iter()
+                .position(|known| known == name)
+                .ok_or_else(|| {
+                    format!(
+                        "reward_factors.{name}: no such component; allowed: {}",
+                        NAMES.join(", ")
+                    )
+                })?;
+            treatment.factors[index] = factor;
+        }
+        for (index, name) in NAMES.iter().enumerate() {
+            if matches!(*name, "energy" | "throughput") {
+                treatment.pilot_factors[index] = treatment.factors[index];
+            }
+        }
+        Ok(treatment)
+    }
+
+    /// The reward for these components.
+    fn reward(&self, components: &[f64]) -> f64 {
+        paid(components, &self.factors) - self.step_cost
+    }
+
+    /// What of a UAV's reward comes of its pilot density in the same step.
+    fn pilot_gain(&self, components: &[f64], by_pilot: f64) -> f64 {
+        paid(components, &self.pilot_factors) + self.finding_reward * by_pilot
+    }
+}
+
+/// Components by their factors, summed.
+fn paid(components: &[f64], factors: &[f64; COMPONENTS]) -> f64 {
+    let each = components.iter().zip(factors);
+    each.map(|(component, factor)| component * factor).sum()
+}
+
+/// Missions of one configuration side by side.
+pub struct Fleet {
+    lesson: Lesson,
+    stage: u64,
+    seed: u64,
+    model: Arc<Model<'static>>,
+    treatment: Treatment,
+    environments: usize,
+    states: Vec<u64>,
+    scratch: Vec<u64>,
+    observations: Vec<f32>,
+    global: Vec<f32>,
+    final_global: Vec<f32>,
+    components: Vec<f64>,
+    uav_components: Vec<f64>,
+    progress: Progress,
+    informing: Informing,
+    informed: Informed,
+    /// Where it is paid for.
+    finding: Option<Finding>,
+    /// Where the critic sees it.
+    survey: Option<Survey>,
+    /// What training pays each UAV of a mission besides, and what it is paid for.
+    extra: [Vec<f64>; 2],
+    /// Confirmations that each UAV of a mission owes to its pilot density.
+    by_pilot: Vec<f64>,
+    rewards: Vec<f32>,
+    ended: [Vec<u8>; 2],
+    metrics: Vec<Metrics>,
+    held: Vec<f32>,
+}
+
+impl Fleet {
+    /// `environments` missions, reset with seed 0.
+    pub fn new(lesson: Lesson, environments: usize, treatment: Treatment) -> Fleet {
+        let stage = lesson.stage(0);
+        let model = lesson.model(stage);
+        let uavs = model.uav_count();
+        let mut fleet = Fleet {
+            lesson,
+            stage,
+            seed: 0,
+            environments,
+            states: vec![0; environments * model.state_words()],
+            scratch: vec![0; Scratch::words_for(&model)],
+            observations: vec![0.0; environments * uavs * model.observation_len()],
+            global: vec![0.0; environments * model.global_len()],
+            final_global: vec![0.0; environments * model.global_len()],
+            components: vec![0.0; environments * COMPONENTS],
+            uav_components: Vec::new(),
+            progress: Progress::new(environments, uavs),
+            informing: Informing::new(environments, uavs),
+            informed: Informed::default(),
+            finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
+            survey: treatment
+                .critic_survey
+                .then(|| Survey::new(environments, &model)),
+            extra: [vec![0.0; uavs], vec![0.0; uavs]],
+            by_pilot: vec![0.0; uavs],
+            rewards: vec![0.0; environments],
+            ended: [vec![0; environments], vec![0; environments]],
+            metrics: vec![Metrics::default(); environments],
+            held: vec![0.0; environments * 2 * uavs],
+            treatment,
+            model,
+        };
+        fleet.reset(0);
+        fleet
+    }
+
+    /// What missions of a stage are flown with.
+    fn enter(&mut self, stage: u64) {
+        self.stage = stage;
+        self.model = self.lesson.model(stage);
+        if let Some(finding) = &mut self.finding {
+            *finding = Finding::new(self.environments, &self.model);
+        }
+    }
+
+    fn start(&mut self, seed: u64) {
+        let seeds: Vec<u64> = (0..self.environments as u64)
+            .map(|m| derive_seed(seed, m))
+            .collect();
+        let mut scratch =
+            Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
+        self.model
+            .batch_reset(
+                &mut self.states,
+                &mut scratch,
+                &seeds,
+                &mut self.observations,
+                &mut self.global,
+            )
+            .expect("buffers are sized for this model");
+        self.look();
+    }
+
+    /// Lets progress and finding count from the states as they are.
+    fn look(&mut self) {
+        let states = self.states.chunks_exact(self.model.state_words());
+        for (m, state) in states.enumerate() {
+            let state = self.model.state(state).expect("a state of this model");
+            self.progress.start(m, &self.model, &state);
+            self.informing.start(m, &self.model, &state);
+            if let Some(finding) = &mut self.finding {
+                finding.start(m, &self.model, &state);
+            }
+        }
+    }
+
+    /// Draws the missions as they are, where the critic sees that.
+    fn draw(&mut self) {
+        let (Some(survey), Some(finding)) = (&mut self.survey, &self.finding) else {
+            return;
+        };
+        let states = self.states.chunks_exact(self.model.state_words());
+        for (m, state) in states.enumerate() {
+            let state = self.model.state(state).expect("a state of this model");
+            survey.draw(m, &self.model, &state, finding.missed(m));
+        }
+    }
+
+    /// Floats of the global state that the kernel does not write.
+    fn survey_len(&self) -> usize {
+        self.survey.as_ref().map_or(0, Survey::map_len)
+    }
+
+    /// What the critic sees of each mission: the state, and behind it the map that was last drawn.
+    fn join(&self, states: &[f32], out: &mut [f32]) {
+        let (state_len, map_len) = (self.model.global_len(), self.survey_len());
+        let maps = self.survey.as_ref().map_or(&[][..], Survey::maps);
+        for (m, row) in out.chunks_exact_mut(state_len + map_len).enumerate() {
+            let (state, map) = row.split_at_mut(state_len);
+            state.copy_from_slice(&states[m * state_len..(m + 1) * state_len]);
+            map.copy_from_slice(&maps[m * map_len..(m + 1) * map_len]);
+        }
+    }
+
+    /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training pays it besides, so
+    /// that their mean is the team's with the fleet's mean of that. A mission that ended has begun anew: what
+    /// completed it was news to somebody, nothing else is known of it.
+    fn pay(&mut self, m: usize, out: &mut StepOut) {
+        let words = self.model.state_words();
+        let state = &self.states[m * words..(m + 1) * words];
+        let state = self.model.state(state).expect("a state of this model");
+        let [extra, gained] = &mut self.extra;
+        extra.fill(0.0);
+        let by_pilot = match out.pilot_gains.len() {
+            0 => &mut [],
+            _ => &mut self.by_pilot[..],
+        };
+        by_pilot.fill(0.0);
+        if out.terminated[m] || out.truncated[m] {
+            if out.terminated[m] {
+                self.informing.completed(m, &self.model, &mut self.informed);
+                add(
+                    extra,
+                    self.treatment.informing_reward,
+                    &self.informed.hotspots,
+                );
+            }
+            self.progress.start(m, &self.model, &state);
+            self.informing.start(m, &self.model, &state);
+            if let Some(finding) = &mut self.finding {
+                finding.start(m, &self.model, &state);
+            }
+        } else {
+            self.progress.gained(m, &self.model, &state, gained);
+            add(extra, self.treatment.progress_reward, gained);
+            let informed = &mut self.informed;
+            self.informing.gained(m, &self.model, &state, informed);
+            add(extra, self.treatment.informing_reward, &informed.hotspots);
+            add(extra, self.treatment.meeting_reward, &informed.cells);
+            if let Some(finding) = &mut self.finding {
+                finding.gained(m, &self.model, &state, gained, by_pilot);
+                add(extra, self.treatment.finding_reward, gained);
+            }
+        }
+        let uavs = extra.len();
+        let components = || self.uav_components.chunks_exact(COMPONENTS);
+        let own = out.pilot_gains.iter_mut().zip(components());
+        for ((gain, components), by_pilot) in own.skip(m * uavs).zip(by_pilot) {
+            *gain = self.treatment.pilot_gain(components, *by_pilot) as f32;
+        }
+        if out.rewards.len() > self.environments {
+            let own = out.rewards.iter_mut().zip(components()).skip(m * uavs);
+            for ((reward, components), extra) in own.zip(&*extra) {
+                *reward = (self.treatment.reward(components) + extra) as f32;
+            }
+        } else {
+            let components = &self.components[m * COMPONENTS..(m + 1) * COMPONENTS];
+            let team = self.treatment.reward(components);
+            let mean = extra.iter().sum::<f64>() / uavs as f64;
+            out.rewards[m] = (team + mean) as f32;
+        }
+    }
+}
+
+fn add(sums: &mut [f64], weight: f64, values: &[f64]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += weight * value;
+    }
+}
+
+impl VectorEnvironment for Fleet {
+    fn shape(&self) -> Shape {
+        let config = self.model.config();
+        Shape {
+            environments: self.environments,
+            agents: self.model.uav_count(),
+            observation_len: self.model.observation_len(),
+            global_len: self.model.global_len() + self.survey_len(),
+            survey_len: self.survey_len(),
+            hotspots: self.model.hotspot_count(),
+            neighbour_slots: self.model.neighbour_slots(),
+            grid: [config.grid_width, config.grid_height],
+        }
+    }
+
+    fn reset(&mut self, seed: u64) {
+        self.seed = seed;
+        self.start(seed);
+    }
+
+    fn begin_batch(&mut self, batch: u64) {
+        let stage = self.lesson.stage(batch);
+        if stage != self.stage {
+            self.enter(stage);
+            self.start(derive_seed(self.seed, u64::MAX - stage));
+        }
+    }
+
+    fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
+        observations.copy_from_slice(&self.observations);
+        self.draw();
+        self.join(&self.global, global);
+    }
+
+    fn companions(&self, out: &mut [Option<usize>]) {
+        let uavs = self.model.uav_count();
+        let states = self.states.chunks_exact(self.model.state_words());
+        for (m, (out, state)) in out.chunks_exact_mut(uavs).zip(states).enumerate() {
+            let state = self.model.state(state).expect("a state of this model");
+            for (uav, companion) in out.iter_mut().enumerate() {
+                let before = (0..uav).rev();
+                *companion = before
+                    .map(|other| (other, state.cell(other)))
+                    .find(|&(_, cell)| cell == state.cell(uav))
+                    .map(|(other, _)| m * uavs + other);
+            }
+        }
+    }
+
+    fn step(&mut self, actions: &[f32], out: &mut StepOut) {
+        self.held.copy_from_slice(actions);
+        if let Some(pilot) = self.treatment.constant_pilot {
+            self.held
+                .chunks_exact_mut(2)
+                .for_each(|action| action[1] = pilot);
+        }
+        if out.rewards.len() > self.environments || !out.pilot_gains.is_empty() {
+            let rows = self.held.len() / 2;
+            self.uav_components.resize(rows * COMPONENTS, 0.0);
+        }
+        let [terminated, truncated] = &mut self.ended;
+        let mut scratch =
+            Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
+        InstructionSet::best()
+            .batch_step(
+                &self.model,
+                &mut self.states,
+                &mut scratch,
+                &self.held,
+                true,
+                &mut BatchOut {
+                    observations: &mut self.observations,
+                    global: &mut self.global,
+                    rewards: &mut self.rewards,
+                    components: &mut self.components,
+                    terminated,
+                    truncated,
+                    final_observations: &mut out.final_observations,
+                    final_global: &mut self.final_global,
+                    final_metrics: &mut self.metrics,
+                    uav_components: &mut self.uav_components,
+                    ..BatchOut::default()
+                },
+            )
+            .expect("actions of a head are numbers, and missions start anew by themselves");
+        out.finished.clear();
+        for m in 0..self.environments {
+            out.terminated[m] = self.ended[0][m] == 1;
+            out.truncated[m] = self.ended[1][m] == 1;
+            self.pay(m, out);
+            if out.terminated[m] || out.truncated[m] {
+                out.finished.push(Episode::of(&self.metrics[m]));
+            }
+        }
+        if !out.finished.is_empty() {
+            // With the maps of before the step: what is searched now is of the missions that follow.
+            self.join(&self.final_global, &mut out.final_global);
+        }
+    }
+
+    fn save(&self) -> Vec<u8> {
+        let finding = self.finding.iter().flat_map(Finding::save);
+        std::iter::once(self.stage)
+            .chain(self.states.iter().copied())
+            .chain(finding)
+            .flat_map(u64::to_le_bytes)
+            .collect()
+    }
+
+    /// The stage, the states, what has not been found where that is paid for; observations follow.
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let finding = self.finding.as_ref().map_or(0, Finding::words);
+        let expected = (1 + self.states.len() + finding) * 8;
+        if bytes.len() != expected {
+            return Err(format!(
+                "environment state: {} bytes, this run needs {expected}",
+                bytes.len()
+            ));
+        }
+        let mut stage = self.stage;
+        let words = std::iter::once(&mut stage).chain(&mut self.states);
+        let mut saved = bytes
+            .chunks_exact(8)
+            .map(|bytes| u64::from_le_bytes(bytes.try_into().expect("chunks of eight")));
+        for (word, saved) in words.zip(&mut saved) {
+            *word = saved;
+        }
+        self.enter(stage);
+        let words = self.model.state_words();
+        let rows = self.model.uav_count() * self.model.observation_len();
+        let global_len = self.model.global_len();
+        let mut scratch =
+            Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
+        for (m, state) in self.states.chunks_exact(words).enumerate() {
+            let state = self.model.state(state).map_err(|error| error.to_string())?;
+            let observations = &mut self.observations[m * rows..(m + 1) * rows];
+            jcas_core::observation::observe(&self.model, &state, &mut scratch, observations)
+                .map_err(|error| error.to_string())?;
+            let global = &mut self.global[m * global_len..(m + 1) * global_len];
+            jcas_core::observation::observe_global(&self.model, &state, global)
+                .map_err(|error| error.to_string())?;
+        }
+        self.look();
+        if let Some(finding) = &mut self.finding {
+            finding.load(saved);
+        }
+        Ok(())
+    }
+}
+
+impl Episode {
+    /// What the log keeps of a mission.
+    pub fn of(metrics: &Metrics) -> Episode {
+        Episode {
+            return_sum: metrics.return_sum,
+            success: metrics.terminated,
+            steps: metrics.steps,
+            energy_kwh: metrics.energy_kwh,
+            throughput: metrics.throughput_mean,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Curriculum, Preset};
+    use jcas_core::Config;
+
+    // From a radar that detects nothing to that of the preset, and back by what was saved.
+    #[test]
+    fn a_stage_pays_for_what_its_own_radar_detects() {
+        let settings = Settings {
+            curriculum: Some(Curriculum {
+                threshold_db: 100.0,
+                batches: 1,
+                stages: 1,
+            }),
+            ..Settings::preset(Preset::Search)
+        };
+        let lesson = Lesson::new(&Config::preset(jcas_core::Preset::Search), &settings).unwrap();
+        let treatment = Treatment::new(&settings, 10, None).unwrap();
+        let mut fleet = Fleet::new(lesson, 2, treatment);
+        let (first, saved) = (fleet.finding.clone(), fleet.save());
+        fleet.begin_batch(1);
+        let mut fresh = Finding::new(2, &fleet.model);
+        for (m, words) in fleet.states.chunks(fleet.model.state_words()).enumerate() {
+            fresh.start(m, &fleet.model, &fleet.model.state(words).unwrap());
+        }
+        assert_eq!(fleet.finding.as_ref(), Some(&fresh));
+        assert_ne!(fleet.finding, first);
+        fleet.load(&saved).unwrap();
+        assert_eq!(fleet.finding, first);
+    }
+}

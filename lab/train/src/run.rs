@@ -1,0 +1,357 @@
+//! A training run from its plan to its policy files: checkpoints, metrics, evaluation.
+
+use crate::checkpoint;
+use crate::environment::VectorEnvironment;
+use crate::environment::fleet::{Fleet, Treatment};
+use crate::environment::lesson::Lesson;
+use crate::error::TrainError;
+use crate::metrics::tensorboard::EventFile;
+use crate::metrics::{MetricsFile, Row};
+use crate::policy::Actor;
+use crate::policy::files::{Precision, save};
+use crate::settings::Settings;
+use crate::speed::{self, Speed};
+use crate::store::write_whole;
+use crate::trainer::Trainer;
+use jcas_core::{Config, Metrics, Model};
+use jcas_episode::card::{self, Card, EVALUATION_SEED, Evaluation};
+use jcas_episode::mission::{self, Campaign};
+use jcas_policy::head::Mode;
+use jcas_policy::{Trained, action_of};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Checkpoint of a run in its folder.
+pub const CHECKPOINT: &str = "checkpoint.safetensors";
+/// Metrics of a run in its folder.
+pub const METRICS: &str = "metrics.csv";
+/// Times and rates of a run in its folder; they differ from run to run.
+pub const SPEED: &str = "speed.json";
+
+/// What to train, and where to put it.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// How to train.
+    pub settings: Settings,
+    /// On which missions; several make one policy for all (network `set`).
+    pub configs: Vec<Config>,
+    /// Folder of the run.
+    pub out: PathBuf,
+    /// Name of the policy in reports.
+    pub name: String,
+    /// Width of the stored weights.
+    pub precision: Precision,
+}
+
+/// What a run begins with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Random weights; a folder that holds a run already is refused.
+    Nothing,
+    /// Random weights, or the run that the folder holds already.
+    Resume,
+    /// What the run in that folder has learnt, under whatever settings; as new as the first.
+    Run(PathBuf),
+}
+
+/// Watches a run.
+pub trait Observer {
+    /// After every iteration: its row, iterations in all, seconds left as forecast.
+    fn iteration(&mut self, row: &Row, total: u64, left_s: f64);
+    /// Before every iteration: whether to stop here, with a checkpoint.
+    fn stop(&mut self) -> bool;
+}
+
+/// Nobody watches.
+pub struct Unwatched;
+
+impl Observer for Unwatched {
+    fn iteration(&mut self, _row: &Row, _total: u64, _left_s: f64) {}
+
+    fn stop(&mut self) -> bool {
+        false
+    }
+}
+
+/// How a run ended.
+pub enum Ending {
+    /// Trained to the end; the policy is written.
+    Finished(Box<Card>),
+    /// Stopped when asked; the checkpoint is written.
+    Stopped,
+}
+
+fn models(configs: &[Config]) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
+    let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
+    configs
+        .iter()
+        .map(|&config| Model::new(config).map(Arc::new).map_err(refused))
+        .collect()
+}
+
+impl Plan {
+    /// Names the run in its checkpoint, so that another is not continued by mistake.
+    fn identity(&self) -> String {
+        let hashes: Vec<String> = self
+            .configs
+            .iter()
+            .map(|config| format!("0x{:016x}", config.hash()))
+            .collect();
+        let settings = serde_json::to_string(&self.settings).unwrap_or_default();
+        format!("configurations {}; settings {settings}", hashes.join(", "))
+    }
+
+    fn constant_pilot(&self) -> Option<f32> {
+        let density = self.settings.constant_pilot?;
+        Some(action_of(&self.configs[0], density))
+    }
+
+    /// A trainer at its start.
+    pub fn trainer(&self) -> Result<Trainer, TrainError> {
+        let settings = &self.settings;
+        settings.validate().map_err(TrainError::Setting)?;
+        let count = self.configs.len();
+        if count == 0 || count > settings.workers {
+            return Err(TrainError::Setting(format!(
+                "workers: {} cannot share {} configurations, allowed: 1 to workers",
+                settings.workers, count
+            )));
+        }
+        let missions = settings.environments / settings.workers;
+        let fleets: Vec<(Lesson, Treatment)> = self
+            .configs
+            .iter()
+            .map(|config| {
+                let lesson = Lesson::new(config, settings)?;
+                let treatment =
+                    Treatment::new(settings, config.uav_count as usize, self.constant_pilot())?;
+                Ok((lesson, treatment))
+            })
+            .collect::<Result<_, _>>()
+            .map_err(TrainError::Setting)?;
+        let workers = (0..settings.workers)
+            .map(|worker| {
+                let (lesson, treatment) = fleets[worker * count / settings.workers].clone();
+                Box::new(Fleet::new(lesson, missions, treatment)) as Box<dyn VectorEnvironment>
+            })
+            .collect();
+        Trainer::new(settings.clone(), workers).map_err(TrainError::Setting)
+    }
+
+    /// The trainer as the run begins.
+    fn begin(&self, origin: &Origin) -> Result<Trainer, TrainError> {
+        let checkpoint = self.out.join(CHECKPOINT);
+        let mut trainer = self.trainer()?;
+        match origin {
+            Origin::Resume if checkpoint.exists() => {
+                checkpoint::load(&mut trainer, &self.identity(), &checkpoint)?;
+            }
+            _ if checkpoint.exists() => {
+                return Err(TrainError::Setting(format!(
+                    "{}: holds a run already; continue it with --resume or give another folder",
+                    self.out.display()
+                )));
+            }
+            Origin::Run(folder) => {
+                checkpoint::load_learnt(&mut trainer, &folder.join(CHECKPOINT))?;
+            }
+            Origin::Nothing | Origin::Resume => {}
+        }
+        Ok(trainer)
+    }
+
+    /// Trains to the end, or until the observer stops it.
+    pub fn train(
+        &self,
+        origin: &Origin,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, TrainError> {
+        let mut trainer = self.begin(origin)?;
+        std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
+        let checkpoint = self.out.join(CHECKPOINT);
+        if let Origin::Run(_) = origin {
+            // The settings do not say what it began with: killed before its first batch, it could not go on.
+            checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
+        }
+        let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
+        let mut events = EventFile::create(&self.out)?;
+        let mut speed = Speed::new(speed::plain_product_gflops());
+        let horizons = self.configs.iter().map(|c| u64::from(c.horizon_steps));
+        let horizon = horizons.max().unwrap_or(0);
+        while !trainer.finished() {
+            if observer.stop() {
+                checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
+                metrics.write()?;
+                return Ok(Ending::Stopped);
+            }
+            let iteration = trainer.iterate();
+            let samples = trainer
+                .workers
+                .iter()
+                .map(|worker| (worker.shape().rows() * trainer.settings.steps_per_batch()) as u64)
+                .sum();
+            let mut row = Row::of(&iteration, trainer.settings.batch_steps as u64, samples);
+            let flown = trainer.iterations * trainer.settings.steps_per_batch() as u64;
+            row.first_to_end = flown < horizon;
+            speed.add(&row);
+            let every = self.settings.evaluate_every as u64;
+            if every > 0 && trainer.iterations.is_multiple_of(every) {
+                row.evaluated(&in_best_mode(&self.evaluations(&self.actor(&trainer))?));
+            }
+            metrics.push(&row)?;
+            events.scalars(row.iteration, &row.scalars())?;
+            let total = trainer.total_iterations();
+            let left_s = speed.seconds_per_iteration() * (total - trainer.iterations) as f64;
+            observer.iteration(&row, total, left_s);
+            let due = trainer
+                .iterations
+                .is_multiple_of(trainer.settings.checkpoint_every as u64);
+            if due || trainer.finished() {
+                checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
+                metrics.write()?;
+            }
+        }
+        self.conclude(&trainer, &mut speed)
+    }
+
+    /// The actor as it stands, apart from the trainer.
+    pub fn actor(&self, trainer: &Trainer) -> Actor {
+        Actor {
+            network: trainer.actor.network.clone(),
+            parameters: trainer.actor.parameters.clone(),
+            head: trainer.settings.head,
+            inputs: trainer.observation_inputs(),
+            constant_pilot: self.constant_pilot(),
+        }
+    }
+
+    /// The missions that it is trained for, each once, however often it is flown.
+    fn missions(&self) -> Vec<Config> {
+        let mut missions: Vec<Config> = Vec::new();
+        for config in &self.configs {
+            if !missions.contains(config) {
+                missions.push(*config);
+            }
+        }
+        missions
+    }
+
+    /// The policy as it stands on every mission it is trained for, in every mode.
+    fn evaluations(&self, actor: &Actor) -> Result<Vec<Evaluation>, TrainError> {
+        let episodes = self.settings.evaluation_episodes as u64;
+        let policies = Mode::ALL.map(|mode| (mode, actor.fly("policy", mode)));
+        let mut evaluations = Vec::new();
+        for model in models(&self.missions())? {
+            for (mode, policy) in &policies {
+                evaluations.push(evaluate(&model, policy, *mode, episodes, EVALUATION_SEED)?);
+            }
+        }
+        Ok(evaluations)
+    }
+
+    /// Evaluates in every mode, keeps the best, writes policy and speed.
+    fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Ending, TrainError> {
+        let actor = self.actor(trainer);
+        let started = Instant::now();
+        let evaluations = self.evaluations(&actor)?;
+        speed.evaluation_s = started.elapsed().as_secs_f64();
+        let config = self.configs[0];
+        let card = Card {
+            format: card::FORMAT,
+            name: self.name.clone(),
+            head: actor.head,
+            architecture: json(&actor.network.architecture)?,
+            normalised_inputs: !actor.inputs.offset.is_empty(),
+            constant_pilot_density: self.settings.constant_pilot,
+            mode: best_mode(&evaluations),
+            trained_on: self
+                .missions()
+                .iter()
+                .map(|c| (c.uav_count, c.hotspot_count))
+                .collect(),
+            config,
+            config_hash: format!("0x{:016x}", config.hash()),
+            settings: Some(json(&self.settings)?),
+            environment_steps: Some(trainer.environment_steps),
+            evaluations,
+        };
+        save(&self.out, &actor, &card, self.precision)?;
+        // A finished run that is only written again has timed nothing.
+        if speed.iterations > 0 {
+            let path = self.out.join(SPEED);
+            let text = serde_json::to_string_pretty(speed).map_err(TrainError::format(&path))?;
+            write_whole(&path, (text + "\n").as_bytes())?;
+        }
+        Ok(Ending::Finished(Box::new(card)))
+    }
+}
+
+/// The value as a card holds it. The detour by way of text keeps the short form of an f32.
+fn json(value: &impl serde::Serialize) -> Result<serde_json::Value, TrainError> {
+    let text = serde_json::to_string(value);
+    text.and_then(|text| serde_json::from_str(&text))
+        .map_err(|error| TrainError::Setting(error.to_string()))
+}
+
+/// The first mode that none exceeds in success on average, or in speed where both succeed as often.
+fn best_mode(evaluations: &[Evaluation]) -> Mode {
+    let of_mode = |mode| score(evaluations.iter().filter(move |e| e.mode == mode));
+    let better = |best, mode| {
+        if of_mode(mode) > of_mode(best) {
+            mode
+        } else {
+            best
+        }
+    };
+    Mode::ALL.into_iter().fold(Mode::Deterministic, better)
+}
+
+/// How well missions went on average: ten steps of mission time weigh as much as one mission in ten.
+pub(crate) fn score<'e>(evaluations: impl IntoIterator<Item = &'e Evaluation>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for evaluation in evaluations {
+        sum += evaluation.success_rate - 0.01 * evaluation.mission_steps_mean;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// The evaluations in the mode that does best.
+fn in_best_mode(evaluations: &[Evaluation]) -> Vec<Evaluation> {
+    let mode = best_mode(evaluations);
+    let of_mode = evaluations.iter().filter(|e| e.mode == mode);
+    of_mode.cloned().collect()
+}
+
+/// Flies missions with an actor that flies in this mode, and sums them up.
+pub fn evaluate(
+    model: &Model<'static>,
+    policy: &Trained,
+    mode: Mode,
+    episodes: u64,
+    seed: u64,
+) -> Result<Evaluation, TrainError> {
+    let missions = mission::fly(
+        model,
+        Campaign { episodes, seed },
+        &|| Box::new(policy.clone()),
+        &|| ControlFlow::Continue(()),
+    )
+    .map_err(|error| TrainError::Setting(error.to_string()))?;
+    let horizon = model.config().horizon_steps;
+    let mean =
+        |of: &dyn Fn(&Metrics) -> f64| missions.iter().map(of).sum::<f64>() / missions.len() as f64;
+    Ok(Evaluation {
+        uav_count: model.config().uav_count,
+        hotspot_count: model.config().hotspot_count,
+        mode,
+        episodes,
+        seed,
+        success_rate: mean(&|m| f64::from(u8::from(m.terminated))),
+        mission_steps_mean: mean(&|m| f64::from(if m.terminated { m.steps } else { horizon })),
+        energy_kwh_mean: mean(&|m| m.energy_kwh),
+        throughput_mean: mean(&|m| m.throughput_mean),
+    })
+}

@@ -1,0 +1,138 @@
+//! A run that goes on: from where it was stopped or killed, or from what another has learnt.
+
+use crate::{StopAfter, fleets, plan, settings};
+use jcas_train::policy::files;
+use jcas_train::run::{Ending, Origin, Plan, Unwatched};
+use jcas_train::settings::{NetworkKind, Settings};
+
+fn weights(plan: &Plan) -> Vec<u8> {
+    std::fs::read(plan.out.join(jcas_episode::card::WEIGHTS)).unwrap()
+}
+
+/// Stopped twice, or killed between checkpoints, a run ends with the same
+/// policy file, card and metrics (times apart) as one that was never stopped.
+#[test]
+fn a_resumed_run_ends_as_if_never_stopped() {
+    for network in [NetworkKind::Mlp, NetworkKind::Set] {
+        let whole = plan(&format!("whole-{network:?}"), settings(network));
+        whole.train(&Origin::Nothing, &mut Unwatched).unwrap();
+
+        let parts = plan(&format!("parts-{network:?}"), settings(network));
+        for stop in [1, 4] {
+            let ending = parts.train(&Origin::Resume, &mut StopAfter(stop)).unwrap();
+            assert!(matches!(ending, Ending::Stopped));
+        }
+        parts.train(&Origin::Resume, &mut Unwatched).unwrap();
+        assert_eq!(weights(&whole), weights(&parts));
+        let lines = |plan: &Plan| -> Vec<String> {
+            let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
+            // The columns up to the wall time are the same in every run; the rest are times.
+            let before = |head: &str| head.split(',').position(|name| name == "wall_s");
+            let columns = before(text.lines().next().unwrap()).unwrap();
+            text.lines()
+                .map(|line| line.split(',').take(columns).collect::<Vec<_>>().join(","))
+                .collect()
+        };
+        assert_eq!(lines(&whole), lines(&parts));
+        assert_eq!(lines(&whole).len(), 8);
+
+        let killed = plan(&format!("killed-{network:?}"), settings(network));
+        killed.train(&Origin::Nothing, &mut StopAfter(4)).unwrap();
+        // What a kill after the checkpoint of iteration 4 may leave: half a file beside it.
+        std::fs::write(killed.out.join("checkpoint.safetensors.part"), b"half").unwrap();
+        killed.train(&Origin::Resume, &mut Unwatched).unwrap();
+        assert_eq!(weights(&whole), weights(&killed));
+        for plan in [whole, parts, killed] {
+            std::fs::remove_dir_all(plan.out).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
+    let first = plan("held", settings(NetworkKind::Mlp));
+    first.train(&Origin::Nothing, &mut StopAfter(1)).unwrap();
+    let again = first
+        .train(&Origin::Nothing, &mut Unwatched)
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(again.contains("--resume"), "{again}");
+    let mut other = first.clone();
+    other.settings.discount = 0.9;
+    let refused = other
+        .train(&Origin::Resume, &mut Unwatched)
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(refused.contains("other settings"), "{refused}");
+    std::fs::remove_dir_all(first.out).unwrap();
+}
+
+/// Begun with what another run has learnt, a run of no steps ends with its weights, whatever it would have trained with.
+#[test]
+fn a_run_begins_with_what_another_has_learnt() {
+    let first = plan("taught", settings(NetworkKind::Set));
+    let Ending::Finished(taught) = first.train(&Origin::Nothing, &mut Unwatched).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    let other = Settings {
+        seed: 5,
+        total_steps: 0,
+        batch_steps: 512,
+        workers: 2,
+        discount: 0.9,
+        ..settings(NetworkKind::Set)
+    };
+    let second = plan("begun", other.clone());
+    let origin = Origin::Run(first.out.clone());
+    let Ending::Finished(card) = second.train(&origin, &mut Unwatched).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    assert_eq!(weights(&first), weights(&second));
+    // Killed before its first batch, it still goes on from there.
+    second.train(&Origin::Resume, &mut Unwatched).unwrap();
+    assert_eq!(weights(&first), weights(&second));
+    assert_eq!(card.environment_steps, taught.environment_steps);
+    assert_eq!(card.environment_steps, Some(7 * 256));
+    // It is as new as any other: it trains all of its own steps.
+    let third = plan(
+        "trained-on",
+        Settings {
+            total_steps: 512,
+            ..other.clone()
+        },
+    );
+    let Ending::Finished(card) = third.train(&origin, &mut Unwatched).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    assert_ne!(weights(&first), weights(&third));
+    assert_eq!(card.environment_steps, Some(7 * 256 + 512));
+    // With networks over sets, also on fleets of another size.
+    let mut fourth = plan("another-fleet", other.clone());
+    fourth.configs = vec![fleets()[1]];
+    fourth.train(&origin, &mut Unwatched).unwrap();
+    assert_eq!(weights(&first), weights(&fourth));
+
+    let larger = plan(
+        "larger",
+        Settings {
+            actor_hidden: vec![32, 16],
+            ..other
+        },
+    );
+    for (origin, named) in [
+        (origin, "actor.parameters"),
+        (
+            Origin::Run(larger.out.join("nothing")),
+            "checkpoint.safetensors",
+        ),
+    ] {
+        let refused = larger.train(&origin, &mut Unwatched).err().unwrap();
+        assert!(refused.to_string().contains(named), "{refused}");
+        assert!(!larger.out.exists());
+    }
+    for plan in [first, second, third, fourth] {
+        std::fs::remove_dir_all(plan.out).unwrap();
+    }
+}

@@ -1,0 +1,295 @@
+//! What a run leaves flies as it was trained: from its files, over any fleet that it fits, in onnxruntime too.
+
+use crate::{config, fleets, plan, settings};
+use burn_tensor::Device;
+use jcas_core::{Config, Model};
+use jcas_episode::card;
+use jcas_policy::Policy;
+use jcas_policy::head::{Head, Mode};
+use jcas_train::network::{Architecture, values};
+use jcas_train::policy::files::{self, Precision};
+use jcas_train::policy::{Actor, onnx, shape_of};
+use jcas_train::run::{Origin, Unwatched};
+use jcas_train::settings::{NetworkKind, Settings};
+use std::path::Path;
+
+fn observations(model: &Model<'static>) -> Vec<f32> {
+    let mut sim = jcas_core::Sim::new(model);
+    sim.reset(3);
+    let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+    for step in 0..6 {
+        let actions: Vec<f32> = (0..model.action_len())
+            .map(|k| ((k * 7 + step * 3) % 11) as f32 / 5.5 - 1.0)
+            .collect();
+        sim.step(&actions).unwrap();
+    }
+    sim.observe(&mut observations).unwrap();
+    observations
+}
+
+/// A policy read back acts as the trained one; in half precision nearly so.
+#[test]
+fn policies_read_back_as_written() {
+    let plan = plan("store", settings(NetworkKind::Mlp));
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    let model = Model::new(config()).unwrap();
+    card::load(&plan.out).unwrap().check(&model).unwrap();
+    let (card, stored) = files::load(&plan.out).unwrap();
+    let mut trainer = plan.trainer().unwrap();
+    while !trainer.finished() {
+        trainer.iterate();
+    }
+    let trained = plan.actor(&trainer);
+    assert_eq!(stored, trained);
+
+    files::save(&plan.out, &trained, &card, Precision::Half).unwrap();
+    let (_, half) = files::load(&plan.out).unwrap();
+    let outputs = |actor: &Actor| {
+        actor
+            .fly("p", Mode::Deterministic)
+            .outputs(&model, &observations(&model))
+            .unwrap()
+    };
+    for (a, b) in outputs(&trained).iter().zip(outputs(&half)) {
+        assert!((a - b).abs() < 0.02, "{a} {b}");
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Flights use the inference that every host uses, learning uses tensors: the same function.
+fn same_outputs(actor: &Actor, model: &Model<'static>) {
+    let weights = actor.network.tensors(&actor.parameters, &Device::flex());
+    let mut inputs = observations(model);
+    let mut policy = actor.fly("p", Mode::Deterministic);
+    let flown = policy.outputs(model, &inputs).unwrap();
+    actor.inputs.apply(&mut inputs);
+    let learnt = values(actor.network.forward(&weights, inputs, &shape_of(model)));
+    assert_eq!(flown.len(), learnt.len());
+    for (flown, learnt) in flown.iter().zip(learnt) {
+        let error = (flown - learnt).abs() / learnt.abs().max(1.0);
+        assert!(error < 1e-5, "{flown} {learnt}");
+    }
+}
+
+#[test]
+fn what_flies_is_what_was_trained() {
+    let model = Model::new(config()).unwrap();
+    for network in [NetworkKind::Mlp, NetworkKind::Set] {
+        let plan = plan(&format!("flies-{network:?}"), settings(network));
+        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+        same_outputs(&files::load(&plan.out).unwrap().1, &model);
+        std::fs::remove_dir_all(&plan.out).unwrap();
+    }
+}
+
+/// A mission of another size is refused with both sizes named.
+#[test]
+fn a_policy_that_does_not_fit_is_refused() {
+    let plan = plan("fit", settings(NetworkKind::Mlp));
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    let stored = card::load(&plan.out).unwrap();
+    let other = Model::new(Config {
+        uav_count: 6,
+        ..config()
+    })
+    .unwrap();
+    let refusal = stored.check(&other).unwrap_err().to_string();
+    for part in ["32", "38", "uav_count = 4", "uav_count = 6"] {
+        assert!(refusal.contains(part), "{part} is missing in: {refusal}");
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// A set network that reads tags flies alike whether the mission shows them or not; it reads no other maps
+/// than those that it was trained with.
+#[test]
+fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
+    let tagged = Config {
+        uav_tag: jcas_core::UavTag::Index,
+        ..config()
+    };
+    let mut plan = plan("tags", settings(NetworkKind::Set));
+    plan.configs = vec![tagged];
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    let stored = card::load(&plan.out).unwrap();
+    // At the start all UAVs see the same but for their tags.
+    let outputs = |config: Config| {
+        let model = Model::new(config).unwrap();
+        stored.check(&model).unwrap();
+        let mut sim = jcas_core::Sim::new(&model);
+        sim.reset(5);
+        let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+        sim.observe(&mut observations).unwrap();
+        let mut policy = stored.policy(None);
+        policy.outputs(&model, &observations).unwrap()
+    };
+    let shown = outputs(tagged);
+    assert_eq!(shown, outputs(config()));
+    let rows: Vec<_> = shown.chunks_exact(shown.len() / 4).collect();
+    assert!(rows.windows(2).all(|pair| pair[0] != pair[1]));
+
+    let mapped = Config {
+        map_directions: jcas_core::MapDirections::Shown,
+        search_maps: jcas_core::SearchMaps::Shared,
+        ..tagged
+    };
+    let refusal = stored.check(&Model::new(mapped).unwrap()).unwrap_err();
+    assert!(refusal.to_string().contains("map_directions"), "{refusal}");
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// The set network learns over search maps, and what flies is what it learned.
+#[test]
+fn the_set_network_reads_search_maps() {
+    let searched = Config {
+        uav_count: 4,
+        hotspot_count: 3,
+        horizon_steps: 20,
+        ..Config::preset(jcas_core::Preset::Search)
+    };
+    let without_tours = Settings {
+        actor_tours: false,
+        ..settings(NetworkKind::Set)
+    };
+    let mut plan = plan("maps", without_tours);
+    plan.configs = vec![searched];
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    let stored = card::load(&plan.out).unwrap();
+    let model = Model::new(searched).unwrap();
+    stored.check(&model).unwrap();
+    let (_, actor) = files::load(&plan.out).unwrap();
+    same_outputs(&actor, &model);
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Trained for several fleets, the set network reads how many UAVs there are, in flight as in learning.
+#[test]
+fn the_set_network_reads_the_size_of_the_fleet() {
+    let mut plan = plan("fleets", settings(NetworkKind::Set));
+    plan.configs = fleets();
+    // Trained on twice as often, listed and evaluated once.
+    plan.configs.push(plan.configs[1]);
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    let stored = card::load(&plan.out).unwrap();
+    assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
+    assert_eq!(stored.card.evaluations.len(), 2 * 3);
+    let reads = |actor: &Actor| match actor.network.architecture {
+        Architecture::SetActor { fleet_size, .. } => fleet_size,
+        _ => false,
+    };
+    let (_, actor) = files::load(&plan.out).unwrap();
+    assert!(reads(&actor));
+    for config in plan.configs {
+        let model = Model::new(config).unwrap();
+        stored.check(&model).unwrap();
+        same_outputs(&actor, &model);
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Sampled actions follow from the mission's seed alone.
+#[test]
+fn sampled_flights_repeat() {
+    let plan = plan("sampled", settings(NetworkKind::Set));
+    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    let stored = card::load(&plan.out).unwrap();
+    let model = Model::new(Config {
+        uav_count: 7,
+        hotspot_count: 2,
+        ..config()
+    })
+    .unwrap();
+    stored.check(&model).unwrap();
+    let fly = |seed: u64| {
+        let mut policy = stored.policy(Some(Mode::Sampled));
+        let mut sim = jcas_core::Sim::new(&model);
+        jcas_episode::mission::fly_episode(&model, &mut sim, &mut policy, seed).unwrap();
+        assert_eq!(policy.name(), "sampled");
+        sim.state_hash()
+    };
+    assert_eq!(fly(5), fly(5));
+    assert_ne!(fly(5), fly(6));
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads.
+/// Needs a Python with `onnx` and `onnxruntime`: where `JCAS_ONNX_PYTHON` names one, as `.ci/python.sh` does, it must
+/// have it; without that, `python3` serves if it happens to.
+#[test]
+fn onnxruntime_gives_the_same_actions() {
+    let named = std::env::var("JCAS_ONNX_PYTHON").ok();
+    let python = named.clone().unwrap_or_else(|| "python3".into());
+    let has = std::process::Command::new(&python)
+        .args(["-c", "import onnx, onnxruntime"])
+        .output();
+    if !has.is_ok_and(|output| output.status.success()) {
+        assert!(named.is_none(), "{python} has no onnx or onnxruntime");
+        eprintln!("{python} has no onnx or onnxruntime: not compared");
+        return;
+    }
+    for (network, head, configs) in [
+        (NetworkKind::Mlp, Head::Gaussian, vec![config()]),
+        (NetworkKind::Mlp, Head::Hybrid, vec![config()]),
+        (NetworkKind::Set, Head::Hybrid, vec![config()]),
+        (NetworkKind::Set, Head::Gaussian, fleets()),
+    ] {
+        let mut plan = plan(
+            &format!("onnx-{network:?}-{head:?}"),
+            Settings {
+                head,
+                actor_tours: head == Head::Hybrid,
+                ..settings(network)
+            },
+        );
+        plan.configs = configs;
+        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+        let model = Model::new(config()).unwrap();
+        let (_, actor) = files::load(&plan.out).unwrap();
+        let graph = onnx::encode(&actor, &shape_of(&model));
+        std::fs::write(plan.out.join("policy.onnx"), graph).unwrap();
+        let observations = observations(&model);
+        let mut policy = actor.fly("p", Mode::Deterministic);
+        let outputs = policy.outputs(&model, &observations).unwrap();
+        let actions: Vec<f32> = outputs
+            .chunks_exact(head.outputs())
+            .flat_map(|row| head.deterministic(row))
+            .collect();
+        compare(
+            &python,
+            &plan.out,
+            &observations,
+            [&outputs, &actions],
+            model.uav_count(),
+        );
+        std::fs::remove_dir_all(&plan.out).unwrap();
+    }
+}
+
+fn compare(python: &str, folder: &Path, input: &[f32], expected: [&[f32]; 2], rows: usize) {
+    let script = "
+import json, sys, numpy, onnx, onnxruntime
+onnx.checker.check_model(sys.argv[1], full_check=True)
+given = json.load(sys.stdin)
+x = numpy.array(given['input'], dtype=numpy.float32).reshape(given['rows'], -1)
+session = onnxruntime.InferenceSession(sys.argv[1])
+for name, want in zip(('distribution', 'actions'), given['expected']):
+    got = session.run([name], {'observations': x})[0].ravel()
+    gap = float(numpy.abs(got - numpy.array(want, dtype=numpy.float32)).max())
+    assert gap < 1e-5, (name, gap)
+";
+    use std::io::Write;
+    let mut child = std::process::Command::new(python)
+        .args(["-c", script])
+        .arg(folder.join("policy.onnx"))
+        .stdin(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let given = serde_json::json!({ "input": input, "rows": rows, "expected": expected });
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(given.to_string().as_bytes())
+        .unwrap();
+    assert!(child.wait().unwrap().success());
+}
