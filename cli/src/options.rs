@@ -52,6 +52,7 @@ impl ConfigOptions {
 /// A configuration with the two sizes that are changed most.
 #[derive(Args, Clone, Debug)]
 pub struct MissionOptions {
+    /// The configuration.
     #[command(flatten)]
     pub config: ConfigOptions,
     /// UAVs in the fleet [default: as configured]

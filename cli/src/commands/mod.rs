@@ -7,6 +7,7 @@ mod play;
 mod replay;
 mod simulate;
 mod sweep;
+mod tour;
 mod trace;
 
 use clap::Subcommand;
@@ -17,6 +18,7 @@ use crate::error::{CliError, Outcome};
 #[allow(missing_docs)]
 #[derive(Subcommand)]
 pub enum Command {
+    Tour(tour::Tour),
     Simulate(simulate::Simulate),
     Sweep(sweep::Sweep),
     Evaluate(evaluate::Evaluate),
@@ -33,6 +35,7 @@ impl Command {
     /// Does what was asked.
     pub fn run(self) -> Result<Outcome, CliError> {
         match self {
+            Self::Tour(command) => command.run(),
             Self::Simulate(command) => command.run(),
             Self::Sweep(command) => command.run(),
             Self::Evaluate(command) => command.run(),

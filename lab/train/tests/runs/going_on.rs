@@ -1,7 +1,6 @@
 //! A run that goes on: from where it was stopped or killed, or from what another has learnt.
 
 use crate::{StopAfter, fleets, plan, settings};
-use jcas_train::policy::files;
 use jcas_train::run::{Ending, Origin, Plan, Unwatched};
 use jcas_train::settings::{NetworkKind, Settings};
 
