@@ -1,0 +1,95 @@
+//! Whether a battery lasts for a trajectory.
+
+use jcas_core::energy::{Activity, settle};
+use jcas_core::motion::{destination, nearest, toward};
+use jcas_core::{Cell, Model};
+
+use crate::odds::Odds;
+
+/// What the kernel does with a UAV in a step, given its charge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Duty {
+    /// It flies where its action says.
+    Free,
+    /// A low battery sends it to this cell.
+    Returns(Cell),
+    /// An empty battery keeps it where it is.
+    Grounded,
+}
+
+pub(crate) fn duty(model: &Model<'_>, charge_uj: u64, cell: Cell) -> Duty {
+    if charge_uj == 0 {
+        return Duty::Grounded;
+    }
+    if charge_uj >= model.energy().rtb_uj {
+        return Duty::Free;
+    }
+    let config = model.config();
+    let depot = model.depots()[nearest(cell, model.depots()).0];
+    let motion = toward(cell, depot);
+    Duty::Returns(destination(
+        cell,
+        motion,
+        config.grid_width,
+        config.grid_height,
+    ))
+}
+
+/// The charge after a step, if the UAV senses and has a neighbour, which costs most.
+pub(crate) fn after(
+    model: &Model<'_>,
+    charge_uj: u64,
+    from: Cell,
+    to: Cell,
+    pilot_density: f64,
+) -> u64 {
+    let plan = model.energy();
+    let activity = Activity {
+        grounded: charge_uj == 0,
+        moved: from != to,
+        sensing: true,
+        linked: true,
+    };
+    let offered_uj = if model.depots().contains(&to) {
+        plan.charge_uj
+    } else {
+        0
+    };
+    let asked_uj = plan.asked_uj(activity, pilot_density);
+    settle(charge_uj, asked_uj, offered_uj, plan.capacity_uj).battery_uj
+}
+
+/// Whether a UAV with this charge can fly a trajectory: it is never sent elsewhere by a low battery, and its level is
+/// [`Odds::grounded`] in exactly the steps that it begins with an empty one. `cells` and `levels` are as in
+/// [`Paths`](crate::Paths).
+#[must_use]
+pub fn allows(
+    model: &Model<'_>,
+    odds: &Odds,
+    charge_uj: u64,
+    cells: &[u32],
+    levels: &[u8],
+) -> bool {
+    let mut charge_uj = charge_uj;
+    for (pair, &level) in cells.windows(2).zip(&levels[1..]) {
+        let (from, to) = (odds.cell(pair[0]), odds.cell(pair[1]));
+        let legal = match duty(model, charge_uj, from) {
+            Duty::Free => level != odds.grounded(),
+            Duty::Returns(there) => level != odds.grounded() && to == there,
+            Duty::Grounded => level == odds.grounded() && to == from,
+        };
+        if !legal {
+            return false;
+        }
+        let density = odds.densities().get(usize::from(level)).copied();
+        charge_uj = after(model, charge_uj, from, to, density.unwrap_or(0.0));
+    }
+    true
+}
+
+/// Whether no trajectory of so many steps can drain a battery below the threshold that sends a UAV home.
+pub(crate) fn never_low(model: &Model<'_>, charge_uj: u64, steps: usize) -> bool {
+    let plan = model.energy();
+    let most = (steps as u64).saturating_mul(plan.most_asked_uj());
+    charge_uj > most && charge_uj - most >= plan.rtb_uj
+}

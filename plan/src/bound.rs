@@ -1,0 +1,286 @@
+//! A time that no fixed plan can beat.
+//!
+//! Two things hold a fleet back. *Reach*: after s steps no UAV is more than s cells from where it began, so that a
+//! hotspot in cell c is confirmed in step s with at most the probability of θ positives if every UAV were in that
+//! cell of its reach from which it detects c best. *Coverage*: the probability Q of at least θ positives is at most
+//! Σ h(p_i) over the UAVs, with h(p) = min(p/θ, -κ ln(1 - p)); so the fleet confirms at most the sum, over UAVs, of
+//! the largest Σ_c w_c h(p_c) over the cells of its reach.
+//!
+//! Why Q ≤ Σ h(p_i): let A be the UAVs with h(p) = p/θ. A Bernoulli variable is stochastically at most a Poisson
+//! variable of mean -ln(1 - p), so the others have at most as many positives as a Poisson variable of mean Λ, their
+//! sum. Given a positives in A, θ are reached with probability φ_(θ-a)(Λ), with φ_k the chance of at least k; κ is
+//! the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ. The mean over a is the claim.
+//!
+//! Both give an upper bound on the share of hotspots confirmed after t steps, hence on the probability F(t) that all
+//! are: the mean over sets of distinct cells is at most the power of the mean (Maclaurin), and a product of means at
+//! most the power of their mean. The expected time is the sum of 1 - F(t).
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use jcas_core::Cell;
+
+use crate::odds::Odds;
+use crate::problem::{Problem, power};
+
+/// Above this quorum h(p) = p/θ.
+const QUORUM_MAX: usize = 32;
+/// The grid over Λ on which κ is worked out; between two points the next one bounds φ.
+const INTENSITY_STEP: f64 = 0.002;
+/// What is left of the probability when no further step is looked at.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// Steps, from the beginning of the plan, that every fixed plan of the problem takes at least in expectation.
+#[must_use]
+pub fn bound(problem: &Problem<'_>) -> f64 {
+    let odds = &problem.odds;
+    let config = problem.model.config();
+    let farthest = (config.grid_width + config.grid_height) as usize;
+    let starts = &problem.situation.cells;
+    let sites = odds.sites();
+    let kinds = kinds(problem);
+    let spread = covered(problem, &kinds, farthest);
+
+    // Best chance of detection of each site from within so many cells of each start.
+    let nearest: Vec<(Vec<usize>, Vec<f64>)> = distinct(starts)
+        .into_iter()
+        .map(|start| {
+            let members = (0..starts.len()).filter(|&uav| starts[uav] == start);
+            (members.collect(), best_within(problem, start, farthest))
+        })
+        .collect();
+    let mut missed = vec![1.0; sites.len()];
+    let mut coverage = vec![0.0; kinds.len()];
+    let quorum = config.quorum as usize;
+    let mut exactly = vec![0.0; quorum];
+    let (mut expected, mut done) = (0.0, 0.0);
+    for step in 1..=problem.steps_left {
+        expected += 1.0 - done;
+        let reach = (step as usize).min(farthest);
+        for (site, missed) in missed.iter_mut().enumerate() {
+            exactly.fill(0.0);
+            exactly[0] = 1.0;
+            for (members, best) in &nearest {
+                let p = best[reach * sites.len() + site];
+                for _ in members {
+                    for k in (1..quorum).rev() {
+                        exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
+                    }
+                    exactly[0] *= 1.0 - p;
+                }
+            }
+            *missed *= exactly.iter().sum::<f64>();
+        }
+        let mut product = 1.0;
+        let mut joint = 1.0;
+        for (index, (kind, coverage)) in kinds.iter().zip(&mut coverage).enumerate() {
+            *coverage += spread[index][reach];
+            let mut reached = 0.0;
+            for (weight, missed) in kind.weights.iter().zip(&missed) {
+                reached += weight * (1.0 - missed);
+            }
+            let chance = power(reached.min(*coverage).min(1.0), kind.count);
+            if index + 1 < kinds.len() {
+                product *= chance;
+            } else {
+                joint = chance;
+            }
+        }
+        done = f64::min(product, joint);
+        if 1.0 - done < NEGLIGIBLE {
+            break;
+        }
+    }
+    expected
+}
+
+/// Weights over the sites and a number of hotspots.
+struct Kind {
+    count: u32,
+    weights: Vec<f64>,
+}
+
+/// The groups, and last all groups as one, with the mean of their weights.
+fn kinds(problem: &Problem<'_>) -> Vec<Kind> {
+    let sites = problem.odds.sites().len();
+    let mut kinds: Vec<Kind> = problem
+        .draws
+        .iter()
+        .map(|draw| {
+            let mut weights = vec![0.0; sites];
+            weights[draw.sites.clone()].copy_from_slice(&draw.weights);
+            Kind {
+                count: draw.count,
+                weights,
+            }
+        })
+        .collect();
+    let count: u32 = kinds.iter().map(|kind| kind.count).sum();
+    let mut weights = vec![0.0; sites];
+    for kind in &kinds {
+        for (mean, weight) in weights.iter_mut().zip(&kind.weights) {
+            *mean += weight * f64::from(kind.count) / f64::from(count);
+        }
+    }
+    kinds.push(Kind { count, weights });
+    kinds
+}
+
+fn distinct(cells: &[Cell]) -> Vec<Cell> {
+    let mut found: Vec<Cell> = Vec::new();
+    for &cell in cells {
+        if !found.contains(&cell) {
+            found.push(cell);
+        }
+    }
+    found
+}
+
+/// The best chance of a detection at any pilot density.
+fn best_detection(odds: &Odds, uav: Cell, hotspot: Cell) -> f64 {
+    let levels = 0..=odds.highest();
+    levels.fold(0.0, |best, level| {
+        f64::max(best, odds.detection(level, uav, hotspot))
+    })
+}
+
+fn cells(problem: &Problem<'_>) -> impl Iterator<Item = Cell> {
+    let config = problem.model.config();
+    let width = config.grid_width;
+    (0..config.grid_height).flat_map(move |y| (0..width).map(move |x| Cell { x, y }))
+}
+
+/// For each distance and site the best chance of a detection from a cell within the distance of a start.
+fn best_within(problem: &Problem<'_>, start: Cell, farthest: usize) -> Vec<f64> {
+    let sites = problem.odds.sites();
+    let mut best = vec![0.0; (farthest + 1) * sites.len()];
+    for cell in cells(problem) {
+        let row = start.manhattan(cell) as usize * sites.len();
+        for (best, &site) in best[row..row + sites.len()].iter_mut().zip(sites) {
+            *best = f64::max(*best, best_detection(&problem.odds, cell, site));
+        }
+    }
+    let count = sites.len();
+    for slot in count..best.len() {
+        best[slot] = f64::max(best[slot], best[slot - count]);
+    }
+    best
+}
+
+/// For each kind and distance the sum over the UAVs of the largest Σ_c w_c h(p_c) from a cell within the distance of
+/// their start.
+fn covered(problem: &Problem<'_>, kinds: &[Kind], farthest: usize) -> Vec<Vec<f64>> {
+    let quorum = problem.model.config().quorum as usize;
+    let slope = slope(quorum);
+    let share = |p: f64| {
+        let markov = p / quorum as f64;
+        if p < 1.0 {
+            f64::min(markov, -slope * libm::log(1.0 - p))
+        } else {
+            markov
+        }
+    };
+    let sites = problem.odds.sites();
+    let mut sums = vec![Vec::new(); kinds.len()];
+    for cell in cells(problem) {
+        let shares: Vec<f64> = sites
+            .iter()
+            .map(|&site| share(best_detection(&problem.odds, cell, site)))
+            .collect();
+        for (kind, sums) in kinds.iter().zip(&mut sums) {
+            let terms = kind.weights.iter().zip(&shares);
+            sums.push(terms.map(|(weight, share)| weight * share).sum::<f64>());
+        }
+    }
+    sums.iter()
+        .map(|sums| {
+            let mut covered = vec![0.0; farthest + 1];
+            for &start in &problem.situation.cells {
+                let mut best = vec![0.0; farthest + 1];
+                for (cell, &sum) in cells(problem).zip(sums) {
+                    let distance = start.manhattan(cell) as usize;
+                    best[distance] = f64::max(best[distance], sum);
+                }
+                let mut most = 0.0;
+                for (covered, best) in covered.iter_mut().zip(best) {
+                    most = f64::max(most, best);
+                    *covered += most;
+                }
+            }
+            covered
+        })
+        .collect()
+}
+
+/// κ: the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ; infinite where h(p) = p/θ is all there is.
+fn slope(quorum: usize) -> f64 {
+    if !(2..=QUORUM_MAX).contains(&quorum) {
+        return f64::INFINITY;
+    }
+    // From Λ = 4 θ on, 1/Λ is below what Λ = θ gives.
+    let points = (4.0 * quorum as f64 / INTENSITY_STEP) as usize;
+    let mut slope = 0.0;
+    for missing in 1..=quorum {
+        let positives = (quorum - missing) as f64 / quorum as f64;
+        for point in 1..points {
+            let next = at_least(missing, (point + 1) as f64 * INTENSITY_STEP);
+            let needed = (next - positives) / (point as f64 * INTENSITY_STEP);
+            slope = f64::max(slope, needed);
+        }
+    }
+    slope
+}
+
+/// φ_k(Λ): the chance that a Poisson variable of mean Λ is at least k.
+fn at_least(count: usize, mean: f64) -> f64 {
+    let mut exactly = libm::exp(-mean);
+    let mut below = 0.0;
+    for k in 0..count {
+        below += exactly;
+        exactly *= mean / (k + 1) as f64;
+    }
+    1.0 - below
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Random mixtures of chances, near 0 and near 1 alike.
+    #[test]
+    fn no_fleet_confirms_more_than_its_shares() {
+        let mut draws = crate::draws::Draws::new(1);
+        for quorum in [2usize, 3, 5] {
+            let slope = slope(quorum);
+            for _ in 0..20_000 {
+                let uavs = 1 + draws.below(12);
+                let mut exactly = vec![0.0; quorum];
+                exactly[0] = 1.0;
+                let mut shares = 0.0;
+                for _ in 0..uavs {
+                    let p = match draws.below(3) {
+                        0 => draws.unit() * 0.3,
+                        1 => 1.0 - draws.unit() * 0.01,
+                        _ => draws.unit() * 0.999,
+                    };
+                    shares += f64::min(p / quorum as f64, -slope * libm::log(1.0 - p));
+                    for k in (1..quorum).rev() {
+                        exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
+                    }
+                    exactly[0] *= 1.0 - p;
+                }
+                let confirmed = 1.0 - exactly.iter().sum::<f64>();
+                assert!(confirmed <= shares + 1e-12, "{confirmed} {shares}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_slope_is_that_of_the_tangent() {
+        let tangent = (1..4000).fold(0.0, |most, point| {
+            let mean = f64::from(point) * 0.005;
+            f64::max(most, at_least(3, mean) / mean)
+        });
+        assert!((slope(3) - tangent).abs() < 1e-3, "{} {tangent}", slope(3));
+    }
+}

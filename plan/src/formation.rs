@@ -1,0 +1,212 @@
+//! Trajectories to begin with: lines of UAVs abreast that sweep the grid.
+
+use alloc::vec::Vec;
+
+use jcas_core::Cell;
+use jcas_core::motion::{destination, toward};
+
+use crate::battery::{Duty, after, duty};
+use crate::paths::Paths;
+use crate::problem::Problem;
+
+/// Most lines, and most strips that a line sweeps one after the other.
+const MOST: u32 = 4;
+/// A line spreads over so many thirds of its strip; 0 is a flock.
+const THIRDS: u32 = 3;
+
+/// Flies a fleet toward targets, as its batteries allow, and records where it goes.
+pub(crate) struct Recorder<'p, 'm> {
+    problem: &'p Problem<'m>,
+    charges_uj: Vec<u64>,
+    cells: Vec<Cell>,
+    paths: Paths,
+    level: u8,
+    step: usize,
+}
+
+impl<'p, 'm> Recorder<'p, 'm> {
+    pub(crate) fn new(problem: &'p Problem<'m>, level: u8) -> Self {
+        let cells = problem.situation.cells.clone();
+        let indices: Vec<u32> = cells.iter().map(|&cell| problem.odds.index(cell)).collect();
+        Self {
+            problem,
+            charges_uj: problem.situation.charges_uj.clone(),
+            cells,
+            paths: Paths::hovering(&indices, problem.steps, level),
+            level,
+            step: 0,
+        }
+    }
+
+    pub(crate) fn cell(&self, uav: usize) -> Cell {
+        self.cells[uav]
+    }
+
+    /// Whether the plan has as many steps as it can.
+    pub(crate) fn is_full(&self) -> bool {
+        self.step == self.problem.steps
+    }
+
+    /// One step; each UAV flies toward its target, x before y.
+    pub(crate) fn fly(&mut self, target: impl Fn(usize) -> Cell) {
+        let (model, odds) = (self.problem.model, &self.problem.odds);
+        let config = model.config();
+        self.step += 1;
+        for uav in 0..self.cells.len() {
+            let (from, charge_uj) = (self.cells[uav], self.charges_uj[uav]);
+            let (to, level) = match duty(model, charge_uj, from) {
+                Duty::Free => {
+                    let motion = toward(from, target(uav));
+                    let to = destination(from, motion, config.grid_width, config.grid_height);
+                    (to, self.level)
+                }
+                Duty::Returns(there) => (there, self.level),
+                Duty::Grounded => (from, odds.grounded()),
+            };
+            let density = odds.densities().get(usize::from(level)).copied();
+            self.charges_uj[uav] = after(model, charge_uj, from, to, density.unwrap_or(0.0));
+            self.cells[uav] = to;
+            self.paths.set(uav, self.step, odds.index(to), level);
+        }
+    }
+
+    pub(crate) fn finish(self) -> Paths {
+        self.paths
+    }
+}
+
+/// One line under way: the stations that it takes, and the offset of each of its UAVs across.
+struct Row {
+    first: usize,
+    places: Vec<i64>,
+    /// (across, along).
+    stations: Vec<(i64, i64)>,
+    next: usize,
+    forward: bool,
+}
+
+/// Width across the sweep, length along it, and whether x runs along.
+fn extents(problem: &Problem<'_>) -> (i64, i64, bool) {
+    let config = problem.model.config();
+    let (width, height) = (config.grid_width, config.grid_height);
+    (
+        i64::from(width.min(height)),
+        i64::from(width.max(height)),
+        width > height,
+    )
+}
+
+impl Row {
+    fn place(&self, problem: &Problem<'_>, index: usize) -> Cell {
+        let (across, _, transposed) = extents(problem);
+        let (x, y) = self.stations[self.next];
+        let x = (x + self.places[index]).max(0).min(across - 1) as u32;
+        let y = y as u32;
+        if transposed {
+            Cell { x: y, y: x }
+        } else {
+            Cell { x, y }
+        }
+    }
+
+    /// Goes on to the next station once most of the line are in their places; back at the end.
+    fn advance(&mut self, recorder: &Recorder<'_, '_>) {
+        let last = self.stations.len() - 1;
+        let count = self.places.len();
+        let arrived = (0..count)
+            .filter(|&index| {
+                recorder.cell(self.first + index) == self.place(recorder.problem, index)
+            })
+            .count();
+        if count == 0 || 2 * arrived <= count || last == 0 {
+            return;
+        }
+        if self.next == if self.forward { last } else { 0 } {
+            self.forward = !self.forward;
+        }
+        self.next = if self.forward {
+            self.next + 1
+        } else {
+            self.next - 1
+        };
+    }
+}
+
+fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Row> {
+    let (across, along, transposed) = extents(problem);
+    let uavs = problem.situation.cells.len();
+    let start = problem.situation.cells.first().copied().unwrap_or_default();
+    let start = i64::from(if transposed { start.x } else { start.y });
+    (0..lines)
+        .map(|line| {
+            let share = |end: i64| end as usize * uavs / lines as usize;
+            let (low, high) = (line * along / lines, (line + 1) * along / lines);
+            let near_first = (start - low).abs() <= (start - (high - 1)).abs();
+            let length = high - low;
+            let stations = (0..strips * length)
+                .map(|station| {
+                    let (strip, step) = (station / length, station % length);
+                    let x = (across * (2 * strip + 1) / (2 * strips)).min(across - 1);
+                    if (strip % 2 == 0) == near_first {
+                        (x, low + step)
+                    } else {
+                        (x, high - 1 - step)
+                    }
+                })
+                .collect();
+            let count = (share(line + 1) - share(line)) as i64;
+            let places = (0..count)
+                .map(|k| {
+                    let twice = (2 * k - (count - 1)) * across * thirds;
+                    twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
+                })
+                .collect();
+            Row {
+                first: share(line),
+                places,
+                stations,
+                next: 0,
+                forward: true,
+            }
+        })
+        .collect()
+}
+
+/// The trajectories of every formation, each sensing at the highest pilot density.
+pub(crate) fn sweeps(problem: &Problem<'_>) -> Vec<Paths> {
+    let (across, along, _) = extents(problem);
+    let uavs = problem.situation.cells.len() as i64;
+    let lines_max = i64::from(MOST).min(uavs).min(along);
+    let strips_max = i64::from(MOST).min(across);
+    let mut sweeps = Vec::new();
+    for lines in 1..=lines_max {
+        for strips in 1..=strips_max {
+            for thirds in 0..=i64::from(THIRDS) {
+                let mut rows = rows(problem, lines, strips, thirds);
+                let mut recorder = Recorder::new(problem, problem.odds.highest());
+                let mut targets: Vec<Cell> = problem.situation.cells.clone();
+                while !recorder.is_full() {
+                    for row in &mut rows {
+                        row.advance(&recorder);
+                        for index in 0..row.places.len() {
+                            targets[row.first + index] = row.place(problem, index);
+                        }
+                    }
+                    recorder.fly(|uav| targets[uav]);
+                }
+                sweeps.push(recorder.finish());
+            }
+        }
+    }
+    sweeps
+}
+
+/// A fleet that goes nowhere of its own accord.
+pub(crate) fn hovering(problem: &Problem<'_>) -> Paths {
+    let mut recorder = Recorder::new(problem, problem.odds.highest());
+    while !recorder.is_full() {
+        let cells = problem.situation.cells.clone();
+        recorder.fly(|uav| cells[uav]);
+    }
+    recorder.finish()
+}

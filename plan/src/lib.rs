@@ -1,0 +1,58 @@
+//! Plans missions: a trajectory for each UAV, chosen for the least expected time to the end.
+//!
+//! A plan is flown without feedback until every hotspot is confirmed; the fleet then gathers until it is one radio
+//! component, and the mission is over. [`expect`] gives the expected time of a plan exactly, from the tables of the
+//! [`Model`](jcas_core::Model); [`search`] and [`tour`] look for a plan that makes it short, by simulated annealing;
+//! [`bound`] gives a time that no fixed plan can beat.
+//!
+//! A result is a function of configuration, seed and number of iterations. Nothing here reads a clock: a caller
+//! that has a time limit ends the annealing from its progress callback, and the best plan so far is returned.
+//!
+//! ```
+//! use core::ops::ControlFlow;
+//! use jcas_core::{Config, Model, Preset};
+//! use jcas_plan::{Settings, search};
+//!
+//! let model = Model::new(Config::preset(Preset::Search))?;
+//! let settings = Settings { iterations: 2_000, ..Settings::default() };
+//! let plan = search(&model, &settings, &mut |_| ControlFlow::Continue(()))?;
+//! assert!(plan.bound_steps <= plan.expected.steps);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+// Loops over the lanes of several rows at once.
+#![allow(clippy::needless_range_loop)]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+mod anneal;
+mod battery;
+mod bound;
+mod draws;
+mod error;
+mod follow;
+mod formation;
+mod gather;
+mod objective;
+mod odds;
+mod paths;
+mod plan;
+mod problem;
+mod targets;
+mod teams;
+
+pub use anneal::{Annealer, Progress, Settings};
+pub use battery::allows;
+pub use bound::bound;
+pub use error::PlanError;
+pub use follow::Follower;
+pub use gather::meeting_cell;
+pub use objective::{Expectation, expect};
+pub use odds::Odds;
+pub use paths::Paths;
+pub use plan::{Plan, improve, search, starts, tour};
+pub use problem::{Problem, Situation};
+pub use targets::{Group, Targets};

@@ -1,0 +1,164 @@
+//! The expected time of a plan, exactly.
+//!
+//! Detections are independent. A hotspot in cell c is unconfirmed after t steps with probability m_c(t), the product
+//! over the steps of the chance that fewer than θ UAVs detect it. Hotspots are independent given their cells, so that
+//! all are confirmed after t steps with probability F(t): for each group of n hotspots with weights w_c the factor is
+//! (Σ w_c (1 - m_c(t)))^n, or, for n distinct and equally likely cells, the mean of the products over all sets of n.
+//! The mission ends G(t) steps after the last confirmation, at step t: when the fleet, which gathers from its
+//! planned cells, is one radio component.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use jcas_core::Cell;
+
+use crate::gather::{connected, steps_to_meet};
+use crate::paths::Paths;
+use crate::problem::{Draw, Problem, power};
+
+/// What is left of the probability when no further step is looked at.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// What a plan is expected to take, from the step that it begins at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Expectation {
+    /// Steps until the end of the mission; a mission without success counts with all steps that are left.
+    pub steps: f64,
+    /// Steps until every hotspot is confirmed, counted alike.
+    pub confirmed_steps: f64,
+    /// Probability that the mission ends before the horizon.
+    pub success: f64,
+}
+
+/// The expected time of a plan, step by step and cell by cell.
+#[must_use]
+pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
+    let sites = problem.odds.sites();
+    let mut missed = vec![1.0; sites.len()];
+    let mut factor = vec![1.0; sites.len()];
+    let mut done = all_confirmed(&problem.draws, &missed);
+    let mut expected = Expectation::default();
+    let mut to_gather = gathering(problem, paths, 0);
+    account(&mut expected, problem.steps_left, 0, done, to_gather);
+    for step in 1..=problem.steps_left {
+        expected.steps += 1.0 - done;
+        expected.confirmed_steps += 1.0 - done;
+        let planned = step as usize <= paths.steps();
+        if planned {
+            for (factor, &site) in factor.iter_mut().zip(sites) {
+                *factor = below_quorum(problem, paths, step as usize, site);
+            }
+            to_gather = gathering(problem, paths, step as usize);
+        }
+        for (missed, factor) in missed.iter_mut().zip(&factor) {
+            *missed *= factor;
+        }
+        let after = all_confirmed(&problem.draws, &missed);
+        account(
+            &mut expected,
+            problem.steps_left,
+            step,
+            after - done,
+            to_gather,
+        );
+        done = after;
+        if 1.0 - done < NEGLIGIBLE {
+            break;
+        }
+    }
+    expected
+}
+
+/// Adds the missions whose last confirmation is in a step.
+fn account(expected: &mut Expectation, steps_left: u32, step: u32, chance: f64, to_gather: u32) {
+    let left = steps_left - step;
+    expected.steps += chance * f64::from(to_gather.min(left));
+    if to_gather <= left {
+        expected.success += chance;
+    }
+}
+
+/// G: steps from a step of the plan until the fleet is one radio component; `u32::MAX` if it never is.
+fn gathering(problem: &Problem<'_>, paths: &Paths, step: usize) -> u32 {
+    let odds = &problem.odds;
+    let mut cells: Vec<Cell> = (0..paths.uav_count())
+        .map(|uav| odds.cell(paths.cell(uav, step)))
+        .collect();
+    if connected(odds, &cells, |uav| paths.level(uav, step)) {
+        0
+    } else {
+        steps_to_meet(problem.model, odds, &mut cells)
+    }
+}
+
+/// The chance that fewer than θ UAVs detect a hotspot in a cell in a step.
+fn below_quorum(problem: &Problem<'_>, paths: &Paths, step: usize, hotspot: Cell) -> f64 {
+    let quorum = problem.model.config().quorum as usize;
+    let mut exactly = vec![0.0; quorum];
+    exactly[0] = 1.0;
+    for uav in 0..paths.uav_count() {
+        let cell = problem.odds.cell(paths.cell(uav, step));
+        let p = problem
+            .odds
+            .detection(paths.level(uav, step), cell, hotspot);
+        for k in (1..quorum).rev() {
+            exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
+        }
+        exactly[0] *= 1.0 - p;
+    }
+    exactly.iter().sum()
+}
+
+/// F: the probability that every hotspot is confirmed.
+fn all_confirmed(draws: &[Draw], missed: &[f64]) -> f64 {
+    draws
+        .iter()
+        .map(|draw| {
+            let missed = &missed[draw.sites.clone()][..draw.cells];
+            if draw.distinct {
+                over_distinct_cells(missed, draw.count as usize)
+            } else {
+                let terms = draw.weights.iter().zip(missed);
+                let found = terms.map(|(weight, missed)| weight * (1.0 - missed));
+                power(found.sum(), draw.count)
+            }
+        })
+        .product()
+}
+
+/// The mean, over all sets of `count` cells, of the product of 1 - m_c: for the first j cells the mean over sets of k
+/// follows from those over the first j - 1, since cell j is in the share k/j of the sets.
+fn over_distinct_cells(missed: &[f64], count: usize) -> f64 {
+    let mut mean = vec![0.0; count + 1];
+    mean[0] = 1.0;
+    for (index, missed) in missed.iter().enumerate() {
+        let cells = (index + 1) as f64;
+        for k in (1..=count.min(index + 1)).rev() {
+            let share = k as f64 / cells;
+            mean[k] = mean[k] * (1.0 - share) + mean[k - 1] * (1.0 - missed) * share;
+        }
+    }
+    mean[count]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::over_distinct_cells;
+
+    #[test]
+    fn distinct_cells_equal_the_mean_over_all_sets() {
+        let missed = [0.9, 0.1, 0.5, 0.3, 0.7, 0.0];
+        for count in 1usize..=6 {
+            let (mut sum, mut sets) = (0.0, 0.0);
+            for set in 0u32..1 << 6 {
+                if set.count_ones() as usize == count {
+                    let cells = (0..6).filter(|cell| set >> cell & 1 == 1);
+                    sum += cells.map(|cell| 1.0 - missed[cell]).product::<f64>();
+                    sets += 1.0;
+                }
+            }
+            let got = over_distinct_cells(&missed, count);
+            assert!((got - sum / sets).abs() < 1e-12, "{count}: {got}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Trajectories: the cell and the pilot density of each UAV in each step.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Cells are row-major indices; levels are indices into [`Odds::densities`](crate::Odds::densities).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Paths {
+    uavs: usize,
+    steps: usize,
+    cells: Vec<u32>,
+    levels: Vec<u8>,
+}
+
+impl Paths {
+    /// A fleet that stays in its cells, one for each UAV, for a number of steps.
+    #[must_use]
+    pub fn hovering(cells: &[u32], steps: usize, level: u8) -> Self {
+        Self {
+            uavs: cells.len(),
+            steps,
+            cells: cells
+                .iter()
+                .flat_map(|&cell| core::iter::repeat_n(cell, steps + 1))
+                .collect(),
+            levels: vec![level; cells.len() * (steps + 1)],
+        }
+    }
+
+    /// UAVs.
+    #[must_use]
+    pub fn uav_count(&self) -> usize {
+        self.uavs
+    }
+
+    /// Steps; the fleet stays in its last cells after them.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// The cell of a UAV after a step; after step 0 it is where the plan begins.
+    #[must_use]
+    pub fn cell(&self, uav: usize, step: usize) -> u32 {
+        self.cells[uav * (self.steps + 1) + step.min(self.steps)]
+    }
+
+    /// The level at which a UAV senses and communicates in a step, from 1.
+    #[must_use]
+    pub fn level(&self, uav: usize, step: usize) -> u8 {
+        self.levels[uav * (self.steps + 1) + step.min(self.steps)]
+    }
+
+    /// The cells of a UAV, from where the plan begins on.
+    #[must_use]
+    pub fn cells_of(&self, uav: usize) -> &[u32] {
+        &self.cells[uav * (self.steps + 1)..][..self.steps + 1]
+    }
+
+    /// The levels of a UAV; the first is not used.
+    #[must_use]
+    pub fn levels_of(&self, uav: usize) -> &[u8] {
+        &self.levels[uav * (self.steps + 1)..][..self.steps + 1]
+    }
+
+    /// Sets where a UAV is after a step, and its level in it.
+    pub fn set(&mut self, uav: usize, step: usize, cell: u32, level: u8) {
+        let slot = uav * (self.steps + 1) + step;
+        self.cells[slot] = cell;
+        self.levels[slot] = level;
+    }
+}

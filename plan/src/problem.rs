@@ -1,0 +1,214 @@
+//! What is to be planned: a fleet as it is, hotspots as they may be, the steps that are left.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use jcas_core::energy::round_half_up;
+use jcas_core::{Cell, Model, StateRef};
+
+use crate::battery;
+use crate::error::PlanError;
+use crate::gather::UAVS_MAX;
+use crate::odds::{LANES, Odds};
+use crate::paths::Paths;
+use crate::targets::Targets;
+
+/// Steps of a plan, at most; the fleet stays in its last cells after them.
+const STEPS_MAX: usize = 512;
+/// Entries of a table over steps and sites, at most.
+const ENTRIES_MAX: usize = 1 << 25;
+
+/// Where the fleet is, and what its batteries hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Situation {
+    /// Cell of each UAV.
+    pub cells: Vec<Cell>,
+    /// Charge of each UAV.
+    pub charges_uj: Vec<u64>,
+    /// Steps flown so far.
+    pub step: u32,
+}
+
+impl Situation {
+    /// Before the first step: all UAVs at depot 0, each with the least charge that the configuration allows.
+    #[must_use]
+    pub fn at_reset(model: &Model<'_>) -> Self {
+        let capacity_uj = model.energy().capacity_uj;
+        let least = round_half_up(model.config().initial_soc_min * capacity_uj as f64);
+        Self {
+            cells: vec![model.depots()[0]; model.uav_count()],
+            charges_uj: vec![least.min(capacity_uj); model.uav_count()],
+            step: 0,
+        }
+    }
+
+    /// As a state has it.
+    #[must_use]
+    pub fn of(state: &StateRef<'_>) -> Self {
+        let uavs = 0..state.uav_count();
+        Self {
+            cells: uavs.clone().map(|uav| state.cell(uav)).collect(),
+            charges_uj: uavs.map(|uav| state.battery_uj(uav)).collect(),
+            step: state.t(),
+        }
+    }
+}
+
+/// A group of hotspots over its own part of the sites of a problem.
+#[derive(Clone, Debug)]
+pub(crate) struct Draw {
+    pub(crate) count: u32,
+    /// The part of the sites: cells of positive weight, then padding.
+    pub(crate) sites: Range<usize>,
+    /// How many of the sites are no padding.
+    pub(crate) cells: usize,
+    /// One weight for each site of the part; zero for the padding.
+    pub(crate) weights: Vec<f64>,
+    pub(crate) distinct: bool,
+}
+
+/// A mission to plan.
+#[derive(Clone, Debug)]
+pub struct Problem<'m> {
+    pub(crate) model: &'m Model<'m>,
+    pub(crate) odds: Odds,
+    pub(crate) draws: Vec<Draw>,
+    pub(crate) situation: Situation,
+    pub(crate) steps_left: u32,
+    pub(crate) steps: usize,
+}
+
+impl<'m> Problem<'m> {
+    /// Reads what the plan needs out of the model.
+    ///
+    /// # Errors
+    /// [`PlanError`], where the fleet or the grid is too large or the situation is not one of the model.
+    pub fn new(
+        model: &'m Model<'m>,
+        targets: &Targets,
+        situation: Situation,
+    ) -> Result<Self, PlanError> {
+        let config = model.config();
+        if model.uav_count() > UAVS_MAX {
+            return Err(PlanError::TooManyUavs {
+                uavs: model.uav_count(),
+                most: UAVS_MAX,
+            });
+        }
+        let lengths = [
+            ("cells", model.uav_count(), situation.cells.len()),
+            ("charges_uj", model.uav_count(), situation.charges_uj.len()),
+        ];
+        for (what, expected, got) in lengths {
+            if expected != got {
+                return Err(PlanError::Length {
+                    what,
+                    expected,
+                    got,
+                });
+            }
+        }
+        for cell in &situation.cells {
+            if cell.x >= config.grid_width || cell.y >= config.grid_height {
+                return Err(PlanError::OffGrid {
+                    x: cell.x,
+                    y: cell.y,
+                });
+            }
+        }
+        let (draws, sites) = draws(targets, config.grid_width);
+        let steps_left = config.horizon_steps.saturating_sub(situation.step);
+        let steps = STEPS_MAX.min(steps_left as usize);
+        let entries = sites.len() * (steps + 1);
+        if entries > ENTRIES_MAX {
+            return Err(PlanError::TooLarge {
+                entries,
+                most: ENTRIES_MAX,
+            });
+        }
+        Ok(Self {
+            model,
+            odds: Odds::new(model, sites),
+            draws,
+            situation,
+            steps_left,
+            steps,
+        })
+    }
+
+    /// The tables.
+    #[must_use]
+    pub fn odds(&self) -> &Odds {
+        &self.odds
+    }
+
+    /// Steps of a plan.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// The situation that the plan begins in.
+    #[must_use]
+    pub fn situation(&self) -> &Situation {
+        &self.situation
+    }
+
+    /// Whether every battery lasts for its trajectory.
+    #[must_use]
+    pub fn allows(&self, paths: &Paths) -> bool {
+        (0..paths.uav_count()).all(|uav| {
+            battery::allows(
+                self.model,
+                &self.odds,
+                self.situation.charges_uj[uav],
+                paths.cells_of(uav),
+                paths.levels_of(uav),
+            )
+        })
+    }
+}
+
+/// Each group with its sites, padded to whole lanes.
+fn draws(targets: &Targets, width: u32) -> (Vec<Draw>, Vec<Cell>) {
+    let (mut draws, mut sites) = (Vec::new(), Vec::new());
+    for group in targets.groups().iter().filter(|group| group.count > 0) {
+        let first = sites.len();
+        let mut weights = Vec::new();
+        for (index, &weight) in group.weights.iter().enumerate() {
+            if weight > 0.0 {
+                weights.push(weight);
+                let index = index as u32;
+                sites.push(Cell {
+                    x: index % width,
+                    y: index / width,
+                });
+            }
+        }
+        let cells = weights.len();
+        weights.resize(cells.next_multiple_of(LANES), 0.0);
+        sites.resize(first + weights.len(), Cell::default());
+        draws.push(Draw {
+            count: group.count,
+            sites: first..sites.len(),
+            cells,
+            weights,
+            distinct: group.distinct,
+        });
+    }
+    (draws, sites)
+}
+
+/// A chance raised to a small power, in a fixed order of multiplications.
+pub(crate) fn power(base: f64, exponent: u32) -> f64 {
+    let (mut result, mut square, mut rest) = (1.0, base, exponent);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result *= square;
+        }
+        square *= square;
+        rest >>= 1;
+    }
+    result
+}
