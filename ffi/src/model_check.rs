@@ -133,6 +133,38 @@ fn a_pool_that_never_worked_ends() {
     explore(3, || life(2, 1, 0, 0, None));
 }
 
+/// A step whose tasks run on threads of the caller sees all that they did before it returns.
+#[test]
+fn a_step_waits_for_the_callers_threads() {
+    explore(3, || {
+        let taken: Vec<_> = (0..2).map(|_| AtomicBool::new(true)).collect();
+        let counts: Vec<_> = (0..2).map(|_| UnsafeCell::new(0)).collect();
+        let job = Counting {
+            shares: Shares::new(&taken),
+            counts: &counts,
+            panics_at: None,
+        };
+        let tasks = job.job();
+        let caller = thread::spawn(move || {
+            let Job {
+                task,
+                context,
+                count,
+            } = { tasks };
+            for index in 0..count {
+                // SAFETY: the job lives until this thread has been joined.
+                unsafe { task(context, index) };
+            }
+        });
+        assert_eq!(job.shares.finish(|index| job.work(index)), Ok(()));
+        for count in &counts {
+            // SAFETY: loom reports a thread that is still at work.
+            count.with(|count| assert_eq!(unsafe { *count }, 1));
+        }
+        caller.join().expect("a thread of the caller ends");
+    });
+}
+
 /// A call that changes an object is alone in it; calls that read it see all that it wrote.
 #[test]
 fn one_call_at_a_time_changes_an_object() {

@@ -102,7 +102,7 @@ def test_what_does_not_fit_is_refused_by_name(tmp_path: Path) -> None:
     model = jcas.Model(uav_count=5, hotspot_count=3)
     with pytest.raises(jcas.JcasError, match="fly"):
         jcas.Policy.baseline("fly", model)
-    with pytest.raises(jcas.PolicyError, match="absent"):
+    with pytest.raises(jcas.MissingFileError, match="absent"):
         jcas.Policy.load(tmp_path / "absent", model)
     broken = tmp_path / "policy.safetensors"
     broken.write_bytes(b"no weights")

@@ -147,8 +147,7 @@ class Fields(TypedDict, total=False):
     """Whether observations show how much is unsearched in eight directions: `off` or `shown`. One of off,
     shown."""
     uav_tag: Literal["off", "index"] | None
-    """What tells UAVs in one cell apart: nothing (`off`), `index` or a `random` number of the episode. One of
-    off, index, random."""
+    """What tells UAVs in one cell apart: nothing (`off`) or its `index`. One of off, index."""
     shaping_unconfirmed_weight: float | None
     """Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u); from 1
     on a confirmation never lowers it. 0 to 1000 longest ways."""

@@ -5,20 +5,32 @@ from __future__ import annotations
 import ctypes
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from . import _abi
-from .errors import ActionError, ConfigError, EpisodeOverError, JcasError, SnapshotError
+from .errors import (
+    ActionError,
+    ArgumentError,
+    BusyError,
+    ConfigError,
+    EpisodeOverError,
+    JcasError,
+    SnapshotError,
+)
 
 _SUFFIXES = (".so", ".dylib", ".dll")
 _MESSAGE_CAPACITY = 1024
+_BUSY = "the object is in use by another thread: give each thread its own, or use a lock"
 
 _ERRORS: dict[int, type[JcasError]] = {
     _abi.JCAS_ERROR_CONFIG: ConfigError,
+    _abi.JCAS_ERROR_ARGUMENT: ArgumentError,
     _abi.JCAS_ERROR_NAN: ActionError,
     _abi.JCAS_ERROR_EPISODE_OVER: EpisodeOverError,
     _abi.JCAS_ERROR_CORRUPT: SnapshotError,
     _abi.JCAS_ERROR_MODEL_MISMATCH: SnapshotError,
+    _abi.JCAS_ERROR_BUSY: BusyError,
 }
 
 
@@ -31,10 +43,15 @@ def _load() -> ctypes.CDLL:
     _abi.declare(library)
     if library.jcas_abi_check(_abi.JCAS_ABI_VERSION):
         raise JcasError(
-            f"{path} has version {library.jcas_abi_version():#x} of the interface, "
-            f"this package needs {_abi.JCAS_ABI_VERSION:#x}"
+            f"{path} has version {_version(library.jcas_abi_version())} of the interface, "
+            f"this package needs {_version(_abi.JCAS_ABI_VERSION)}"
         )
     return library
+
+
+def _version(number: int) -> str:
+    """Write a version of the interface: major and minor. Those from before the first release begin with 0."""
+    return f"{number >> 24}.{number >> 16 & 0xFF}"
 
 
 def _bundled() -> Path:
@@ -52,8 +69,20 @@ lib = _load()
 
 def fail(status: int, message: str = "") -> None:
     """Raise the error of a status, with the kernel's own words where it has some."""
-    words = message or lib.jcas_status_string(status).decode()
+    words = message or (_BUSY if status == _abi.JCAS_ERROR_BUSY else lib.jcas_status_string(status).decode())
     raise _ERRORS.get(status, JcasError)(words, status)
+
+
+def fail_saying(status: int, message: Callable[[ctypes.Array[ctypes.c_char] | None, int, object], int]) -> None:
+    """Raise the error of a status with the words that an object keeps of its last refusal.
+
+    Of a call that found it in use it keeps none, and another thread may be using it by now.
+    """
+    words = ""
+    if status != _abi.JCAS_ERROR_BUSY:
+        with suppress(BusyError):
+            words = read_text(message)
+    fail(status, words)
 
 
 def check(status: int) -> None:

@@ -8,12 +8,14 @@ integer type, arrays and lists of any real dtype and memory order are converted.
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .errors import ActionError, ArgumentError, JcasError
+from .errors import ActionError, ArgumentError, JcasError, MissingFileError
 
 Floats = npt.NDArray[np.float32]
 
@@ -26,7 +28,7 @@ _REAL = "fiub"
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """Return a whole number between two bounds as a Python int."""
     try:
-        number = None if isinstance(value, bool | np.bool_) else operator.index(value)
+        number = None if isinstance(value, bool | np.bool_ | np.ndarray) else operator.index(value)
     except TypeError:
         number = None
     if number is None or not low <= number <= high:
@@ -80,6 +82,14 @@ def floats(
         return np.require(array, np.float32, ("C_CONTIGUOUS", "ALIGNED"))
 
 
+def numbers_of(name: str, values: Any) -> Floats:
+    """Return an array of float32 that holds no NaN."""
+    array = np.asarray(values, np.float32)
+    if np.isnan(array).any():
+        raise ArgumentError(f"{name} hold NaN: must be numbers")
+    return array
+
+
 def writable(name: str, out: Any, shape: tuple[int, ...]) -> Floats:
     """Return an array that the kernel may write to, or refuse it."""
     if not isinstance(out, np.ndarray):
@@ -97,6 +107,26 @@ def flags(name: str, values: Any, count: int) -> npt.NDArray[np.bool_]:
     if array.dtype != np.bool_ or array.shape != (count,):
         raise ArgumentError(f"{name} is {array.dtype} of shape {array.shape}: must be bool of shape ({count},)")
     return array
+
+
+def options_of(options: Any, *known: str) -> Mapping[str, Any]:
+    """Return the options of a reset, of which none may be unknown."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ArgumentError(f"options = {shown(options)}: must be a dict or None")
+    for name in options:
+        if name not in known:
+            raise ArgumentError(f"options: {shown(name)} is unknown, must be {' or '.join(known)}")
+    return options
+
+
+def read_file(path: Path) -> bytes:
+    """Return what a file holds."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise MissingFileError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
 def snapshot_of(name: str, value: Any) -> bytes:

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _abi
-from ._library import check, fail, lib, read_text
+from ._library import check, fail_saying, lib
 from .arguments import floats, seeds_of, shown, snapshot_of, whole
 from .errors import ArgumentError, ResetNeededError, SnapshotError
+from .in_use import Mark
 from .model import Model, check_model
 from .sim import REWARD_NAMES, Sim
 
@@ -79,10 +80,11 @@ class BatchBuffers:
 
     def renew(self) -> None:
         """Take new arrays for the next step, so that nobody writes to the present ones again."""
-        for name in _RENEWED:
-            if (array := self._arrays.get(name)) is not None:
-                fresh = self._arrays[name] = np.empty_like(array)
-                setattr(self._record, _FIELDS[name][0], fresh.ctypes.data)
+        with self.in_use:
+            for name in _RENEWED:
+                if (array := self._arrays.get(name)) is not None:
+                    fresh = self._arrays[name] = np.empty_like(array)
+                    setattr(self._record, _FIELDS[name][0], fresh.ctypes.data)
 
     def final_metrics_by_name(self, ended: npt.NDArray[np.bool_]) -> dict[str, npt.NDArray[Any]]:
         """Metrics of the episodes that just ended, by name; zeros elsewhere."""
@@ -104,6 +106,7 @@ class BatchBuffers:
 
     def _point(self) -> None:
         """Write the addresses of all arrays into the record."""
+        self.in_use = Mark("a set of buffers")
         size = ctypes.sizeof(_abi.jcas_batch_out)
         self._record = _abi.jcas_batch_out(struct_size=size, metrics_size=METRICS.itemsize)
         for name, array in self._arrays.items():
@@ -166,7 +169,8 @@ class Batch:
         """Begin the episodes of M seeds, and observe."""
         chosen = seeds_of("seeds", seeds, self.num_envs)
         self._check_buffers(buffers)
-        self._check(lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *buffers.observed()))
+        with buffers.in_use:
+            self._check(lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *buffers.observed()))
         self.begun = True
 
     def step(self, actions: npt.ArrayLike, buffers: BatchBuffers, auto_reset: bool = True) -> None:
@@ -175,16 +179,18 @@ class Batch:
         self._check_buffers(buffers)
         if not self.begun:
             raise ResetNeededError("step before the first reset: call reset first")
-        status = lib.jcas_batch_step(
-            self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), ctypes.byref(buffers.record)
-        )
+        with buffers.in_use:
+            status = lib.jcas_batch_step(
+                self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), ctypes.byref(buffers.record)
+            )
         if status:
             self._check(status)
 
     def observe(self, buffers: BatchBuffers) -> None:
         """Write what the environments observe now."""
         self._check_buffers(buffers)
-        self._check(lib.jcas_batch_observe(self.handle, *buffers.observed()))
+        with buffers.in_use:
+            self._check(lib.jcas_batch_observe(self.handle, *buffers.observed()))
 
     def member(self, index: int, sim: Sim | None = None) -> Sim:
         """Copy an environment into a simulation, `sim` or a new one, to read every quantity or to save it."""
@@ -234,10 +240,7 @@ class Batch:
 
     def _check(self, status: int) -> None:
         if status:
-            fail(
-                status,
-                read_text(lambda out, size, length: lib.jcas_batch_message(self.handle, out, size, length)),
-            )
+            fail_saying(status, lambda out, size, length: lib.jcas_batch_message(self.handle, out, size, length))
 
 
 def _free(handle: ctypes.c_void_p, model: Model) -> None:

@@ -19,7 +19,7 @@ from typing_extensions import Unpack
 from . import _abi
 from ._fields import Fields
 from ._library import check, check_with_message, lib, read_text
-from .arguments import shown
+from .arguments import read_file, shown
 from .errors import ConfigError
 from .signature import shows_fields
 
@@ -31,7 +31,7 @@ class Config(Mapping[str, Any]):
     """A legal configuration: an immutable mapping of fields to values.
 
     Fields that the kernel derives from others (`detection_threshold_db`, `range_min_m`,
-    `range_resolution_m`, `depots`) are absent unless they were given.
+    `range_resolution_m`, `depots`) are absent unless they were given: `config["depots"]` is None then.
 
     Args:
         base: what to begin with; a preset's name (`mission`, the default, or `paper`), the path of a
@@ -68,7 +68,12 @@ class Config(Mapping[str, Any]):
         self._values: dict[str, Any] = json.loads(self._json)
 
     def __getitem__(self, field: str) -> Any:
+        if field not in self._values and field in _described():
+            return None
         return self._values[field]
+
+    def __contains__(self, field: object) -> bool:
+        return field in self._values
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)
@@ -131,7 +136,7 @@ def _given(base: ConfigLike) -> dict[str, Any]:
 
 def _read_json(path: Path) -> dict[str, Any]:
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
+        values = json.loads(read_file(path).decode("utf-8"))
     except ValueError as error:
         raise ConfigError(f"{path}: not JSON: {error}", _abi.JCAS_ERROR_CONFIG) from error
     if not isinstance(values, dict):
@@ -141,7 +146,7 @@ def _read_json(path: Path) -> dict[str, Any]:
 
 def _read_toml(path: Path) -> dict[str, Any]:
     """Read a TOML file by the kernel's own reader; its fields come back with all the others'."""
-    text, record = path.read_bytes(), _abi.jcas_config()
+    text, record = read_file(path), _abi.jcas_config()
     size = ctypes.sizeof(record)
     check_with_message(
         lambda message, capacity: lib.jcas_config_from_toml(

@@ -27,6 +27,14 @@ class EpisodeOverError(JcasError, RuntimeError):
     """A step was asked for after the end of the episode. Reset first."""
 
 
+class BusyError(JcasError, RuntimeError):
+    """Another thread is using the object, or its buffers. Nothing has changed.
+
+    An object serves one thread at a time: give each thread its own, or take turns with a lock. A
+    :class:`~jcas.Model` serves any number of threads at once.
+    """
+
+
 class ResetNeededError(JcasError, RuntimeError):
     """Something was asked of an environment that has not been reset yet."""
 
@@ -37,6 +45,10 @@ class SnapshotError(JcasError, ValueError):
 
 class PolicyError(JcasError, ValueError):
     """A policy file cannot be read or does not fit the configuration."""
+
+
+class MissingFileError(JcasError, FileNotFoundError):
+    """A file that was named is not there, or cannot be read."""
 
 
 class TraceError(JcasError, ValueError):

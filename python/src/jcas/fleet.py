@@ -11,7 +11,7 @@ import numpy.typing as npt
 from typing_extensions import Unpack
 
 from ._fields import Fields
-from .arguments import seed_of
+from .arguments import options_of, seed_of
 from .config import ConfigLike
 from .mission import RENDER_FPS, RENDER_MODES, Mission
 from .model import Model
@@ -75,8 +75,9 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
 
         `options["snapshot"]`, bytes of :meth:`save`, takes that state up instead of beginning anew.
         """
+        given = options_of(options, "snapshot")
         super().reset(seed=None if seed is None else seed_of("seed", seed))
-        self._mission.reset(seed, options)
+        self._mission.reset(seed, given)
         return self._mission.sim.observe(), {}
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:

@@ -16,8 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ._library import check, check_with_message, lib
+from .arguments import read_file, shown
 from .batch import Batch
-from .errors import ArgumentError, PolicyError
+from .errors import ArgumentError, PolicyError, SnapshotError
 from .model import Model, check_model
 from .sim import Sim
 
@@ -29,7 +30,11 @@ WEIGHTS = "policy.safetensors"
 
 
 class Policy:
-    """What flies a fleet: made by :meth:`load` or :meth:`baseline`, for missions of one model."""
+    """What flies a fleet: made by :meth:`load` or :meth:`baseline`, for missions of one model.
+
+    A copy, also one that was pickled, flies as a policy that was just made: a baseline that plans over several steps
+    plans anew.
+    """
 
     def __init__(self, model: Model, handle: ctypes.c_void_p, name: str) -> None:
         self.model = model
@@ -50,29 +55,20 @@ class Policy:
 
         Raises:
             PolicyError: the file is no policy, or reads other observations than the model has.
+            MissingFileError: the file is not there or cannot be read.
             ArgumentError: an argument is not acceptable.
 
         """
-        if mode is not None and mode not in MODES:
-            raise ArgumentError(f"mode = {mode!r}: must be one of {', '.join(MODES)}")
+        _check_mode(mode)
+        fitting = check_model(model)
         file = Path(path)
         if file.is_dir():
             file /= WEIGHTS
+        name = file.parent.name if file.name == WEIGHTS else file.stem
         try:
-            weights = file.read_bytes()
-        except OSError as error:
-            raise PolicyError(f"{file}: {error.strerror}") from error
-        fitting = check_model(model)
-        handle = ctypes.c_void_p()
-        check_with_message(
-            lambda message, capacity: lib.jcas_policy_load(
-                fitting.handle, weights, len(weights), ctypes.byref(handle), message, capacity
-            )
-        )
-        policy = cls(fitting, handle, file.parent.name if file.name == WEIGHTS else file.stem)
-        if mode is not None:
-            check(lib.jcas_policy_set_mode(handle, MODES[mode]))
-        return policy
+            return _trained(fitting, name, read_file(file), mode)
+        except SnapshotError as error:
+            raise PolicyError(f"{file}: {error}", error.status) from None
 
     @classmethod
     def baseline(cls, name: str, model: Model, *, pilot: str | float = "adaptive") -> Policy:
@@ -88,13 +84,19 @@ class Policy:
 
         """
         fitting = check_model(model)
+        chosen, density = _text("name", name), _text("pilot", pilot)
         handle = ctypes.c_void_p()
         check_with_message(
             lambda message, capacity: lib.jcas_policy_baseline(
-                fitting.handle, str(name).encode(), str(pilot).encode(), ctypes.byref(handle), message, capacity
+                fitting.handle, chosen, density, ctypes.byref(handle), message, capacity
             )
         )
-        return cls(fitting, handle, str(name))
+        policy = cls(fitting, handle, str(name))
+        policy._made_by = (_scripted, (fitting, name, pilot))
+        return policy
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        return self._made_by
 
     def __repr__(self) -> str:
         return f"<jcas.Policy {self.name}: {self.model.uav_count} UAVs, {self.model.hotspot_count} hotspots>"
@@ -102,7 +104,8 @@ class Policy:
     def act(self, sim: Sim) -> Actions:
         """Choose the actions of a simulation's present state, [N, 2], for :meth:`jcas.Sim.step`."""
         if not isinstance(sim, Sim):
-            raise ArgumentError(f"sim = {sim!r}: must be a jcas.Sim")
+            raise ArgumentError(f"sim = {shown(sim)}: must be a jcas.Sim")
+        self._check_model("sim", sim.model)
         actions = np.empty((self.model.uav_count, 2), np.float32)
         check(lib.jcas_policy_act(self.handle, sim.handle, actions.ctypes.data, actions.size))
         return actions
@@ -110,10 +113,53 @@ class Policy:
     def act_batch(self, batch: Batch) -> Actions:
         """Choose the actions of every simulation of a batch, [M, N, 2]."""
         if not isinstance(batch, Batch):
-            raise ArgumentError(f"batch = {batch!r}: must be a jcas.Batch")
+            raise ArgumentError(f"batch = {shown(batch)}: must be a jcas.Batch")
+        self._check_model("batch", batch.model)
         actions = np.empty((batch.num_envs, self.model.uav_count, 2), np.float32)
         check(lib.jcas_policy_act_batch(self.handle, batch.handle, actions.ctypes.data, actions.size))
         return actions
+
+    def _check_model(self, what: str, model: Model) -> None:
+        if model.config_hash != self.model.config_hash:
+            raise ArgumentError(
+                f"{what} has another configuration than the policy: {model!r}, the policy was made for {self.model!r}"
+            )
+
+    _made_by: tuple[object, tuple[object, ...]]
+    """How pickle and copy make the policy again."""
+
+
+def _trained(model: Model, name: str, weights: bytes, mode: Mode | None) -> Policy:
+    """Make a policy of a file's bytes."""
+    handle = ctypes.c_void_p()
+    check_with_message(
+        lambda message, capacity: lib.jcas_policy_load(
+            model.handle, weights, len(weights), ctypes.byref(handle), message, capacity
+        )
+    )
+    policy = Policy(model, handle, name)
+    policy._made_by = (_trained, (model, name, weights, mode))
+    if mode is not None:
+        check(lib.jcas_policy_set_mode(handle, MODES[mode]))
+    return policy
+
+
+def _scripted(model: Model, name: str, pilot: str | float) -> Policy:
+    """Make a baseline, as pickle calls it."""
+    return Policy.baseline(name, model, pilot=pilot)
+
+
+def _check_mode(mode: str | None) -> None:
+    if mode is not None and mode not in MODES:
+        raise ArgumentError(f"mode = {shown(mode)}: must be one of {', '.join(MODES)}")
+
+
+def _text(name: str, value: object) -> bytes:
+    """Return a text as the library takes it, which ends at the first zero."""
+    text = str(value)
+    if "\0" in text:
+        raise ArgumentError(f"{name} = {shown(value)}: must hold no zero character")
+    return text.encode()
 
 
 def _free(handle: ctypes.c_void_p, model: Model) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,7 @@ class Mission:
         self._trail: deque[npt.NDArray[np.uint32]] = deque(maxlen=TRAIL_STEPS)
         self._viewer: Viewer | None = None
 
-    def reset(self, seed: int | None, options: dict[str, Any] | None = None) -> None:
+    def reset(self, seed: int | None, options: Mapping[str, Any] | None = None) -> None:
         """Begin an episode; without a seed, the next one of the stream that the last seed began.
 
         With `options["snapshot"]` the saved state is taken up instead.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 from typing_extensions import Unpack
 
 from ._fields import Fields
-from .arguments import shown
+from .arguments import options_of, shown
 from .config import ConfigLike
 from .errors import ArgumentError, ConfigError, SnapshotError
 from .mission import RENDER_FPS, RENDER_MODES, Mission
@@ -92,7 +93,8 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
 
         `options["snapshot"]`, bytes of :meth:`save`, takes that state up instead of beginning anew.
         """
-        self._mission.reset(seed, options)
+        # PettingZoo's conformance tests pass an option of the name "options", which must make no difference.
+        self._mission.reset(seed, options_of(options, "snapshot", "options"))
         if seed is not None:
             self.np_random = np.random.default_rng(seed)
         self.agents = [] if self._mission.over else list(self.possible_agents)
@@ -108,7 +110,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         changes nothing and returns nothing.
         """
         self._mission.need_reset("step")
-        if not actions and not self.agents:
+        if not self.agents and isinstance(actions, Mapping) and not actions:
             return {}, {}, {}, {}, {}
         encode_uav_actions(self._kind, self.possible_agents, actions, self._actions)
         outcome = self._mission.step(self._actions)

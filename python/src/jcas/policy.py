@@ -18,8 +18,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from .arguments import numbers_of, read_file
 from .config import Config
-from .errors import MissingDependencyError, PolicyError
+from .errors import MissingDependencyError, MissingFileError, PolicyError
 from .heads import HEAD_OUTPUTS, Head, act, decode
 from .model import Model
 from .set_policy import SetPolicy
@@ -95,7 +96,7 @@ class MlpPolicy:
 
     def outputs(self, observations: Array) -> Array:
         """Evaluate the network: [..., observation length] to [..., outputs]."""
-        hidden = np.asarray(observations, np.float32)
+        hidden = numbers_of("observations", observations)
         if self.inputs is not None:
             hidden = np.clip((hidden - self.inputs[0]) / self.inputs[1], -INPUTS_CLIP, INPUTS_CLIP)
         for layer in self.layers[:-1]:
@@ -179,6 +180,8 @@ class OnnxPolicy:
         config: Config | None = None,
         threads: int = 1,
     ) -> None:
+        if not Path(path).is_file():
+            raise MissingFileError(f"{path}: there is no such file")
         try:
             import onnxruntime
         except ImportError as error:
@@ -202,14 +205,15 @@ class OnnxPolicy:
 
     def act(self, observations: Array, *, deterministic: bool = True, rng: np.random.Generator | None = None) -> Array:
         """Choose actions, as :meth:`MlpPolicy.act`."""
-        rows = np.ascontiguousarray(observations, np.float32).reshape(-1, self.observation_len)
+        given = numbers_of("observations", observations)
+        rows = np.ascontiguousarray(given).reshape(-1, self.observation_len)
         wanted = "actions" if deterministic else "distribution"
         (values,) = self._session.run([wanted], {"observations": rows})
         if not deterministic:
             if rng is None:
                 raise PolicyError("deterministic = False: sampled actions need rng, a NumPy generator")
             values = decode(self.head, values, rng)
-        return np.asarray(values, np.float32).reshape(*observations.shape[:-1], 2)
+        return np.asarray(values, np.float32).reshape(*given.shape[:-1], 2)
 
 
 Policy: TypeAlias = "MlpPolicy | SetPolicy | OnnxPolicy"
@@ -226,7 +230,7 @@ def load_policy(path: str | os.PathLike[str]) -> Policy:
         return OnnxPolicy(given)
     card_path = given / CARD
     try:
-        card = json.loads(card_path.read_text(encoding="utf-8"))
+        card = json.loads(read_file(card_path).decode("utf-8"))
     except ValueError as error:
         raise PolicyError(f"{card_path}: not JSON: {error}") from error
     if not isinstance(card, dict) or card.get("format") != CARD_FORMAT:
@@ -258,11 +262,11 @@ def load_policy(path: str | os.PathLike[str]) -> Policy:
 def _load_arrays(path: Path) -> dict[str, Array]:
     try:
         from safetensors import SafetensorError
-        from safetensors.numpy import load_file
+        from safetensors.numpy import load
     except ImportError as error:
         raise MissingDependencyError("safetensors", "reading a policy", "policy") from error
     try:
-        return {name: array.astype(np.float32) for name, array in load_file(path).items()}
+        return {name: array.astype(np.float32) for name, array in load(read_file(path)).items()}
     except SafetensorError as error:
         raise PolicyError(f"{path}: not safetensors: {error}") from error
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .arguments import Floats
+from .arguments import Floats, numbers_of
 from .config import Config
 from .errors import PolicyError
 from .heads import HEAD_OUTPUTS, Head, act
@@ -133,7 +133,7 @@ class SetPolicy:
 
     def outputs(self, observations: Floats) -> Floats:
         """Evaluate the network: [..., observation length] to [..., outputs]."""
-        given = np.asarray(observations, np.float32)
+        given = numbers_of("observations", observations)
         if given.shape[-1:] != (self.observation_len,):
             raise PolicyError(
                 f"observations have shape {given.shape}: must end in {self.observation_len}; for another model use "

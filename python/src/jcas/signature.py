@@ -17,9 +17,15 @@ def shows_fields(function: F) -> F:
     own = [part for part in signature.parameters.values() if part.kind is not inspect.Parameter.VAR_KEYWORD]
     taken = {part.name for part in own}
     fields = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-        for name, kind in Fields.__annotations__.items()
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_kind(annotation))
+        for name, annotation in Fields.__annotations__.items()
         if name not in taken
     ]
     function.__signature__ = signature.replace(parameters=[*own, *fields])  # type: ignore[attr-defined]
     return function
+
+
+def _kind(annotation: Any) -> type:
+    """Return the type of a field's values in one word, which keeps the signature short."""
+    first = str(getattr(annotation, "__forward_arg__", annotation)).split(" | ")[0]
+    return {"int": int, "float": float}.get(first, list if first.startswith("Sequence") else str)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _abi
-from ._library import check, fail, lib, read_text
+from ._library import check, fail_saying, lib
 from .arguments import floats, seed_of, snapshot_of, writable
 from .model import Model, check_model
 from .scene import Scene
@@ -299,7 +299,7 @@ class Sim:
             self._fail(status)
 
     def _fail(self, status: int) -> None:
-        fail(status, read_text(lambda out, size, length: lib.jcas_sim_message(self.handle, out, size, length)))
+        fail_saying(status, lambda out, size, length: lib.jcas_sim_message(self.handle, out, size, length))
 
 
 _UAV = ctypes.POINTER(_abi.jcas_uav)

@@ -12,6 +12,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
+from .arguments import read_file
 from .config import Config
 from .errors import TraceError
 from .hosted import KINDS, own_between_steps, step_with_host
@@ -41,7 +42,7 @@ class Trace:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trace:
         """Read a trace and check that it is whole: its form, its end, its checksum."""
-        content = Path(path).read_bytes()
+        content = read_file(Path(path))
         try:
             lines = [json.loads(line) for line in content.splitlines()]
         except ValueError as error:

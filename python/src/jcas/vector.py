@@ -14,10 +14,11 @@ from gymnasium.vector.utils import batch_space
 from typing_extensions import Unpack
 
 from ._fields import Fields
-from .arguments import flags, seed_of, shown, whole
+from .arguments import flags, options_of, seed_of, shown, whole
 from .batch import ENVS_MAX, THREADS_MAX, Batch, BatchBuffers
 from .config import Config, ConfigLike
 from .errors import ActionError, ArgumentError, ConfigError, ResetNeededError
+from .in_use import Mark
 from .model import Model, derive_seed
 from .signature import shows_fields
 from .sim import Sim
@@ -60,6 +61,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
             raise ConfigError(f"render_mode = {shown(render_mode)}: must be 'rgb_array' or None")
         self._kind = check_kind(action_space)
         self._autoreset = _check_autoreset(autoreset_mode)
+        self.autoreset_mode = self._autoreset  # As Gymnasium's own vector environments name it.
         self.metadata = {"autoreset_mode": self._autoreset, "render_modes": ["rgb_array"], "render_fps": 8}
         self.render_mode = render_mode
         self.model = Model(Config(config, **fields))
@@ -75,6 +77,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         sets = whole("buffer_sets", buffer_sets, 1, 2)
         self._buffers = [BatchBuffers(self.model, self.num_envs, global_state, own) for _ in range(1 if copy else sets)]
         self._turn = 0
+        self._in_use = Mark("the environment")
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._begun: list[Sim] = []
 
@@ -89,24 +92,10 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         Sub-environment m gets the seed `seed + m` (after 2^64 - 1 comes 0), as in Gymnasium's own vector
         environments, or the m-th of a list. Without a seed, the next ones of the stream that the last seed began.
         """
-        mask = (options or {}).get("reset_mask")
+        mask = options_of(options, "reset_mask").get("reset_mask")
         chosen = None if mask is None else flags("reset_mask", mask, self.num_envs)
-        seeds = self._reset_seeds(seed)
-        buffers = self._next_buffers()
-        if chosen is None:
-            self.batch.reset(seeds, buffers)
-            self._ended[:] = False
-        else:
-            self._need_reset("reset_mask")
-            for member in np.flatnonzero(chosen).tolist():
-                self.batch.set_member(member, Sim(self.model, int(seeds[member])))
-            self.batch.observe(buffers)
-            self._ended &= ~chosen
-        infos: dict[str, Any] = {}
-        if buffers.global_state is not None:
-            infos["global_state"] = buffers.global_state
-            infos["_global_state"] = self._everywhere()
-        return buffers.observations, infos
+        with self._in_use:
+            return self._reset(seed, chosen)
 
     def step(self, actions: Any) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Step every fleet.
@@ -119,13 +108,14 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         """
         encoded = encode_fleet_action(self._kind, actions, self._action_shape)
         self._need_reset("step")
-        buffers = self._next_buffers()
-        if self._autoreset is AutoresetMode.NEXT_STEP and self._ended.any():
-            self._step_and_begin(encoded, buffers)
-        else:
-            self.batch.step(encoded, buffers, auto_reset=self._autoreset is AutoresetMode.SAME_STEP)
-        self._ended = buffers.terminated | buffers.truncated
-        return buffers.observations, buffers.rewards, buffers.terminated, buffers.truncated, self._infos(buffers)
+        with self._in_use:
+            buffers = self._next_buffers()
+            if self._autoreset is AutoresetMode.NEXT_STEP and self._ended.any():
+                self._step_and_begin(encoded, buffers)
+            else:
+                self.batch.step(encoded, buffers, auto_reset=self._autoreset is AutoresetMode.SAME_STEP)
+            self._ended = buffers.terminated | buffers.truncated
+            return buffers.observations, buffers.rewards, buffers.terminated, buffers.truncated, self._infos(buffers)
 
     def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
         """Draw every sub-environment."""
@@ -143,16 +133,38 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
 
     def load(self, snapshot: bytes) -> Array:
         """Take up what :meth:`save` gave and return the observations."""
-        self.batch.load(snapshot)
-        members = [self.batch.member(member) for member in range(self.num_envs)]
-        self._ended = np.array([sim.terminated or sim.truncated for sim in members])
-        buffers = self._next_buffers()
-        self.batch.observe(buffers)
-        return buffers.observations
+        with self._in_use:
+            self.batch.load(snapshot)
+            members = [self.batch.member(member) for member in range(self.num_envs)]
+            self._ended = np.array([sim.terminated or sim.truncated for sim in members])
+            buffers = self._next_buffers()
+            self.batch.observe(buffers)
+            return buffers.observations
 
     def fork(self) -> FleetVectorEnv:
         """Return an independent environment in the same state and with the same seeds to come."""
         return copying.deepcopy(self)
+
+    def _reset(
+        self, seed: int | Sequence[int | None] | None, chosen: npt.NDArray[np.bool_] | None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begin an episode in every sub-environment, or in the chosen ones."""
+        seeds = self._reset_seeds(seed)
+        buffers = self._next_buffers()
+        if chosen is None:
+            self.batch.reset(seeds, buffers)
+            self._ended[:] = False
+        else:
+            self._need_reset("reset_mask")
+            for member in np.flatnonzero(chosen).tolist():
+                self.batch.set_member(member, Sim(self.model, int(seeds[member])))
+            self.batch.observe(buffers)
+            self._ended &= ~chosen
+        infos: dict[str, Any] = {}
+        if buffers.global_state is not None:
+            infos["global_state"] = buffers.global_state
+            infos["_global_state"] = self._everywhere()
+        return buffers.observations, infos
 
     def _step_and_begin(self, encoded: npt.NDArray[np.float32], buffers: BatchBuffers) -> None:
         """Step the fleets that fly, and begin the next episode of those that ended a step ago.
