@@ -19,7 +19,8 @@ use field::Field;
 
 /// Declares the configuration once: the record, its defaults and the description of each field.
 macro_rules! configuration {
-    ($( $(#[doc = $doc:literal])+ $name:ident: $type:ty = $default:expr, $unit:literal, $low:literal..=$high:literal; )+) => {
+    // `$d` is a dollar sign for the macro that is defined inside.
+    ($d:tt $( $(#[doc = $doc:literal])+ $name:ident: $type:ty = $default:expr, $unit:literal, $low:literal..=$high:literal; )+) => {
         /// The configuration of a model. Energies are per UAV; see each field for unit and legal range.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
@@ -30,6 +31,14 @@ macro_rules! configuration {
                 #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Field::is_derived"))]
                 pub $name: $type,
             )+
+        }
+
+        /// Passes the name and the type of each field, in the order of the record, to another macro.
+        #[macro_export]
+        macro_rules! for_each_config_field {
+            ($d each:ident) => {
+                $d each! { $( $name: $type; )+ }
+            };
         }
 
         impl Config {
@@ -72,7 +81,7 @@ macro_rules! configuration {
     };
 }
 
-configuration! {
+configuration! { $
     /// Cells of the grid along x (W).
     grid_width: u32 = 12, "cells", 1..=1024;
     /// Cells of the grid along y (H).

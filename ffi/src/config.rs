@@ -218,176 +218,32 @@ unsafe impl Plain for jcas_config {}
 // SAFETY: `struct_size` comes first.
 unsafe impl Record for jcas_config {}
 
+/// Converts every field of the kernel's record, by its name. A field that only one of the two structs has
+/// does not compile.
+macro_rules! conversions {
+    ($( $name:ident: $type:ty; )+) => {
+        impl jcas_config {
+            pub(crate) fn from_core(config: &Config) -> Self {
+                Self {
+                    struct_size: Self::SIZE,
+                    depot_count: config.depots.len() as u32,
+                    $( $name: Field::to_c(config.$name), )+
+                }
+            }
+
+            /// The same configuration for the kernel, which has yet to validate it.
+            pub(crate) fn to_core(self) -> Result<Config, ConfigError> {
+                let depots = self.given_depots()?;
+                let config = Config { $( $name: Field::from_c(stringify!($name), self.$name)?, )+ };
+                Ok(Config { depots, ..config })
+            }
+        }
+    };
+}
+
+jcas_core::for_each_config_field!(conversions);
+
 impl jcas_config {
-    pub(crate) fn from_core(config: &Config) -> Self {
-        let mut depots = [jcas_cell { x: 0, y: 0 }; JCAS_MAX_DEPOTS];
-        for (to, from) in depots.iter_mut().zip(config.depots.as_slice()) {
-            *to = jcas_cell {
-                x: from.x,
-                y: from.y,
-            };
-        }
-        Self {
-            struct_size: Self::SIZE,
-            grid_width: config.grid_width,
-            grid_height: config.grid_height,
-            cell_size_m: config.cell_size_m,
-            uav_count: config.uav_count,
-            hotspot_count: config.hotspot_count,
-            horizon_steps: config.horizon_steps,
-            quorum: config.quorum,
-            depot_count: config.depots.len() as u32,
-            depots,
-            initial_soc_min: config.initial_soc_min,
-            initial_soc_max: config.initial_soc_max,
-            target_visibility: config.target_visibility as i32,
-            neighbour_slots: config.neighbour_slots,
-            carrier_frequency_hz: config.carrier_frequency_hz,
-            bandwidth_hz: config.bandwidth_hz,
-            transmit_power_dbm: config.transmit_power_dbm,
-            transmit_gain_dbi: config.transmit_gain_dbi,
-            receive_gain_dbi: config.receive_gain_dbi,
-            radar_cross_section_dbsm: config.radar_cross_section_dbsm,
-            sensing_noise_dbm: config.sensing_noise_dbm,
-            processing_gain_db: config.processing_gain_db,
-            comm_load_penalty_db: config.comm_load_penalty_db,
-            detection_probability: config.detection_probability,
-            false_alarm_probability: config.false_alarm_probability,
-            detection_threshold_db: config.detection_threshold_db.unwrap_or(f64::NAN),
-            logistic_slope_per_db: config.logistic_slope_per_db,
-            range_min_m: config.range_min_m.unwrap_or(f64::NAN),
-            range_resolution_m: config.range_resolution_m.unwrap_or(f64::NAN),
-            pilot_density_min: config.pilot_density_min,
-            pilot_density_max: config.pilot_density_max,
-            path_loss_exponent: config.path_loss_exponent,
-            comm_noise_dbm: config.comm_noise_dbm,
-            reference_spectral_efficiency: config.reference_spectral_efficiency,
-            link_throughput_min: config.link_throughput_min,
-            step_duration_s: config.step_duration_s,
-            battery_capacity_kwh: config.battery_capacity_kwh,
-            rtb_threshold_kwh: config.rtb_threshold_kwh,
-            charge_power_kw: config.charge_power_kw,
-            move_energy_kwh: config.move_energy_kwh,
-            hover_energy_kwh: config.hover_energy_kwh,
-            sense_energy_kwh: config.sense_energy_kwh,
-            comm_energy_kwh: config.comm_energy_kwh,
-            renewable_share: config.renewable_share,
-            carbon_intensity_min_kg_per_kwh: config.carbon_intensity_min_kg_per_kwh,
-            carbon_intensity_max_kg_per_kwh: config.carbon_intensity_max_kg_per_kwh,
-            charge_billing: config.charge_billing as i32,
-            reward_detect: config.reward_detect,
-            reward_inform: config.reward_inform,
-            inform_payment: config.inform_payment as i32,
-            reward_complete: config.reward_complete,
-            reward_coverage: config.reward_coverage,
-            penalty_energy_per_kwh: config.penalty_energy_per_kwh,
-            penalty_carbon_per_kg: config.penalty_carbon_per_kg,
-            penalty_revisit: config.penalty_revisit,
-            penalty_truncation: config.penalty_truncation,
-            reward_throughput: config.reward_throughput,
-            reward_spread: config.reward_spread,
-            shaping_discount: config.shaping_discount,
-            shaping_goal_weight: config.shaping_goal_weight,
-            shaping_charge_weight: config.shaping_charge_weight,
-            search_maps: config.search_maps as i32,
-            search_map_radius_m: config.search_map_radius_m,
-            map_window_radius: config.map_window_radius,
-            map_directions: config.map_directions as i32,
-            uav_tag: config.uav_tag as i32,
-            shaping_unconfirmed_weight: config.shaping_unconfirmed_weight,
-            sensing_range_m: config.sensing_range_m.unwrap_or(f64::NAN),
-        }
-    }
-
-    /// The same configuration for the kernel, which has yet to validate it.
-    pub(crate) fn to_core(self) -> Result<Config, ConfigError> {
-        let depots = self.given_depots()?;
-        Ok(Config {
-            grid_width: self.grid_width,
-            grid_height: self.grid_height,
-            cell_size_m: self.cell_size_m,
-            uav_count: self.uav_count,
-            hotspot_count: self.hotspot_count,
-            horizon_steps: self.horizon_steps,
-            quorum: self.quorum,
-            depots,
-            initial_soc_min: self.initial_soc_min,
-            initial_soc_max: self.initial_soc_max,
-            target_visibility: choice(
-                "target_visibility",
-                self.target_visibility,
-                TargetVisibility::from_index,
-            )?,
-            neighbour_slots: self.neighbour_slots,
-            carrier_frequency_hz: self.carrier_frequency_hz,
-            bandwidth_hz: self.bandwidth_hz,
-            transmit_power_dbm: self.transmit_power_dbm,
-            transmit_gain_dbi: self.transmit_gain_dbi,
-            receive_gain_dbi: self.receive_gain_dbi,
-            radar_cross_section_dbsm: self.radar_cross_section_dbsm,
-            sensing_noise_dbm: self.sensing_noise_dbm,
-            processing_gain_db: self.processing_gain_db,
-            comm_load_penalty_db: self.comm_load_penalty_db,
-            detection_probability: self.detection_probability,
-            false_alarm_probability: self.false_alarm_probability,
-            detection_threshold_db: given(self.detection_threshold_db),
-            logistic_slope_per_db: self.logistic_slope_per_db,
-            range_min_m: given(self.range_min_m),
-            range_resolution_m: given(self.range_resolution_m),
-            pilot_density_min: self.pilot_density_min,
-            pilot_density_max: self.pilot_density_max,
-            path_loss_exponent: self.path_loss_exponent,
-            comm_noise_dbm: self.comm_noise_dbm,
-            reference_spectral_efficiency: self.reference_spectral_efficiency,
-            link_throughput_min: self.link_throughput_min,
-            step_duration_s: self.step_duration_s,
-            battery_capacity_kwh: self.battery_capacity_kwh,
-            rtb_threshold_kwh: self.rtb_threshold_kwh,
-            charge_power_kw: self.charge_power_kw,
-            move_energy_kwh: self.move_energy_kwh,
-            hover_energy_kwh: self.hover_energy_kwh,
-            sense_energy_kwh: self.sense_energy_kwh,
-            comm_energy_kwh: self.comm_energy_kwh,
-            renewable_share: self.renewable_share,
-            carbon_intensity_min_kg_per_kwh: self.carbon_intensity_min_kg_per_kwh,
-            carbon_intensity_max_kg_per_kwh: self.carbon_intensity_max_kg_per_kwh,
-            charge_billing: choice(
-                "charge_billing",
-                self.charge_billing,
-                ChargeBilling::from_index,
-            )?,
-            reward_detect: self.reward_detect,
-            reward_inform: self.reward_inform,
-            inform_payment: choice(
-                "inform_payment",
-                self.inform_payment,
-                InformPayment::from_index,
-            )?,
-            reward_complete: self.reward_complete,
-            reward_coverage: self.reward_coverage,
-            penalty_energy_per_kwh: self.penalty_energy_per_kwh,
-            penalty_carbon_per_kg: self.penalty_carbon_per_kg,
-            penalty_revisit: self.penalty_revisit,
-            penalty_truncation: self.penalty_truncation,
-            reward_throughput: self.reward_throughput,
-            reward_spread: self.reward_spread,
-            shaping_discount: self.shaping_discount,
-            shaping_goal_weight: self.shaping_goal_weight,
-            shaping_charge_weight: self.shaping_charge_weight,
-            search_maps: choice("search_maps", self.search_maps, SearchMaps::from_index)?,
-            search_map_radius_m: self.search_map_radius_m,
-            map_window_radius: self.map_window_radius,
-            map_directions: choice(
-                "map_directions",
-                self.map_directions,
-                MapDirections::from_index,
-            )?,
-            uav_tag: choice("uav_tag", self.uav_tag, UavTag::from_index)?,
-            shaping_unconfirmed_weight: self.shaping_unconfirmed_weight,
-            sensing_range_m: given(self.sensing_range_m),
-        })
-    }
-
     fn given_depots(&self) -> Result<Depots, ConfigError> {
         let mut cells = [Cell { x: 0, y: 0 }; JCAS_MAX_DEPOTS];
         for (to, from) in cells.iter_mut().zip(&self.depots) {
@@ -407,22 +263,98 @@ impl jcas_config {
     }
 }
 
-/// A real number that NaN leaves to be derived.
-fn given(value: f64) -> Option<f64> {
-    (!value.is_nan()).then_some(value)
+/// The type of a field, in the kernel's record and in the C struct.
+trait Field: Sized {
+    type C;
+
+    fn to_c(self) -> Self::C;
+
+    fn from_c(name: &'static str, value: Self::C) -> Result<Self, ConfigError>;
 }
 
-fn choice<T>(
-    field: &'static str,
-    value: i32,
-    from_index: impl Fn(u32) -> Option<T>,
-) -> Result<T, ConfigError> {
-    u32::try_from(value)
-        .ok()
-        .and_then(from_index)
-        .ok_or(ConfigError {
-            field,
-            value: Value::Real(f64::from(value)),
-            allowed: Allowed::Rule("one of its constants"),
-        })
+impl Field for u32 {
+    type C = Self;
+
+    fn to_c(self) -> Self {
+        self
+    }
+
+    fn from_c(_name: &'static str, value: Self) -> Result<Self, ConfigError> {
+        Ok(value)
+    }
 }
+
+impl Field for f64 {
+    type C = Self;
+
+    fn to_c(self) -> Self {
+        self
+    }
+
+    fn from_c(_name: &'static str, value: Self) -> Result<Self, ConfigError> {
+        Ok(value)
+    }
+}
+
+/// NaN leaves a real number to be derived.
+impl Field for Option<f64> {
+    type C = f64;
+
+    fn to_c(self) -> f64 {
+        self.unwrap_or(f64::NAN)
+    }
+
+    fn from_c(_name: &'static str, value: f64) -> Result<Self, ConfigError> {
+        Ok((!value.is_nan()).then_some(value))
+    }
+}
+
+impl Field for Depots {
+    type C = [jcas_cell; JCAS_MAX_DEPOTS];
+
+    fn to_c(self) -> Self::C {
+        let mut depots = [jcas_cell { x: 0, y: 0 }; JCAS_MAX_DEPOTS];
+        for (to, from) in depots.iter_mut().zip(self.as_slice()) {
+            *to = jcas_cell {
+                x: from.x,
+                y: from.y,
+            };
+        }
+        depots
+    }
+
+    /// None: how many of the cells are depots is in another field.
+    fn from_c(_name: &'static str, _cells: Self::C) -> Result<Self, ConfigError> {
+        Ok(Self::CENTRE)
+    }
+}
+
+macro_rules! choices {
+    ($( $name:ident ),+) => { $(
+        impl Field for $name {
+            type C = i32;
+
+            fn to_c(self) -> i32 {
+                self as i32
+            }
+
+            fn from_c(name: &'static str, value: i32) -> Result<Self, ConfigError> {
+                let index = u32::try_from(value).ok();
+                index.and_then(Self::from_index).ok_or(ConfigError {
+                    field: name,
+                    value: Value::Real(f64::from(value)),
+                    allowed: Allowed::Rule("one of its constants"),
+                })
+            }
+        }
+    )+ };
+}
+
+choices!(
+    ChargeBilling,
+    InformPayment,
+    MapDirections,
+    SearchMaps,
+    TargetVisibility,
+    UavTag
+);
