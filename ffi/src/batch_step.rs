@@ -109,31 +109,9 @@ pub unsafe extern "C" fn jcas_batch_reset(
     global: *mut f32,
     global_count: usize,
 ) -> jcas_status {
-    let act = |batch: &mut Batch| {
-        let sizes = batch.sizes();
-        Buffer::check_all(&[
-            Buffer::new("seeds", seeds, seed_count, sizes.count),
-            Buffer::new(
-                "observations",
-                observations,
-                observation_count,
-                sizes.observations,
-            ),
-            Buffer::optional("global", global, global_count, sizes.global),
-        ])?;
-        // SAFETY: the caller's promise for `seeds`.
-        let seeds = unsafe { input(seeds, seed_count, sizes.count) }?;
-        // SAFETY: the caller's promise for `observations`.
-        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
-        // SAFETY: the caller's promise for `global`.
-        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
-        batch.each_mut(|model, m, words, scratch| {
-            model.reset(words, scratch, seeds[m])?;
-            observe(model, m, words, scratch, observations, global)
-        })
-    };
-    // SAFETY: the caller's promise for `batch`.
-    unsafe { change(batch, act) }
+    let (observations, global) = ((observations, observation_count), (global, global_count));
+    // SAFETY: passed on.
+    unsafe { reset(batch, None, (seeds, seed_count), observations, global) }
 }
 
 /// Begins an episode in some environments, those where `mask` is not 0, and observes these. The others,
@@ -155,29 +133,56 @@ pub unsafe extern "C" fn jcas_batch_reset_some(
     global: *mut f32,
     global_count: usize,
 ) -> jcas_status {
+    let (observations, global) = ((observations, observation_count), (global, global_count));
+    // SAFETY: passed on.
+    unsafe {
+        reset(
+            batch,
+            Some((mask, mask_count)),
+            (seeds, seed_count),
+            observations,
+            global,
+        )
+    }
+}
+
+/// Begins an episode in each environment, or in those where a mask is not 0. Each buffer is a pointer with
+/// its count of elements.
+///
+/// # Safety
+/// As [`jcas_batch_reset_some`].
+unsafe fn reset(
+    batch: *mut jcas_batch,
+    mask: Option<(*const u8, usize)>,
+    seeds: (*const u64, usize),
+    observations: (*mut f32, usize),
+    global: (*mut f32, usize),
+) -> jcas_status {
     let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
+        let (count, length) = (sizes.count, sizes.observations);
         Buffer::check_all(&[
-            Buffer::new("mask", mask, mask_count, sizes.count),
-            Buffer::new("seeds", seeds, seed_count, sizes.count),
-            Buffer::new(
-                "observations",
-                observations,
-                observation_count,
-                sizes.observations,
-            ),
-            Buffer::optional("global", global, global_count, sizes.global),
+            match mask {
+                Some((at, given)) => Buffer::new("mask", at, given, count),
+                None => Buffer::optional::<u8>("mask", std::ptr::null(), 0, count),
+            },
+            Buffer::new("seeds", seeds.0, seeds.1, count),
+            Buffer::new("observations", observations.0, observations.1, length),
+            Buffer::optional("global", global.0, global.1, sizes.global),
         ])?;
-        // SAFETY: the caller's promise for `mask`.
-        let mask = unsafe { input(mask, mask_count, sizes.count) }?;
+        let mask = match mask {
+            // SAFETY: the caller's promise for `mask`.
+            Some((at, given)) => unsafe { input(at, given, count) }?,
+            None => &[],
+        };
         // SAFETY: the caller's promise for `seeds`.
-        let seeds = unsafe { input(seeds, seed_count, sizes.count) }?;
+        let seeds = unsafe { input(seeds.0, seeds.1, count) }?;
         // SAFETY: the caller's promise for `observations`.
-        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
+        let observations = unsafe { output(observations.0, observations.1, length) }?;
         // SAFETY: the caller's promise for `global`.
-        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
+        let global = unsafe { optional_output(global.0, global.1, sizes.global) }?;
         batch.each_mut(|model, m, words, scratch| {
-            if mask[m] == 0 {
+            if mask.get(m) == Some(&0) {
                 return Ok(());
             }
             model.reset(words, scratch, seeds[m])?;
