@@ -122,52 +122,44 @@ fn has_v4() -> bool {
         && is_x86_feature_detected!("avx512vl")
 }
 
-/// # Safety
-/// The processor has what [`has_v3`] looks for.
+/// Compiles the batch step and the product for an instruction set.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn batch_step_v3(
-    model: &Model<'_>,
-    states: &mut [u64],
-    scratch: &mut Scratch<'_>,
-    actions: &[f32],
-    auto_reset: bool,
-    out: &mut BatchOut<'_>,
-) -> Result<(), Error> {
-    model.batch_step_here(states, scratch, actions, auto_reset, out)
+macro_rules! compile_for {
+    ($has:ident, $features:literal, $batch_step:ident, $multiply:ident) => {
+        /// # Safety
+        #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
+        #[target_feature(enable = $features)]
+        unsafe fn $batch_step(
+            model: &Model<'_>,
+            states: &mut [u64],
+            scratch: &mut Scratch<'_>,
+            actions: &[f32],
+            auto_reset: bool,
+            out: &mut BatchOut<'_>,
+        ) -> Result<(), Error> {
+            model.batch_step_here(states, scratch, actions, auto_reset, out)
+        }
+
+        /// # Safety
+        #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
+        #[target_feature(enable = $features)]
+        unsafe fn $multiply(operands: Operands<'_>) {
+            operands.multiply_here::<64>();
+        }
+    };
 }
 
-/// # Safety
-/// The processor has what [`has_v4`] looks for.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
-)]
-unsafe fn batch_step_v4(
-    model: &Model<'_>,
-    states: &mut [u64],
-    scratch: &mut Scratch<'_>,
-    actions: &[f32],
-    auto_reset: bool,
-    out: &mut BatchOut<'_>,
-) -> Result<(), Error> {
-    model.batch_step_here(states, scratch, actions, auto_reset, out)
-}
-
-/// # Safety
-/// The processor has what [`has_v3`] looks for.
+compile_for!(
+    has_v3,
+    "avx2,bmi1,bmi2,lzcnt,popcnt",
+    batch_step_v3,
+    multiply_v3
+);
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn multiply_v3(operands: Operands<'_>) {
-    operands.multiply_here::<64>();
-}
-
-/// # Safety
-/// The processor has what [`has_v4`] looks for.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(
-    enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
-)]
-unsafe fn multiply_v4(operands: Operands<'_>) {
-    operands.multiply_here::<64>();
-}
+compile_for!(
+    has_v4,
+    "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl",
+    batch_step_v4,
+    multiply_v4
+);
