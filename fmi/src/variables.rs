@@ -259,131 +259,76 @@ pub const OUTPUTS: [Output; 21] = [
     ),
 ];
 
-/// Every variable, in the order of the description.
-#[must_use]
-pub fn all() -> Vec<Variable> {
+/// A variable that is neither an output nor a field: reference, name, type, causality, dimensions, unit,
+/// legal values, meaning.
+type Special = (
+    u32,
+    &'static str,
+    Kind,
+    Causality,
+    &'static [Extent],
+    Option<&'static str>,
+    Option<(f64, f64)>,
+    &'static str,
+);
+
+/// The variables that are neither outputs nor fields of the configuration.
+#[rustfmt::skip]
+const SPECIAL: [Special; 12] = {
     use Causality::{Independent, Input, Parameter, Structural};
     use Extent::{Two, Uavs};
     use reference::*;
-    let plain = |reference, name, kind, causality, doc: &str| Variable {
-        reference,
-        name,
-        kind,
-        causality,
-        extents: &[],
-        unit: None,
-        range: None,
-        doc: doc.to_owned(),
-    };
-    let mut variables = vec![
-        Variable {
-            unit: Some("s"),
-            ..plain(TIME, "time", Kind::Float64, Independent, "Simulated time.")
-        },
-        Variable {
-            range: Some((1.0, 4096.0)),
-            ..plain(
-                UAV_COUNT,
-                "uav_count",
-                Kind::UInt64,
-                Structural,
-                "UAVs in the fleet (N).",
-            )
-        },
-        Variable {
-            range: Some((1.0, 4096.0)),
-            ..plain(
-                HOTSPOT_COUNT,
-                "hotspot_count",
-                Kind::UInt64,
-                Structural,
-                "Waste hotspots to find (n).",
-            )
-        },
-        plain(
-            PRESET,
-            "preset",
-            Kind::String,
-            Parameter,
-            "Preset that fields which are not set are taken from.",
-        ),
-        plain(
-            SEED,
-            "seed",
-            Kind::UInt64,
-            Parameter,
-            "Seed of the episode: the same seed is the same mission, bit for bit.",
-        ),
-        plain(
-            POLICY,
-            "policy",
-            Kind::String,
-            Parameter,
-            "Baseline, or trained policy among the resources, that flies the fleet; empty: the input actions do.",
-        ),
-        plain(
-            PILOT,
-            "pilot",
-            Kind::String,
-            Parameter,
-            "Pilot density of a baseline: a number, min, mid, max or adaptive.",
-        ),
-        plain(
-            OWN_POSITIONS,
-            "own_positions",
-            Kind::Boolean,
-            Parameter,
-            "Whether the input positions replaces the kernel's motion.",
-        ),
-        plain(
-            OWN_LINKS,
-            "own_links",
-            Kind::Boolean,
-            Parameter,
-            "Whether the input links replaces the kernel's radio graph.",
-        ),
-        Variable {
-            extents: &[Uavs, Two],
-            range: Some((-1.0, 1.0)),
-            ..plain(
-                ACTIONS,
-                "actions",
-                Kind::Float32,
-                Input,
-                "(u_dir, u_pilot) of each UAV, each clipped to [-1, 1].",
-            )
-        },
-        Variable {
-            extents: &[Uavs, Two],
-            ..plain(
-                POSITIONS,
-                "positions",
-                Kind::UInt32,
-                Input,
-                "Cell (x, y) of each UAV, read while own_positions is true.",
-            )
-        },
-        Variable {
-            extents: &[Uavs, Uavs],
-            ..plain(
-                LINKS,
-                "links",
-                Kind::Boolean,
-                Input,
-                "Who hears whom, symmetric, read while own_links is true.",
-            )
-        },
-    ];
-    for (index, (name, kind, extents, unit, doc)) in (FIRST_OUTPUT..).zip(OUTPUTS) {
-        let output = plain(index, name, kind, Causality::Output, doc);
-        variables.push(Variable {
+    const SIZE: Option<(f64, f64)> = Some((1.0, 4096.0));
+    [
+        (TIME, "time", Kind::Float64, Independent, &[], Some("s"), None,
+         "Simulated time."),
+        (UAV_COUNT, "uav_count", Kind::UInt64, Structural, &[], None, SIZE,
+         "UAVs in the fleet (N)."),
+        (HOTSPOT_COUNT, "hotspot_count", Kind::UInt64, Structural, &[], None, SIZE,
+         "Waste hotspots to find (n)."),
+        (PRESET, "preset", Kind::String, Parameter, &[], None, None,
+         "Preset that fields which are not set are taken from."),
+        (SEED, "seed", Kind::UInt64, Parameter, &[], None, None,
+         "Seed of the episode: the same seed is the same mission, bit for bit."),
+        (POLICY, "policy", Kind::String, Parameter, &[], None, None,
+         "Baseline, or trained policy among the resources, that flies the fleet; empty: the input actions do."),
+        (PILOT, "pilot", Kind::String, Parameter, &[], None, None,
+         "Pilot density of a baseline: a number, min, mid, max or adaptive."),
+        (OWN_POSITIONS, "own_positions", Kind::Boolean, Parameter, &[], None, None,
+         "Whether the input positions replaces the kernel's motion."),
+        (OWN_LINKS, "own_links", Kind::Boolean, Parameter, &[], None, None,
+         "Whether the input links replaces the kernel's radio graph."),
+        (ACTIONS, "actions", Kind::Float32, Input, &[Uavs, Two], None, Some((-1.0, 1.0)),
+         "(u_dir, u_pilot) of each UAV, each clipped to [-1, 1]."),
+        (POSITIONS, "positions", Kind::UInt32, Input, &[Uavs, Two], None, None,
+         "Cell (x, y) of each UAV, read while own_positions is true."),
+        (LINKS, "links", Kind::Boolean, Input, &[Uavs, Uavs], None, None,
+         "Who hears whom, symmetric, read while own_links is true."),
+    ]
+};
+
+/// Every variable, in the order of the description.
+#[must_use]
+pub fn all() -> Vec<Variable> {
+    let outputs = (reference::FIRST_OUTPUT..).zip(OUTPUTS);
+    let outputs = outputs.map(|(reference, (name, kind, extents, unit, doc))| {
+        let causality = Causality::Output;
+        (reference, name, kind, causality, extents, unit, None, doc)
+    });
+    let listed = SPECIAL.into_iter().chain(outputs);
+    let listed = listed.map(
+        |(reference, name, kind, causality, extents, unit, range, doc)| Variable {
+            reference,
+            name,
+            kind,
+            causality,
             extents,
             unit,
-            ..output
-        });
-    }
-    variables.extend(fields());
-    variables
+            range,
+            doc: doc.to_owned(),
+        },
+    );
+    listed.chain(fields()).collect()
 }
 
 /// The fields of the configuration but the two sizes, which are structural.
