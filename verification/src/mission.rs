@@ -5,7 +5,8 @@ use crate::sampling::{self, Dice, Pilot};
 use crate::specification::{Specification, World};
 use jcas_core::{Config, Model, Sim};
 
-/// Flies a mission to its end and shows every world after its step to `note`.
+/// Flies a mission to its end and shows every world after its step to `note`. Every state is compared, its
+/// observations at every time that `observed_every` divides.
 ///
 /// # Errors
 /// The first difference, with its step, the step's actions and the configuration.
@@ -13,6 +14,7 @@ pub fn fly(
     config: &Config,
     pilot: Pilot,
     dice: &mut Dice,
+    observed_every: u32,
     mut note: impl FnMut(&Specification, &World),
 ) -> Outcome {
     let model = Model::new(*config).map_err(|error| format!("refused: {error}"))?;
@@ -21,7 +23,9 @@ pub fn fly(
     let mut world = spec.reset(seed);
     let mut sim = Sim::new(&model);
     sim.reset(seed);
-    compare(&spec, &world, &mut sim).map_err(|why| format!("at reset: {why}\n{config:?}"))?;
+    compare(&spec, &world, &sim)
+        .and_then(|()| compare_observations(&spec, &world, &mut sim))
+        .map_err(|why| format!("at reset: {why}\n{config:?}"))?;
     while !world.terminated && !world.truncated {
         let actions = sampling::actions(dice, pilot, &spec, &world);
         let flat: Vec<f32> = actions
@@ -31,17 +35,28 @@ pub fn fly(
         spec.step(&mut world, &actions);
         let outcome = sim.step(&flat).map_err(|error| error.to_string())?;
         comparison::real("reward", world.rewards.sum(), outcome.reward)
-            .and_then(|()| compare(&spec, &world, &mut sim))
+            .and_then(|()| compare(&spec, &world, &sim))
+            .and_then(|()| {
+                if world.t.is_multiple_of(observed_every) {
+                    compare_observations(&spec, &world, &mut sim)
+                } else {
+                    Ok(())
+                }
+            })
             .map_err(|why| format!("t = {}: {why}\n{actions:?}\n{config:?}", world.t))?;
         note(&spec, &world);
     }
     Ok(())
 }
 
-/// The state, its validity and every observation.
-fn compare(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
+/// The state and its validity.
+fn compare(spec: &Specification, world: &World, sim: &Sim<'_>) -> Outcome {
     comparison::states(spec, world, &sim.state())?;
-    comparison::equal("is_valid", true, sim.state().is_valid(sim.model()))?;
+    comparison::equal("is_valid", true, sim.state().is_valid(sim.model()))
+}
+
+/// What each UAV and a critic see.
+fn compare_observations(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
     let model = sim.model();
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     sim.observe(&mut observations)

@@ -41,7 +41,7 @@ fn the_kernel_agrees_with_the_specification() {
         let mut dice = Dice::new(mission);
         let config = sampling::configuration(&mut dice);
         let pilot = sampling::pilot(&mut dice);
-        fly(&config, pilot, &mut dice, |spec, world| {
+        fly(&config, pilot, &mut dice, 1, |spec, world| {
             steps[config.uav_count as usize] += 1;
             note(spec, world, &mut reached);
         })
@@ -77,7 +77,7 @@ fn fifteen_uavs_agree_for_thousands_of_steps() {
         let mut dice = Dice::new(mission);
         let config = sampling::configuration_of(&mut dice, 15);
         let pilot = sampling::pilot(&mut dice);
-        fly(&config, pilot, &mut dice, |_, _| steps += 1)
+        fly(&config, pilot, &mut dice, 1, |_, _| steps += 1)
             .unwrap_or_else(|why| panic!("mission {mission}: {why}"));
     }
     assert!(steps > 3000, "{steps} steps");
@@ -91,7 +91,7 @@ fn large_fleets_agree_too() {
     for mission in 0..8 {
         let mut dice = Dice::new(mission);
         let config = sampling::large_configuration(&mut dice);
-        fly(&config, Pilot::Spread, &mut dice, |spec, world| {
+        fly(&config, Pilot::Spread, &mut dice, 1, |spec, world| {
             note(spec, world, &mut reached);
         })
         .unwrap_or_else(|why| panic!("mission {mission}: {why}"));
