@@ -45,11 +45,12 @@ record search --preset search --uavs 8 --hotspots 5 --policy random --pilot max 
 record large_fleet --uavs 70 --hotspots 66 --policy teams --pilot adaptive \
     --set grid_width=32 --set grid_height=28 --set horizon_steps=16
 record ten_uavs --uavs 10 --hotspots 4 --policy random --pilot max --episode 3 \
-    --set sensing_range_m=10 --set quorum=2 --set logistic_slope_per_db=0.1 --set link_throughput_min=1.2 \
-    --set grid_width=7 --set grid_height=5 --set initial_soc_min=0.17 --set initial_soc_max=0.3 \
-    --set horizon_steps=24
+    --set sensing_range_m=10 --set quorum=2 --set logistic_slope_per_db=0.1 \
+    --set link_throughput_min=1.2 --set grid_width=7 --set grid_height=5 \
+    --set initial_soc_min=0.17 --set initial_soc_max=0.3 --set horizon_steps=24
 record fifteen_uavs --preset paper --uavs 15 --hotspots 5 --policy random --pilot mid
-record twenty_uavs --preset search --uavs 20 --hotspots 5 --policy sweep --pilot adaptive --set horizon_steps=20
+record twenty_uavs --preset search --uavs 20 --hotspots 5 --policy sweep --pilot adaptive \
+    --set horizon_steps=20
 short_of_charge=(--hotspots 16 --policy teams --pilot adaptive --set link_throughput_min=1.75
     --set battery_capacity_kwh=0.009 --set initial_soc_min=0 --set rtb_threshold_kwh=0
     --set hover_energy_kwh=0.0004 --set charge_power_kw=0.05 --set horizon_steps=10)

@@ -9,6 +9,7 @@ use std::ptr::{null, null_mut};
 
 use jcas::*;
 use jcas_core::{Cell, Config, Model, Sim, hash};
+use jcas_verification::sampling::{SEAMS, UAVS_MAX};
 use proptest::prelude::*;
 
 /// A call with arguments that may be wrong.
@@ -33,12 +34,6 @@ enum Call {
     /// A twin goes on in the place of the simulation.
     Fork,
 }
-
-/// Sizes at which the kernel changes its way: ends of its blocks of UAVs and of the words of its sets, and
-/// the size from which it looks for neighbours in buckets.
-const SEAMS: [usize; 18] = [
-    1, 2, 7, 8, 9, 15, 16, 17, 31, 32, 33, 47, 48, 49, 63, 64, 65, 100,
-];
 
 const HOTSPOTS: usize = 2;
 
@@ -136,11 +131,12 @@ fn call(uavs: usize) -> impl Strategy<Value = Call> {
     ]
 }
 
-/// A fleet, two times in three at a seam, and calls that fit it. A call to a large fleet takes as long as
-/// many to a small one.
+/// A fleet, two times in three at a seam, and calls that fit it.
 fn sequence() -> impl Strategy<Value = (usize, Vec<Call>)> {
-    let size = prop_oneof![2 => prop::sample::select(&SEAMS[..]), 1 => 1..=100usize];
+    let size = prop_oneof![2 => prop::sample::select(&SEAMS[..]), 1 => 1..=UAVS_MAX];
     size.prop_flat_map(|uavs| {
+        let uavs = uavs as usize;
+        // A call to a large fleet takes as long as many to a small one.
         let most = 60.min(20 + 400 / uavs);
         (Just(uavs), prop::collection::vec(call(uavs), 1..most))
     })

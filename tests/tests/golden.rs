@@ -429,7 +429,7 @@ fn twenty_uavs() {
     assert!(trace.steps.iter().filter(travelling).count() > 10);
 }
 
-/// The two sides of the size from which neighbours are looked for in buckets, short of charge alike.
+/// The two sides of the size from which buckets hold the neighbours, short of charge alike.
 fn short_of_charge(trace: &Trace, uavs: u32) {
     assert_eq!(trace.header.config.uav_count, uavs);
     assert!(trace.end.metrics.confirmed > 0);

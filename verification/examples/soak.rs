@@ -4,14 +4,14 @@
 //! $ cargo run --release -p jcas-verification --example soak -- 1e9 out/soak.txt
 //! ```
 //!
-//! Every fourth agent-step is compared with the specification, in whole missions and in random sequences of
-//! every public call. The others are flown by the batch step twice, on the baseline and, in turns, on one of
-//! the machine's other instruction sets, and have to be the same bits; such a step counts once. Sizes are
-//! those of `sampling::fleet_size`.
+//! Every fourth agent-step is compared with the specification: in whole missions, and in random
+//! sequences of every public call. The batch step makes the others twice: on the baseline and, in
+//! turns, on one of the machine's other instruction sets. Their bits have to be the same. Such a step
+//! counts once. Sizes are those of `sampling::fleet_size`.
 //!
-//! The file holds how far the run has come; the same command goes on from there. A third argument is a seed,
-//! zero where it is missing: runs of different seeds make different rounds. A difference is printed with what
-//! reproduces it, and ends the run; a failing sequence of calls is made shorter first.
+//! The file holds how far the run has come; the same command goes on from there. The third argument
+//! is a seed, zero where it is missing: runs of different seeds make different rounds. A difference
+//! ends the run, which prints what reproduces it. A failing sequence of calls is made shorter first.
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Model, Scratch};
@@ -27,7 +27,7 @@ use std::path::Path;
 
 /// Missions in a round.
 const MISSIONS: u32 = 100;
-/// Of these, a state whose observations are compared comes every so many steps.
+/// Steps of a mission from one comparison of observations to the next.
 const OBSERVED_EVERY: u32 = 4;
 /// Sequences of calls in a round.
 const SEQUENCES: u32 = 50;
@@ -43,7 +43,7 @@ type Outcome = Result<(), String>;
 
 /// How far a run has come.
 #[derive(Default)]
-struct Progress {
+struct Soak {
     seed: u64,
     rounds: u64,
     agent_steps: u64,
@@ -77,7 +77,7 @@ fn main() -> Outcome {
     Ok(())
 }
 
-fn fly_round(seed: u64, progress: &mut Progress) -> Outcome {
+fn fly_round(seed: u64, progress: &mut Soak) -> Outcome {
     let mut tally = fly_missions(seed)?;
     tally.add(&play_sequences(seed)?);
     progress.compared += tally.compared;
@@ -140,7 +140,7 @@ fn play_sequences(seed: u64) -> Result<Tally, String> {
 }
 
 /// What one instruction set makes of a batch.
-struct Flight {
+struct SetFlight {
     set: InstructionSet,
     states: Vec<u64>,
     scratch: Vec<u64>,
@@ -151,10 +151,10 @@ struct Flight {
     truncated: Vec<u8>,
 }
 
-impl Flight {
+impl SetFlight {
     fn new(set: InstructionSet, model: &Model<'_>, seeds: &[u64; ENVIRONMENTS]) -> Self {
         let uavs = ENVIRONMENTS * model.uav_count();
-        let mut flight = Flight {
+        let mut flight = SetFlight {
             set,
             states: vec![0; ENVIRONMENTS * model.state_words()],
             scratch: vec![0; Scratch::words_for(model)],
@@ -231,8 +231,8 @@ fn fly_batch(seed: u64, other: Option<InstructionSet>) -> Result<u64, String> {
     };
     let model = Model::new(config).map_err(|error| error.to_string())?;
     let seeds = std::array::from_fn(|_| dice.bits());
-    let mut baseline = Flight::new(InstructionSet::BASELINE, &model, &seeds);
-    let mut other = other.map(|set| Flight::new(set, &model, &seeds));
+    let mut baseline = SetFlight::new(InstructionSet::BASELINE, &model, &seeds);
+    let mut other = other.map(|set| SetFlight::new(set, &model, &seeds));
     let uavs = ENVIRONMENTS * model.uav_count();
     for t in 1..=BATCH_STEPS {
         let actions: Vec<f32> = (0..uavs)
@@ -263,7 +263,7 @@ const NAMES: [&str; 5] = [
     "compared-from-eight",
 ];
 
-fn text(progress: &Progress) -> String {
+fn text(progress: &Soak) -> String {
     let numbers = [
         progress.seed,
         progress.rounds,
@@ -279,11 +279,11 @@ fn text(progress: &Progress) -> String {
 }
 
 /// How far an earlier run of the seed has come.
-fn read(path: &Path, seed: u64) -> Result<Progress, String> {
+fn read(path: &Path, seed: u64) -> Result<Soak, String> {
     let Ok(text) = std::fs::read_to_string(path) else {
-        return Ok(Progress {
+        return Ok(Soak {
             seed,
-            ..Progress::default()
+            ..Soak::default()
         });
     };
     let numbers: Vec<u64> = text
@@ -291,7 +291,7 @@ fn read(path: &Path, seed: u64) -> Result<Progress, String> {
         .filter_map(|word| word.parse().ok())
         .collect();
     match numbers[..] {
-        [of, rounds, agent_steps, compared, compared_from_eight] if of == seed => Ok(Progress {
+        [of, rounds, agent_steps, compared, compared_from_eight] if of == seed => Ok(Soak {
             seed,
             rounds,
             agent_steps,
@@ -302,7 +302,7 @@ fn read(path: &Path, seed: u64) -> Result<Progress, String> {
     }
 }
 
-fn write(path: &Path, progress: &Progress) -> Outcome {
+fn write(path: &Path, progress: &Soak) -> Outcome {
     let partial = path.with_extension("partial");
     std::fs::write(&partial, text(progress) + "\n")
         .and_then(|()| std::fs::rename(&partial, path))

@@ -1,6 +1,6 @@
 //! What the kernel is held against.
 //!
-//! [`specification`] is the model a second time, as plainly as it can be written;
+//! [`specification`] is the model a second time, as plainly as it can be written.
 //! [`sampling`] draws configurations and actions that reach its corners;
 //! [`comparison`] says where a state of the kernel differs from the specification's
 //! world; [`mission`] flies whole episodes in both, [`machine`] makes random sequences

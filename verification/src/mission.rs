@@ -5,8 +5,9 @@ use crate::sampling::{self, Dice, Pilot};
 use crate::specification::{Specification, World};
 use jcas_core::{Config, Model, Sim};
 
-/// Flies a mission to its end and shows every world after its step to `note`. Every state is compared, its
-/// observations at every time that `observed_every` divides.
+/// Flies a mission to its end and shows every world after its step to `note`.
+///
+/// Every state is compared, its observations at each time that `observed_every` divides.
 ///
 /// # Errors
 /// The first difference, with its step, the step's actions and the configuration.

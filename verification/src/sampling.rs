@@ -40,8 +40,9 @@ impl Dice {
     }
 }
 
-/// Sizes at which the kernel changes its way: ends of its blocks of UAVs and of the words of its sets, and
-/// the size from which it looks for neighbours in buckets. Each stands between its neighbours.
+/// Sizes at which the kernel's path changes, and those beside them.
+///
+/// Blocks of UAVs and words of sets end there, and the search for neighbours in buckets begins.
 pub const SEAMS: [u32; 18] = [
     1, 2, 7, 8, 9, 15, 16, 17, 31, 32, 33, 47, 48, 49, 63, 64, 65, 100,
 ];
@@ -126,8 +127,9 @@ fn mission(dice: &mut Dice, c: &mut Config) {
     }
 }
 
-/// A legal configuration of a fleet so large, on a grid so wide, that the kernel
-/// sorts UAVs into buckets and a set of UAVs or hotspots takes two words.
+/// A legal configuration of a large fleet on a wide grid.
+///
+/// The kernel sorts its UAVs into several buckets, and a set of UAVs or hotspots takes two words.
 pub fn large_configuration(dice: &mut Dice) -> Config {
     let uavs = dice.integer(49, UAVS_MAX);
     let mut c = configuration_of(dice, uavs);

@@ -1,9 +1,9 @@
 //! The model of `docs/model.md`, written a second time.
 //!
 //! The kernel is fast: bit words, tables over cell offsets, caller memory. This
-//! module is the opposite on purpose. Every set is a `Vec<bool>`, every radar and
+//! module is the opposite on purpose. Every set is a `Vec<bool>`. Every radar and
 //! link value is computed from its equation, once for each distance that two cells
-//! of the grid can have, consensus is the paper's iterations, and the random
+//! of the grid can have. Consensus is the paper's iterations, and the random
 //! generator is written from its publication. It shares the kernel's [`Config`] and
 //! nothing else, so a mistake has to be made twice, in two different ways, to go
 //! unseen by `tests/differential.rs`.
