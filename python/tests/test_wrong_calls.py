@@ -171,7 +171,7 @@ CALLS = [
     ("envs.step(np.zeros((3, 4, 2), object))", "actions"),
     ("envs.load(b'x')", "snapshot"),
     # Policies, traces, campaigns.
-    ("jcas.load_policy('absent')", "absent"),
+    ("jcas.trained_on('absent')", "absent"),
     ("evaluate(None, model)", "act"),
     ("evaluate(lambda rows: rows, model, episodes=2)", "actions"),
     ("evaluate(lambda rows: rows, model, episodes=0)", "episodes"),

@@ -31,8 +31,7 @@ from .fleet import FleetEnv
 from .flown import Policy
 from .model import Model
 from .parallel import JcasEnv, JcasParallelEnv, env, parallel_env
-from .policy import MlpPolicy, OnnxPolicy, load_policy
-from .set_policy import SetPolicy
+from .policy import Layer, MlpPolicy, trained_on
 from .sim import REWARD_NAMES, Sim, StepOutcome
 from .spaces import MOTIONS
 from .trace import Trace, replay_trace
@@ -55,15 +54,14 @@ __all__ = [
     "JcasEnv",
     "JcasError",
     "JcasParallelEnv",
+    "Layer",
     "MissingDependencyError",
     "MissingFileError",
     "MlpPolicy",
     "Model",
-    "OnnxPolicy",
     "Policy",
     "PolicyError",
     "ResetNeededError",
-    "SetPolicy",
     "Sim",
     "SnapshotError",
     "StepOutcome",
@@ -71,10 +69,10 @@ __all__ = [
     "TraceError",
     "__version__",
     "env",
-    "load_policy",
     "make_vec",
     "parallel_env",
     "replay_trace",
+    "trained_on",
 ]
 
 __version__: str = _lib.jcas_version().decode()

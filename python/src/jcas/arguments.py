@@ -82,14 +82,6 @@ def floats(
         return np.require(array, np.float32, ("C_CONTIGUOUS", "ALIGNED"))
 
 
-def numbers_of(name: str, values: Any) -> Floats:
-    """Return an array of float32 that holds no NaN."""
-    array = np.asarray(values, np.float32)
-    if np.isnan(array).any():
-        raise ArgumentError(f"{name} hold NaN: must be numbers")
-    return array
-
-
 def writable(name: str, out: Any, shape: tuple[int, ...]) -> Floats:
     """Return an array that the kernel may write to, or refuse it."""
     if not isinstance(out, np.ndarray):

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from .arguments import seed_of, shown, whole
 from .batch import Batch, BatchBuffers
 from .errors import ArgumentError
+from .flown import Policy
 from .model import Model, derive_seed
 
 ACTIONS_AT_ONCE = 256
@@ -96,12 +97,12 @@ class Report:
 
 
 def evaluate(
-    act: Act, model: Model, *, episodes: int = 100, seed: int = 1, policy: str = "policy", threads: int = 1
+    act: Act | Policy, model: Model, *, episodes: int = 100, seed: int = 1, policy: str = "policy", threads: int = 1
 ) -> Report:
-    """Fly `episodes` missions with the actions that `act` chooses, and report."""
+    """Fly `episodes` missions with a policy or with the actions that a function chooses, and report."""
     episodes, seed = whole("episodes", episodes, 1, EPISODES_MAX), seed_of("seed", seed)
-    if not callable(act):
-        raise ArgumentError(f"act = {shown(act)}: must be a function from observations to actions")
+    if not (callable(act) or isinstance(act, Policy)):
+        raise ArgumentError(f"act = {shown(act)}: must be a jcas.Policy or a function from observations to actions")
     flown = [
         _fly(
             act,
@@ -152,7 +153,7 @@ def evaluate(
     )
 
 
-def _fly(act: Act, model: Model, seeds: list[int], threads: int) -> npt.NDArray[np.void]:
+def _fly(act: Act | Policy, model: Model, seeds: list[int], threads: int) -> npt.NDArray[np.void]:
     """Fly one mission for each seed, all at once; a member that has ended flies on unheeded."""
     batch = Batch(model, len(seeds), threads=threads)
     buffers = BatchBuffers(model, len(seeds))
@@ -160,7 +161,8 @@ def _fly(act: Act, model: Model, seeds: list[int], threads: int) -> npt.NDArray[
     metrics = np.zeros_like(buffers.final_metrics)
     flying = np.ones(len(seeds), dtype=np.bool_)
     while flying.any():
-        batch.step(act(buffers.observations), buffers, auto_reset=True)
+        actions = act.act_batch(batch) if isinstance(act, Policy) else act(buffers.observations)
+        batch.step(actions, buffers, auto_reset=True)
         landed = flying & (buffers.terminated | buffers.truncated)
         metrics[landed] = buffers.final_metrics[landed]
         flying &= ~landed

@@ -1,7 +1,7 @@
 """Policies flown by the library itself: trained fleets of any size, and the scripted baselines.
 
-The same code flies in C, C++, the command and the browser, with the same bits on every platform. For inference in
-other programs, or outside the library, see :func:`jcas.load_policy`.
+The same code flies in C, C++, the command and the browser, with the same bits on every platform. For other runtimes
+`jcas-lab export` writes an ONNX graph.
 """
 
 from __future__ import annotations

@@ -15,8 +15,9 @@ from ..arguments import whole
 from ..config import Config
 from ..errors import JcasError
 from ..evaluation import evaluate
+from ..flown import Policy
 from ..model import Model
-from ..policy import load_policy
+from ..policy import trained_on
 from . import PAPER, ppo_config
 from .training import Run
 
@@ -71,7 +72,7 @@ def _parser() -> argparse.ArgumentParser:
     train.set_defaults(run=_train)
 
     fly = commands.add_parser("evaluate", help="fly a policy over many missions and report")
-    fly.add_argument("policy", type=Path, help="a folder that train wrote, or a policy file")
+    fly.add_argument("policy", type=Path, help="a folder that train wrote")
     _mission_options(fly)
     fly.add_argument("--episodes", type=int, default=100, help="missions (%(default)s)")
     fly.add_argument("--seed", type=int, default=1, help="(%(default)s)")
@@ -155,19 +156,19 @@ def join_cluster(address: str | None, runners: int) -> None:
 
 
 def _evaluate(options: argparse.Namespace) -> int:
-    policy = load_policy(options.policy)
-    config = mission_config(options, policy.config)
-    _say_changes(options.policy, policy.config, config)
+    before = trained_on(options.policy)
+    config = mission_config(options, before)
+    _say_changes(options.policy, before, config)
     model = Model(config)
-    policy = policy.for_model(model)
-    report = evaluate(policy.act, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy))
+    policy = Policy.load(options.policy, model)
+    report = evaluate(policy, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy))
     print(json.dumps(report.to_dict(), indent=2) if options.json else report)
     return 0
 
 
-def _say_changes(policy: Path, trained_on: Config | None, config: Config) -> None:
+def _say_changes(policy: Path, base: Config, config: Config) -> None:
     """Say on standard error where a mission differs from what a policy was trained on."""
-    before = dict(trained_on or config)
+    before = dict(base)
     changes = [
         f"{name} = {config.get(name, 'derived')} (not {before.get(name, 'derived')})"
         for name in {**before, **config}

@@ -73,7 +73,7 @@ def _linear(inputs: int, outputs: int, gain: float) -> nn.Linear:
 
 
 def export_policy(module: CentralCriticModule) -> MlpPolicy:
-    """Take the actor out as a policy that runs on NumPy alone."""
+    """Take the actor out as a policy that can be written."""
     linears = [layer for layer in module.actor if isinstance(layer, nn.Linear)]
     layers = [Layer(_array(linear.weight.T), _array(linear.bias)) for linear in linears]
     return MlpPolicy(layers, head="gaussian")
