@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use support::{lab, succeed};
 
-const SMALL: [&str; 19] = [
+const SMALL: [&str; 18] = [
     "train",
     "--uavs=3",
     "--hotspots=2",
@@ -22,11 +22,10 @@ const SMALL: [&str; 19] = [
     "--train-set=batch_steps=256",
     "--train-set=minibatch_rows=256",
     "--train-set=critic_minibatch_rows=128",
-    "--train-set=shard_rows=128",
     "--train-set=checkpoint_every=1",
     "--train-set=evaluate_every=5",
     "--train-set=evaluation_episodes=2",
-    "--train-set=kl_max=none",
+    "--train-set=kl_target=none",
     "--name=small",
     "--threads=2",
 ];

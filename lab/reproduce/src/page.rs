@@ -304,7 +304,7 @@ impl Results<'_> {
             .filter(|picture| picture.on_page && picture.shows(self))
     }
 
-    /// Draws every figure and writes the report.
+    /// ActionSampling every figure and writes the report.
     pub fn write(&self, out: &Path) -> Result<(), TrainError> {
         let mut report = Report::new(
             "The paper's results, measured here",

@@ -177,7 +177,7 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     });
     assert!(told.contains("campaigns of 2 missions"), "{told}");
     let mut other = scale();
-    other.tuned.step_cost += 0.1;
+    other.tuned.shaping.time_penalty += 0.1;
     let told = refused(other);
     assert!(told.contains("other settings"), "{told}");
     let changed = results.replacen("0x", "0xf", 1);

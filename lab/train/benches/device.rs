@@ -1,20 +1,18 @@
 //! Training and acting on each device that is built in, with the processor beside it:
 //!
 //!     cargo bench -p jcas-train --features cuda              # or wgpu, or both
-//!     cargo bench -p jcas-train --features cuda -- 2560 512  # environment steps of a batch, side of plain products
+//!     cargo bench -p jcas-train --features cuda -- 2560      # environment steps of a batch
 //!
-//! Tells what the device is called, UAV samples a second over whole batches (the second of two), the rate of matrix
-//! products in learning and in plain large products, and how far the outputs of one policy are from the processor's.
-//! Without a GPU it says so and ends well.
+//! Tells what the device is called, UAV samples a second over whole batches (the second of two), and how far the
+//! outputs of one policy are from the processor's. Without a GPU it says so and ends well.
 
 use burn_tensor::Device;
 use jcas_core::{Config, Preset as World};
 use jcas_train::device;
-use jcas_train::network::{matrix, values};
+use jcas_train::network::values;
 use jcas_train::policy::files::Precision;
 use jcas_train::run::Plan;
 use jcas_train::settings::{NetworkKind, Preset, Settings};
-use std::time::Instant;
 
 fn main() {
     let numbers: Vec<usize> = std::env::args()
@@ -22,24 +20,20 @@ fn main() {
         .filter_map(|word| word.parse().ok())
         .collect();
     let steps = numbers.first().copied().unwrap_or(5120);
-    let side = numbers.get(1).copied().unwrap_or(4096);
     if device::NAMES.len() == 1 {
         println!("only the processor is built in; --features cuda or wgpu adds a GPU\n");
     }
-    println!(
-        "| device | network | samples/s | learning, GFLOP/s | plain {side}³ | share | outputs differ by |"
-    );
-    println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
+    println!("| device | network | samples/s | outputs differ by |");
+    println!("| --- | --- | ---: | ---: |");
     for &name in device::NAMES {
         match device::named(name) {
-            Ok(on) => measure(name, &on, steps, side),
+            Ok(on) => measure(name, &on, steps),
             Err(why) => println!("\nskipped: {why}\n"),
         }
     }
 }
 
-fn measure(name: &str, on: &Device, steps: usize, side: usize) {
-    let plain = plain_products_gflops(on, side);
+fn measure(name: &str, on: &Device, steps: usize) {
     for preset in [Preset::Paper, Preset::Tuned] {
         let plan = plan(preset, name, steps);
         let mut trainer = plan.trainer().unwrap_or_else(|error| {
@@ -55,12 +49,9 @@ fn measure(name: &str, on: &Device, steps: usize, side: usize) {
         let batch = trainer.iterate();
         let samples =
             (steps * plan.configs[0].uav_count as usize) as f64 / batch.wall.as_secs_f64();
-        let operations = batch.actor.operations + batch.critic.operations;
-        let learning = operations / batch.learning.as_secs_f64() / 1e9;
         println!(
-            "| {name}: {} | {network} | {samples:.0} | {learning:.1} | {plain:.1} | {:.0} % | {:.1e} |",
+            "| {name}: {} | {network} | {samples:.0} | {:.1e} |",
             device::title(on),
-            100.0 * learning / plain,
             difference(&plan, on)
         );
     }
@@ -86,23 +77,6 @@ fn plan(preset: Preset, device: &str, steps: usize) -> Plan {
     }
 }
 
-/// Rate of a chain of large f32 products, whose numbers stay as they are.
-fn plain_products_gflops(on: &Device, side: usize) -> f64 {
-    const PRODUCTS: usize = 8;
-    let factor = matrix(vec![1.0 / side as f32; side * side], side, on);
-    let chain = |products: usize| {
-        let product =
-            (0..products).fold(factor.clone(), |product, _| product.matmul(factor.clone()));
-        values(product.slice([0..1, 0..1]))
-    };
-    chain(1);
-    let started = Instant::now();
-    let number = chain(PRODUCTS)[0];
-    let spent = started.elapsed().as_secs_f64();
-    assert!((number * side as f32 - 1.0).abs() < 1e-3, "{number}");
-    PRODUCTS as f64 * 2.0 * (side as f64).powi(3) / spent / 1e9
-}
-
 /// How far the outputs of fresh weights for a thousand observations are from the processor's.
 fn difference(plan: &Plan, on: &Device) -> f32 {
     let trainer = plan.trainer().expect("a plan that is legal");
@@ -112,11 +86,11 @@ fn difference(plan: &Plan, on: &Device) -> f32 {
         .collect();
     let outputs = |device: &Device| {
         let weights = actor.network.tensors(&actor.parameters, device);
-        values(
-            actor
-                .network
-                .forward(&weights, observations.clone(), &shape),
-        )
+        values(actor.network.forward(
+            &weights,
+            actor.network.features(&observations, &shape),
+            &shape,
+        ))
     };
     let (here, there) = (outputs(&Device::flex()), outputs(on));
     here.iter()

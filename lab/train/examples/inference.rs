@@ -104,6 +104,7 @@ impl<'a> Trainer<'a> {
         let mut inputs = observations.to_vec();
         self.actor.inputs.apply(&mut inputs);
         let shape = shape_of(model);
-        values(self.actor.network.forward(&self.weights, inputs, &shape))
+        let features = self.actor.network.features(&inputs, &shape);
+        values(self.actor.network.forward(&self.weights, features, &shape))
     }
 }

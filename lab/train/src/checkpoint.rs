@@ -11,7 +11,7 @@ use crate::trainer::Trainer;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,7 +23,7 @@ struct Notes {
     environment_steps: u64,
     actor_updates: u64,
     critic_updates: u64,
-    statistics_counts: [f64; 3],
+    values_count: f64,
     workers: usize,
 }
 
@@ -77,8 +77,6 @@ pub fn save(trainer: &Trainer, run: &str, path: &Path) -> Result<(), TrainError>
     let mut arrays = Vec::new();
     model_arrays("actor", &trainer.actor, &mut arrays);
     model_arrays("critic", &trainer.critic, &mut arrays);
-    statistics_arrays("observations", &trainer.observation_statistics, &mut arrays);
-    statistics_arrays("global", &trainer.global_statistics, &mut arrays);
     statistics_arrays("values", &trainer.value_statistics, &mut arrays);
     for (index, worker) in trainer.workers.iter().enumerate() {
         arrays.push(Array::bytes(&format!("worker.{index}"), worker.save()));
@@ -90,11 +88,7 @@ pub fn save(trainer: &Trainer, run: &str, path: &Path) -> Result<(), TrainError>
         environment_steps: trainer.environment_steps,
         actor_updates: trainer.actor.adam.steps,
         critic_updates: trainer.critic.adam.steps,
-        statistics_counts: [
-            trainer.observation_statistics.count,
-            trainer.global_statistics.count,
-            trainer.value_statistics.count,
-        ],
+        values_count: trainer.value_statistics.count,
         workers: trainer.workers.len(),
     };
     let notes = serde_json::to_string(&notes).map_err(TrainError::format(path))?;
@@ -158,14 +152,8 @@ fn read_learnt(trainer: &mut Trainer, notes: &Notes, arrays: &Arrays<'_>) -> Res
     read_model("critic", &mut trainer.critic, arrays)?;
     trainer.actor.adam.steps = notes.actor_updates;
     trainer.critic.adam.steps = notes.critic_updates;
-    let [observations, global, values] = notes.statistics_counts;
-    // Of inputs as they are none is taken, and sets have any number of them.
-    if trainer.settings.normalise_inputs {
-        let of_observations = &mut trainer.observation_statistics;
-        read_statistics("observations", of_observations, observations, arrays)?;
-        read_statistics("global", &mut trainer.global_statistics, global, arrays)?;
-    }
-    read_statistics("values", &mut trainer.value_statistics, values, arrays)?;
+    let statistics = &mut trainer.value_statistics;
+    read_statistics("values", statistics, notes.values_count, arrays)?;
     trainer.environment_steps = notes.environment_steps;
     Ok(())
 }

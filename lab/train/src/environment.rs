@@ -3,12 +3,10 @@
 //! The trait is the whole contract between PPO and the simulator, so that the algorithm can be
 //! tested on an environment small enough to know the best return of.
 
-pub mod beacon;
 pub mod finding;
 pub mod fleet;
 pub mod informing;
 pub mod lesson;
-pub mod progress;
 pub mod survey;
 
 use crate::settings::{Credit, PilotCredit};

@@ -26,7 +26,7 @@ pub struct Densities {
 
 /// What learning asks of an action head, beside what flying does.
 pub trait LearningHead {
-    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot. The
+    /// ActionSampling a raw action; returns it with the log-densities of its motion and of its pilot. The
     /// motion of [`Head::Hybrid`] may be given as a quantile of its distribution, 0 to 1.
     fn draw(
         self,

@@ -61,8 +61,6 @@ pub struct Row {
     pub inference_share: f64,
     /// Share of wall time learning.
     pub learning_share: f64,
-    /// Rate of matrix products in the learning phase.
-    pub learning_gflops: f64,
     /// Not all missions have had the time to end yet: the means are of those that ended first, which went well.
     #[serde(skip)]
     pub first_to_end: bool,
@@ -82,7 +80,6 @@ impl Row {
         let actor = &iteration.actor;
         let collecting = iteration.collecting.as_secs_f64() / wall;
         let learning = iteration.learning.as_secs_f64();
-        let operations = actor.operations + iteration.critic.operations;
         Row {
             iteration: iteration.index,
             environment_steps: iteration.environment_steps,
@@ -106,7 +103,6 @@ impl Row {
             simulation_share: collecting * iteration.simulation_share,
             inference_share: collecting * (1.0 - iteration.simulation_share),
             learning_share: learning / wall,
-            learning_gflops: operations / learning.max(1e-9) / 1e9,
             evaluated_success_rate: None,
             evaluated_mission_steps: None,
             first_to_end: false,
@@ -145,7 +141,6 @@ impl Row {
             ("losses/learning_rate", self.learning_rate),
             ("speed/steps_per_s", self.steps_per_s),
             ("speed/samples_per_s", self.samples_per_s),
-            ("speed/learning_gflops", self.learning_gflops),
         ];
         let missions = [
             ("missions/return", self.return_mean),

@@ -178,12 +178,54 @@ impl Network {
             .collect()
     }
 
-    /// Outputs (rows × outputs) for inputs (rows × fields) of missions of this shape, where the
-    /// weights are.
-    pub fn forward(&self, weights: &[Tensor<2>], inputs: Vec<f32>, shape: &Shape) -> Tensor<2> {
+    /// What the network reads of inputs (rows × fields) of missions of this shape: rows ×
+    /// [`Network::features_len`]. It has no gradient and does not depend on the weights, so that a
+    /// batch works it out once for all its epochs.
+    pub fn features(&self, inputs: &[f32], shape: &Shape) -> Vec<f32> {
+        match &self.architecture {
+            Architecture::Mlp { .. } => inputs.to_vec(),
+            Architecture::SetActor {
+                added,
+                fleet_size,
+                tours,
+                ..
+            } => set::observed(inputs, shape, actor(*added, *fleet_size, *tours)),
+            Architecture::SetCritic {
+                of_uav,
+                added,
+                survey,
+                ..
+            } => set::overseen(inputs, shape, critic(*of_uav, *added, *survey)),
+        }
+    }
+
+    /// Features of a row.
+    pub fn features_len(&self, shape: &Shape) -> usize {
+        match &self.architecture {
+            Architecture::Mlp { sizes } => sizes[0],
+            Architecture::SetActor {
+                added,
+                fleet_size,
+                tours,
+                ..
+            } => actor(*added, *fleet_size, *tours)
+                .widths(shape)
+                .iter()
+                .sum(),
+            Architecture::SetCritic {
+                of_uav,
+                added,
+                survey,
+                ..
+            } => critic(*of_uav, *added, *survey).widths(shape).iter().sum(),
+        }
+    }
+
+    /// Outputs (rows × outputs) for the features of missions of this shape, where the weights are.
+    pub fn forward(&self, weights: &[Tensor<2>], features: Vec<f32>, shape: &Shape) -> Tensor<2> {
         match &self.architecture {
             Architecture::Mlp { sizes } => {
-                let inputs = matrix(inputs, sizes[0], &weights[0].device());
+                let inputs = matrix(features, sizes[0], &weights[0].device());
                 mlp::forward(weights, inputs)
             }
             Architecture::SetActor {
@@ -191,58 +233,18 @@ impl Network {
                 fleet_size,
                 tours,
                 ..
-            } => set::actor(weights, &inputs, actor(*added, *fleet_size, *tours), shape),
+            } => set::actor(
+                weights,
+                &features,
+                actor(*added, *fleet_size, *tours),
+                shape,
+            ),
             Architecture::SetCritic {
                 of_uav,
                 added,
                 survey,
                 ..
-            } => set::critic(weights, &inputs, critic(*of_uav, *added, *survey), shape),
-        }
-    }
-
-    /// Multiply-adds of one row's forward pass in matrix products.
-    pub fn products(&self, shape: &Shape) -> u64 {
-        match &self.architecture {
-            Architecture::Mlp { sizes } => sizes
-                .windows(2)
-                .map(|pair| (pair[0] * pair[1]) as u64)
-                .sum(),
-            Architecture::SetActor {
-                hidden,
-                outputs,
-                added,
-                fleet_size,
-                tours,
-            } => {
-                let actor = actor(*added, *fleet_size, *tours);
-                set::actor_products(hidden, *outputs, actor, shape)
-            }
-            Architecture::SetCritic {
-                hidden,
-                of_uav,
-                added,
-                survey,
-            } => set::critic_products(hidden, critic(*of_uav, *added, *survey), shape),
-        }
-    }
-
-    /// Those of them that multiply inputs, not what another layer gave.
-    pub fn input_products(&self, shape: &Shape) -> u64 {
-        match &self.architecture {
-            Architecture::Mlp { sizes } => (sizes[0] * sizes[1]) as u64,
-            Architecture::SetActor {
-                added,
-                fleet_size,
-                tours,
-                ..
-            } => set::actor_input_products(actor(*added, *fleet_size, *tours), shape),
-            Architecture::SetCritic {
-                of_uav,
-                added,
-                survey,
-                ..
-            } => set::critic_input_products(critic(*of_uav, *added, *survey), shape),
+            } => set::critic(weights, &features, critic(*of_uav, *added, *survey), shape),
         }
     }
 }

@@ -9,8 +9,9 @@ use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
 use crate::policy::Actor;
 use crate::policy::files::{Precision, save};
+use crate::ppo::normalise::Affine;
 use crate::settings::Settings;
-use crate::speed::{self, Speed};
+use crate::speed::Speed;
 use crate::store::write_whole;
 use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
@@ -177,7 +178,7 @@ impl Plan {
         }
         let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
         let mut events = EventFile::create(&self.out)?;
-        let mut speed = Speed::new(speed::plain_product_gflops());
+        let mut speed = Speed::default();
         let horizons = self.configs.iter().map(|c| u64::from(c.horizon_steps));
         let horizon = horizons.max().unwrap_or(0);
         while !trainer.finished() {
@@ -222,7 +223,7 @@ impl Plan {
             network: trainer.actor.network.clone(),
             parameters: trainer.actor.parameters.clone(),
             head: trainer.settings.head,
-            inputs: trainer.observation_inputs(),
+            inputs: Affine::default(),
             constant_pilot: self.constant_pilot(),
         }
     }
@@ -263,7 +264,7 @@ impl Plan {
             name: self.name.clone(),
             head: actor.head,
             architecture: json(&actor.network.architecture)?,
-            normalised_inputs: !actor.inputs.offset.is_empty(),
+            normalised_inputs: false,
             constant_pilot_density: self.settings.constant_pilot,
             mode: best_mode(&evaluations),
             trained_on: self

@@ -16,28 +16,32 @@ use std::collections::BTreeMap;
 pub struct Settings {
     /// Seed of everything random in the run.
     pub seed: u64,
-    /// Where tensors live: `cpu`, or `cuda`, `wgpu` where built in.
+    /// Device of the tensors: `cpu`, or `cuda`, `wgpu` where built in.
     pub device: String,
     /// Action head.
     pub head: Head,
-    /// How its motions are drawn.
-    #[serde(default)]
-    pub draws: Draws,
+    /// How motions are drawn in training.
+    pub action_sampling: ActionSampling,
     /// Network of actor and critic.
     pub network: NetworkKind,
     /// Hidden layer widths of the actor.
     pub actor_hidden: Vec<usize>,
     /// The actor reads which hotspots a tour of all open ones may begin with (set network only).
-    #[serde(default)]
     pub actor_tours: bool,
     /// Hidden layer widths of the critic.
     pub critic_hidden: Vec<usize>,
+    /// Input of the critic. The paper's text allows both readings; `reproduce` trains both.
+    pub critic_input: CriticInput,
+    /// The critic also sees a map of where hotspots may still be and of where the UAVs are.
+    pub critic_survey: bool,
+    /// Scale value targets by running statistics.
+    pub normalise_values: bool,
 
-    /// Missions side by side.
+    /// Episodes side by side; a multiple of `workers`.
     pub environments: usize,
-    /// Parts that the missions are dealt to; fixed, so that results do not depend on the cores.
+    /// Parts that the episodes are dealt to. Results depend on it, not on the cores.
     pub workers: usize,
-    /// Environment steps (over all missions) of one iteration.
+    /// Environment steps (over all episodes) of one batch; a multiple of `environments`.
     pub batch_steps: usize,
     /// Environment steps of the whole run.
     pub total_steps: u64,
@@ -46,96 +50,83 @@ pub struct Settings {
     pub epochs: usize,
     /// Actor samples (one UAV in one step) of a minibatch.
     pub minibatch_rows: usize,
-    /// Rows of a critic minibatch: environment steps, or UAVs' where it sees one of them.
+    /// Critic rows of a minibatch: environment steps, or UAVs' where it sees one of them.
     pub critic_minibatch_rows: usize,
-    /// Rows that one core works on at a time.
-    pub shard_rows: usize,
-    /// Share of the UAVs' samples that each epoch visits: UAVs of one step resemble each other.
-    pub sample_share: f64,
+    /// Fraction of the UAVs' samples that each epoch visits, in (0, 1].
+    pub sample_fraction: f64,
 
-    /// Initial learning rate of the actor.
+    /// Initial learning rate of actor and critic.
     pub learning_rate: f64,
-    /// Initial learning rate of the critic.
-    pub critic_learning_rate: f64,
-    /// How both fall over the run.
+    /// How it falls over the run.
     pub schedule: Schedule,
-    /// Gradients longer than this are shortened.
+    /// Bound on the norm of a gradient.
     pub gradient_norm_max: f32,
     /// PPO's clip range ε.
     pub clip: f32,
-    /// An action that was worse than expected counts at most so many times, however much likelier it has become
-    /// (dual clip: Ye et al., AAAI 2020, who take 3); absent: without bound.
-    #[serde(default)]
+    /// Dual-clip bound c (Ye et al., AAAI 2020, take 3): for negative advantages the surrogate is at
+    /// least −c·|A|. Absent: no bound.
     pub dual_clip: Option<f32>,
-    /// Weight of the entropy bonus at the start of the run.
-    pub entropy_start: f64,
-    /// Weight of the entropy bonus at the end.
-    pub entropy_end: f64,
-    /// After how many batches it is at its end, which it comes to linearly; absent: after all.
-    #[serde(default)]
-    pub entropy_batches: Option<u64>,
-    /// Epochs stop once the policy has moved by this much (mean KL); absent: never.
-    pub kl_max: Option<f64>,
-    /// An epoch that moved the policy by more than this (mean KL) is taken back, and is the last; absent: none is.
-    #[serde(default)]
-    pub kl_undo: Option<f64>,
-    /// Discount γ.
+    /// Entropy bonus. Absent: none.
+    pub entropy: Option<Entropy>,
+    /// Mean KL divergence of a batch's policy change after which no further epoch runs. Absent: no bound.
+    pub kl_target: Option<f64>,
+    /// Mean KL divergence above which an epoch is undone, and is the last. Absent: none is undone.
+    pub kl_rollback: Option<f64>,
+    /// Discount γ, in (0, 1].
     pub discount: f32,
-    /// λ of generalised advantage estimation.
+    /// λ of generalised advantage estimation, in (0, 1].
     pub gae_lambda: f32,
-    /// Scale observations and global states by running statistics (MLP only).
-    pub normalise_inputs: bool,
-    /// Scale value targets by running statistics.
-    pub normalise_values: bool,
-    /// Centre and scale advantages in each minibatch, those of each fleet and number of hotspots by themselves: where
-    /// little is found yet they are small beside the others'.
-    pub normalise_advantages: bool,
 
     /// Whose reward an action is judged by.
     pub credit: Credit,
     /// What the pilot density of an action is judged by.
-    #[serde(default)]
     pub pilot_credit: PilotCredit,
-    /// What the critic sees.
-    pub critic_input: CriticInput,
-    /// The critic sees besides where hotspots may still be, as `finding_reward` counts it, and where the UAVs are.
-    #[serde(default)]
-    pub critic_survey: bool,
-
-    /// Pilot density held at this value, and motions alone judged; absent: the policy chooses it.
+    /// Pilot density that replaces the policy's, of which only motions are trained then. Absent: the
+    /// policy chooses it.
     pub constant_pilot: Option<f64>,
-    /// Fields of the mission's configuration that are others while training.
-    pub mission: BTreeMap<String, serde_json::Value>,
-    /// Begins with a radar that detects more easily; absent: as configured from the start.
-    pub curriculum: Option<Curriculum>,
-    /// Factors on named reward components while training (1 where absent).
-    pub reward_factors: BTreeMap<String, f64>,
-    /// Subtracted from the reward of every step while training.
-    pub step_cost: f64,
-    /// Paid to each UAV while training for each cell that it comes nearer to the unconfirmed hotspot nearest
-    /// to it; nothing in a step that confirms one.
-    pub progress_reward: f64,
-    /// Paid to each UAV while training for each confirmation that it is expected to add, wherever the hotspots
-    /// are.
-    #[serde(default)]
-    pub finding_reward: f64,
-    /// Paid to each UAV while training for each confirmed hotspot that it comes to know.
-    #[serde(default)]
-    pub informing_reward: f64,
-    /// Paid to each UAV while training, once all hotspots are confirmed, for each cell that it comes nearer to
-    /// the nearest UAV that knows others than it does; nothing in a step that tells somebody something.
-    #[serde(default)]
-    pub meeting_reward: f64,
-    /// What fleets of few UAVs are paid instead; absent: what all are.
-    #[serde(default)]
-    pub small_fleets: Option<SmallFleets>,
 
-    /// Iterations between evaluations; 0: only at the end.
+    /// Fields of the configuration that have other values in training.
+    pub config_overrides: BTreeMap<String, serde_json::Value>,
+    /// A radar that detects more easily in the first batches. Absent: as configured.
+    pub curriculum: Option<Curriculum>,
+    /// Changes of the reward in training.
+    pub shaping: Shaping,
+
+    /// Batches between evaluations; 0: only at the end.
     pub evaluate_every: usize,
-    /// Missions of each evaluation.
+    /// Episodes of each evaluation.
     pub evaluation_episodes: usize,
-    /// Iterations between checkpoints.
+    /// Batches between checkpoints.
     pub checkpoint_every: usize,
+}
+
+/// An entropy bonus that falls linearly to 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entropy {
+    /// Weight in the first batch.
+    pub start: f64,
+    /// Batches after which it is 0.
+    pub batches: u64,
+}
+
+/// Changes of the reward in training. All rewards are in the configuration's units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shaping {
+    /// Factors on named components of the configuration's reward; 1 where absent.
+    pub factors: BTreeMap<String, f64>,
+    /// Subtracted from the reward of every step.
+    pub time_penalty: f64,
+    /// For each confirmation that a UAV is expected to add, wherever the hotspots are.
+    pub detection: f64,
+    /// For each confirmed hotspot that a UAV comes to know.
+    pub informing: f64,
+    /// Once all hotspots are confirmed, for each cell that a UAV comes nearer to the nearest UAV that
+    /// knows others than it does; nothing in a step in which a UAV is informed.
+    pub meeting: f64,
+    /// Other weights for small fleets.
+    pub small_fleets: Option<SmallFleets>,
 }
 
 /// Networks to choose from.
@@ -170,14 +161,14 @@ pub enum PilotCredit {
     Step,
 }
 
-/// How the motions of training missions are drawn.
+/// How motions are drawn in training.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Draws {
-    /// Each UAV's for itself.
+pub enum ActionSampling {
+    /// Each UAV's by itself.
     #[default]
     Independent,
-    /// Those of one cell share their distributions out: quantiles that lie apart, from a drawn start.
+    /// UAVs of one cell take quantiles of their distributions that lie apart, from a drawn start.
     Stratified,
 }
 
@@ -203,54 +194,110 @@ pub struct Curriculum {
     pub stages: u64,
 }
 
-/// What fleets are paid that are too few to be done by haste and luck.
+/// Reward weights that replace those of [`Shaping`] for small fleets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SmallFleets {
-    /// UAVs of the largest of them.
+    /// UAVs of the largest small fleet.
     pub uavs_max: usize,
-    /// In place of `step_cost`.
-    pub step_cost: f64,
-    /// In place of `finding_reward`.
-    pub finding_reward: f64,
+    /// In place of `shaping.time_penalty`.
+    pub time_penalty: f64,
+    /// In place of `shaping.detection`.
+    pub detection: f64,
     /// In place of `discount`.
     pub discount: f32,
 }
 
-/// What a fleet of a given size is paid for.
+/// Reward weights and discount of a fleet of a given size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pay {
+pub struct ShapingWeights {
     /// Subtracted from the reward of every step.
-    pub step_cost: f64,
-    /// Paid to each UAV for each confirmation that it is expected to add.
-    pub finding_reward: f64,
+    pub time_penalty: f64,
+    /// For each confirmation that a UAV is expected to add.
+    pub detection: f64,
     /// Discount γ.
     pub discount: f32,
 }
 
 impl Settings {
-    /// Says which setting cannot be, and what is allowed.
+    /// Refuses settings that are out of range or do not go together; the message names the setting, its
+    /// value and what is allowed.
     pub fn validate(&self) -> Result<(), String> {
-        let positive = [
-            ("environments", self.environments),
-            ("workers", self.workers),
-            ("batch_steps", self.batch_steps),
-            ("epochs", self.epochs),
-            ("minibatch_rows", self.minibatch_rows),
-            ("critic_minibatch_rows", self.critic_minibatch_rows),
-            ("shard_rows", self.shard_rows),
-            ("evaluation_episodes", self.evaluation_episodes),
-            ("checkpoint_every", self.checkpoint_every),
+        self.check_ranges()?;
+        self.check_batches()?;
+        self.check_detection()?;
+        if self.action_sampling == ActionSampling::Stratified && self.head == Head::Gaussian {
+            return Err(
+                "action_sampling: stratified needs a distribution over motions, which the head gaussian \
+                 has not; it must be independent"
+                    .to_owned(),
+            );
+        }
+        match self.curriculum {
+            Some(Curriculum {
+                batches, stages, ..
+            }) if !(1..=batches).contains(&stages) => Err(format!(
+                "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches ({batches})"
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_ranges(&self) -> Result<(), String> {
+        let counts = [
+            ("environments", self.environments as u64),
+            ("workers", self.workers as u64),
+            ("batch_steps", self.batch_steps as u64),
+            ("epochs", self.epochs as u64),
+            ("minibatch_rows", self.minibatch_rows as u64),
+            ("critic_minibatch_rows", self.critic_minibatch_rows as u64),
+            ("evaluation_episodes", self.evaluation_episodes as u64),
+            ("checkpoint_every", self.checkpoint_every as u64),
             (
-                "entropy_batches",
-                self.entropy_batches.map_or(1, |batches| batches as usize),
+                "entropy.batches",
+                self.entropy.map_or(1, |entropy| entropy.batches),
             ),
         ];
-        for (field, value) in positive {
+        for (field, value) in counts {
             if value == 0 {
                 return Err(format!("{field}: 0 is not allowed, it must be at least 1"));
             }
         }
+        let small = self.small();
+        let unit = [
+            ("discount", f64::from(self.discount)),
+            ("shaping.small_fleets.discount", f64::from(small.discount)),
+            ("gae_lambda", f64::from(self.gae_lambda)),
+            ("sample_fraction", self.sample_fraction),
+        ];
+        for (field, value) in unit {
+            if !(value > 0.0 && value <= 1.0) {
+                return Err(format!("{field}: {value} is not in (0, 1]"));
+            }
+        }
+        let positive = [
+            ("learning_rate", self.learning_rate),
+            ("clip", f64::from(self.clip)),
+            ("gradient_norm_max", f64::from(self.gradient_norm_max)),
+            // Absent ones bound nothing.
+            ("kl_target", self.kl_target.unwrap_or(1.0)),
+            ("kl_rollback", self.kl_rollback.unwrap_or(1.0)),
+        ];
+        for (field, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(format!("{field}: {value} is not a positive number"));
+            }
+        }
+        let least = 1.0 + self.clip;
+        match self.dual_clip {
+            Some(bound) if !(bound > least && bound.is_finite()) => Err(format!(
+                "dual_clip: {bound} is not above 1 + clip ({least})"
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_batches(&self) -> Result<(), String> {
         if !self.environments.is_multiple_of(self.workers) {
             return Err(format!(
                 "environments: {} is not a multiple of workers ({})",
@@ -263,81 +310,35 @@ impl Settings {
                 self.batch_steps, self.environments
             ));
         }
-        if self.draws == Draws::Stratified && self.head == Head::Gaussian {
-            return Err(
-                "draws: stratified shares out motions, which the head gaussian has none of; it must be independent"
-                    .to_owned(),
-            );
-        }
-        // Where no fleets are set apart, all are of the others.
-        let small = self
-            .small_fleets
-            .map_or(self.pay(usize::MAX), |small| self.pay(small.uavs_max));
-        let unit = [
-            ("discount", f64::from(self.discount)),
-            ("small_fleets.discount", f64::from(small.discount)),
-            ("gae_lambda", f64::from(self.gae_lambda)),
-            ("sample_share", self.sample_share),
+        Ok(())
+    }
+
+    /// What is measured by expected confirmations needs a weight on them.
+    fn check_detection(&self) -> Result<(), String> {
+        let needs = [
+            ("pilot_credit: step", self.pilot_credit == PilotCredit::Step),
+            ("critic_survey", self.critic_survey),
         ];
-        for (field, value) in unit {
-            if !(value > 0.0 && value <= 1.0) {
-                return Err(format!("{field}: {value} is not in (0, 1]"));
-            }
-        }
-        let needs_finding = [
-            (
-                "pilot_credit: step weighs detections by",
-                self.pilot_credit == PilotCredit::Step,
-            ),
-            (
-                "critic_survey: shows what is counted by",
-                self.critic_survey,
-            ),
+        let weights = [
+            ("shaping.detection", self.shaping.detection),
+            ("shaping.small_fleets.detection", self.small().detection),
         ];
-        let finding_rewards = [
-            ("finding_reward", self.finding_reward),
-            ("small_fleets.finding_reward", small.finding_reward),
-        ];
-        for (what, asked) in needs_finding {
-            for (field, reward) in finding_rewards {
-                if asked && reward <= 0.0 {
+        for (what, _) in needs.into_iter().filter(|&(_, asked)| asked) {
+            for (field, weight) in weights {
+                if weight <= 0.0 {
                     return Err(format!(
-                        "{what} {field}, which is {reward}, it must be above 0"
+                        "{what} needs {field}, which is {weight}, it must be above 0"
                     ));
                 }
             }
         }
-        if let Some(Curriculum {
-            batches, stages, ..
-        }) = self.curriculum
-            && !(1..=batches).contains(&stages)
-        {
-            return Err(format!(
-                "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches ({batches})"
-            ));
-        }
-        for (field, value) in [
-            ("learning_rate", self.learning_rate),
-            ("critic_learning_rate", self.critic_learning_rate),
-            ("clip", f64::from(self.clip)),
-            ("gradient_norm_max", f64::from(self.gradient_norm_max)),
-            // Absent ones bound nothing.
-            ("kl_max", self.kl_max.unwrap_or(1.0)),
-            ("kl_undo", self.kl_undo.unwrap_or(1.0)),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(format!("{field}: {value} is not a positive number"));
-            }
-        }
-        if let Some(bound) = self.dual_clip
-            && !(bound > 1.0 + self.clip && bound.is_finite())
-        {
-            return Err(format!(
-                "dual_clip: {bound} is not above 1 + clip ({})",
-                1.0 + self.clip
-            ));
-        }
         Ok(())
+    }
+
+    /// Weights of the smallest fleets.
+    fn small(&self) -> ShapingWeights {
+        let small = self.shaping.small_fleets;
+        self.shaping_weights(small.map_or(usize::MAX, |small| small.uavs_max))
     }
 
     /// The settings on a card; none where they are those of another version or of another trainer.
@@ -345,17 +346,17 @@ impl Settings {
         Settings::deserialize(card.settings.as_ref()?).ok()
     }
 
-    /// What a fleet of so many UAVs is paid.
-    pub fn pay(&self, uavs: usize) -> Pay {
-        match self.small_fleets {
-            Some(small) if uavs <= small.uavs_max => Pay {
-                step_cost: small.step_cost,
-                finding_reward: small.finding_reward,
+    /// Reward weights and discount of a fleet of `uavs` UAVs.
+    pub fn shaping_weights(&self, uavs: usize) -> ShapingWeights {
+        match self.shaping.small_fleets {
+            Some(small) if uavs <= small.uavs_max => ShapingWeights {
+                time_penalty: small.time_penalty,
+                detection: small.detection,
                 discount: small.discount,
             },
-            _ => Pay {
-                step_cost: self.step_cost,
-                finding_reward: self.finding_reward,
+            _ => ShapingWeights {
+                time_penalty: self.shaping.time_penalty,
+                detection: self.shaping.detection,
                 discount: self.discount,
             },
         }
@@ -367,10 +368,15 @@ impl Settings {
     }
 
     /// Weight of the entropy bonus in this iteration, counted from 0.
-    pub fn entropy(&self, iteration: u64) -> f64 {
-        let batches = self.entropy_batches.unwrap_or(self.iterations()).max(1);
-        let progress = (iteration as f64 / batches as f64).min(1.0);
-        self.entropy_start + (self.entropy_end - self.entropy_start) * progress
+    pub fn entropy_weight(&self, iteration: u64) -> f64 {
+        self.entropy.map_or(0.0, |Entropy { start, batches }| {
+            start * (1.0 - (iteration as f64 / batches as f64).min(1.0))
+        })
+    }
+
+    /// Actor rows that one core works on at a time. Intermediate tensors of so few stay in its cache.
+    pub fn shard_rows(&self) -> usize {
+        (self.minibatch_rows / 4).clamp(1, 512)
     }
 
     /// Iterations of the run.
@@ -383,117 +389,114 @@ impl Settings {
 mod tests {
     use super::*;
 
+    const ALL: [Preset; 4] = [
+        Preset::Paper,
+        Preset::Tuned,
+        Preset::Search,
+        Preset::Mission,
+    ];
+
+    const FEW: SmallFleets = SmallFleets {
+        uavs_max: 5,
+        time_penalty: 2.0,
+        detection: 0.0,
+        discount: 0.985,
+    };
+
+    fn told(settings: &Settings) -> String {
+        settings.validate().unwrap_err()
+    }
+
     #[test]
-    fn the_entropy_bonus_falls_over_the_run_or_over_so_many_batches() {
-        let mut settings = Settings {
-            entropy_start: 0.4,
-            entropy_end: 0.2,
-            total_steps: 100 * 5120,
+    fn the_entropy_bonus_falls_to_nothing() {
+        let settings = Settings {
+            entropy: Some(Entropy {
+                start: 0.4,
+                batches: 20,
+            }),
             ..Settings::preset(Preset::Tuned)
         };
-        let near = |weight: f64, expected: f64| assert!((weight - expected).abs() < 1e-12);
-        near(settings.entropy(0), 0.4);
-        near(settings.entropy(50), 0.3);
-        settings.entropy_batches = Some(20);
-        near(settings.entropy(5), 0.35);
-        near(settings.entropy(50), 0.2);
+        for (iteration, weight) in [(0, 0.4), (5, 0.3), (20, 0.0), (50, 0.0)] {
+            assert!((settings.entropy_weight(iteration) - weight).abs() < 1e-12);
+        }
+        assert_eq!(Settings::preset(Preset::Tuned).entropy_weight(0), 0.0);
     }
 
     #[test]
     fn bounds_on_what_a_batch_changes_are_checked_by_name() {
         let mission = || Settings::preset(Preset::Mission);
-        let told = |settings: Settings| settings.validate().unwrap_err();
         let settings = Settings {
             dual_clip: Some(1.1),
             ..mission()
         };
-        assert!(told(settings).contains("dual_clip: 1.1 is not above 1 + clip (1.2)"));
+        assert!(told(&settings).contains("dual_clip: 1.1 is not above 1 + clip (1.2)"));
         let settings = Settings {
-            entropy_batches: Some(0),
+            entropy: Some(Entropy {
+                start: 0.1,
+                batches: 0,
+            }),
             ..mission()
         };
-        assert!(told(settings).contains("entropy_batches: 0"));
+        assert!(told(&settings).contains("entropy.batches: 0"));
         for kl in [0.0, -1.0, f64::NAN] {
             let settings = Settings {
-                kl_max: Some(kl),
+                kl_target: Some(kl),
                 ..mission()
             };
-            assert!(told(settings).contains("kl_max"));
+            assert!(told(&settings).contains("kl_target"));
             let settings = Settings {
-                kl_undo: Some(kl),
+                kl_rollback: Some(kl),
                 ..mission()
             };
-            assert!(told(settings).contains("kl_undo"));
+            assert!(told(&settings).contains("kl_rollback"));
         }
     }
 
     #[test]
-    fn presets_are_legal_and_what_hangs_on_finding_asks_for_it() {
-        for preset in [
-            Preset::Paper,
-            Preset::Tuned,
-            Preset::Search,
-            Preset::Mission,
-        ] {
+    fn presets_are_legal_and_what_needs_a_detection_weight_says_so() {
+        for preset in ALL {
             Settings::preset(preset).validate().unwrap();
         }
-        let refused = |settings: Settings, field: &str| {
-            let told = settings.validate().unwrap_err();
-            assert!(told.contains(field) && told.contains("finding_reward"));
-        };
         let tuned = Settings::preset(Preset::Tuned);
-        let settings = Settings {
+        let mut settings = Settings {
             pilot_credit: PilotCredit::Step,
             ..tuned.clone()
         };
-        refused(settings, "pilot_credit");
-        let settings = Settings {
+        assert!(told(&settings).contains("pilot_credit: step needs shaping.detection"));
+        settings = Settings {
             critic_survey: true,
             ..tuned
         };
-        refused(settings, "critic_survey");
-        let settings = Settings {
-            small_fleets: Some(FEW),
-            ..Settings::preset(Preset::Search)
-        };
-        refused(settings, "small_fleets");
-        let settings = Settings {
-            draws: Draws::Stratified,
+        assert!(told(&settings).contains("critic_survey needs shaping.detection"));
+        settings = Settings::preset(Preset::Search);
+        settings.shaping.small_fleets = Some(FEW);
+        assert!(told(&settings).contains("shaping.small_fleets.detection"));
+        settings = Settings {
+            action_sampling: ActionSampling::Stratified,
             ..Settings::preset(Preset::Paper)
         };
-        let told = settings.validate().unwrap_err();
-        assert!(told.contains("draws: stratified"), "{told}");
+        assert!(told(&settings).contains("action_sampling: stratified"));
     }
 
-    const FEW: SmallFleets = SmallFleets {
-        uavs_max: 5,
-        step_cost: 2.0,
-        finding_reward: 0.0,
-        discount: 0.985,
-    };
-
     #[test]
-    fn small_fleets_are_paid_what_is_set_for_them() {
-        let mut settings = Settings {
-            small_fleets: None,
-            ..Settings::preset(Preset::Mission)
-        };
-        let all = settings.pay(5);
-        assert_eq!(all, settings.pay(6));
+    fn small_fleets_have_weights_of_their_own() {
+        let mut settings = Settings::preset(Preset::Mission);
+        settings.shaping.small_fleets = None;
+        let all = settings.shaping_weights(5);
+        assert_eq!(all, settings.shaping_weights(6));
         settings.pilot_credit = PilotCredit::Return;
-        settings.small_fleets = Some(FEW);
+        settings.shaping.small_fleets = Some(FEW);
         settings.validate().unwrap();
-        assert_eq!(settings.pay(6), all);
-        let few = settings.pay(5);
+        assert_eq!(settings.shaping_weights(6), all);
+        let few = settings.shaping_weights(5);
         assert_eq!(
-            (few.step_cost, few.finding_reward, few.discount),
+            (few.time_penalty, few.detection, few.discount),
             (2.0, 0.0, 0.985)
         );
-        settings.small_fleets = Some(SmallFleets {
+        settings.shaping.small_fleets = Some(SmallFleets {
             discount: 1.5,
             ..FEW
         });
-        let told = settings.validate().unwrap_err();
-        assert!(told.contains("small_fleets.discount: 1.5"), "{told}");
+        assert!(told(&settings).contains("shaping.small_fleets.discount: 1.5"));
     }
 }

@@ -4,7 +4,7 @@ use crate::device;
 use crate::environment::{Episode, Shape, VectorEnvironment};
 use crate::network::{Architecture, Network, set};
 use crate::ppo::gae::{self, Trajectories};
-use crate::ppo::normalise::{Affine, Running};
+use crate::ppo::normalise::Running;
 use crate::ppo::rollout::{ActingPolicy, Rollout, collect};
 use crate::ppo::update::{ActorObjective, CriticObjective, Pass, Step, Sums, Trainable, evaluate};
 use crate::random::{Purpose, stream_for};
@@ -52,10 +52,6 @@ pub struct Trainer {
     pub actor: Trainable,
     /// The value function.
     pub critic: Trainable,
-    /// Statistics of observations.
-    pub observation_statistics: Running,
-    /// Statistics of global states.
-    pub global_statistics: Running,
     /// Statistics of value targets.
     pub value_statistics: Running,
     /// Iterations done.
@@ -142,8 +138,6 @@ impl Trainer {
             );
         }
         Ok(Trainer {
-            observation_statistics: Running::new(shape.observation_len),
-            global_statistics: Running::new(shape.global_len),
             value_statistics: Running::new(1),
             settings,
             workers,
@@ -202,13 +196,11 @@ impl Trainer {
     }
 
     fn collect(&mut self) -> Vec<Rollout> {
-        let inputs = self.observation_inputs();
         let policy = ActingPolicy {
             head: self.settings.head,
-            draws: self.settings.draws,
+            action_sampling: self.settings.action_sampling,
             network: &self.actor.network,
             parameters: &self.actor.parameters,
-            inputs: &inputs,
             device: &self.device,
         };
         let steps = self.settings.steps_per_batch();
@@ -230,30 +222,6 @@ impl Trainer {
             .collect()
     }
 
-    /// Normalisation of observations as it stands.
-    pub fn observation_inputs(&self) -> Affine {
-        self.affine(&self.observation_statistics)
-    }
-
-    /// Normalisation of what the critic sees as it stands.
-    fn critic_inputs(&self) -> Affine {
-        let mut inputs = self.affine(&self.global_statistics);
-        if self.settings.critic_input == CriticInput::StateAndUav {
-            let own = self.observation_inputs();
-            inputs.offset.extend(own.offset);
-            inputs.scale.extend(own.scale);
-        }
-        inputs
-    }
-
-    fn affine(&self, statistics: &Running) -> Affine {
-        if self.settings.normalise_inputs && statistics.count > 0.0 {
-            Affine::of(statistics)
-        } else {
-            Affine::default()
-        }
-    }
-
     /// Value units: what the critic's output is multiplied by and added to.
     fn value_units(&self) -> (f32, f32) {
         if self.settings.normalise_values && self.value_statistics.count > 0.0 {
@@ -268,19 +236,21 @@ impl Trainer {
 
     /// Values, advantages and targets of every row.
     fn look_back(&self, rollouts: &mut [Rollout]) {
-        let inputs = self.critic_inputs();
         let input = self.settings.critic_input;
         let (offset, scale) = self.value_units();
         for rollout in rollouts {
-            let (shape, columns) = (&rollout.shape, input.len(&rollout.shape));
-            let value = |seen: &[f32]| -> Vec<f32> {
-                evaluate(&self.critic, seen, columns, &inputs, shape, &self.device)
+            let shape = rollout.shape;
+            let features = |seen: &[f32]| self.critic.network.features(seen, &shape);
+            let value = |features: &[f32]| -> Vec<f32> {
+                evaluate(&self.critic, features, &shape, &self.device)
                     .iter()
                     .map(|value| value * scale + offset)
                     .collect()
             };
-            let values = value(&rollout.critic_inputs(input));
-            let next_values = rollout.next_values(&values, &value(&rollout.ending_inputs(input)));
+            rollout.critic_features = features(&rollout.critic_inputs(input));
+            let values = value(&rollout.critic_features);
+            let ending_values = value(&features(&rollout.ending_inputs(input)));
+            let next_values = rollout.next_values(&values, &ending_values);
             let (advantages, targets) = gae::advantages(
                 &Trajectories {
                     environments: rollout.shape.environments,
@@ -290,7 +260,7 @@ impl Trainer {
                     terminated: &rollout.terminated,
                     truncated: &rollout.truncated,
                 },
-                self.settings.pay(shape.agents).discount,
+                self.settings.shaping_weights(shape.agents).discount,
                 self.settings.gae_lambda,
             );
             rollout.values = values;
@@ -300,25 +270,15 @@ impl Trainer {
     }
 
     fn learn(&mut self, rollouts: &[Rollout]) -> (Sums, Sums, usize, f64) {
-        // Inputs stay as they were while collecting, so that old log-densities remain comparable;
-        // the statistics take this batch in for the next one.
-        let observation_inputs = self.observation_inputs();
-        let critic_inputs = self.critic_inputs();
         if self.settings.normalise_values {
             rollouts
                 .iter()
                 .for_each(|rollout| self.value_statistics.update(&rollout.targets));
         }
-        let settings = self.settings.clone();
+        let settings = &self.settings;
         let autodiff = self.device.clone().autodiff();
-        let actor_pass = Pass {
+        let pass = Pass {
             rollouts,
-            inputs: &observation_inputs,
-            device: &autodiff,
-        };
-        let critic_pass = Pass {
-            rollouts,
-            inputs: &critic_inputs,
             device: &autodiff,
         };
 
@@ -327,30 +287,28 @@ impl Trainer {
         let rate = settings.learning_rate * factor;
         let actor_step = Step {
             minibatch_rows: settings.minibatch_rows,
-            shard_rows: settings.shard_rows,
+            shard_rows: settings.shard_rows(),
             learning_rate: rate,
             gradient_norm_max: settings.gradient_norm_max,
         };
         let critic_step = Step {
             minibatch_rows: settings.critic_minibatch_rows,
-            shard_rows: settings.shard_rows.min(settings.critic_minibatch_rows),
-            learning_rate: settings.critic_learning_rate * factor,
+            shard_rows: settings.shard_rows().min(settings.critic_minibatch_rows),
             ..actor_step
         };
         let objective = ActorObjective {
             clip: settings.clip,
             dual_clip: settings.dual_clip,
-            entropy: settings.entropy(self.iterations),
-            normalise_advantages: settings.normalise_advantages,
-            sample_share: settings.sample_share,
+            entropy: settings.entropy_weight(self.iterations),
+            sample_fraction: settings.sample_fraction,
             pilot_held: settings.constant_pilot.is_some(),
         };
 
         let critic_objective = CriticObjective {
             input: settings.critic_input,
-            sample_share: match settings.critic_input {
+            sample_fraction: match settings.critic_input {
                 CriticInput::State => 1.0,
-                CriticInput::StateAndUav => settings.sample_share,
+                CriticInput::StateAndUav => settings.sample_fraction,
             },
             units: self.value_units(),
         };
@@ -362,36 +320,28 @@ impl Trainer {
         for epoch in 0..settings.epochs as u64 {
             let mut random =
                 stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
-            let critic = critic_pass.improve_critic(
+            let critic = pass.improve_critic(
                 &mut self.critic,
                 &critic_objective,
                 &critic_step,
                 &mut random,
             );
             critic_sums.merge(&critic);
-            if over(&actor_sums, settings.kl_max) || over(&actor_sums, settings.kl_undo) {
+            if over(&actor_sums, settings.kl_target) || over(&actor_sums, settings.kl_rollback) {
                 continue;
             }
             let before = self.actor.clone();
             // The log shows the last epoch: the one that the policy leaves with, or that it was kept from.
-            let operations = actor_sums.operations;
-            actor_sums = actor_pass.improve_actor(
+            actor_sums = pass.improve_actor(
                 &mut self.actor,
                 settings.head,
                 &objective,
                 &actor_step,
                 &mut random,
             );
-            actor_sums.operations += operations;
             epochs_run += 1;
-            if over(&actor_sums, settings.kl_undo) {
+            if over(&actor_sums, settings.kl_rollback) {
                 self.actor = before;
-            }
-        }
-        if settings.normalise_inputs {
-            for rollout in rollouts {
-                self.observation_statistics.update(&rollout.observations);
-                self.global_statistics.update(&rollout.global);
             }
         }
         (actor_sums, critic_sums, epochs_run, rate)

@@ -41,8 +41,6 @@ fn plan(network: NetworkKind, device: &str) -> Plan {
             epochs: 2,
             minibatch_rows: 128,
             critic_minibatch_rows: 64,
-            shard_rows: 64,
-            normalise_inputs: false,
             ..Settings::preset(Preset::Paper)
         },
         configs: vec![Config {
@@ -79,9 +77,11 @@ fn outputs_and_gradients_are_the_processor_s() {
                 let weights = actor
                     .network
                     .tensors(&actor.parameters, &device.clone().autodiff());
-                let outputs = actor
-                    .network
-                    .forward(&weights, observations.clone(), &shape);
+                let outputs = actor.network.forward(
+                    &weights,
+                    actor.network.features(&observations, &shape),
+                    &shape,
+                );
                 let loss = outputs.clone().square().sum();
                 let gradient = flat_gradient(&actor.network, &weights, loss.backward());
                 (values(outputs), gradient)

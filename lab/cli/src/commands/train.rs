@@ -199,7 +199,7 @@ impl Train {
             } else {
                 toml::from_str(&text).map_err(|error| CliError::file(path, error))?
             };
-            table.extend(fields);
+            merge(&mut table, fields);
         }
         for assignment in &self.train_set {
             assign(&mut table, assignment)?;
@@ -225,35 +225,47 @@ fn fitting(config: &Config) -> Result<Preset, CliError> {
     })
 }
 
-/// Puts `setting=value` into a table; `none` takes a setting away, a dot reaches into a table.
-fn assign(table: &mut Table, assignment: &str) -> Result<(), CliError> {
-    let (setting, text) = assignment.split_once('=').ok_or_else(|| {
-        CliError::input(format!(
-            "--train-set {assignment}: must be of the form setting=value"
-        ))
-    })?;
-    let (setting, text) = (setting.trim(), text.trim());
-    let (table, setting) = match setting.split_once('.') {
-        None => (table, setting),
-        Some((outer, inner)) => {
-            let entry = table
-                .entry(outer)
-                .or_insert_with(|| toml::Value::Table(Table::new()));
-            let inside = entry.as_table_mut().ok_or_else(|| {
-                CliError::input(format!("--train-set {assignment}: {outer} is no table"))
-            })?;
-            (inside, inner)
+/// Replaces the values of a table that another one names, in groups too.
+fn merge(table: &mut Table, others: Table) {
+    for (name, value) in others {
+        match (table.get_mut(&name), value) {
+            (Some(toml::Value::Table(group)), toml::Value::Table(others)) => merge(group, others),
+            (_, value) => {
+                table.insert(name, value);
+            }
         }
+    }
+}
+
+/// Puts `setting=value` into a table; `none` removes a setting, a dot reaches into a group.
+fn assign(table: &mut Table, assignment: &str) -> Result<(), CliError> {
+    let refused = |what: &str| CliError::input(format!("--train-set {assignment}: {what}"));
+    let (path, text) = assignment
+        .split_once('=')
+        .ok_or_else(|| refused("must be of the form setting=value"))?;
+    let (path, text) = (path.trim(), text.trim());
+    let (groups, setting) = match path.rsplit_once('.') {
+        None => (None, path),
+        Some((groups, setting)) => (Some(groups), setting),
     };
+    let mut group = table;
+    for name in groups.iter().flat_map(|groups| groups.split('.')) {
+        let entry = group
+            .entry(name)
+            .or_insert_with(|| toml::Value::Table(Table::new()));
+        group = entry
+            .as_table_mut()
+            .ok_or_else(|| refused(&format!("{name} is no group of settings")))?;
+    }
     if text == "none" {
-        table.remove(setting);
+        group.remove(setting);
         return Ok(());
     }
     let value = toml::from_str::<Table>(&format!("value = {text}"))
         .ok()
         .and_then(|mut table| table.remove("value"))
         .unwrap_or_else(|| toml::Value::String(text.to_owned()));
-    table.insert(setting.to_owned(), value);
+    group.insert(setting.to_owned(), value);
     Ok(())
 }
 
@@ -318,5 +330,28 @@ impl Observer for Watcher {
 
     fn stop(&mut self) -> bool {
         interrupt::requested()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Table {
+        toml::from_str(text).unwrap()
+    }
+
+    #[test]
+    fn a_setting_in_a_group_leaves_the_others() {
+        let mut table =
+            parsed("clip = 0.2\n[shaping]\ntime_penalty = 0.3\n[shaping.factors]\nenergy = 100.0");
+        assign(&mut table, "shaping.factors.energy=10.0").unwrap();
+        assign(&mut table, "shaping.factors.throughput=0.5").unwrap();
+        assign(&mut table, "clip=none").unwrap();
+        merge(&mut table, parsed("[shaping]\ndetection = 20.0"));
+        let expected = "[shaping]\ntime_penalty = 0.3\ndetection = 20.0\n[shaping.factors]\nenergy = 10.0\nthroughput = 0.5";
+        assert_eq!(table, parsed(expected));
+        let refused = assign(&mut table, "shaping.time_penalty.low=1").unwrap_err();
+        assert!(refused.to_string().contains("time_penalty is no group"));
     }
 }

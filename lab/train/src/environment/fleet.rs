@@ -3,7 +3,6 @@
 use super::finding::Finding;
 use super::informing::{Informed, Informing};
 use super::lesson::Lesson;
-use super::progress::Progress;
 use super::survey::Survey;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::settings::Settings;
@@ -22,17 +21,15 @@ pub struct Treatment {
     /// Those of them that a pilot density has to do with in the same step; 0 elsewhere.
     pilot_factors: [f64; COMPONENTS],
     /// Subtracted in every step.
-    pub step_cost: f64,
-    /// Paid to each UAV for each cell of its own progress.
-    pub progress_reward: f64,
+    pub time_penalty: f64,
     /// Paid to each UAV for each confirmation that it is expected to add.
-    pub finding_reward: f64,
+    pub detection: f64,
     /// The critic sees where hotspots may still be.
     pub critic_survey: bool,
     /// Paid to each UAV for each confirmed hotspot that it comes to know.
-    pub informing_reward: f64,
+    pub informing: f64,
     /// Paid to each UAV, once all is confirmed, for each cell nearer to somebody who knows others.
-    pub meeting_reward: f64,
+    pub meeting: f64,
     /// Pilot action held, whatever the policy says.
     pub constant_pilot: Option<f32>,
 }
@@ -44,25 +41,24 @@ impl Treatment {
         uavs: usize,
         constant_pilot: Option<f32>,
     ) -> Result<Treatment, String> {
-        let pay = settings.pay(uavs);
+        let weights = settings.shaping_weights(uavs);
         let mut treatment = Treatment {
             factors: [1.0; COMPONENTS],
             pilot_factors: [0.0; COMPONENTS],
-            step_cost: pay.step_cost,
-            progress_reward: settings.progress_reward,
-            finding_reward: pay.finding_reward,
+            time_penalty: weights.time_penalty,
+            detection: weights.detection,
             critic_survey: settings.critic_survey,
-            informing_reward: settings.informing_reward,
-            meeting_reward: settings.meeting_reward,
+            informing: settings.shaping.informing,
+            meeting: settings.shaping.meeting,
             constant_pilot,
         };
-        for (name, &factor) in &settings.reward_factors {
+        for (name, &factor) in &settings.shaping.factors {
             let index = NAMES
                 .iter()
                 .position(|known| known == name)
                 .ok_or_else(|| {
                     format!(
-                        "reward_factors.{name}: no such component; allowed: {}",
+                        "shaping.factors.{name}: no such component; allowed: {}",
                         NAMES.join(", ")
                     )
                 })?;
@@ -78,12 +74,12 @@ impl Treatment {
 
     /// The reward for these components.
     fn reward(&self, components: &[f64]) -> f64 {
-        paid(components, &self.factors) - self.step_cost
+        paid(components, &self.factors) - self.time_penalty
     }
 
     /// What of a UAV's reward comes of its pilot density in the same step.
     fn pilot_gain(&self, components: &[f64], by_pilot: f64) -> f64 {
-        paid(components, &self.pilot_factors) + self.finding_reward * by_pilot
+        paid(components, &self.pilot_factors) + self.detection * by_pilot
     }
 }
 
@@ -108,7 +104,6 @@ pub struct Fleet {
     final_global: Vec<f32>,
     components: Vec<f64>,
     uav_components: Vec<f64>,
-    progress: Progress,
     informing: Informing,
     informed: Informed,
     /// Where it is paid for.
@@ -143,10 +138,9 @@ impl Fleet {
             final_global: vec![0.0; environments * model.global_len()],
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
-            progress: Progress::new(environments, uavs),
             informing: Informing::new(environments, uavs),
             informed: Informed::default(),
-            finding: (treatment.finding_reward != 0.0).then(|| Finding::new(environments, &model)),
+            finding: (treatment.detection != 0.0).then(|| Finding::new(environments, &model)),
             survey: treatment
                 .critic_survey
                 .then(|| Survey::new(environments, &model)),
@@ -190,12 +184,11 @@ impl Fleet {
         self.look();
     }
 
-    /// Lets progress and finding count from the states as they are.
+    /// Lets credit count from the states as they are.
     fn look(&mut self) {
         let states = self.states.chunks_exact(self.model.state_words());
         for (m, state) in states.enumerate() {
             let state = self.model.state(state).expect("a state of this model");
-            self.progress.start(m, &self.model, &state);
             self.informing.start(m, &self.model, &state);
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
@@ -203,7 +196,7 @@ impl Fleet {
         }
     }
 
-    /// Draws the missions as they are, where the critic sees that.
+    /// ActionSampling the missions as they are, where the critic sees that.
     fn draw(&mut self) {
         let (Some(survey), Some(finding)) = (&mut self.survey, &self.finding) else {
             return;
@@ -248,27 +241,20 @@ impl Fleet {
         if out.terminated[m] || out.truncated[m] {
             if out.terminated[m] {
                 self.informing.completed(m, &self.model, &mut self.informed);
-                add(
-                    extra,
-                    self.treatment.informing_reward,
-                    &self.informed.hotspots,
-                );
+                add(extra, self.treatment.informing, &self.informed.hotspots);
             }
-            self.progress.start(m, &self.model, &state);
             self.informing.start(m, &self.model, &state);
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
         } else {
-            self.progress.gained(m, &self.model, &state, gained);
-            add(extra, self.treatment.progress_reward, gained);
             let informed = &mut self.informed;
             self.informing.gained(m, &self.model, &state, informed);
-            add(extra, self.treatment.informing_reward, &informed.hotspots);
-            add(extra, self.treatment.meeting_reward, &informed.cells);
+            add(extra, self.treatment.informing, &informed.hotspots);
+            add(extra, self.treatment.meeting, &informed.cells);
             if let Some(finding) = &mut self.finding {
                 finding.gained(m, &self.model, &state, gained, by_pilot);
-                add(extra, self.treatment.finding_reward, gained);
+                add(extra, self.treatment.detection, gained);
             }
         }
         let uavs = extra.len();

@@ -21,15 +21,16 @@ impl Lesson {
     /// refused.
     pub fn new(config: &Config, settings: &Settings) -> Result<Lesson, String> {
         let mut fields = serde_json::to_value(config).map_err(|error| error.to_string())?;
-        for (name, value) in &settings.mission {
-            let field = fields
-                .get_mut(name)
-                .ok_or_else(|| format!("mission.{name}: a configuration has no such field"))?;
+        for (name, value) in &settings.config_overrides {
+            let field = fields.get_mut(name).ok_or_else(|| {
+                format!("config_overrides.{name}: a configuration has no such field")
+            })?;
             *field = value.clone();
         }
-        let config = serde_json::from_value(fields).map_err(|error| format!("mission: {error}"))?;
+        let config =
+            serde_json::from_value(fields).map_err(|error| format!("config_overrides: {error}"))?;
         let lesson = Lesson {
-            model: built(config).map_err(|error| format!("mission: {error}"))?,
+            model: built(config).map_err(|error| format!("config_overrides: {error}"))?,
             curriculum: settings.curriculum,
         };
         if let Some(Curriculum { threshold_db, .. }) = lesson.curriculum {
@@ -90,7 +91,7 @@ mod tests {
 
     fn settings() -> Settings {
         Settings {
-            mission: mission([
+            config_overrides: mission([
                 ("quorum", 2.into()),
                 ("penalty_revisit", 2.into()),
                 ("inform_payment", "every_step".into()),
@@ -128,11 +129,11 @@ mod tests {
     fn what_the_configuration_does_not_allow_is_refused_by_name() {
         let refused = |name: &str, value: Value| {
             let mut settings = settings();
-            settings.mission = mission([(name, value)]);
+            settings.config_overrides = mission([(name, value)]);
             Lesson::new(&Config::default(), &settings).err().unwrap()
         };
-        assert!(refused("shaping", 1.into()).contains("mission.shaping"));
-        assert!(refused("quorum", 1.5.into()).contains("mission"));
+        assert!(refused("shaping", 1.into()).contains("config_overrides.shaping"));
+        assert!(refused("quorum", 1.5.into()).contains("config_overrides"));
         assert!(refused("quorum", 0.into()).contains("quorum"));
         let mut settings = settings();
         settings.curriculum = Some(Curriculum {

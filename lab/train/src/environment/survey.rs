@@ -42,7 +42,7 @@ impl Survey {
         &self.maps
     }
 
-    /// Draws a mission. `missed`: of each cell of the grid, how likely a hotspot there would not be found yet.
+    /// ActionSampling a mission. `missed`: of each cell of the grid, how likely a hotspot there would not be found yet.
     pub fn draw(
         &mut self,
         mission: usize,

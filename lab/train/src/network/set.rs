@@ -6,6 +6,9 @@
 //! many UAVs are at or around it, and, where a network is to read that, which hotspots a tour may begin with.
 
 mod features;
+
+pub(super) use features::{observed, overseen};
+
 #[cfg(test)]
 mod reference;
 
@@ -58,6 +61,17 @@ impl Actor {
     fn hotspot(self) -> usize {
         HOTSPOT_FEATURES + usize::from(self.tours)
     }
+
+    /// Widths of the parts of a row of features: the UAV itself, neighbour slots with whether they
+    /// are taken, the number of empty slots, hotspots.
+    pub fn widths(self, shape: &Shape) -> [usize; 4] {
+        [
+            self.own(),
+            (SLOT_FIELDS + 1) * shape.neighbour_slots,
+            1,
+            self.hotspot() * shape.hotspots,
+        ]
+    }
 }
 
 /// Whose value the critic gives.
@@ -81,6 +95,32 @@ impl Critic {
     fn target_features(self) -> usize {
         TARGET_FEATURES + if self.of_uav { OWN_TARGET_FEATURES } else { 0 }
     }
+
+    /// Widths of the parts of a row of features: what is of no hotspot and of no UAV, UAVs each with
+    /// a 1, hotspots.
+    pub fn widths(self, shape: &Shape) -> [usize; 3] {
+        [
+            self.common(),
+            (UAV_FIELDS + 1) * shape.agents,
+            self.target_features() * shape.hotspots,
+        ]
+    }
+}
+
+/// The parts of rows of features, each by itself.
+fn parts<const K: usize>(features: &[f32], widths: [usize; K]) -> [Vec<f32>; K] {
+    let length = widths.iter().sum();
+    let rows = features.len() / length;
+    let mut parts = widths.map(|width| Vec::with_capacity(rows * width));
+    for row in features.chunks_exact(length) {
+        let mut rest = row;
+        for (part, width) in parts.iter_mut().zip(widths) {
+            let (own, others) = rest.split_at(width);
+            part.extend_from_slice(own);
+            rest = others;
+        }
+    }
+    parts
 }
 
 /// Fields of an observation that the configuration adds: search map, directions, tag. They are the UAV's
@@ -137,44 +177,6 @@ pub(super) fn critic_blocks(hidden: &[usize], critic: Critic) -> Shapes {
     shapes
 }
 
-/// Multiply-adds of one observation's forward pass.
-pub(super) fn actor_products(hidden: &[usize], outputs: usize, actor: Actor, shape: &Shape) -> u64 {
-    let neighbour = SLOT_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
-    // Attention is two products with every hotspot: its scores, and the sum that they weigh.
-    let hotspot = HOTSPOT_WIDTH * (actor.hotspot() + 2 * HOTSPOT_WIDTH + 2 * HEADS);
-    let own = actor.own();
-    let once = HOTSPOT_WIDTH * (own + UAV_WIDTH + HOTSPOT_WIDTH);
-    let mut sizes = vec![HEADS * HOTSPOT_WIDTH + UAV_WIDTH + own];
-    sizes.extend_from_slice(hidden);
-    sizes.push(outputs);
-    let trunk: usize = sizes.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    (neighbour * shape.neighbour_slots + hotspot * shape.hotspots + once + trunk) as u64
-}
-
-/// Multiply-adds of one global state's forward pass.
-pub(super) fn critic_products(hidden: &[usize], critic: Critic, shape: &Shape) -> u64 {
-    let uav = UAV_FIELDS * UAV_WIDTH + UAV_WIDTH * UAV_WIDTH;
-    let hotspot = HOTSPOT_WIDTH * (critic.target_features() + HOTSPOT_WIDTH);
-    let once = HOTSPOT_WIDTH * (critic.common() + UAV_WIDTH);
-    let mut sizes = vec![HOTSPOT_WIDTH + UAV_WIDTH + critic.common()];
-    sizes.extend_from_slice(hidden);
-    sizes.push(1);
-    let trunk: usize = sizes.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    (uav * shape.agents + hotspot * shape.hotspots + once + trunk) as u64
-}
-
-/// Those of the actor's layers that read the observation, whose gradient nobody needs.
-pub(super) fn actor_input_products(actor: Actor, shape: &Shape) -> u64 {
-    let neighbour = SLOT_FIELDS * UAV_WIDTH * shape.neighbour_slots;
-    (neighbour + actor.hotspot() * HOTSPOT_WIDTH * shape.hotspots) as u64
-}
-
-/// Those of the critic's layers that read the global state.
-pub(super) fn critic_input_products(critic: Critic, shape: &Shape) -> u64 {
-    let uav = UAV_FIELDS * UAV_WIDTH * shape.agents;
-    (uav + critic.target_features() * HOTSPOT_WIDTH * shape.hotspots) as u64
-}
-
 /// Takes weights in the order of the blocks.
 struct Weights<'a>(std::slice::Iter<'a, Tensor<2>>);
 
@@ -221,18 +223,18 @@ fn sum(set: Tensor<2>, rows: usize) -> Tensor<2> {
         .reshape([rows, width])
 }
 
-/// Actor outputs for observations (rows × 11 + 4n + 3k + added).
+/// Actor outputs for rows of the features that [`observed`] gives.
 pub(super) fn actor(
     weights: &[Tensor<2>],
-    observations: &[f32],
+    features: &[f32],
     actor: Actor,
     shape: &Shape,
 ) -> Tensor<2> {
     let device = weights[0].device();
     let mut weights = Weights(weights.iter());
-    let observed = features::observed(observations, shape, actor);
-    let rows = observed.empty.len();
-    let own = matrix(observed.own, actor.own(), &device);
+    let [own, slots, empty, hotspots] = parts(features, actor.widths(shape));
+    let rows = empty.len();
+    let own = matrix(own, actor.own(), &device);
 
     let neighbours = if shape.neighbour_slots == 0 {
         weights.0.by_ref().take(4).for_each(drop);
@@ -240,16 +242,16 @@ pub(super) fn actor(
     } else {
         // An empty slot is all zeros, the field for the bias too, so after the second layer it
         // holds relu(b): taking that off the sum is cheaper than masking every slot.
-        let embedded = matrix(observed.slots, SLOT_FIELDS + 1, &device);
+        let embedded = matrix(slots, SLOT_FIELDS + 1, &device);
         let embedded = relu(weights.augmented(embedded));
         let (weight, bias) = (weights.take(), weights.take());
         let embedded = relu(embedded.matmul(weight) + bias.clone());
-        let empty = matrix(observed.empty, 1, &device).matmul(relu(bias));
+        let empty = matrix(empty, 1, &device).matmul(relu(bias));
         (sum(embedded, rows) - empty).div_scalar(CROWD)
     };
 
     let context = Tensor::cat(vec![own.clone(), neighbours.clone()], 1);
-    let hotspots = matrix(observed.hotspots, actor.hotspot(), &device);
+    let hotspots = matrix(hotspots, actor.hotspot(), &device);
     let embedded = relu(weights.with_context(hotspots, context));
     let embedded = relu(weights.linear(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
@@ -265,24 +267,24 @@ pub(super) fn actor(
     weights.trunk(Tensor::cat(vec![attended, neighbours, own], 1))
 }
 
-/// Values of the rows that `features::overseen` reads.
+/// Values of rows of the features that [`overseen`] gives.
 pub(super) fn critic(
     weights: &[Tensor<2>],
-    seen: &[f32],
+    features: &[f32],
     critic: Critic,
     shape: &Shape,
 ) -> Tensor<2> {
     let device = weights[0].device();
     let mut weights = Weights(weights.iter());
-    let overseen = features::overseen(seen, shape, critic);
-    let common = matrix(overseen.common, critic.common(), &device);
+    let [common, uavs, hotspots] = parts(features, critic.widths(shape));
+    let common = matrix(common, critic.common(), &device);
     let rows = common.dims()[0];
 
-    let uavs = matrix(overseen.uavs, UAV_FIELDS + 1, &device);
+    let uavs = matrix(uavs, UAV_FIELDS + 1, &device);
     let fleet = relu(weights.augmented(uavs));
     let fleet = sum(relu(weights.linear(fleet)), rows).div_scalar(CROWD);
     let context = Tensor::cat(vec![common.clone(), fleet.clone()], 1);
-    let hotspots = matrix(overseen.hotspots, critic.target_features(), &device);
+    let hotspots = matrix(hotspots, critic.target_features(), &device);
     let embedded = relu(weights.with_context(hotspots, context));
     let embedded = sum(relu(weights.linear(embedded)), rows).div_scalar(CROWD);
     weights.trunk(Tensor::cat(vec![embedded, fleet, common], 1))
@@ -324,7 +326,7 @@ mod tests {
         let (network, parameters) = network(architecture.clone());
         let device = Device::flex();
         let weights = network.tensors(&parameters, &device);
-        values(network.forward(&weights, row.to_vec(), shape))
+        values(network.forward(&weights, network.features(row, shape), shape))
     }
 
     fn close(a: &[f32], b: &[f32]) -> bool {
@@ -409,7 +411,11 @@ mod tests {
                     })
                     .collect();
                 let tensors = network.tensors(&parameters, &Device::flex());
-                let fast = values(network.forward(&tensors, rows.concat(), &shape));
+                let fast = values(network.forward(
+                    &tensors,
+                    network.features(&rows.concat(), &shape),
+                    &shape,
+                ));
                 let reference = if critic_length.is_none() {
                     reference::actor
                 } else {

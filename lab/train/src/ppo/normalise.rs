@@ -1,4 +1,4 @@
-//! Running mean and variance, for observations and for value targets.
+//! Running mean and variance of value targets; the fixed scaling of inputs in files of other trainers.
 
 use serde::{Deserialize, Serialize};
 
@@ -86,14 +86,6 @@ pub struct Affine {
 pub const CLIP: f32 = 10.0;
 
 impl Affine {
-    /// Snapshot of running statistics.
-    pub fn of(running: &Running) -> Affine {
-        Affine {
-            offset: running.offset(),
-            scale: running.scale(),
-        }
-    }
-
     /// Maps rows in place.
     pub fn apply(&self, rows: &mut [f32]) {
         if self.offset.is_empty() {
@@ -129,8 +121,18 @@ mod tests {
     fn a_constant_field_is_centred_and_not_scaled() {
         let mut running = Running::new(2);
         running.update(&[3.0, 0.0, 3.0, 2.0]);
-        let mut rows = [3.0, 2.0];
-        Affine::of(&running).apply(&mut rows);
-        assert_eq!(rows, [0.0, 1.0]);
+        assert_eq!(running.offset(), [3.0, 1.0]);
+        assert_eq!(running.scale(), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn inputs_are_scaled_and_clipped() {
+        let inputs = Affine {
+            offset: vec![1.0, 0.0],
+            scale: vec![2.0, 0.01],
+        };
+        let mut rows = [5.0, 1.0];
+        inputs.apply(&mut rows);
+        assert_eq!(rows, [2.0, CLIP]);
     }
 }

@@ -3,9 +3,8 @@
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::LearningHead;
 use crate::network::{Network, values};
-use crate::ppo::normalise::Affine;
-use crate::settings::{Credit, CriticInput, Draws, PilotCredit};
-use burn_tensor::{Device, Tensor};
+use crate::settings::{ActionSampling, Credit, CriticInput, PilotCredit};
+use burn_tensor::Device;
 use jcas_policy::head::Head;
 use jcas_policy::strata;
 use rand::RngExt;
@@ -21,6 +20,10 @@ pub struct Rollout {
     pub steps: usize,
     /// T × M·N × O.
     pub observations: Vec<f32>,
+    /// What the actor reads of them, T × M·N × [`Network::features_len`].
+    pub actor_features: Vec<f32>,
+    /// What the critic reads of its rows (by the learner).
+    pub critic_features: Vec<f32>,
     /// T × M × S.
     pub global: Vec<f32>,
     /// Raw samples of the head, T × M·N × 2.
@@ -67,13 +70,11 @@ pub struct ActingPolicy<'a> {
     /// Which distribution.
     pub head: Head,
     /// How its motions are drawn.
-    pub draws: Draws,
+    pub action_sampling: ActionSampling,
     /// Actor network.
     pub network: &'a Network,
     /// Its parameters.
     pub parameters: &'a [f32],
-    /// Normalisation of observations.
-    pub inputs: &'a Affine,
     /// Where it runs.
     pub device: &'a Device,
 }
@@ -106,17 +107,17 @@ pub fn collect(
         rollout.simulation += started.elapsed();
 
         let started = Instant::now();
-        let outputs = {
-            let observations = &rollout.observations
-                [rows.start * shape.observation_len..rows.end * shape.observation_len];
-            act(policy, &weights, observations, &shape)
-        };
+        let observations = &rollout.observations
+            [rows.start * shape.observation_len..rows.end * shape.observation_len];
+        let features = policy.network.features(observations, &shape);
+        rollout.actor_features.extend_from_slice(&features);
+        let outputs = values(policy.network.forward(&weights, features, &shape));
         let samples = outputs.chunks_exact(policy.head.outputs());
-        if policy.draws == Draws::Stratified {
+        if policy.action_sampling == ActionSampling::Stratified {
             environment.companions(&mut companions);
         }
         for (row, output) in samples.enumerate() {
-            let quantile = (policy.draws == Draws::Stratified).then(|| {
+            let quantile = (policy.action_sampling == ActionSampling::Stratified).then(|| {
                 quantiles[row] = match companions[row] {
                     Some(companion) => strata::turned(quantiles[companion], 1),
                     None => random.random(),
@@ -140,17 +141,6 @@ pub fn collect(
     rollout
 }
 
-fn act(
-    policy: &ActingPolicy,
-    weights: &[Tensor<2>],
-    observations: &[f32],
-    shape: &Shape,
-) -> Vec<f32> {
-    let mut inputs = observations.to_vec();
-    policy.inputs.apply(&mut inputs);
-    values(policy.network.forward(weights, inputs, shape))
-}
-
 impl Rollout {
     pub(super) fn new(shape: Shape, steps: usize, out: &StepOut) -> Rollout {
         let (rows, missions) = (steps * shape.rows(), steps * shape.environments);
@@ -158,6 +148,8 @@ impl Rollout {
             shape,
             steps,
             observations: vec![0.0; rows * shape.observation_len],
+            actor_features: Vec::new(),
+            critic_features: Vec::new(),
             global: vec![0.0; missions * shape.global_len],
             raw_actions: vec![0.0; rows * 2],
             log_probs: vec![0.0; rows * 2],
@@ -334,14 +326,13 @@ mod tests {
         let network = Network::new(Architecture::Mlp {
             sizes: vec![shape.observation_len, Head::Hybrid.outputs()],
         });
-        let farthest_from_two = |fleet: &mut Fleet, draws| {
+        let farthest_from_two = |fleet: &mut Fleet, action_sampling| {
             fleet.reset(1);
             let policy = ActingPolicy {
                 head: Head::Hybrid,
-                draws,
+                action_sampling,
                 network: &network,
                 parameters: &vec![0.0; network.parameters()],
-                inputs: &Affine::default(),
                 device: &Device::default(),
             };
             let mut random = crate::random::stream(1, 0);
@@ -357,7 +348,10 @@ mod tests {
             });
             farthest.max().flatten()
         };
-        assert_eq!(farthest_from_two(&mut fleet, Draws::Stratified), Some(1));
-        assert!(farthest_from_two(&mut fleet, Draws::Independent) > Some(2));
+        assert_eq!(
+            farthest_from_two(&mut fleet, ActionSampling::Stratified),
+            Some(1)
+        );
+        assert!(farthest_from_two(&mut fleet, ActionSampling::Independent) > Some(2));
     }
 }

@@ -10,8 +10,6 @@ pub enum Schedule {
     Constant,
     /// Falls evenly to zero.
     Linear,
-    /// Falls as half a cosine wave to zero.
-    Cosine,
 }
 
 impl Schedule {
@@ -21,7 +19,6 @@ impl Schedule {
         match self {
             Schedule::Constant => 1.0,
             Schedule::Linear => 1.0 - progress,
-            Schedule::Cosine => 0.5 * (1.0 + (std::f64::consts::PI * progress).cos()),
         }
     }
 }
@@ -32,13 +29,11 @@ mod tests {
 
     #[test]
     fn every_schedule_starts_at_one_and_the_falling_ones_end_at_zero() {
-        for schedule in [Schedule::Constant, Schedule::Linear, Schedule::Cosine] {
+        for schedule in [Schedule::Constant, Schedule::Linear] {
             assert_eq!(schedule.factor(0.0), 1.0);
         }
         assert_eq!(Schedule::Constant.factor(1.0), 1.0);
         assert_eq!(Schedule::Linear.factor(0.25), 0.75);
         assert_eq!(Schedule::Linear.factor(2.0), 0.0);
-        assert!((Schedule::Cosine.factor(0.5) - 0.5).abs() < 1e-12);
-        assert!(Schedule::Cosine.factor(1.0).abs() < 1e-12);
     }
 }

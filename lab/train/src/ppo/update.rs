@@ -7,7 +7,6 @@ use crate::environment::Shape;
 use crate::head::LearningHead;
 use crate::network::{Network, flat_gradient, matrix, values};
 use crate::ppo::adam::Adam;
-use crate::ppo::normalise::Affine;
 use crate::ppo::rollout::Rollout;
 use crate::settings::CriticInput;
 use burn_tensor::{Device, Tensor};
@@ -68,10 +67,8 @@ pub struct ActorObjective {
     pub dual_clip: Option<f32>,
     /// Weight of the entropy bonus.
     pub entropy: f64,
-    /// Centre and scale advantages in each minibatch, those of missions of one shape by themselves.
-    pub normalise_advantages: bool,
     /// Share of rows to visit.
-    pub sample_share: f64,
+    pub sample_fraction: f64,
     /// The pilot density is held, whatever is drawn: only motions are judged.
     pub pilot_held: bool,
 }
@@ -95,7 +92,7 @@ pub struct CriticObjective {
     /// What it sees.
     pub input: CriticInput,
     /// Share of rows to visit.
-    pub sample_share: f64,
+    pub sample_fraction: f64,
     /// What its output is added to and multiplied by to give a value.
     pub units: (f32, f32),
 }
@@ -117,8 +114,6 @@ pub struct Sums {
     pub gradient_norm: f64,
     /// Updates made.
     pub updates: f64,
-    /// Floating-point operations in matrix products.
-    pub operations: f64,
 }
 
 impl Sums {
@@ -131,15 +126,7 @@ impl Sums {
         self.clipped += other.clipped;
         self.gradient_norm += other.gradient_norm;
         self.updates += other.updates;
-        self.operations += other.operations;
     }
-}
-
-/// Operations of a forward and backward pass: three products a layer, less the gradients of
-/// inputs, which nobody needs.
-fn operations(network: &Network, shape: &Shape, rows: usize) -> f64 {
-    let (all, inputs) = (network.products(shape), network.input_products(shape));
-    rows as f64 * (6.0 * all as f64 - 2.0 * inputs as f64)
 }
 
 /// Shuffled shards over rows of equal shape; every minibatch is a run of whole shards.
@@ -175,8 +162,6 @@ fn shards(
 pub struct Pass<'a> {
     /// The batch.
     pub rollouts: &'a [Rollout],
-    /// Normalisation of the network's inputs.
-    pub inputs: &'a Affine,
     /// Where gradients are computed (an autodiff device).
     pub device: &'a Device,
 }
@@ -190,12 +175,6 @@ impl Pass<'_> {
             out.extend_from_slice(&source[row * columns..(row + 1) * columns]);
         }
         out
-    }
-
-    fn observations(&self, shard: &[Row]) -> Vec<f32> {
-        self.gather(shard, self.shape(shard).observation_len, |r| {
-            &r.observations
-        })
     }
 
     fn shape(&self, shard: &[Row]) -> Shape {
@@ -214,7 +193,7 @@ impl Pass<'_> {
         let shards = shards(
             self.rollouts,
             Rollout::rows,
-            objective.sample_share,
+            objective.sample_fraction,
             step.shard_rows,
             random,
         );
@@ -224,7 +203,7 @@ impl Pass<'_> {
             step,
             self.device,
             |network, weights, minibatch, rows| {
-                let scales = self.advantage_scales(minibatch, objective.normalise_advantages);
+                let scales = self.advantage_scales(minibatch);
                 minibatch
                     .par_iter()
                     .zip(&scales)
@@ -238,29 +217,22 @@ impl Pass<'_> {
 
     /// For each shard, mean and standard deviation of each of the advantages of all the minibatch's rows that come from
     /// missions like its own.
-    fn advantage_scales(&self, minibatch: &[Shard], normalise: bool) -> Vec<Vec<(f32, f32)>> {
+    fn advantage_scales(&self, minibatch: &[Shard]) -> Vec<Vec<(f32, f32)>> {
         let mut scales: Vec<Vec<(f32, f32)>> = Vec::with_capacity(minibatch.len());
         for shard in minibatch {
             let alike = |other: &&Shard| self.shape(other) == self.shape(shard);
             let first = minibatch.iter().position(|other| alike(&other));
             let known = first.and_then(|first| scales.get(first)).cloned();
             let rows = || minibatch.iter().filter(alike).flatten();
-            scales.push(known.unwrap_or_else(|| self.scales_of(rows, normalise)));
+            scales.push(known.unwrap_or_else(|| self.scales_of(rows)));
         }
         scales
     }
 
     /// Mean and standard deviation of each of the advantages of these rows.
-    fn scales_of<'r, R: Iterator<Item = &'r Row>>(
-        &self,
-        rows: impl Fn() -> R,
-        normalise: bool,
-    ) -> Vec<(f32, f32)> {
+    fn scales_of<'r, R: Iterator<Item = &'r Row>>(&self, rows: impl Fn() -> R) -> Vec<(f32, f32)> {
         let columns = rows().next().map_or(0, |&row| self.advantages(row).count());
         let scale = |column: usize| {
-            if !normalise {
-                return (0.0, 1.0);
-            }
             let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
             for &row in rows() {
                 let advantage = f64::from(self.advantages(row).nth(column).unwrap_or(0.0));
@@ -294,8 +266,7 @@ impl Pass<'_> {
         scales: &[(f32, f32)],
         minibatch_rows: usize,
     ) -> (Vec<f32>, Sums) {
-        let shape = self.shape(shard);
-        let (weights, outputs) = self.outputs(network, weights, shard, self.observations(shard));
+        let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
         let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
@@ -323,7 +294,6 @@ impl Pass<'_> {
 
         let mut sums = Sums {
             rows: shard.len() as f64,
-            operations: operations(network, &shape, shard.len()),
             ..Sums::default()
         };
         for log_ratio in values(log_ratio) {
@@ -348,24 +318,19 @@ impl Pass<'_> {
     ) -> Sums {
         let &CriticObjective {
             input,
-            sample_share,
+            sample_fraction,
             units: (offset, scale),
         } = objective;
         let rows_of = |rollout: &Rollout| rollout.critic_rows(input);
         let shards = shards(
             self.rollouts,
             rows_of,
-            sample_share,
+            sample_fraction,
             step.shard_rows,
             random,
         );
         self.descend_by_shard(critic, &shards, step, |network, weights, shard, rows| {
-            let shape = self.shape(shard);
-            let mut seen = Vec::with_capacity(shard.len() * input.len(&shape));
-            for &(rollout, row) in shard {
-                self.rollouts[rollout as usize].write_critic_row(input, row as usize, &mut seen);
-            }
-            let (weights, outputs) = self.outputs(network, weights, shard, seen);
+            let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.critic_features);
             let mut targets = self.gather(shard, 1, |r| &r.targets);
             targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
             let targets = matrix(targets, 1, self.device);
@@ -373,7 +338,7 @@ impl Pass<'_> {
                 .square()
                 .sum()
                 .div_scalar(2.0 * rows as f64);
-            self.finish(network, &weights, &shape, loss, shard.len(), rows)
+            finish(network, &weights, loss, shard.len(), rows)
         })
     }
 
@@ -404,33 +369,32 @@ impl Pass<'_> {
         network: &Network,
         weights: &[Tensor<2>],
         shard: &[Row],
-        mut inputs: Vec<f32>,
+        features: impl Fn(&Rollout) -> &[f32],
     ) -> (Vec<Tensor<2>>, Tensor<2>) {
         // The same numbers for every shard, but a graph of its own.
         let weights: Vec<_> = weights.iter().map(|w| w.clone().detach()).collect();
-        self.inputs.apply(&mut inputs);
-        let outputs = network.forward(&weights, inputs, &self.shape(shard));
+        let shape = self.shape(shard);
+        let features = self.gather(shard, network.features_len(&shape), features);
+        let outputs = network.forward(&weights, features, &shape);
         (weights, outputs)
     }
+}
 
-    fn finish(
-        &self,
-        network: &Network,
-        weights: &[Tensor<2>],
-        shape: &Shape,
-        loss: Tensor<1>,
-        rows: usize,
-        minibatch_rows: usize,
-    ) -> (Vec<f32>, Sums) {
-        let gradients = loss.backward();
-        let sums = Sums {
-            rows: rows as f64,
-            loss: f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64,
-            operations: operations(network, shape, rows),
-            ..Sums::default()
-        };
-        (flat_gradient(network, weights, gradients), sums)
-    }
+/// The gradient of a shard's loss, with its sums.
+fn finish(
+    network: &Network,
+    weights: &[Tensor<2>],
+    loss: Tensor<1>,
+    rows: usize,
+    minibatch_rows: usize,
+) -> (Vec<f32>, Sums) {
+    let gradients = loss.backward();
+    let sums = Sums {
+        rows: rows as f64,
+        loss: f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64,
+        ..Sums::default()
+    };
+    (flat_gradient(network, weights, gradients), sums)
 }
 
 /// Runs over minibatches of whole shards; each gives gradients that are summed in order.
@@ -466,23 +430,14 @@ fn descend(
     total
 }
 
-/// Values of many critic rows of `columns` fields, in the critic's own units, computed in parallel shards.
-pub fn evaluate(
-    critic: &Trainable,
-    states: &[f32],
-    columns: usize,
-    inputs: &Affine,
-    shape: &Shape,
-    device: &Device,
-) -> Vec<f32> {
+/// Values of many rows of critic features, in the critic's own units, computed in parallel shards.
+pub fn evaluate(critic: &Trainable, features: &[f32], shape: &Shape, device: &Device) -> Vec<f32> {
     const ROWS: usize = 1024;
-    states
-        .par_chunks(ROWS * columns)
-        .flat_map_iter(|states| {
-            let mut states = states.to_vec();
-            inputs.apply(&mut states);
+    features
+        .par_chunks(ROWS * critic.network.features_len(shape))
+        .flat_map_iter(|features| {
             let weights = critic.network.tensors(&critic.parameters, device);
-            values(critic.network.forward(&weights, states, shape))
+            values(critic.network.forward(&weights, features.to_vec(), shape))
         })
         .collect()
 }
@@ -491,7 +446,6 @@ pub fn evaluate(
 mod tests {
     use super::*;
     use crate::environment::StepOut;
-    use crate::ppo::normalise::Running;
     use crate::settings::{Credit, PilotCredit};
 
     // By hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one, one of 10 counts 3 for a bad one, one of 0.5
@@ -504,8 +458,7 @@ mod tests {
                 clip: 0.2,
                 dual_clip,
                 entropy: 0.0,
-                normalise_advantages: false,
-                sample_share: 1.0,
+                sample_fraction: 1.0,
                 pilot_held: false,
             };
             let row = |values: [f32; 5]| matrix(values.to_vec(), 5, &device);
@@ -548,7 +501,6 @@ mod tests {
         ];
         let pass = Pass {
             rollouts: &rollouts,
-            inputs: &Affine::of(&Running::new(0)),
             device: &Device::flex(),
         };
         let minibatch = [
@@ -556,8 +508,7 @@ mod tests {
             vec![(1, 0), (1, 2)],
             vec![(1, 1), (1, 3)],
         ];
-        let scales = pass.advantage_scales(&minibatch, true);
+        let scales = pass.advantage_scales(&minibatch);
         assert_eq!(scales, [[(200.0, 100.0)], [(2.0, 1.0)], [(2.0, 1.0)]]);
-        assert_eq!(pass.advantage_scales(&minibatch, false), [[(0.0, 1.0)]; 3]);
     }
 }

@@ -1,7 +1,8 @@
 //! The four sets of settings that have a name.
 
 use super::{
-    Credit, CriticInput, Curriculum, Draws, NetworkKind, PilotCredit, Settings, SmallFleets,
+    ActionSampling, Credit, CriticInput, Curriculum, Entropy, NetworkKind, PilotCredit, Settings,
+    Shaping, SmallFleets,
 };
 use crate::ppo::schedule::Schedule;
 use jcas_policy::head::Head;
@@ -55,11 +56,14 @@ impl Settings {
             seed: 0,
             device: "cpu".to_owned(),
             head: Head::Gaussian,
-            draws: Draws::Independent,
+            action_sampling: ActionSampling::Independent,
             network: NetworkKind::Mlp,
             actor_hidden: vec![512, 256, 128],
             actor_tours: false,
             critic_hidden: vec![512, 256, 128],
+            critic_input: CriticInput::State,
+            critic_survey: false,
+            normalise_values: false,
             environments: 64,
             workers: 8,
             batch_steps: 4096,
@@ -67,38 +71,23 @@ impl Settings {
             epochs: 10,
             minibatch_rows: 4096,
             critic_minibatch_rows: 512,
-            shard_rows: 512,
-            sample_share: 1.0,
+            sample_fraction: 1.0,
             learning_rate: 3e-4,
-            critic_learning_rate: 3e-4,
             schedule: Schedule::Constant,
             gradient_norm_max: 0.5,
             clip: 0.2,
             dual_clip: None,
-            entropy_start: 0.0,
-            entropy_end: 0.0,
-            entropy_batches: None,
-            kl_max: None,
-            kl_undo: None,
+            entropy: None,
+            kl_target: None,
+            kl_rollback: None,
             discount: 0.95,
             gae_lambda: 0.95,
-            normalise_inputs: false,
-            normalise_values: false,
-            normalise_advantages: true,
             credit: Credit::Team,
             pilot_credit: PilotCredit::Return,
-            critic_input: CriticInput::State,
-            critic_survey: false,
             constant_pilot: None,
-            mission: BTreeMap::new(),
+            config_overrides: BTreeMap::new(),
             curriculum: None,
-            reward_factors: BTreeMap::new(),
-            step_cost: 0.0,
-            progress_reward: 0.0,
-            finding_reward: 0.0,
-            informing_reward: 0.0,
-            meeting_reward: 0.0,
-            small_fleets: None,
+            shaping: Shaping::default(),
             evaluate_every: 0,
             evaluation_episodes: 100,
             checkpoint_every: 10,
@@ -111,6 +100,7 @@ impl Settings {
             network: NetworkKind::Set,
             actor_hidden: vec![128, 64],
             critic_hidden: vec![128, 64],
+            normalise_values: true,
             environments: 160,
             workers: 20,
             batch_steps: 5120,
@@ -118,29 +108,29 @@ impl Settings {
             epochs: 4,
             minibatch_rows: 512,
             critic_minibatch_rows: 256,
-            shard_rows: 128,
-            sample_share: 0.5,
+            sample_fraction: 0.5,
             learning_rate: 1e-3,
-            critic_learning_rate: 1e-3,
             schedule: Schedule::Linear,
             discount: 0.97,
-            normalise_values: true,
             credit: Credit::Uav,
-            mission: BTreeMap::from([
+            config_overrides: BTreeMap::from([
                 ("inform_payment".to_owned(), "once".into()),
                 // Three for each cell nearer on the paper's grid.
                 ("shaping_goal_weight".to_owned(), 66.0.into()),
                 ("shaping_unconfirmed_weight".to_owned(), 0.25.into()),
                 ("shaping_discount".to_owned(), 1.0.into()),
             ]),
-            reward_factors: BTreeMap::from([
-                ("energy".to_owned(), 100.0),
-                ("throughput".to_owned(), 0.2),
-                ("shaping_charge".to_owned(), 0.0),
-            ]),
-            step_cost: 0.3,
-            informing_reward: 5.0,
-            meeting_reward: 3.0,
+            shaping: Shaping {
+                factors: BTreeMap::from([
+                    ("energy".to_owned(), 100.0),
+                    ("throughput".to_owned(), 0.2),
+                    ("shaping_charge".to_owned(), 0.0),
+                ]),
+                time_penalty: 0.3,
+                informing: 5.0,
+                meeting: 3.0,
+                ..Shaping::default()
+            },
             ..Settings::paper()
         }
     }
@@ -148,26 +138,38 @@ impl Settings {
     fn search() -> Settings {
         let mut settings = Settings::tuned();
         settings
-            .mission
+            .config_overrides
             .insert("shaping_goal_weight".to_owned(), 0.0.into());
         Settings {
             critic_survey: true,
-            finding_reward: 20.0,
-            informing_reward: 0.0,
-            meeting_reward: 0.0,
-            small_fleets: Some(SmallFleets {
-                uavs_max: 5,
-                step_cost: 2.0,
-                finding_reward: 5.0,
-                discount: 0.985,
-            }),
+            shaping: Shaping {
+                detection: 20.0,
+                informing: 0.0,
+                meeting: 0.0,
+                small_fleets: Some(SmallFleets {
+                    uavs_max: 5,
+                    time_penalty: 2.0,
+                    detection: 5.0,
+                    discount: 0.985,
+                }),
+                ..settings.shaping
+            },
             ..settings
         }
     }
 
     fn mission() -> Settings {
         let mut settings = Settings::tuned();
-        settings.reward_factors.insert("energy".to_owned(), 10.0);
+        let shaping = &mut settings.shaping;
+        shaping.factors.insert("energy".to_owned(), 10.0);
+        shaping.detection = 60.0;
+        // Five need a larger weight, or no pilot density of theirs is worth its throughput.
+        shaping.small_fleets = Some(SmallFleets {
+            uavs_max: 5,
+            time_penalty: shaping.time_penalty,
+            detection: 240.0,
+            discount: settings.discount,
+        });
         Settings {
             actor_tours: true,
             total_steps: 400 * 5120,
@@ -177,20 +179,14 @@ impl Settings {
                 batches: 100,
                 stages: 25,
             }),
-            finding_reward: 60.0,
-            // Five have to be paid more, or no pilot density of theirs seems worth its throughput.
-            small_fleets: Some(SmallFleets {
-                uavs_max: 5,
-                step_cost: settings.step_cost,
-                finding_reward: 240.0,
-                discount: settings.discount,
-            }),
             dual_clip: Some(3.0),
-            // While the radar is easy nobody has to stay over a hotspot, and fleets would forget how.
-            entropy_start: 0.02,
-            entropy_batches: Some(120),
-            kl_max: Some(0.05),
-            kl_undo: Some(1.0),
+            // While the radar is easy no UAV has to stay over a hotspot, and fleets would unlearn it.
+            entropy: Some(Entropy {
+                start: 0.02,
+                batches: 120,
+            }),
+            kl_target: Some(0.05),
+            kl_rollback: Some(1.0),
             ..settings
         }
     }

@@ -8,7 +8,9 @@ use jcas_policy::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
 use jcas_train::run::{Observer, Origin, Plan};
-use jcas_train::settings::{Curriculum, NetworkKind, PilotCredit, Preset, Settings, SmallFleets};
+use jcas_train::settings::{
+    Curriculum, NetworkKind, PilotCredit, Preset, Settings, Shaping, SmallFleets,
+};
 
 fn settings(network: NetworkKind) -> Settings {
     Settings {
@@ -24,16 +26,17 @@ fn settings(network: NetworkKind) -> Settings {
         epochs: 2,
         minibatch_rows: 128,
         critic_minibatch_rows: 64,
-        shard_rows: 64,
-        normalise_inputs: network == NetworkKind::Mlp,
         normalise_values: true,
         evaluate_every: 3,
         evaluation_episodes: 2,
         checkpoint_every: 2,
-        finding_reward: 1.0,
         critic_survey: true,
-        informing_reward: 1.0,
-        meeting_reward: 1.0,
+        shaping: Shaping {
+            detection: 1.0,
+            informing: 1.0,
+            meeting: 1.0,
+            ..Shaping::default()
+        },
         pilot_credit: PilotCredit::Step,
         // The radar changes before the third and before the fourth batch.
         curriculum: Some(Curriculum {
@@ -127,23 +130,22 @@ fn small_fleets_are_trained_by_what_they_are_paid() {
         let of_line = |line: &str| line.split(',').take(18).collect::<Vec<_>>().join(",");
         text.lines().map(of_line).collect::<Vec<_>>()
     };
-    let small = |uavs_max| Settings {
-        small_fleets: Some(SmallFleets {
+    let small = |uavs_max| {
+        let mut settings = settings(NetworkKind::Set);
+        settings.shaping.small_fleets = Some(SmallFleets {
             uavs_max,
-            step_cost: 2.0,
-            finding_reward: 7.0,
+            time_penalty: 2.0,
+            detection: 7.0,
             discount: 0.9,
-        }),
-        ..settings(NetworkKind::Set)
+        });
+        settings
     };
     let all = trained("none-small", small(3));
     let few = trained("small", small(4));
-    let as_few = Settings {
-        step_cost: 2.0,
-        finding_reward: 7.0,
-        discount: 0.9,
-        ..settings(NetworkKind::Set)
-    };
+    let mut as_few = settings(NetworkKind::Set);
+    as_few.shaping.time_penalty = 2.0;
+    as_few.shaping.detection = 7.0;
+    as_few.discount = 0.9;
     assert_eq!(few, trained("as-small", as_few));
     assert_eq!(all, trained("as-large", settings(NetworkKind::Set)));
     assert_ne!(few, all);

@@ -63,7 +63,9 @@ fn same_outputs(actor: &Actor, model: &Model<'static>) {
     let mut policy = actor.fly("p", Mode::Deterministic);
     let flown = policy.outputs(model, &inputs).unwrap();
     actor.inputs.apply(&mut inputs);
-    let learnt = values(actor.network.forward(&weights, inputs, &shape_of(model)));
+    let shape = shape_of(model);
+    let features = actor.network.features(&inputs, &shape);
+    let learnt = values(actor.network.forward(&weights, features, &shape));
     assert_eq!(flown.len(), learnt.len());
     for (flown, learnt) in flown.iter().zip(learnt) {
         let error = (flown - learnt).abs() / learnt.abs().max(1.0);

@@ -7,28 +7,6 @@ use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS
 use crate::environment::Shape;
 use jcas_policy::network::tours;
 
-/// Inputs of the actor's products.
-pub(super) struct Observed {
-    /// The UAV itself, rows × [`Actor::own`].
-    pub own: Vec<f32>,
-    /// Neighbour slots and whether they are taken, rows × slots × ([`SLOT_FIELDS`] + 1).
-    pub slots: Vec<f32>,
-    /// Empty slots of each row.
-    pub empty: Vec<f32>,
-    /// Rows × hotspots × [`Actor::hotspot`].
-    pub hotspots: Vec<f32>,
-}
-
-/// Inputs of the critic's products.
-pub(super) struct Overseen {
-    /// Rows × [`Critic::common`].
-    pub common: Vec<f32>,
-    /// UAVs and a 1, rows × UAVs × ([`UAV_FIELDS`] + 1).
-    pub uavs: Vec<f32>,
-    /// Rows × hotspots × [`Critic::target_features`].
-    pub hotspots: Vec<f32>,
-}
-
 /// 1 at distance 0, falling evenly to 0 at `reach` cells.
 fn nearness(distance: f32, reach: f32) -> f32 {
     (1.0 - distance / reach).max(0.0)
@@ -39,36 +17,32 @@ fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
     dx.abs() * x_cells + dy.abs() * y_cells
 }
 
-/// Reads observations (rows × 11 + 4n + 3k + added).
-pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
+/// What the actor reads of observations (rows × 11 + 4n + 3k + added), laid out as
+/// [`Actor::widths`] says.
+pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Vec<f32> {
     let (n, k) = (shape.hotspots, shape.neighbour_slots);
     let length = shape.observation_len;
     let count = rows.len() / length;
     let cells = shape.position_cells();
-    let mut out = Observed {
-        own: Vec::with_capacity(count * actor.own()),
-        slots: Vec::with_capacity(count * k * (SLOT_FIELDS + 1)),
-        empty: Vec::with_capacity(count),
-        hotspots: Vec::with_capacity(count * n * actor.hotspot()),
-    };
+    let mut out = Vec::with_capacity(count * actor.widths(shape).iter().sum::<usize>());
     let (mut rated, mut left) = (vec![0.0; n], vec![0.0; n]);
     for row in rows.chunks_exact(length) {
         let (head, rest) = row.split_at(OWN_FIRST);
         let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * n);
         let (slots, tail) = rest.split_at(SLOT_FIELDS * k);
-        out.own.extend_from_slice(head);
-        out.own.extend_from_slice(tail);
+        out.extend_from_slice(head);
+        out.extend_from_slice(tail);
         if actor.fleet_size {
-            out.own.push(shape.agents as f32 / CROWD);
+            out.push(shape.agents as f32 / CROWD);
         }
         let mut taken = 0.0;
         for slot in slots.chunks_exact(SLOT_FIELDS) {
             let present = slot[0];
-            out.slots.extend_from_slice(slot);
-            out.slots.push(present);
+            out.extend_from_slice(slot);
+            out.push(present);
             taken += present;
         }
-        out.empty.push(k as f32 - taken);
+        out.push(k as f32 - taken);
         if actor.tours {
             tours::rate(hotspots, cells, &mut rated, &mut left);
         }
@@ -80,8 +54,8 @@ pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
                 at += slot[0] * nearness(apart, 1.0);
                 around += slot[0] * nearness(apart, 4.0);
             }
-            out.hotspots.extend_from_slice(hotspot);
-            out.hotspots.extend_from_slice(&[
+            out.extend_from_slice(hotspot);
+            out.extend_from_slice(&[
                 far / (2.0 * cells[0]),
                 nearness(far, 1.0),
                 nearness(far, 4.0),
@@ -89,16 +63,16 @@ pub(super) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Observed {
                 around / CROWD,
             ]);
             if actor.tours {
-                out.hotspots.push(*rated);
+                out.push(*rated);
             }
         }
     }
     out
 }
 
-/// Reads global states (rows × 6N + 4n + 4), each followed by a UAV's observation where the critic is of
-/// UAVs.
-pub(super) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Overseen {
+/// What the critic reads of global states (rows × 6N + 4n + 4 + survey), each followed by a UAV's
+/// observation where the critic is of UAVs, laid out as [`Critic::widths`] says.
+pub(in crate::network) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Vec<f32> {
     let (agents, n) = (shape.agents, shape.hotspots);
     let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON + critic.survey;
     let length = state_length
@@ -109,29 +83,25 @@ pub(super) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Overseen 
         };
     let count = rows.len() / length;
     let cells = shape.position_cells();
-    let mut out = Overseen {
-        common: Vec::with_capacity(count * critic.common()),
-        uavs: Vec::with_capacity(count * agents * (UAV_FIELDS + 1)),
-        hotspots: Vec::with_capacity(count * n * critic.target_features()),
-    };
+    let mut out = Vec::with_capacity(count * critic.widths(shape).iter().sum::<usize>());
     for row in rows.chunks_exact(length) {
         let (state, observation) = row.split_at(state_length);
         let (uavs, rest) = state.split_at(UAV_FIELDS * agents);
         let (hotspots, common) = rest.split_at(HOTSPOT_FIELDS * n);
-        out.common.extend_from_slice(common);
+        out.extend_from_slice(common);
         let mut own_targets = [].as_slice();
         if critic.of_uav {
             let (head, rest) = observation.split_at(OWN_FIRST);
             let (targets, rest) = rest.split_at(HOTSPOT_FIELDS * n);
             let tail = &rest[SLOT_FIELDS * shape.neighbour_slots..];
-            out.common.extend_from_slice(head);
-            out.common.extend_from_slice(tail);
+            out.extend_from_slice(head);
+            out.extend_from_slice(tail);
             own_targets = targets;
         }
         let mut own_targets = own_targets.chunks_exact(HOTSPOT_FIELDS);
         for uav in uavs.chunks_exact(UAV_FIELDS) {
-            out.uavs.extend_from_slice(uav);
-            out.uavs.push(1.0);
+            out.extend_from_slice(uav);
+            out.push(1.0);
         }
         for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
             let mut near = [0.0; 3];
@@ -141,11 +111,11 @@ pub(super) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Overseen 
                     *sum += nearness(apart, reach);
                 }
             }
-            out.hotspots.extend_from_slice(hotspot);
-            out.hotspots.extend(near.map(|sum| sum / CROWD));
+            out.extend_from_slice(hotspot);
+            out.extend(near.map(|sum| sum / CROWD));
             if let Some(own) = own_targets.next() {
                 let far = distance(own[0], own[1], cells);
-                out.hotspots.extend_from_slice(&[
+                out.extend_from_slice(&[
                     own[0],
                     own[1],
                     own[3],

@@ -3,8 +3,8 @@
 //! Each step pays the share of UAVs that stand on the beacon. The best policy is known (walk
 //! straight there, stay), so a learning curve can be judged without the kernel.
 
-use super::{Episode, Shape, StepOut, VectorEnvironment};
-use crate::random::stream;
+use jcas_train::environment::{Episode, Shape, StepOut, VectorEnvironment};
+use jcas_train::random::stream;
 use rand::RngExt;
 
 const SIDE: i32 = 5;
@@ -44,7 +44,7 @@ impl Mission {
     fn walk(&mut self, actions: &[f32]) -> f32 {
         let mut arrived = 0;
         for (position, action) in self.positions.iter_mut().zip(actions.chunks_exact(2)) {
-            let step = match crate::head::motion_of(action[0]) {
+            let step = match jcas_train::head::motion_of(action[0]) {
                 0 => [0, 1],
                 1 => [0, -1],
                 2 => [-1, 0],
