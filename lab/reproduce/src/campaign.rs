@@ -12,7 +12,7 @@ pub const ADAPTIVE: &str = "adaptive";
 
 /// A campaign that takes no training.
 #[derive(Clone, Debug)]
-pub(crate) struct Flight {
+pub(crate) struct CampaignSpec {
     /// As in the table, with what it varies.
     pub experiment: (String, f64),
     /// What the mission is a variant of.

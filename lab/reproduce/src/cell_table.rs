@@ -1,6 +1,6 @@
 //! Every cell of the grid beside the best baseline on the same missions.
 
-use crate::plan::Scale;
+use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table};
 use jcas_core::Preset;
 use std::cmp::Ordering;
@@ -29,7 +29,7 @@ pub const HEAD: [&str; 8] = [
 ];
 
 /// Every cell of a preset's grid that both have flown.
-pub fn bars(scale: &Scale, table: &Table, preset: Preset) -> Vec<Bar> {
+pub fn bars(scope: &Scope, table: &Table, preset: Preset) -> Vec<Bar> {
     let bar = |cell: (u32, u32)| {
         let of_cell = |row: &&Row| {
             row.experiment == "grid"
@@ -55,7 +55,7 @@ pub fn bars(scale: &Scale, table: &Table, preset: Preset) -> Vec<Bar> {
             ],
         })
     };
-    scale.cells().into_iter().filter_map(bar).collect()
+    scope.cells().into_iter().filter_map(bar).collect()
 }
 
 impl Bar {

@@ -3,7 +3,7 @@
 
 use crate::curves::Curve;
 use crate::fit;
-use crate::plan::{CONSTANT_PILOT, Scale};
+use crate::scope::{CONSTANT_PILOT, Scope};
 use crate::table::{Quantity, Query, Row, Table, in_common, numbers_of_hotspots};
 use jcas_core::Preset;
 use jcas_episode::statistics::wilson;
@@ -141,19 +141,19 @@ pub struct Reading {
 
 impl Reading {
     /// Whether a reproduction of this size trains and flies what a measure takes.
-    fn answers(&self, scale: &Scale, measure: Measure) -> bool {
+    fn answers(&self, scope: &Scope, measure: Measure) -> bool {
         let flies = |uavs| {
             if self.of_a_cell {
-                scale.paper_cells.iter().any(|cell| cell.0 == uavs)
+                scope.paper_cells.iter().any(|cell| cell.0 == uavs)
             } else {
-                scale.fleets.contains(&uavs)
+                scope.fleets.contains(&uavs)
             }
         };
-        let trains_whole = self.of_a_cell && scale.shortened().is_none();
-        let holds_pilots = !self.of_a_cell || scale.paper_pilots.contains(&Some(CONSTANT_PILOT));
+        let trains_whole = self.of_a_cell && scope.shortened().is_none();
+        let holds_pilots = !self.of_a_cell || scope.paper_pilots.contains(&Some(CONSTANT_PILOT));
         match measure {
             Measure::At(_, uavs) => flies(uavs),
-            Measure::OverFleets(_) => scale.fleets.iter().all(|&uavs| flies(uavs)),
+            Measure::OverFleets(_) => scope.fleets.iter().all(|&uavs| flies(uavs)),
             Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => flies(uavs) && holds_pilots,
             Measure::FlatTrainings => trains_whole,
             Measure::TrainingTime(uavs) => trains_whole && flies(uavs),
@@ -162,14 +162,14 @@ impl Reading {
 }
 
 /// The readings that a reproduction has.
-pub fn readings(scale: &Scale) -> Vec<Reading> {
-    let learners = scale.learners().into_iter().map(|learner| Reading {
+pub fn readings(scope: &Scope) -> Vec<Reading> {
+    let learners = scope.learners().into_iter().map(|learner| Reading {
         title: learner.as_trained(),
         preset: Preset::Paper.name(),
         policy: learner.name,
         of_a_cell: true,
     });
-    let ours = scale.presets.iter().map(|preset| Reading {
+    let ours = scope.presets.iter().map(|preset| Reading {
         title: format!("our policy, preset `{}`", preset.name()),
         preset: preset.name(),
         policy: "learned",
@@ -217,22 +217,22 @@ pub struct Judged {
 }
 
 /// The claims that a reproduction of this size does not hold the paper's training to.
-pub fn unasked(scale: &Scale) -> Vec<&'static str> {
-    let readings = readings(scale);
+pub fn unasked(scope: &Scope) -> Vec<&'static str> {
+    let readings = readings(scope);
     let papers = readings.iter().filter(|reading| reading.of_a_cell);
-    let unasked = |claim: &Claim| !papers.clone().any(|r| r.answers(scale, claim.measure));
+    let unasked = |claim: &Claim| !papers.clone().any(|r| r.answers(scope, claim.measure));
     let claims = CLAIMS.iter().filter(|&claim| unasked(claim));
     claims.map(|claim| claim.text).collect()
 }
 
 /// Every claim with every reading that answers it.
-pub fn judge(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Judged> {
-    let readings = readings(scale);
+pub fn judge(scope: &Scope, table: &Table, curves: &[Curve]) -> Vec<Judged> {
+    let readings = readings(scope);
     let mut judged = Vec::new();
     for claim in CLAIMS {
-        for reading in readings.iter().filter(|r| r.answers(scale, claim.measure)) {
+        for reading in readings.iter().filter(|r| r.answers(scope, claim.measure)) {
             let evidence = Evidence {
-                scale,
+                scope,
                 table,
                 curves,
                 reading,
@@ -242,7 +242,7 @@ pub fn judge(scale: &Scale, table: &Table, curves: &[Curve]) -> Vec<Judged> {
                 claim: claim.text,
                 reading: reading.title.clone(),
                 measured: evidence.words(claim.measure, &values),
-                verdict: verdict(claim.rule, &values, &scale.fleets),
+                verdict: verdict(claim.rule, &values, &scope.fleets),
             });
         }
     }
@@ -287,7 +287,7 @@ fn verdict(rule: Rule, values: &[Option<f64>], fleets: &[u32]) -> Verdict {
 }
 
 struct Evidence<'a> {
-    scale: &'a Scale,
+    scope: &'a Scope,
     table: &'a Table,
     curves: &'a [Curve],
     reading: &'a Reading,
@@ -304,7 +304,7 @@ impl Evidence<'_> {
         match measure {
             Measure::At(_, uavs) => vec![of("adaptive", uavs)],
             Measure::OverFleets(_) => {
-                let fleets = self.scale.fleets.iter();
+                let fleets = self.scope.fleets.iter();
                 in_common(fleets.map(|&uavs| of("adaptive", uavs)).collect())
             }
             Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => {
@@ -368,7 +368,7 @@ impl Evidence<'_> {
         let text = match measure {
             Measure::At(quantity, _) => number(values[0], quantity.digits()),
             Measure::OverFleets(quantity) => {
-                let parts = self.scale.fleets.iter().zip(values);
+                let parts = self.scope.fleets.iter().zip(values);
                 let parts: Vec<String> = parts
                     .map(|(n, value)| format!("N = {n}: {}", number(*value, quantity.digits())))
                     .collect();
@@ -397,7 +397,7 @@ impl Evidence<'_> {
         if groups.is_empty() {
             return String::new();
         }
-        self.scale.over(&numbers)
+        self.scope.over(&numbers)
     }
 }
 
@@ -475,23 +475,23 @@ mod tests {
     /// A full reproduction asks everything of the paper's training; a quick one what its short trainings answer.
     #[test]
     fn claims_are_asked_of_what_is_trained() {
-        let told = |scale: &Scale| -> Vec<(&'static str, usize)> {
-            let readings = readings(scale);
+        let told = |scope: &Scope| -> Vec<(&'static str, usize)> {
+            let readings = readings(scope);
             let of = |claim: &Claim| {
                 readings
                     .iter()
-                    .filter(|r| r.answers(scale, claim.measure))
+                    .filter(|r| r.answers(scope, claim.measure))
                     .count()
             };
             CLAIMS.iter().map(|claim| (claim.text, of(claim))).collect()
         };
-        let full = Scale::full(1);
+        let full = Scope::full(1);
         assert_eq!(unasked(&full), Vec::<&str>::new());
         // Two readings of the paper's training; ours in two presets, but not about training.
         let counts: Vec<usize> = told(&full).iter().map(|claim| claim.1).collect();
         assert_eq!(counts, [4, 4, 4, 4, 4, 4, 4, 2, 2, 2, 2, 2]);
 
-        let quick = Scale::quick(1);
+        let quick = Scope::quick(1);
         let counts: Vec<usize> = told(&quick).iter().map(|claim| claim.1).collect();
         assert_eq!(counts, [3, 3, 3, 3, 1, 1, 1, 0, 0, 0, 0, 0]);
         assert_eq!(unasked(&quick).len(), 8);

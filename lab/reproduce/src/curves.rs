@@ -1,9 +1,9 @@
 //! How the trainings with the paper's settings went: a table of its own beside that of the results, so that pages are
 //! made from tables alone.
 
-use crate::flight::pilot_name;
+use crate::campaign::pilot_name;
 use crate::flights::{POLICIES, paper_name};
-use crate::plan::{PAPER_ITERATIONS, Scale, Training};
+use crate::scope::{PAPER_ITERATIONS, Scope, Training};
 use jcas_episode::card::CARD;
 use jcas_train::error::TrainError;
 use jcas_train::run::METRICS;
@@ -18,7 +18,7 @@ pub const TRAININGS: &str = "trainings.csv";
 /// Training of one cell with the paper's settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Who learnt: see [`Scale::learners`].
+    /// Who learnt: see [`Scope::learners`].
     pub learner: &'static str,
     /// UAVs.
     pub uavs: u32,
@@ -76,12 +76,12 @@ struct Metrics {
 
 /// Takes the metrics of the trainings in the folder into its table, in place of what the table had of them. A run that
 /// was stopped and continued has all its iterations there.
-pub(crate) fn gather(scale: &Scale, out: &Path) -> Result<(), TrainError> {
+pub(crate) fn gather(scope: &Scope, out: &Path) -> Result<(), TrainError> {
     let path = out.join(TRAININGS);
     let mut lines = table(&path)?;
     let before = lines.clone();
-    for learner in scale.learners() {
-        for training in scale.trainings() {
+    for learner in scope.learners() {
+        for training in scope.trainings() {
             let (cell, seed) = (training.cell, training.seed);
             let name = paper_name(learner.name, cell, training.constant, seed);
             let folder = out.join(POLICIES).join(name);
@@ -112,11 +112,11 @@ pub(crate) fn gather(scale: &Scale, out: &Path) -> Result<(), TrainError> {
 }
 
 /// The training curves in the preset `paper`, as far as the folder's table has them.
-pub fn curves(scale: &Scale, out: &Path) -> Result<Vec<Curve>, TrainError> {
+pub fn curves(scope: &Scope, out: &Path) -> Result<Vec<Curve>, TrainError> {
     let lines = table(&out.join(TRAININGS))?;
     let mut curves = Vec::new();
-    for learner in scale.learners() {
-        for training in scale.trainings() {
+    for learner in scope.learners() {
+        for training in scope.trainings() {
             let pilot = pilot_name(training.constant);
             let of = |line: &&Line| line.is_of(learner.name, pilot, &training);
             let lines: Vec<&Line> = lines.iter().filter(of).collect();

@@ -1,8 +1,8 @@
 //! Missions that outlast many batteries, where charging and the carbon of the grid decide.
 
+use crate::campaign::{ADAPTIVE, CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
-use crate::flight::{ADAPTIVE, Flight, OURS, Who};
-use crate::plan::Scale;
+use crate::scope::Scope;
 use crate::table::{Quantity, Query, Table};
 use crate::text::capital;
 use jcas_core::config::Depots;
@@ -42,17 +42,17 @@ pub fn mission(uavs: u32, charge_power_kw: f64) -> Config {
 }
 
 /// Every script, and ours where it is given, for each charger and fleet.
-pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
+pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
     let mut flights = Vec::new();
     for power in CHARGERS_KW {
-        for &uavs in &scale.endurance_fleets {
+        for &uavs in &scope.endurance_fleets {
             let config = mission(uavs, power);
             let ours = Who::Ours {
                 base: config,
                 held: None,
             };
             let scripts = SCRIPTS.map(|kind| Who::Script(kind, PilotMode::Adaptive));
-            flights.extend(scripts.into_iter().chain([ours]).map(|who| Flight {
+            flights.extend(scripts.into_iter().chain([ours]).map(|who| CampaignSpec {
                 experiment: (EXPERIMENT.to_owned(), power),
                 preset: Preset::Mission,
                 config,
@@ -84,10 +84,10 @@ const HEAD: [&str; 8] = [
 ];
 
 /// The chapter as far as the table has it; none without a row.
-pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
+pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
     let mut rows = Vec::new();
     for power in CHARGERS_KW {
-        for &uavs in &scale.endurance_fleets {
+        for &uavs in &scope.endurance_fleets {
             for name in names() {
                 let of = |quantity| query(name, power, uavs).mean(table, quantity);
                 let (Some(success), Some(steps), Some(energy), Some(co2)) = (
@@ -125,12 +125,12 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
         (Quantity::Co2, "endurance_co2"),
     ];
     let figures = figures.map(|(quantity, name)| {
-        let figure = panels(scale, table, quantity);
+        let figure = panels(scope, table, quantity);
         Block::figure(name, &figure.title.clone(), figure)
     });
     let learned = rows.iter().any(|row| row[2] == OURS);
     let mut blocks = vec![
-        Block::Text(text(scale, learned)),
+        Block::Text(text(scope, learned)),
         Block::table("Missions that outlast many batteries", HEAD, rows),
     ];
     blocks.extend(figures);
@@ -140,7 +140,7 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
     })
 }
 
-fn text(scale: &Scale, learned: bool) -> String {
+fn text(scope: &Scope, learned: bool) -> String {
     let config = mission(10, SWAP_KW);
     let ours = if learned {
         " `learned` is ours, trained on this mission and flown with the charger that it was trained with; it may fly home \
@@ -158,12 +158,12 @@ fn text(scale: &Scale, learned: bool) -> String {
          only the step in which a UAV begins to charge can be chosen: with a swap that is all of the charge, with the \
          paper's charger one step of about sixty. And who goes home early goes more often and ends the mission with a \
          fuller battery, so that cleaner energy need not mean less carbon.{ours}",
-        config.horizon_steps, config.battery_capacity_kwh, scale.episodes
+        config.horizon_steps, config.battery_capacity_kwh, scope.episodes
     )
 }
 
 /// A quantity over the fleet's size, a panel for each charger.
-fn panels(scale: &Scale, table: &Table, quantity: Quantity) -> Panels {
+fn panels(scope: &Scope, table: &Table, quantity: Quantity) -> Panels {
     let panel = |power: f64| {
         let mut figure = Figure::new(
             format!("charger of {power} kW"),
@@ -171,7 +171,7 @@ fn panels(scale: &Scale, table: &Table, quantity: Quantity) -> Panels {
             Axis::new(quantity.title(), quantity.unit()),
         );
         for name in names() {
-            let points: Vec<Point> = scale
+            let points: Vec<Point> = scope
                 .endurance_fleets
                 .iter()
                 .filter_map(|&uavs| {
@@ -189,7 +189,7 @@ fn panels(scale: &Scale, table: &Table, quantity: Quantity) -> Panels {
         title: format!("{} over fleet size, endurance", capital(quantity.title())),
         note: format!(
             "{HOTSPOTS} hotspots, {} missions a point; a mission without success counts with its horizon, 1000 steps.",
-            scale.episodes
+            scope.episodes
         ),
         columns: 2,
         figures: CHARGERS_KW.map(panel).to_vec(),

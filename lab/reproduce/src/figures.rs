@@ -3,8 +3,8 @@
 
 use crate::curves::Curve;
 use crate::fit::PAPER;
-use crate::plan::Scale;
 use crate::results::Results;
+use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table, in_common, mean, numbers_of_hotspots};
 use crate::text::capital;
 use jcas_core::Preset;
@@ -182,41 +182,41 @@ impl Picture {
     /// The figure; `out` holds the tables of their own that some pictures show.
     pub(crate) fn draw(&self, results: &Results, out: &Path) -> Result<Figure, TrainError> {
         let Results {
-            scale,
+            scope,
             table,
             curves,
         } = *results;
         let figure = match &self.content {
-            Content::Means(means) => means.figure(scale, table),
-            Content::Returns => returns(scale, curves),
-            Content::TrainingTimes => training_times(scale, curves),
-            Content::TradeOff => trade_off(scale, table),
-            Content::Approach => approach(scale, out)?,
+            Content::Means(means) => means.figure(scope, table),
+            Content::Returns => returns(scope, curves),
+            Content::TrainingTimes => training_times(scope, curves),
+            Content::TradeOff => trade_off(scope, table),
+            Content::Approach => approach(scope, out)?,
         };
         Ok(Figure {
-            title: format!("{}{}", capital(self.title), self.condition(scale)),
+            title: format!("{}{}", capital(self.title), self.condition(scope)),
             ..figure
         })
     }
 
     /// Which mission the picture is of, where its title does not say.
-    fn condition(&self, scale: &Scale) -> String {
+    fn condition(&self, scope: &Scope) -> String {
         match &self.content {
             Content::Means(means) if means.experiment == "grid" => {
                 format!(", preset {}", means.preset.name())
             }
             Content::TradeOff | Content::Approach => {
-                let (uavs, hotspots) = scale.hard_cell();
+                let (uavs, hotspots) = scope.hard_cell();
                 format!(", N = {uavs}, n = {hotspots}")
             }
-            Content::Returns => format!(", N = {}", returns_fleet(scale)),
+            Content::Returns => format!(", N = {}", returns_fleet(scope)),
             Content::Means(_) | Content::TrainingTimes => String::new(),
         }
     }
 }
 
 impl Means {
-    fn figure(&self, scale: &Scale, table: &Table) -> Figure {
+    fn figure(&self, scope: &Scope, table: &Table) -> Figure {
         let x_axis = match self.over {
             Over::Fleets => Axis::new("UAVs", ""),
             Over::Hotspots(_) => Axis::new("hotspots", ""),
@@ -229,7 +229,7 @@ impl Means {
             }
             Over::Fleets | Over::Hotspots(_) => format!(
                 "{} missions a cell, mean over training seeds; intervals: mean of the 95 % intervals of the cells.",
-                scale.episodes
+                scope.episodes
             ),
         };
         let mut figure = Figure::new("", x_axis, y_axis).note(note);
@@ -239,7 +239,7 @@ impl Means {
                 continue;
             }
             let name = match self.over {
-                Over::Fleets => format!("{name}{}", scale.over(&hotspots)),
+                Over::Fleets => format!("{name}{}", scope.over(&hotspots)),
                 Over::Hotspots(_) | Over::Varied(_) => name.to_owned(),
             };
             figure = figure.with(Series::line(name, points));
@@ -289,22 +289,22 @@ impl Means {
 }
 
 /// The fleet whose trainings are shown: N = 10 where it is trained.
-fn returns_fleet(scale: &Scale) -> u32 {
-    let mut fleets = scale.paper_cells.iter().map(|cell| cell.0);
+fn returns_fleet(scope: &Scope) -> u32 {
+    let mut fleets = scope.paper_cells.iter().map(|cell| cell.0);
     let first = fleets.clone().next().unwrap_or(10);
     fleets.find(|&uavs| uavs == 10).unwrap_or(first)
 }
 
-fn returns(scale: &Scale, curves: &[Curve]) -> Figure {
-    let uavs = returns_fleet(scale);
+fn returns(scope: &Scope, curves: &[Curve]) -> Figure {
+    let uavs = returns_fleet(scope);
     let mut figure = Figure::new(
         "",
         Axis::new("iteration of 4096 environment steps", ""),
         Axis::new("mean episode return", ""),
     )
     .note("Band: least to greatest of the training seeds, where there are several.");
-    for learner in scale.learners() {
-        for &hotspots in &scale.hotspots {
+    for learner in scope.learners() {
+        for &hotspots in &scope.hotspots {
             let of = |curve: &&Curve| {
                 (curve.learner, curve.constant) == (learner.name, None)
                     && (curve.uavs, curve.hotspots) == (uavs, hotspots)
@@ -334,14 +334,14 @@ fn band(runs: &[&Curve]) -> Vec<Point> {
         .collect()
 }
 
-fn training_times(scale: &Scale, curves: &[Curve]) -> Figure {
-    let shortened = scale.shortened();
+fn training_times(scope: &Scope, curves: &[Curve]) -> Figure {
+    let shortened = scope.shortened();
     let how = shortened.map_or(String::new(), |shortened| format!(" ({shortened})"));
     let mut figure = Figure::new("", Axis::new("UAVs", ""), Axis::new("wall time", "s")).note(
         format!("62 iterations at the pace measured here{how}; the paper: eight processes of a Xeon Gold 6444Y."),
     );
-    for learner in scale.learners() {
-        let measured = scale.fleets.iter().filter_map(|&uavs| {
+    for learner in scope.learners() {
+        let measured = scope.fleets.iter().filter_map(|&uavs| {
             let of = |curve: &&Curve| curve.learner == learner.name && curve.uavs == uavs;
             let times: Vec<f64> = curves
                 .iter()
@@ -361,8 +361,8 @@ fn training_times(scale: &Scale, curves: &[Curve]) -> Figure {
     figure.with(Series::line("the paper", points.to_vec()))
 }
 
-fn trade_off(scale: &Scale, table: &Table) -> Figure {
-    let (uavs, hotspots) = scale.hard_cell();
+fn trade_off(scope: &Scope, table: &Table) -> Figure {
+    let (uavs, hotspots) = scope.hard_cell();
     let place = |query: Query| -> Option<Point> {
         let success = query.mean(table, Quantity::Success)?;
         let throughput = query.mean(table, Quantity::Throughput)?;
@@ -379,7 +379,7 @@ fn trade_off(scale: &Scale, table: &Table) -> Figure {
     .note("Lines: the same motions with the pilot density held at the value beside each point.");
     let preset = Preset::Mission.name();
     for policy in ["learned", "teams"] {
-        let held = scale.densities.iter().filter_map(|&density| {
+        let held = scope.densities.iter().filter_map(|&density| {
             let query = Query::new("density", preset, (policy, "held")).x(density);
             Some((place(query)?, format!("{density:.2}")))
         });
@@ -396,7 +396,7 @@ fn trade_off(scale: &Scale, table: &Table) -> Figure {
     figure
 }
 
-fn approach(scale: &Scale, out: &Path) -> Result<Figure, TrainError> {
+fn approach(scope: &Scope, out: &Path) -> Result<Figure, TrainError> {
     #[derive(serde::Deserialize)]
     struct Line {
         distance_cells: f64,
@@ -408,8 +408,8 @@ fn approach(scale: &Scale, out: &Path) -> Result<Figure, TrainError> {
         Axis::new("mean pilot density", "").span(0.0, 0.3),
     )
     .note("The learned policy, deterministic.");
-    for &seed in &scale.seeds {
-        let path = out.join(crate::approach::table(seed));
+    for &seed in &scope.seeds {
+        let path = out.join(crate::pilot_by_distance::table(seed));
         if !path.exists() {
             continue;
         }

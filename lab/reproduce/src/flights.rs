@@ -1,9 +1,9 @@
 //! Training and flying what the table lacks.
 
-use crate::approach;
-use crate::flight::{Flight, HELD, OURS, Who, pilot_name};
-use crate::narrator::{Narrator, Progress};
-use crate::plan::{CONSTANT_PILOT, Learner, Part, Scale, Training, Variation};
+use crate::campaign::{CampaignSpec, HELD, OURS, Who, pilot_name};
+use crate::pilot_by_distance;
+use crate::progress_sink::{Progress, ProgressSink};
+use crate::scope::{CONSTANT_PILOT, Learner, Part, Scope, Training, Variation};
 use crate::table::{Key, Table};
 use crate::{endurance, pilot, range, search};
 use jcas_core::{Config, Model, Preset};
@@ -13,7 +13,7 @@ use jcas_episode::statistics::Summary;
 use jcas_policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_train::error::TrainError;
 use jcas_train::policy::files::Precision;
-use jcas_train::run::{Ending, Origin, Plan};
+use jcas_train::run::{RunOutcome, RunSpec, Start};
 use jcas_train::settings::Settings;
 use jcas_train::store::write_whole;
 use std::ops::ControlFlow;
@@ -35,24 +35,24 @@ type Factory<'a> = &'a (dyn Fn() -> Box<dyn Policy> + Sync);
 pub const POLICIES: &str = "policies";
 
 struct Flights<'a> {
-    scale: &'a Scale,
+    scope: &'a Scope,
     out: &'a Path,
     table: &'a mut Table,
-    narrator: &'a mut dyn Narrator,
+    narrator: &'a mut dyn ProgressSink,
     given: Vec<Arc<StoredPolicy>>,
 }
 
 /// The parts that are asked for, in an order in which early ones already tell something.
 pub(crate) fn fly_all(
-    scale: &Scale,
+    scope: &Scope,
     out: &Path,
     table: &mut Table,
-    narrator: &mut dyn Narrator,
+    narrator: &mut dyn ProgressSink,
 ) -> Result<Progress, TrainError> {
-    let given = scale.given.iter().map(|at| load(at).map(Arc::new));
+    let given = scope.given.iter().map(|at| load(at).map(Arc::new));
     let given: Result<_, CardError> = given.collect();
     let mut flights = Flights {
-        scale,
+        scope,
         out,
         table,
         narrator,
@@ -101,17 +101,17 @@ pub(crate) fn paper_name(
 impl Flights<'_> {
     fn all_parts(&mut self) -> Result<Progress, TrainError> {
         for part in Part::ALL {
-            if !self.scale.parts.contains(&part) {
+            if !self.scope.parts.contains(&part) {
                 continue;
             }
             let whole = match part {
                 Part::Baselines => self.baselines()?,
                 Part::SensingRange => {
-                    self.flown("success over the sensing range", range::flights(self.scale))?
+                    self.flown("success over the sensing range", range::flights(self.scope))?
                 }
-                Part::Search => self.flown("search", search::flights(self.scale))?,
-                Part::Pilot => self.flown("adaptive pilots", pilot::flights(self.scale))?,
-                Part::Endurance => self.flown("endurance", endurance::flights(self.scale))?,
+                Part::Search => self.flown("search", search::flights(self.scope))?,
+                Part::Pilot => self.flown("adaptive pilots", pilot::flights(self.scope))?,
+                Part::Endurance => self.flown("endurance", endurance::flights(self.scope))?,
                 Part::Tuned => self.all_tuned()?,
                 Part::Paper => self.paper()?,
                 Part::TrainedRanges => self.trained_ranges()?,
@@ -141,10 +141,10 @@ impl Flights<'_> {
     }
 
     /// Campaigns without training.
-    fn flown(&mut self, chapter: &str, flights: Vec<Flight>) -> Result<bool, TrainError> {
+    fn flown(&mut self, chapter: &str, flights: Vec<CampaignSpec>) -> Result<bool, TrainError> {
         self.narrator.chapter(chapter);
         for flight in flights {
-            let Flight {
+            let CampaignSpec {
                 experiment: (experiment, x),
                 preset,
                 config,
@@ -187,7 +187,7 @@ impl Flights<'_> {
 
     /// Whether a campaign is in the table; refused where the table is of another reproduction.
     fn is_there(&self, key: &Key) -> Result<bool, TrainError> {
-        let episodes = self.scale.episodes;
+        let episodes = self.scope.episodes;
         match self.table.find(key) {
             Some(row) if row.episodes != episodes => Err(TrainError::Setting(format!(
                 "{}: holds campaigns of {} missions, this reproduction flies {episodes}; \
@@ -218,7 +218,7 @@ impl Flights<'_> {
         let refused = |error: &dyn std::fmt::Display| TrainError::Setting(error.to_string());
         let model = Model::new(config).map_err(|error| refused(&error))?;
         let campaign = Campaign {
-            episodes: self.scale.episodes,
+            episodes: self.scope.episodes,
             seed: EVALUATION_SEED,
         };
         let missions = fly(&model, campaign, make, &|| ControlFlow::Continue(()))
@@ -229,9 +229,9 @@ impl Flights<'_> {
 
     fn baselines(&mut self) -> Result<bool, TrainError> {
         self.narrator.chapter("baselines over the grid");
-        for &preset in &self.scale.presets {
-            for cell in self.scale.cells() {
-                let config = self.scale.mission(preset, cell);
+        for &preset in &self.scope.presets {
+            for cell in self.scope.cells() {
+                let config = self.scope.mission(preset, cell);
                 for kind in BASELINES {
                     for pilot in [PilotMode::Adaptive, PilotMode::Mid, PilotMode::Max] {
                         let flown = (kind.name(), pilot.name());
@@ -246,14 +246,14 @@ impl Flights<'_> {
 
     /// The paper's training over the sensing range; false if stopped meanwhile.
     fn trained_ranges(&mut self) -> Result<bool, TrainError> {
-        let (ranges, trained) = self.scale.trained_ranges.clone();
+        let (ranges, trained) = self.scope.trained_ranges.clone();
         for &cells in &ranges {
             for &cell in &trained {
-                for &seed in &self.scale.seeds {
-                    for learner in self.scale.trained() {
-                        let config = self.scale.ranged(cells, cell);
+                for &seed in &self.scope.seeds {
+                    for learner in self.scope.trained() {
+                        let config = self.scope.ranged(cells, cell);
                         // The range of the preset is a cell of the grid.
-                        let name = if config == self.scale.mission(Preset::Paper, cell) {
+                        let name = if config == self.scope.mission(Preset::Paper, cell) {
                             paper_name(learner.name, cell, None, seed)
                         } else {
                             let (uavs, hotspots) = cell;
@@ -279,8 +279,8 @@ impl Flights<'_> {
     /// Our settings: one policy for the whole grid of each preset, the one that is given or one that is trained; false
     /// if stopped meanwhile.
     fn all_tuned(&mut self) -> Result<bool, TrainError> {
-        for &preset in &self.scale.presets {
-            let given = self.given_for(&self.scale.mission(preset, (10, 5)));
+        for &preset in &self.scope.presets {
+            let given = self.given_for(&self.scope.mission(preset, (10, 5)));
             for (seed, policy) in given.iter().enumerate() {
                 for held in [None, Some(CONSTANT_PILOT)] {
                     self.grid(preset, policy, seed as u64, held)?;
@@ -290,7 +290,7 @@ impl Flights<'_> {
             if !given.is_empty() {
                 continue;
             }
-            for &seed in &self.scale.seeds {
+            for &seed in &self.scope.seeds {
                 for constant in [None, Some(CONSTANT_PILOT)] {
                     let Some(policy) = self.tuned(preset, seed, constant)? else {
                         return Ok(false);
@@ -331,10 +331,10 @@ impl Flights<'_> {
         let settings = Settings {
             seed,
             constant_pilot: constant,
-            ..self.scale.tuned.clone()
+            ..self.scope.tuned.clone()
         };
-        let cells = self.scale.cells();
-        let configs = cells.iter().map(|&cell| self.scale.mission(preset, cell));
+        let cells = self.scope.cells();
+        let configs = cells.iter().map(|&cell| self.scope.mission(preset, cell));
         self.trained(&name, settings, configs.collect())
     }
 
@@ -349,15 +349,15 @@ impl Flights<'_> {
         if !out.join(CARD).exists() {
             self.narrator.chapter(&format!("training {name}"));
             let precision = Precision::Single;
-            let plan = Plan {
+            let plan = RunSpec {
                 settings: settings.clone(),
                 configs: configs.clone(),
                 out: out.clone(),
                 name: name.to_owned(),
                 precision,
             };
-            let narrator: &mut dyn Narrator = self.narrator;
-            if matches!(plan.train(&Origin::Resume, narrator)?, Ending::Stopped) {
+            let narrator: &mut dyn ProgressSink = self.narrator;
+            if matches!(plan.train(&Start::Resume, narrator)?, RunOutcome::Stopped) {
                 return Ok(None);
             }
         }
@@ -380,8 +380,8 @@ impl Flights<'_> {
     ) -> Result<(), TrainError> {
         self.narrator
             .chapter(&format!("flying {} over the grid", policy.card.name));
-        for cell in self.scale.cells() {
-            let config = self.scale.mission(preset, cell);
+        for cell in self.scope.cells() {
+            let config = self.scope.mission(preset, cell);
             let key = key(GRID, preset, &config, (OURS, pilot_name(constant)), seed);
             self.ours(&key, config, policy, constant)?;
         }
@@ -391,8 +391,8 @@ impl Flights<'_> {
     /// Success against throughput: the motions of the learned policy and of `teams`, the pilot density held.
     fn trade_off(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("sensing against communication");
-        let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
-        for &density in &self.scale.densities {
+        let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
+        for &density in &self.scope.densities {
             let key_of = |policy, seed| {
                 let campaign = ("density", density);
                 key(campaign, Preset::Mission, &config, (policy, HELD), seed)
@@ -409,8 +409,8 @@ impl Flights<'_> {
 
     fn batteries(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("small batteries");
-        for &share in &self.scale.renewable_shares {
-            let config = self.scale.small_battery(share);
+        for &share in &self.scope.renewable_shares {
+            let config = self.scope.small_battery(share);
             let key_of = |policy, seed| {
                 let campaign = ("battery", share);
                 key(
@@ -432,13 +432,13 @@ impl Flights<'_> {
 
     /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
     fn approach(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
-        let path = self.out.join(approach::table(seed));
+        let path = self.out.join(pilot_by_distance::table(seed));
         if path.exists() || self.stopped() {
             return Ok(());
         }
-        let config = self.scale.mission(Preset::Mission, self.scale.hard_cell());
+        let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
         let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
-        let bins = approach::observe(&model, policy, self.scale.episodes.min(100))
+        let bins = pilot_by_distance::observe(&model, policy, self.scope.episodes.min(100))
             .map_err(|error| TrainError::Setting(error.to_string()))?;
         let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
         for (distance, (count, sum)) in bins.iter().enumerate() {
@@ -451,8 +451,8 @@ impl Flights<'_> {
 
     /// The paper's settings in every cell, with every credit; false if stopped meanwhile.
     fn paper(&mut self) -> Result<bool, TrainError> {
-        for training in self.scale.trainings() {
-            for learner in self.scale.trained() {
+        for training in self.scope.trainings() {
+            for learner in self.scope.trained() {
                 if !self.paper_cell(&learner, training)? {
                     return Ok(false);
                 }
@@ -476,7 +476,7 @@ impl Flights<'_> {
             constant_pilot: constant,
             ..learner.settings.clone()
         };
-        let config = self.scale.mission(Preset::Paper, cell);
+        let config = self.scope.mission(Preset::Paper, cell);
         let flown = (learner.name, pilot_name(constant));
         let key = key(GRID, Preset::Paper, &config, flown, seed);
         self.trained_and_flown(&name, settings, config, &key)
@@ -503,11 +503,11 @@ impl Flights<'_> {
 
     /// The paper's settings with one thing changed at a time; false if stopped meanwhile.
     fn variations(&mut self) -> Result<bool, TrainError> {
-        let Some(cell) = self.scale.variation_cell() else {
+        let Some(cell) = self.scope.variation_cell() else {
             return Ok(true);
         };
-        for variation in &self.scale.variations {
-            for &seed in &self.scale.seeds {
+        for variation in &self.scope.variations {
+            for &seed in &self.scope.seeds {
                 if !self.variation(variation, cell, seed)? {
                     return Ok(false);
                 }
@@ -522,10 +522,10 @@ impl Flights<'_> {
         cell: (u32, u32),
         seed: u64,
     ) -> Result<bool, TrainError> {
-        let mut config = self.scale.mission(Preset::Paper, cell);
+        let mut config = self.scope.mission(Preset::Paper, cell);
         let mut settings = Settings {
             seed,
-            ..self.scale.paper.clone()
+            ..self.scope.paper.clone()
         };
         (variation.apply)(&mut config, &mut settings);
         let name = format!("ppo-{}x{}-{}-s{seed}", cell.0, cell.1, variation.name);

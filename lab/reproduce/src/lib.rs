@@ -4,34 +4,34 @@
 //! is not flown again, so a reproduction goes on where it was stopped. Figures and texts are made
 //! from it and two small tables beside it alone: how trainings went, and how near the pilot density changes.
 
-mod approach;
-pub mod bars;
+mod campaign;
+pub mod cell_table;
 mod chapter;
 pub mod claims;
 pub mod curves;
 mod endurance;
 pub mod figures;
 pub mod fit;
-mod flight;
 mod flights;
-mod narrator;
 mod page;
 mod pilot;
-pub mod plan;
+mod pilot_by_distance;
+mod pilot_comparison;
+mod progress_sink;
 pub mod range;
 mod regimes;
 pub mod results;
+pub mod scope;
 mod search;
-mod seeds;
+mod seed_spread;
 pub mod table;
 mod text;
-mod worth;
 
 use jcas_train::error::TrainError;
 use jcas_train::store::write_whole;
-pub use narrator::{Narrator, Progress};
-use plan::Scale;
+pub use progress_sink::{Progress, ProgressSink};
 use results::Results;
+use scope::Scope;
 use std::path::Path;
 use table::Table;
 
@@ -40,18 +40,18 @@ pub const TABLE: &str = "results.csv";
 
 /// Trains and flies whatever is missing, then draws and writes what is there, also when stopped.
 pub fn reproduce(
-    scale: &Scale,
+    scope: &Scope,
     out: &Path,
-    narrator: &mut dyn Narrator,
+    narrator: &mut dyn ProgressSink,
 ) -> Result<Progress, TrainError> {
     std::fs::create_dir_all(out).map_err(TrainError::file(out))?;
     let mut table = Table::open(&out.join(TABLE))?;
-    let progress = flights::fly_all(scale, out, &mut table, narrator)?;
+    let progress = flights::fly_all(scope, out, &mut table, narrator)?;
     narrator.chapter("figures and report");
-    curves::gather(scale, out)?;
-    let curves = curves::curves(scale, out)?;
+    curves::gather(scope, out)?;
+    let curves = curves::curves(scope, out)?;
     let results = Results {
-        scale,
+        scope,
         table: &table,
         curves: &curves,
     };
@@ -62,11 +62,11 @@ pub fn reproduce(
 
 /// Writes the page of a reproduction to a place of its own, its pictures and the tables that it is made of into a folder
 /// beside it, from which a reproduction makes the same page.
-pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError> {
+pub fn publish(scope: &Scope, out: &Path, page: &Path) -> Result<(), TrainError> {
     let table = Table::open(&out.join(TABLE))?;
-    let curves = curves::curves(scale, out)?;
+    let curves = curves::curves(scope, out)?;
     let results = Results {
-        scale,
+        scope,
         table: &table,
         curves: &curves,
     };
@@ -74,7 +74,7 @@ pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError>
     std::fs::create_dir_all(&folder).map_err(TrainError::file(&folder))?;
     let pictures = results.pictures_on_page().into_iter();
     let pictures = pictures.map(|name| format!("{name}.png"));
-    for name in pictures.chain(tables(scale, out)) {
+    for name in pictures.chain(tables(scope, out)) {
         let from = out.join(&name);
         let bytes = std::fs::read(&from).map_err(TrainError::file(&from))?;
         write_whole(&folder.join(&name), &bytes)?;
@@ -85,8 +85,11 @@ pub fn publish(scale: &Scale, out: &Path, page: &Path) -> Result<(), TrainError>
 }
 
 /// The tables in a reproduction's folder that its page is made of.
-fn tables(scale: &Scale, out: &Path) -> Vec<String> {
-    let approaches = scale.seeds.iter().map(|&seed| approach::table(seed));
+fn tables(scope: &Scope, out: &Path) -> Vec<String> {
+    let approaches = scope
+        .seeds
+        .iter()
+        .map(|&seed| pilot_by_distance::table(seed));
     let names = [TABLE, curves::TRAININGS].map(str::to_owned);
     let all = names.into_iter().chain(approaches);
     all.filter(|name| out.join(name).exists()).collect()

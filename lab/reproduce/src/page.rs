@@ -1,16 +1,16 @@
 //! The pages of a reproduction: Markdown, and one HTML report with every figure.
 
-use crate::bars::{self, bars};
+use crate::campaign::{OURS, pilot_name};
+use crate::cell_table::{self, bars};
 use crate::chapter::{Block, Chapter};
 use crate::claims::{self, Judged, Verdict};
 use crate::curves::TRAININGS;
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
-use crate::flight::{OURS, pilot_name};
 use crate::range::Study;
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
-use crate::{TABLE, endurance, pilot, search, seeds, text};
+use crate::{TABLE, endurance, pilot, search, seed_spread, text};
 use jcas_core::Preset;
 use jcas_episode::card::EVALUATION_SEED;
 use jcas_figures::report::{Cell, Report, Table as ReportTable, Tone};
@@ -39,7 +39,7 @@ const VARIATION_HEAD: [&str; 6] = [
 impl Results<'_> {
     /// The paper's two numbers and what policies do about them.
     fn numbers(&self) -> Vec<[String; 5]> {
-        let learners = self.scale.learners();
+        let learners = self.scope.learners();
         let learned = learners
             .iter()
             .map(|learner| (learner.as_trained(), learner.name, "adaptive"));
@@ -65,7 +65,7 @@ impl Results<'_> {
                     return "not run".to_owned();
                 };
                 let digits = quantity.digits();
-                let over = self.scale.over(&numbers_of_hotspots(&rows));
+                let over = self.scope.over(&numbers_of_hotspots(&rows));
                 format!("{:.digits$}{over}", e.value)
             };
             [
@@ -80,12 +80,12 @@ impl Results<'_> {
     }
 
     fn claims(&self) -> Vec<Judged> {
-        claims::judge(self.scale, self.table, self.curves)
+        claims::judge(self.scope, self.table, self.curves)
     }
 
     /// What becomes of the paper's training when one thing is changed; first as the paper has it.
     fn variations(&self) -> Vec<[String; 6]> {
-        let Some((uavs, hotspots)) = self.scale.variation_cell() else {
+        let Some((uavs, hotspots)) = self.scope.variation_cell() else {
             return Vec::new();
         };
         let line = |experiment, name: &str, shown: &str, tests: &str| -> Option<[String; 6]> {
@@ -114,7 +114,7 @@ impl Results<'_> {
             "nothing",
             "the paper's equations and settings",
         );
-        let changed = self.scale.variations.iter().filter_map(|variation| {
+        let changed = self.scope.variations.iter().filter_map(|variation| {
             line("variation", variation.name, variation.name, variation.tests)
         });
         let changed: Vec<_> = changed.collect();
@@ -126,25 +126,25 @@ impl Results<'_> {
 
     /// Which cells were trained with the paper's settings, with how many seeds.
     fn trained(&self) -> String {
-        let shortened = self.scale.shortened();
+        let shortened = self.scope.shortened();
         let but = shortened.as_deref().map_or(String::new(), |shortened| {
             format!(", but with {shortened}, which shows that it runs and not what it comes to")
         });
         let mut text = format!(
             "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are several): ",
-            self.scale.cells().len()
+            self.scope.cells().len()
         );
-        let learners = self.scale.learners();
+        let learners = self.scope.learners();
         let parts: Vec<String> = learners
             .iter()
             .flat_map(|learner| {
-                let pilots = self.scale.paper_pilots.iter();
+                let pilots = self.scope.paper_pilots.iter();
                 pilots.map(move |&pilot| (learner, pilot_name(pilot)))
             })
             .map(|(learner, pilot)| {
                 let query = Query::new("grid", Preset::Paper.name(), (learner.name, pilot));
                 let cells = self
-                    .scale
+                    .scope
                     .cells()
                     .into_iter()
                     .filter_map(|(uavs, hotspots)| {
@@ -166,7 +166,7 @@ impl Results<'_> {
             .collect();
         text += &parts.join("; ");
         text += ".";
-        let unasked = claims::unasked(self.scale);
+        let unasked = claims::unasked(self.scope);
         if !unasked.is_empty() {
             text += &format!(" Not asked of such trainings: {}.", unasked.join("; "));
         }
@@ -175,12 +175,12 @@ impl Results<'_> {
 
     fn summary(&self) -> String {
         let given: Vec<String> = self
-            .scale
+            .scope
             .given
             .iter()
             .map(|folder| format!("`{}`", folder.display()))
             .collect();
-        let asked = self.scale.seeds.len() as u64;
+        let asked = self.scope.seeds.len() as u64;
         let mut beyond = self.table.rows.iter().filter(|row| row.seed >= asked);
         let more = match beyond.clone().next() {
             Some(_) => ", in some cells more",
@@ -198,15 +198,15 @@ impl Results<'_> {
         format!(
             "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s){more}; means over n = {}, \
              or over the numbers that stand beside a value{ours}",
-            self.scale.episodes,
-            self.scale.seeds.len(),
-            text::list(&self.scale.hotspots)
+            self.scope.episodes,
+            self.scope.seeds.len(),
+            text::list(&self.scope.hotspots)
         )
     }
 
     /// The Markdown page, with the pictures that lie in `pictures` (relative to the page).
     pub fn markdown(&self, pictures: &str) -> String {
-        let quick = if self.scale.name == "quick" {
+        let quick = if self.scope.name == "quick" {
             " --quick"
         } else {
             ""
@@ -222,8 +222,8 @@ impl Results<'_> {
             self.summary()
         );
         text += &text::table(&NUMBERS_HEAD, &self.numbers());
-        if let Some(study) = Study::of(self.scale, self.table) {
-            text += &study.chapter(self.scale, self.table).markdown(pictures);
+        if let Some(study) = Study::of(self.scope, self.table) {
+            text += &study.chapter(self.scope, self.table).markdown(pictures);
         }
         text += "\n## The paper's claims\n\n";
         let rows: Vec<[String; 4]> = self
@@ -240,10 +240,10 @@ impl Results<'_> {
             .collect();
         text += &text::table(&CLAIMS_HEAD, &rows);
         text += &format!("\n{}\n", self.trained());
-        for &preset in &self.scale.presets {
-            let rows: Vec<[String; 8]> = bars(self.scale, self.table, preset)
+        for &preset in &self.scope.presets {
+            let rows: Vec<[String; 8]> = bars(self.scope, self.table, preset)
                 .iter()
-                .map(bars::Bar::texts)
+                .map(cell_table::Bar::texts)
                 .collect();
             if rows.is_empty() {
                 continue;
@@ -253,11 +253,11 @@ impl Results<'_> {
                  success, then the shortest missions, among five baselines with three pilot rules.\n\n",
                 preset.name()
             );
-            text += &text::table(&bars::HEAD, &rows);
+            text += &text::table(&cell_table::HEAD, &rows);
         }
         let variations = self.variations();
         if let (Some((uavs, hotspots)), false) =
-            (self.scale.variation_cell(), variations.is_empty())
+            (self.scope.variation_cell(), variations.is_empty())
         {
             text += &format!(
                 "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
@@ -281,16 +281,16 @@ impl Results<'_> {
             search::chapter,
             pilot::chapter,
             endurance::chapter,
-            seeds::chapter,
+            seed_spread::chapter,
         ];
         all.into_iter()
-            .filter_map(|chapter| chapter(self.scale, self.table))
+            .filter_map(|chapter| chapter(self.scope, self.table))
     }
 
     /// Names of all pictures on the Markdown page.
     pub fn pictures_on_page(&self) -> Vec<String> {
-        let study = Study::of(self.scale, self.table);
-        let study = study.map(|study| study.chapter(self.scale, self.table));
+        let study = Study::of(self.scope, self.table);
+        let study = study.map(|study| study.chapter(self.scope, self.table));
         let chapters: Vec<Chapter> = study.into_iter().chain(self.chapters()).collect();
         let of_chapters = chapters.iter().flat_map(Chapter::figures);
         let names = self.pictures().map(|picture| picture.name);
@@ -310,7 +310,7 @@ impl Results<'_> {
             "The paper's results, measured here",
             &format!(
                 "A {} reproduction on this machine: {}.",
-                self.scale.name,
+                self.scope.name,
                 self.summary()
             ),
         );
@@ -325,8 +325,8 @@ impl Results<'_> {
             out,
             section: String::new(),
         };
-        if let Some(study) = Study::of(self.scale, self.table) {
-            gallery.chapter(&study.chapter(self.scale, self.table))?;
+        if let Some(study) = Study::of(self.scope, self.table) {
+            gallery.chapter(&study.chapter(self.scope, self.table))?;
         }
         gallery.begin("Claims");
         gallery
@@ -338,8 +338,8 @@ impl Results<'_> {
             gallery.begin(picture.section);
             gallery.add(picture.name, &picture.draw(self, out)?)?;
         }
-        for &preset in &self.scale.presets {
-            let rows = bars(self.scale, self.table, preset);
+        for &preset in &self.scope.presets {
+            let rows = bars(self.scope, self.table, preset);
             if rows.is_empty() {
                 continue;
             }
@@ -397,8 +397,8 @@ fn judged_table(judged: Vec<Judged>) -> ReportTable {
     }
 }
 
-fn bar_table(rows: &[bars::Bar]) -> ReportTable {
-    let row = |bar: &bars::Bar| {
+fn bar_table(rows: &[cell_table::Bar]) -> ReportTable {
+    let row = |bar: &cell_table::Bar| {
         let mut cells = bar.texts().map(Cell::from).to_vec();
         let good = bar.success_holds() && bar.time_holds();
         let last = cells.len() - 1;
@@ -407,7 +407,7 @@ fn bar_table(rows: &[bars::Bar]) -> ReportTable {
     };
     ReportTable {
         caption: "Learned policy beside the best baseline on the same missions".to_owned(),
-        head: bars::HEAD.map(str::to_owned).to_vec(),
+        head: cell_table::HEAD.map(str::to_owned).to_vec(),
         rows: rows.iter().map(row).collect(),
     }
 }
@@ -471,20 +471,20 @@ impl Gallery<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Scale;
+    use crate::scope::Scope;
     use crate::table::testing::table;
 
     #[test]
     fn a_page_says_where_it_has_more_seeds_than_were_asked_for() {
         let mut table = table("summary", &[(10, 3, 0), (10, 3, 1)]);
         let summary = |seeds, table: &_| {
-            let scale = Scale {
+            let scope = Scope {
                 given: vec!["ours".into()],
-                ..Scale::full(seeds)
+                ..Scope::full(seeds)
             };
             let curves = &[];
             Results {
-                scale: &scale,
+                scope: &scope,
                 table,
                 curves,
             }

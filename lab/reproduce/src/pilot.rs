@@ -1,12 +1,12 @@
 //! What adapting the pilot density is worth: against every constant in four worlds, then over maps of regimes.
 
+use crate::campaign::{CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
-use crate::flight::{Flight, OURS, Who};
-use crate::plan::{CONSTANT_PILOT, Scale};
+use crate::pilot_comparison::{PilotComparison, scripted};
 use crate::regimes;
+use crate::scope::{CONSTANT_PILOT, Scope};
 use crate::table::{Quantity, Row, Table};
 use crate::text::capital;
-use crate::worth::{Worth, scripted};
 use jcas_core::{Config, Preset};
 use jcas_figures::{Axis, Figure, Panels, Point, Series};
 use jcas_policy::BaselineKind;
@@ -50,19 +50,19 @@ const WORLDS: [World; 4] = [
 ];
 
 /// The worlds at every fleet with fine densities, then the maps of regimes with coarse ones.
-pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
-    let (fine, _) = &scale.pilot_densities;
+pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
+    let (fine, _) = &scope.pilot_densities;
     let mut flights = Vec::new();
     for world in &WORLDS {
-        for &uavs in &scale.fleets {
-            let config = scale.mission(world.preset, (uavs, world.hotspots));
+        for &uavs in &scope.fleets {
+            let config = scope.mission(world.preset, (uavs, world.hotspots));
             flights.extend(scripted(EXPERIMENT, world.preset, config, world.kind, fine));
             let held = fine.iter().map(|&rho| (rho, Some(rho)));
             flights.extend(
                 [(0.0, None)]
                     .into_iter()
                     .chain(held)
-                    .map(|(x, held)| Flight {
+                    .map(|(x, held)| CampaignSpec {
                         experiment: (EXPERIMENT.to_owned(), x),
                         preset: world.preset,
                         config,
@@ -71,7 +71,7 @@ pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
             );
         }
     }
-    flights.extend(regimes::flights(scale));
+    flights.extend(regimes::flights(scope));
     flights
 }
 
@@ -87,7 +87,7 @@ const HEAD: [&str; 8] = [
     "throughput",
 ];
 
-fn row(title: &str, worth: &Worth, name: &str, constant: &Row) -> [String; 8] {
+fn row(title: &str, worth: &PilotComparison, name: &str, constant: &Row) -> [String; 8] {
     let percent = |quantity| format!("{:+.1} %", worth.above(constant, quantity));
     let points = 100.0 * (worth.adaptive.success_rate - constant.success_rate);
     [
@@ -113,14 +113,16 @@ fn flyers(world: &World) -> [(String, &'static str); 2] {
     ]
 }
 
-fn worlds(scale: &Scale, table: &Table) -> Vec<(String, Vec<Worth>)> {
-    let mut found: Vec<(String, Vec<Worth>)> = Vec::new();
+fn worlds(scope: &Scope, table: &Table) -> Vec<(String, Vec<PilotComparison>)> {
+    let mut found: Vec<(String, Vec<PilotComparison>)> = Vec::new();
     for world in &WORLDS {
         for (title, policy) in flyers(world) {
-            let worths: Vec<Worth> = scale
+            let worths: Vec<PilotComparison> = scope
                 .fleets
                 .iter()
-                .filter_map(|&uavs| Worth::of(table, EXPERIMENT, world.preset, policy, Some(uavs)))
+                .filter_map(|&uavs| {
+                    PilotComparison::of(table, EXPERIMENT, world.preset, policy, Some(uavs))
+                })
                 .collect();
             if !worths.is_empty() && found.iter().all(|(other, _)| *other != title) {
                 found.push((title, worths));
@@ -131,8 +133,8 @@ fn worlds(scale: &Scale, table: &Table) -> Vec<(String, Vec<Worth>)> {
 }
 
 /// The chapter as far as the table has it; none without a row.
-pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
-    let worlds = worlds(scale, table);
+pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
+    let worlds = worlds(scope, table);
     if worlds.is_empty() {
         return None;
     }
@@ -146,7 +148,7 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
         }
     }
     let mut blocks = vec![
-        Block::Text(reason(scale)),
+        Block::Text(reason(scope)),
         Block::Text(verdict(&worlds)),
         Block::table("Adaptive against constant pilot density", HEAD, rows),
     ];
@@ -155,10 +157,10 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
         (Quantity::Energy, "pilot_energy"),
         (Quantity::Throughput, "pilot_throughput"),
     ] {
-        let figure = panels(scale, &worlds, quantity);
+        let figure = panels(scope, &worlds, quantity);
         blocks.push(Block::figure(name, &figure.title.clone(), figure));
     }
-    blocks.extend(regimes::blocks(scale, table));
+    blocks.extend(regimes::blocks(scope, table));
     Some(Chapter {
         heading: "What adapting the pilot density is worth".to_owned(),
         blocks,
@@ -166,8 +168,8 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
 }
 
 /// Why a pilot density can matter at all, from the equations.
-fn reason(scale: &Scale) -> String {
-    let config = scale.mission(Preset::Paper, (10, 5));
+fn reason(scope: &Scope) -> String {
+    let config = scope.mission(Preset::Paper, (10, 5));
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);
     let gain_db = config.comm_load_penalty_db * (high - low);
     let odds = (config.logistic_slope_per_db * gain_db).exp();
@@ -193,7 +195,7 @@ fn link_cells(config: &Config, density: f64) -> f64 {
 }
 
 /// What the worlds come to, in a sentence each.
-fn verdict(worlds: &[(String, Vec<Worth>)]) -> String {
+fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
     let mut text = "Adaptive is full density within a cell of an unconfirmed hotspot (hidden ones: until all are \
                     confirmed) and the least elsewhere; of ours, its own. The best constant has the shortest \
                     missions and, of those within its interval, the most throughput. "
@@ -244,8 +246,8 @@ fn span(values: impl Iterator<Item = f64>) -> String {
 }
 
 /// A quantity over the density that is held, against adaptive, a panel for each world.
-fn panels(scale: &Scale, worlds: &[(String, Vec<Worth>)], quantity: Quantity) -> Panels {
-    let panel = |(title, worths): &(String, Vec<Worth>)| {
+fn panels(scope: &Scope, worlds: &[(String, Vec<PilotComparison>)], quantity: Quantity) -> Panels {
+    let panel = |(title, worths): &(String, Vec<PilotComparison>)| {
         let mut figure = Figure::new(
             title.replace('`', ""),
             Axis::new("pilot density held", ""),
@@ -270,7 +272,7 @@ fn panels(scale: &Scale, worlds: &[(String, Vec<Worth>)], quantity: Quantity) ->
         ),
         note: format!(
             "{} missions a point; n = 7, in mission n = 11. Above the line a constant takes more than adaptive does.",
-            scale.episodes
+            scope.episodes
         ),
         columns: 2,
         figures: worlds.iter().map(panel).collect(),

@@ -1,7 +1,7 @@
 //! An adaptive pilot density beside each constant in one mission: the campaigns, and what they come to.
 
-use crate::flight::{ADAPTIVE, Flight, HELD, Who};
-use crate::plan::CONSTANT_PILOT;
+use crate::campaign::{ADAPTIVE, CampaignSpec, HELD, Who};
+use crate::scope::CONSTANT_PILOT;
 use crate::table::{Quantity, Query, Row, Table};
 use jcas_core::{Config, Preset};
 use jcas_policy::{BaselineKind, PilotMode};
@@ -13,12 +13,12 @@ pub(crate) fn scripted(
     config: Config,
     kind: BaselineKind,
     densities: &[f64],
-) -> Vec<Flight> {
+) -> Vec<CampaignSpec> {
     let held = densities.iter().map(|&rho| (rho, PilotMode::Held(rho)));
     [(0.0, PilotMode::Adaptive)]
         .into_iter()
         .chain(held)
-        .map(|(x, pilot)| Flight {
+        .map(|(x, pilot)| CampaignSpec {
             experiment: (experiment.to_owned(), x),
             preset,
             config,
@@ -28,19 +28,19 @@ pub(crate) fn scripted(
 }
 
 /// Adaptive beside each constant, in one mission.
-pub(crate) struct Worth {
+pub(crate) struct PilotComparison {
     pub(crate) adaptive: Row,
     pub(crate) held: Vec<Row>,
 }
 
-impl Worth {
+impl PilotComparison {
     pub(crate) fn of(
         table: &Table,
         experiment: &str,
         preset: Preset,
         policy: &str,
         uavs: Option<u32>,
-    ) -> Option<Worth> {
+    ) -> Option<PilotComparison> {
         let rows = |pilot| {
             let query = Query {
                 uavs,
@@ -50,7 +50,7 @@ impl Worth {
         };
         let mut held: Vec<Row> = rows(HELD).cloned().collect();
         held.sort_by(|a, b| a.x.total_cmp(&b.x));
-        Some(Worth {
+        Some(PilotComparison {
             adaptive: rows(ADAPTIVE).next()?.clone(),
             held,
         })

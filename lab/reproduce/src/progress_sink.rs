@@ -3,7 +3,7 @@
 use jcas_train::run::Observer;
 
 /// What is told while it runs; also how it is stopped.
-pub trait Narrator: Observer {
+pub trait ProgressSink: Observer {
     /// What begins now.
     fn chapter(&mut self, title: &str);
 }

@@ -1,10 +1,10 @@
 //! What the paper's two success rates imply about its radar: the threshold of detection is "derived" there and
 //! not given, and the sensing range that it comes to is the one unknown that decides how hard a mission is.
 
+use crate::campaign::{CampaignSpec, Who};
 use crate::chapter::{Block, Chapter};
 use crate::fit::{self, Fit, PAPER, Published, Simulated};
-use crate::flight::{Flight, Who};
-use crate::plan::{Learner, Scale};
+use crate::scope::{Learner, Scope};
 use crate::table::{Quantity, Query, Table, mean, numbers_of_hotspots};
 use crate::text::{capital, list};
 use jcas_core::Preset;
@@ -27,15 +27,15 @@ pub const SCRIPTED: [(&str, BaselineKind, PilotMode); 2] = [
 const PILOT: &str = "adaptive";
 
 /// What the scripts fly.
-pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
+pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
     let mut flights = Vec::new();
-    for &cells in &scale.ranges {
-        for cell in scale.cells() {
+    for &cells in &scope.ranges {
+        for cell in scope.cells() {
             for (_, kind, pilot) in SCRIPTED {
-                flights.push(Flight {
+                flights.push(CampaignSpec {
                     experiment: (EXPERIMENT.to_owned(), cells),
                     preset: Preset::Paper,
-                    config: scale.ranged(cells, cell),
+                    config: scope.ranged(cells, cell),
                     who: Who::Script(kind, pilot),
                 });
             }
@@ -60,7 +60,7 @@ pub struct Studied {
 }
 
 impl Studied {
-    fn new(scale: &Scale, table: &Table, title: String, policy: &str, pilot: &str) -> Studied {
+    fn new(scope: &Scope, table: &Table, title: String, policy: &str, pilot: &str) -> Studied {
         let mut studied = Studied {
             title,
             policy: policy.to_owned(),
@@ -77,7 +77,7 @@ impl Studied {
         }
         let data: Vec<(Published, Simulated)> = PAPER
             .iter()
-            .map(|&published| (published, studied.simulated(scale, table, published.uavs)))
+            .map(|&published| (published, studied.simulated(scope, table, published.uavs)))
             .collect();
         studied.fit = fit::fit(&data);
         studied
@@ -89,7 +89,7 @@ impl Studied {
     }
 
     /// Success over the range at a fleet size, mean over the numbers of hotspots; only where all of these are there.
-    fn simulated(&self, scale: &Scale, table: &Table, uavs: u32) -> Simulated {
+    fn simulated(&self, scope: &Scope, table: &Table, uavs: u32) -> Simulated {
         let at = |&x: &f64| {
             let rows = self.query().uavs(uavs).x(x).rows(table);
             let whole = self
@@ -104,18 +104,18 @@ impl Studied {
             Some((x, rate, missions))
         };
         Simulated {
-            points: scale.ranges.iter().filter_map(at).collect(),
+            points: scope.ranges.iter().filter_map(at).collect(),
         }
     }
 
-    fn panel(&self, scale: &Scale, table: &Table) -> Figure {
+    fn panel(&self, scope: &Scope, table: &Table) -> Figure {
         let mut figure = Figure::new(
             self.title.replace('`', ""),
             Axis::new("sensing range", "cells"),
             Axis::new(Quantity::Success.title(), "").span(0.0, 1.0),
         );
-        for &uavs in &scale.fleets {
-            let points = self.simulated(scale, table, uavs).points;
+        for &uavs in &scope.fleets {
+            let points = self.simulated(scope, table, uavs).points;
             let points = points.iter().map(|&(x, rate, missions)| {
                 let interval = wilson((rate * missions).round() as u64, missions as u64);
                 Point::interval(x, rate, interval.low, interval.high)
@@ -223,9 +223,9 @@ pub const HEAD: [&str; 7] = [
 
 impl Study {
     /// Of the rows that are there; none without any.
-    pub fn of(scale: &Scale, table: &Table) -> Option<Study> {
+    pub fn of(scope: &Scope, table: &Table) -> Option<Study> {
         let scripted = SCRIPTED.map(|(title, kind, pilot)| (title, kind.name(), pilot.name()));
-        let learners = scale.learners();
+        let learners = scope.learners();
         let learners = learners
             .iter()
             .map(|Learner { name, title, .. }| (*title, *name, PILOT.to_owned()));
@@ -233,20 +233,20 @@ impl Study {
             .into_iter()
             .chain(learners)
             .map(|(title, policy, pilot)| {
-                Studied::new(scale, table, title.to_owned(), policy, &pilot)
+                Studied::new(scope, table, title.to_owned(), policy, &pilot)
             })
             .filter(|studied| !studied.hotspots.is_empty())
             .collect();
         (!policies.is_empty()).then(|| Study {
             policies,
-            missions: scale.episodes,
-            ranges: (scale.ranges[0], scale.ranges[scale.ranges.len() - 1]),
-            cell_size_m: scale.ranged(1.0, (10, 5)).cell_size_m,
+            missions: scope.episodes,
+            ranges: (scope.ranges[0], scope.ranges[scope.ranges.len() - 1]),
+            cell_size_m: scope.ranged(1.0, (10, 5)).cell_size_m,
         })
     }
 
     /// As a chapter.
-    pub fn chapter(&self, scale: &Scale, table: &Table) -> Chapter {
+    pub fn chapter(&self, scope: &Scope, table: &Table) -> Chapter {
         Chapter {
             heading: "What the paper's two numbers imply".to_owned(),
             blocks: vec![
@@ -255,14 +255,14 @@ impl Study {
                 Block::figure(
                     FIGURE,
                     "Success over the sensing range",
-                    self.figure(scale, table),
+                    self.figure(scope, table),
                 ),
             ],
         }
     }
 
     /// The figure: a panel for each policy, the paper's numbers at the range that fits them best.
-    pub fn figure(&self, scale: &Scale, table: &Table) -> Panels {
+    pub fn figure(&self, scope: &Scope, table: &Table) -> Panels {
         Panels {
             title: "Success over the sensing range, and the paper's two numbers".to_owned(),
             note: format!(
@@ -274,7 +274,7 @@ impl Study {
             figures: self
                 .policies
                 .iter()
-                .map(|studied| studied.panel(scale, table))
+                .map(|studied| studied.panel(scope, table))
                 .collect(),
         }
     }
@@ -327,7 +327,7 @@ mod tests {
     fn what_fits_no_range_says_which_were_tried() {
         let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/results.csv");
         let table = Table::open(&published).unwrap();
-        let text = Study::of(&Scale::full(1), &table).unwrap().text();
+        let text = Study::of(&Scope::full(1), &table).unwrap().text();
         for told in [
             "`swarm` fits the two numbers at no range from 0.5 to 5 cells: ",
             "The paper's PPO, credit of the team fits the two numbers at no range from 2 to 5 cells: ",

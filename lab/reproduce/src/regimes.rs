@@ -1,10 +1,10 @@
 //! Where adapting the pilot density pays: maps over two fields of the configuration.
 
+use crate::campaign::CampaignSpec;
 use crate::chapter::Block;
-use crate::flight::Flight;
-use crate::plan::Scale;
+use crate::pilot_comparison::{PilotComparison, scripted};
+use crate::scope::Scope;
 use crate::table::{Quantity, Table};
-use crate::worth::{Worth, scripted};
 use jcas_core::{Config, Preset};
 use jcas_figures::{Axis, HeatTable};
 use jcas_policy::BaselineKind;
@@ -90,10 +90,10 @@ const MAPS: [Map; 3] = [
 ];
 
 impl Map {
-    fn config(&self, scale: &Scale, row: f64, column: f64) -> Config {
+    fn config(&self, scope: &Scope, row: f64, column: f64) -> Config {
         let mut config = Config {
             comm_load_penalty_db: self.load_db,
-            ..scale.mission(Preset::Search, (10, 7))
+            ..scope.mission(Preset::Search, (10, 7))
         };
         (self.rows.set)(&mut config, row);
         (self.columns.set)(&mut config, column);
@@ -110,9 +110,9 @@ impl Map {
             .flat_map(move |&row| columns.iter().map(move |&column| (row, column)))
     }
 
-    fn worth(&self, table: &Table, row: f64, column: f64) -> Option<Worth> {
+    fn worth(&self, table: &Table, row: f64, column: f64) -> Option<PilotComparison> {
         let experiment = self.experiment(row, column);
-        Worth::of(
+        PilotComparison::of(
             table,
             &experiment,
             Preset::Search,
@@ -123,17 +123,17 @@ impl Map {
 }
 
 /// The maps with coarse densities.
-pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
-    let (_, coarse) = &scale.pilot_densities;
+pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
+    let (_, coarse) = &scope.pilot_densities;
     let mut flights = Vec::new();
     for map in &MAPS {
         let flown = |&(row, column): &(f64, f64)| {
             !coarse.is_empty()
-                && (scale.whole_maps || map.rows.ends_at(row) && map.columns.ends_at(column))
+                && (scope.whole_maps || map.rows.ends_at(row) && map.columns.ends_at(column))
         };
         for (row, column) in map.places().filter(flown) {
             let experiment = map.experiment(row, column);
-            let config = map.config(scale, row, column);
+            let config = map.config(scope, row, column);
             flights.extend(scripted(
                 &experiment,
                 Preset::Search,
@@ -147,9 +147,9 @@ pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
 }
 
 /// A sentence and a map for each, as far as the table has them.
-pub(crate) fn blocks(scale: &Scale, table: &Table) -> Vec<Block> {
+pub(crate) fn blocks(scope: &Scope, table: &Table) -> Vec<Block> {
     let maps = MAPS.iter().filter_map(|map| {
-        let (text, figure) = regimes(scale, table, map)?;
+        let (text, figure) = regimes(scope, table, map)?;
         let title = figure.title.clone();
         Some([Block::Text(text), Block::figure(map.name, &title, figure)])
     });
@@ -157,12 +157,12 @@ pub(crate) fn blocks(scale: &Scale, table: &Table) -> Vec<Block> {
 }
 
 /// Where adapting pays, over two fields: mission time saved against the best constant of each regime.
-fn regimes(scale: &Scale, table: &Table, map: &Map) -> Option<(String, HeatTable)> {
-    let worths: Vec<((f64, f64), Worth)> = map
+fn regimes(scope: &Scope, table: &Table, map: &Map) -> Option<(String, HeatTable)> {
+    let worths: Vec<((f64, f64), PilotComparison)> = map
         .places()
         .filter_map(|(row, column)| Some(((row, column), map.worth(table, row, column)?)))
         .collect();
-    let saved = |worth: &Worth| -worth.above(worth.best(), Quantity::Steps);
+    let saved = |worth: &PilotComparison| -worth.above(worth.best(), Quantity::Steps);
     let most = worths
         .iter()
         .max_by(|a, b| saved(&a.1).total_cmp(&saved(&b.1)))?;
@@ -174,7 +174,7 @@ fn regimes(scale: &Scale, table: &Table, map: &Map) -> Option<(String, HeatTable
         .filter(|(_, worth)| worth.tells_apart(worth.best()) && saved(worth) > 0.0)
         .count();
     let (rows, columns) = (&map.rows, &map.columns);
-    let place = |((row, column), worth): &((f64, f64), Worth)| {
+    let place = |((row, column), worth): &((f64, f64), PilotComparison)| {
         format!(
             "{} {row}{}, {} {column}: {:+.1} % of the best constant's time (ρ = {:.2}, {:.1} steps)",
             rows.label,
@@ -208,7 +208,7 @@ fn regimes(scale: &Scale, table: &Table, map: &Map) -> Option<(String, HeatTable
         title: "Mission time saved by adapting".to_owned(),
         note: format!(
             "Against the best constant; line in search, {} missions a campaign, n = 7; where not varied N = 10, α = {} dB.",
-            scale.episodes, map.load_db
+            scope.episodes, map.load_db
         ),
         value: Axis::new("mission time saved", "%"),
         columns: columns.axis(&columns_flown),
@@ -236,7 +236,7 @@ fn unit(unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flight::{ADAPTIVE, HELD};
+    use crate::campaign::{ADAPTIVE, HELD};
     use crate::table::Key;
     use jcas_core::Metrics;
     use jcas_episode::statistics::Summary;
@@ -244,7 +244,7 @@ mod tests {
     /// One regime in which a constant of 0.1 takes 20 steps and adaptive 15.
     #[test]
     fn a_map_says_what_adapting_saves() {
-        let scale = Scale::full(1);
+        let scope = Scope::full(1);
         let mut table = Table::open(&std::env::temp_dir().join("jcas-no-such-table")).unwrap();
         let map = &MAPS[0];
         for (pilot, x, steps) in [(ADAPTIVE, 0.0, 15), (HELD, 0.1, 20), (HELD, 0.3, 25)] {
@@ -266,7 +266,7 @@ mod tests {
             };
             table.add(&key, &Summary::of(&[mission; 10], 100)).unwrap();
         }
-        let (text, figure) = regimes(&scale, &table, map).unwrap();
+        let (text, figure) = regimes(&scope, &table, map).unwrap();
         let [row] = &figure.cells[..] else {
             panic!("rows that were not flown: {:?}", figure.cells);
         };
@@ -283,18 +283,18 @@ mod tests {
 
     #[test]
     fn regimes_have_names_and_missions_of_their_own() {
-        let scale = Scale::full(1);
+        let scope = Scope::full(1);
         let mut seen = Vec::new();
         for map in &MAPS {
             for (row, column) in map.places() {
-                let config = map.config(&scale, row, column);
+                let config = map.config(&scope, row, column);
                 jcas_core::Model::new(config).unwrap();
                 let experiment = map.experiment(row, column);
                 assert!(!seen.contains(&experiment), "{experiment}");
                 seen.push(experiment);
             }
         }
-        let base = MAPS[0].config(&scale, 1.0, 1.0);
-        assert_eq!(base, scale.mission(Preset::Search, (10, 7)));
+        let base = MAPS[0].config(&scope, 1.0, 1.0);
+        assert_eq!(base, scope.mission(Preset::Search, (10, 7)));
     }
 }

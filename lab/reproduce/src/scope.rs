@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Size of a reproduction.
 #[derive(Clone, Debug)]
-pub struct Scale {
+pub struct Scope {
     /// Name in reports: `full` or `quick`.
     pub name: &'static str,
     /// Presets in which the grid is flown and our settings are trained.
@@ -204,12 +204,12 @@ fn grid(fleets: &[u32], hotspots: &[u32]) -> Vec<(u32, u32)> {
         .collect()
 }
 
-impl Scale {
+impl Scope {
     /// The paper's whole grid.
-    pub fn full(seeds: u64) -> Scale {
+    pub fn full(seeds: u64) -> Scope {
         let fleets = vec![5, 10, 15, 20];
         let hotspots = vec![3, 5, 7, 9, 11];
-        Scale {
+        Scope {
             name: "full",
             presets: vec![World::Paper, World::Mission],
             seeds: (0..seeds).collect(),
@@ -242,8 +242,8 @@ impl Scale {
     /// A smaller version of every part, for minutes instead of hours: half the numbers of hotspots,
     /// fewer missions, a shorter training, and the paper's own training with small networks, briefly, for one number
     /// of hotspots and a learnt pilot density.
-    pub fn quick(seeds: u64) -> Scale {
-        let full = Scale::full(seeds);
+    pub fn quick(seeds: u64) -> Scope {
+        let full = Scope::full(seeds);
         let hotspots = vec![3, 7, 11];
         let mut tuned = full.tuned.clone();
         tuned.total_steps = 30 * 96 * 32;
@@ -259,7 +259,7 @@ impl Scale {
             evaluation_episodes: 10,
             ..full.paper.clone()
         };
-        Scale {
+        Scope {
             name: "quick",
             presets: vec![World::Paper],
             episodes: 40,
@@ -282,7 +282,7 @@ impl Scale {
 
     /// Only these fleets and numbers of hotspots, and of the latter only some with the paper's settings;
     /// empty: as they are.
-    pub fn only(mut self, fleets: &[u32], hotspots: &[u32], paper_hotspots: &[u32]) -> Scale {
+    pub fn only(mut self, fleets: &[u32], hotspots: &[u32], paper_hotspots: &[u32]) -> Scope {
         let or = |given: &[u32], all: &[u32]| if given.is_empty() { all } else { given }.to_vec();
         self.fleets = or(fleets, &self.fleets);
         self.hotspots = or(hotspots, &self.hotspots);
@@ -319,14 +319,14 @@ impl Scale {
 
     /// Only these parts.
     #[must_use]
-    pub fn parts(self, parts: Vec<Part>) -> Scale {
-        Scale { parts, ..self }
+    pub fn parts(self, parts: Vec<Part>) -> Scope {
+        Scope { parts, ..self }
     }
 
     /// With these trained policies from elsewhere.
     #[must_use]
-    pub fn with(self, given: Vec<PathBuf>) -> Scale {
-        Scale { given, ..self }
+    pub fn with(self, given: Vec<PathBuf>) -> Scope {
+        Scope { given, ..self }
     }
 
     /// Who trains with the paper's settings: the two readings of what it says of credit.
@@ -439,7 +439,7 @@ mod tests {
 
     #[test]
     fn the_trainings_that_tell_most_come_first() {
-        let trainings = Scale::full(2).trainings();
+        let trainings = Scope::full(2).trainings();
         assert_eq!(trainings.len(), 2 * 20 * 2);
         let first: Vec<_> = trainings
             .iter()
@@ -463,17 +463,17 @@ mod tests {
 
     #[test]
     fn a_range_is_the_mission_of_the_paper_with_another_range() {
-        let scale = Scale::full(1);
+        let scope = Scope::full(1);
         assert_eq!(
-            scale.ranged(3.0, (10, 5)),
-            scale.mission(World::Paper, (10, 5))
+            scope.ranged(3.0, (10, 5)),
+            scope.mission(World::Paper, (10, 5))
         );
-        assert_eq!(scale.ranged(2.0, (10, 5)).sensing_range_m, Some(100.0));
+        assert_eq!(scope.ranged(2.0, (10, 5)).sensing_range_m, Some(100.0));
     }
 
     #[test]
     fn the_two_readings_differ_in_credit_alone() {
-        let [team, own] = Scale::full(1).learners().try_into().unwrap();
+        let [team, own] = Scope::full(1).learners().try_into().unwrap();
         let mut expected = team.settings.clone();
         uav_credit(&mut expected);
         assert_eq!(own.settings, expected);
@@ -487,22 +487,22 @@ mod tests {
             (Some(Credit::Team), vec!["ppo"]),
             (Some(Credit::Uav), vec!["ppo-uav"]),
         ] {
-            let scale = Scale {
+            let scope = Scope {
                 paper_credit: only,
-                ..Scale::full(1)
+                ..Scope::full(1)
             };
-            let trained: Vec<_> = scale.trained().iter().map(|who| who.name).collect();
+            let trained: Vec<_> = scope.trained().iter().map(|who| who.name).collect();
             assert_eq!(trained, names);
-            assert_eq!(scale.learners().len(), 2);
+            assert_eq!(scope.learners().len(), 2);
         }
     }
 
     #[test]
     fn a_training_that_is_cut_short_says_so() {
-        let named = |scale: Scale| scale.learners()[0].as_trained();
-        assert_eq!(named(Scale::full(1)), "the paper's PPO, credit of the team");
+        let named = |scope: Scope| scope.learners()[0].as_trained();
+        assert_eq!(named(Scope::full(1)), "the paper's PPO, credit of the team");
         assert_eq!(
-            named(Scale::quick(1)),
+            named(Scope::quick(1)),
             "the paper's PPO, credit of the team (7 of 62 iterations)"
         );
     }

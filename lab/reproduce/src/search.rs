@@ -1,8 +1,8 @@
 //! Who finds hidden hotspots, and how soon.
 
+use crate::campaign::{ADAPTIVE, CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
-use crate::flight::{ADAPTIVE, Flight, OURS, Who};
-use crate::plan::Scale;
+use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table, mean};
 use crate::text::list;
 use jcas_core::Preset;
@@ -19,16 +19,16 @@ fn searchers() -> impl Iterator<Item = BaselineKind> {
 }
 
 /// All of them, and ours, in every cell.
-pub(crate) fn flights(scale: &Scale) -> Vec<Flight> {
+pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
     let mut flights = Vec::new();
-    for cell in scale.cells() {
-        let config = scale.mission(Preset::Search, cell);
+    for cell in scope.cells() {
+        let config = scope.mission(Preset::Search, cell);
         let scripts = searchers().map(|kind| Who::Script(kind, PilotMode::Adaptive));
         let ours = Who::Ours {
             base: config,
             held: None,
         };
-        flights.extend(scripts.chain([ours]).map(|who| Flight {
+        flights.extend(scripts.chain([ours]).map(|who| CampaignSpec {
             experiment: (EXPERIMENT.to_owned(), 0.0),
             preset: Preset::Search,
             config,
@@ -87,13 +87,13 @@ fn comparison(place: &Place, ours: usize) -> Option<Comparison> {
 }
 
 /// The chapter as far as the table has it; none without a row.
-pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
+pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
     let names: Vec<&str> = searchers().map(BaselineKind::name).chain([OURS]).collect();
     let flown: Vec<&str> = names
         .into_iter()
         .filter(|name| !query(name).rows(table).is_empty())
         .collect();
-    let places: Vec<Place> = scale
+    let places: Vec<Place> = scope
         .cells()
         .into_iter()
         .map(|cell| Place {
@@ -115,7 +115,7 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
         "The preset `search` hides the hotspots. Mean steps to the end of {} missions a cell, pilot density `adaptive`; \
          the share of missions that succeeded in brackets where it is not 1. A mission that did not succeed counts with \
          its horizon.",
-        scale.episodes
+        scope.episodes
     );
     let ours = flown.iter().position(|name| *name == OURS);
     let compared: Vec<Comparison> = ours
@@ -161,13 +161,13 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
             Block::figure(
                 "search_mission_time_over_uavs",
                 "Mission time over fleet size, preset search",
-                figure(scale, table, &flown),
+                figure(scope, table, &flown),
             ),
         ],
     })
 }
 
-fn figure(scale: &Scale, table: &Table, flown: &[&str]) -> Figure {
+fn figure(scope: &Scope, table: &Table, flown: &[&str]) -> Figure {
     let mut figure = Figure::new(
         "Mission time over fleet size, preset search",
         Axis::new("UAVs", ""),
@@ -175,11 +175,11 @@ fn figure(scale: &Scale, table: &Table, flown: &[&str]) -> Figure {
     )
     .note(format!(
         "{} missions a cell, mean over n = {}; a mission without success counts with its horizon.",
-        scale.episodes,
-        list(&scale.hotspots)
+        scope.episodes,
+        list(&scope.hotspots)
     ));
     for &name in flown {
-        let points = scale.fleets.iter().filter_map(|&uavs| {
+        let points = scope.fleets.iter().filter_map(|&uavs| {
             let e = query(name).uavs(uavs).mean(table, Quantity::Steps)?;
             Some(Point::interval(f64::from(uavs), e.value, e.low, e.high))
         });

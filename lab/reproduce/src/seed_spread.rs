@@ -1,8 +1,8 @@
 //! How much a training's seed matters, where a cell was trained with several.
 
+use crate::campaign::{OURS, pilot_name};
 use crate::chapter::{Block, Chapter};
-use crate::flight::{OURS, pilot_name};
-use crate::plan::Scale;
+use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table};
 use jcas_core::Preset;
 
@@ -16,13 +16,13 @@ const HEAD: [&str; 6] = [
 ];
 
 /// The chapter as far as the table has several seeds; none without.
-pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
-    let rows: Vec<[String; 6]> = flown(scale)
+pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
+    let rows: Vec<[String; 6]> = flown(scope)
         .into_iter()
         .filter_map(|(preset, title, policy, pilot)| {
             let query = Query::new("grid", preset.name(), (policy, pilot));
             let of = |(uavs, hotspots)| query.uavs(uavs).hotspots(hotspots).rows(table);
-            let seeds = scale.cells().into_iter().map(of);
+            let seeds = scope.cells().into_iter().map(of);
             let several: Vec<Vec<&Row>> = seeds.filter(|seeds| seeds.len() > 1).collect();
             if several.is_empty() {
                 return None;
@@ -43,27 +43,27 @@ pub fn chapter(scale: &Scale, table: &Table) -> Option<Chapter> {
     Some(Chapter {
         heading: "What a training's seed changes".to_owned(),
         blocks: vec![
-            Block::Text(text(scale)),
+            Block::Text(text(scope)),
             Block::table("Trainings with several seeds", HEAD, rows),
         ],
     })
 }
 
-fn text(scale: &Scale) -> String {
+fn text(scope: &Scope) -> String {
     format!(
         "Cells (N × n) in which several seeds of the paper's training, or several policies given as ours, were flown on the \
          same {} missions: in how many the 95 % intervals of all of them have a value in common, and where two are \
          farthest apart. Such an interval is one of the missions, for the policy at hand; what trainings come to varies \
          besides, and this is how much.",
-        scale.episodes
+        scope.episodes
     )
 }
 
 /// Who may have been trained with several seeds: preset, title, name in the table, pilot rule.
-fn flown(scale: &Scale) -> Vec<(Preset, String, &'static str, &'static str)> {
-    let pilots = || scale.paper_pilots.iter().map(|&pilot| pilot_name(pilot));
+fn flown(scope: &Scope) -> Vec<(Preset, String, &'static str, &'static str)> {
+    let pilots = || scope.paper_pilots.iter().map(|&pilot| pilot_name(pilot));
     let mut all = Vec::new();
-    for learner in scale.learners() {
+    for learner in scope.learners() {
         let title = learner.title.to_owned();
         all.extend(pilots().map(|pilot| (Preset::Paper, title.clone(), learner.name, pilot)));
     }
@@ -174,11 +174,11 @@ mod tests {
 
     #[test]
     fn one_seed_makes_no_chapter() {
-        let scale = Scale::full(1);
+        let scope = Scope::full(1);
         let one = table("one", &[(10, 3, 0), (10, 5, 0)]);
-        assert!(chapter(&scale, &one).is_none());
+        assert!(chapter(&scope, &one).is_none());
         let two = table("two", &[(10, 3, 0), (10, 5, 0), (10, 5, 1)]);
-        let page = chapter(&scale, &two).unwrap().markdown("");
+        let page = chapter(&scope, &two).unwrap().markdown("");
         assert!(
             page.contains("| the paper's PPO, credit of the team | adaptive | 1 × 2 | in 1 of 1; 0.000 (10 × 5) |"),
             "{page}"

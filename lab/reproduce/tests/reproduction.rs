@@ -1,8 +1,8 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
 use jcas_core::Preset;
-use jcas_reproduce::plan::{CONSTANT_PILOT, Part, Scale, variations};
-use jcas_reproduce::{Narrator, Progress, publish, reproduce};
+use jcas_reproduce::scope::{CONSTANT_PILOT, Part, Scope, variations};
+use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
 use jcas_train::settings::Settings;
@@ -20,7 +20,7 @@ impl Observer for Silent {
     }
 }
 
-impl Narrator for Silent {
+impl ProgressSink for Silent {
     fn chapter(&mut self, title: &str) {
         self.chapters.push(title.to_owned());
     }
@@ -47,9 +47,9 @@ fn small(settings: &Settings, workers: usize) -> Settings {
     }
 }
 
-fn scale() -> Scale {
-    let quick = Scale::quick(1);
-    Scale {
+fn scope() -> Scope {
+    let quick = Scope::quick(1);
+    Scope {
         fleets: vec![10, 15],
         hotspots: vec![1, 2],
         episodes: 2,
@@ -74,14 +74,14 @@ fn scale() -> Scale {
 fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     let out = std::env::temp_dir().join(format!("jcas-reproduce-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&out);
-    let stopped = reproduce(&scale(), &out, &mut narrator(2)).unwrap();
+    let stopped = reproduce(&scope(), &out, &mut narrator(2)).unwrap();
     assert_eq!(stopped, Progress::Stopped);
     assert!(out.join("report.html").exists());
-    let done = reproduce(&scale(), &out, &mut narrator(usize::MAX)).unwrap();
+    let done = reproduce(&scope(), &out, &mut narrator(usize::MAX)).unwrap();
     assert_eq!(done, Progress::Finished);
 
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
-    let learners = scale().learners().len();
+    let learners = scope().learners().len();
     // Per cell and preset fifteen baselines and two learned policies; then densities, batteries, the
     // paper's cells, variations, and per range and cell two scripts and a few trainings; in each cell five
     // searchers; pilots in four worlds; three who charge, for two chargers.
@@ -120,7 +120,7 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
 
     let page = out.join("docs/results.md");
     std::fs::create_dir_all(page.parent().unwrap()).unwrap();
-    publish(&scale(), &out, &page).unwrap();
+    publish(&scope(), &out, &page).unwrap();
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(text.contains("](results/trade_off.png)"), "{text}");
     assert!(text.contains("| inform_once |"), "{text}");
@@ -132,7 +132,7 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     );
 
     // Its tables alone are enough for the same page, and nothing of the paper's training is trained again.
-    let pages = scale().parts(Vec::new());
+    let pages = scope().parts(Vec::new());
     let tables = out.join("docs/results");
     assert_eq!(
         reproduce(&pages, &tables, &mut narrator(usize::MAX)).unwrap(),
@@ -140,11 +140,11 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     );
     let again = out.join("again/results.md");
     std::fs::create_dir_all(again.parent().unwrap()).unwrap();
-    publish(&scale(), &tables, &again).unwrap();
+    publish(&scope(), &tables, &again).unwrap();
     assert_eq!(std::fs::read_to_string(&again).unwrap(), text);
     assert!(text.contains("](results/training_returns.png)"), "{text}");
     assert!(text.contains("](results/trainings.csv)"), "{text}");
-    let trained = scale().parts(vec![Part::Paper, Part::Variations, Part::TrainedRanges]);
+    let trained = scope().parts(vec![Part::Paper, Part::Variations, Part::TrainedRanges]);
     let mut from_tables = narrator(usize::MAX);
     reproduce(&trained, &tables, &mut from_tables).unwrap();
     assert!(
@@ -154,7 +154,7 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     );
 
     let mut again = narrator(usize::MAX);
-    reproduce(&scale(), &out, &mut again).unwrap();
+    reproduce(&scope(), &out, &mut again).unwrap();
     assert!(
         !again
             .chapters
@@ -167,28 +167,28 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     );
 
     // Another reproduction does not take these results for its own.
-    let refused = |scale: Scale| {
-        let error = reproduce(&scale, &out, &mut narrator(usize::MAX)).unwrap_err();
+    let refused = |scope: Scope| {
+        let error = reproduce(&scope, &out, &mut narrator(usize::MAX)).unwrap_err();
         error.to_string()
     };
-    let told = refused(Scale {
+    let told = refused(Scope {
         episodes: 3,
-        ..scale()
+        ..scope()
     });
     assert!(told.contains("campaigns of 2 missions"), "{told}");
-    let mut other = scale();
+    let mut other = scope();
     other.tuned.shaping.time_penalty += 0.1;
     let told = refused(other);
     assert!(told.contains("other settings"), "{told}");
     let changed = results.replacen("0x", "0xf", 1);
     std::fs::write(out.join("results.csv"), changed).unwrap();
-    let told = refused(scale());
+    let told = refused(scope());
     assert!(told.contains("of another configuration"), "{told}");
 
     // A policy that is given is flown, not trained.
-    let given = Scale {
+    let given = Scope {
         presets: vec![Preset::Paper],
-        ..scale()
+        ..scope()
     };
     let given = given
         .parts(vec![Part::Tuned])

@@ -11,7 +11,7 @@ use jcas_core::{Config, Preset as World};
 use jcas_train::device;
 use jcas_train::network::values;
 use jcas_train::policy::files::Precision;
-use jcas_train::run::Plan;
+use jcas_train::run::RunSpec;
 use jcas_train::settings::{NetworkKind, Preset, Settings};
 
 fn main() {
@@ -58,8 +58,8 @@ fn measure(name: &str, on: &Device, steps: usize) {
 }
 
 /// N = 10, n = 5 in the paper's world.
-fn plan(preset: Preset, device: &str, steps: usize) -> Plan {
-    Plan {
+fn plan(preset: Preset, device: &str, steps: usize) -> RunSpec {
+    RunSpec {
         settings: Settings {
             device: device.into(),
             batch_steps: steps,
@@ -78,7 +78,7 @@ fn plan(preset: Preset, device: &str, steps: usize) -> Plan {
 }
 
 /// How far the outputs of fresh weights for a thousand observations are from the processor's.
-fn difference(plan: &Plan, on: &Device) -> f32 {
+fn difference(plan: &RunSpec, on: &Device) -> f32 {
     let trainer = plan.trainer().expect("a plan that is legal");
     let (actor, shape) = (&trainer.actor, trainer.workers[0].shape());
     let observations: Vec<f32> = (0..1000 * shape.observation_len)

@@ -3,11 +3,11 @@
 //! The trait is the whole contract between PPO and the simulator, so that the algorithm can be
 //! tested on an environment small enough to know the best return of.
 
-pub mod finding;
+pub mod belief_map;
+pub mod detection_credit;
 pub mod fleet;
-pub mod informing;
-pub mod lesson;
-pub mod survey;
+pub mod knowledge_credit;
+pub mod task;
 
 use crate::settings::{Credit, PilotCredit};
 

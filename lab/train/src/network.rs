@@ -80,7 +80,7 @@ fn critic(of_uav: bool, added: usize, survey: usize) -> set::Critic {
 
 /// One weight matrix or bias row inside the flat parameter vector.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Block {
+pub struct Param {
     /// Name in policy files, like `0.weight`.
     pub name: String,
     /// Rows (inputs of a layer; 1 for a bias).
@@ -91,7 +91,7 @@ pub struct Block {
     pub offset: usize,
 }
 
-impl Block {
+impl Param {
     /// Entries of the block.
     pub fn len(&self) -> usize {
         self.rows * self.columns
@@ -109,7 +109,7 @@ pub struct Network {
     /// What it computes.
     pub architecture: Architecture,
     /// Its weights, in the order of the flat vector.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<Param>,
 }
 
 impl Network {
@@ -135,7 +135,7 @@ impl Network {
         let blocks = shapes
             .into_iter()
             .map(|(name, rows, columns)| {
-                let block = Block {
+                let block = Param {
                     name,
                     rows,
                     columns,
@@ -153,7 +153,7 @@ impl Network {
 
     /// Length of the flat parameter vector.
     pub fn parameters(&self) -> usize {
-        self.blocks.iter().map(Block::len).sum()
+        self.blocks.iter().map(Param::len).sum()
     }
 
     /// Fresh weights; `output_gain` scales the last layer.

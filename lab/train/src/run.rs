@@ -2,8 +2,8 @@
 
 use crate::checkpoint;
 use crate::environment::VectorEnvironment;
-use crate::environment::fleet::{Fleet, Treatment};
-use crate::environment::lesson::Lesson;
+use crate::environment::fleet::{Fleet, RewardShaping};
+use crate::environment::task::TrainingTask;
 use crate::error::TrainError;
 use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
@@ -33,7 +33,7 @@ pub const SPEED: &str = "speed.json";
 
 /// What to train, and where to put it.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct RunSpec {
     /// How to train.
     pub settings: Settings,
     /// On which missions; several make one policy for all (network `set`).
@@ -48,9 +48,9 @@ pub struct Plan {
 
 /// What a run begins with.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum Start {
     /// Random weights; a folder that holds a run already is refused.
-    Nothing,
+    Fresh,
     /// Random weights, or the run that the folder holds already.
     Resume,
     /// What the run in that folder has learnt, under whatever settings; as new as the first.
@@ -66,9 +66,9 @@ pub trait Observer {
 }
 
 /// Nobody watches.
-pub struct Unwatched;
+pub struct NoObserver;
 
-impl Observer for Unwatched {
+impl Observer for NoObserver {
     fn iteration(&mut self, _row: &Row, _total: u64, _left_s: f64) {}
 
     fn stop(&mut self) -> bool {
@@ -77,7 +77,7 @@ impl Observer for Unwatched {
 }
 
 /// How a run ended.
-pub enum Ending {
+pub enum RunOutcome {
     /// Trained to the end; the policy is written.
     Finished(Box<Card>),
     /// Stopped when asked; the checkpoint is written.
@@ -92,7 +92,7 @@ fn models(configs: &[Config]) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
         .collect()
 }
 
-impl Plan {
+impl RunSpec {
     /// Names the run in its checkpoint, so that another is not continued by mistake.
     fn identity(&self) -> String {
         let hashes: Vec<String> = self
@@ -121,32 +121,32 @@ impl Plan {
             )));
         }
         let missions = settings.environments / settings.workers;
-        let fleets: Vec<(Lesson, Treatment)> = self
+        let fleets: Vec<(TrainingTask, RewardShaping)> = self
             .configs
             .iter()
             .map(|config| {
-                let lesson = Lesson::new(config, settings)?;
+                let task = TrainingTask::new(config, settings)?;
                 let treatment =
-                    Treatment::new(settings, config.uav_count as usize, self.constant_pilot())?;
-                Ok((lesson, treatment))
+                    RewardShaping::new(settings, config.uav_count as usize, self.constant_pilot())?;
+                Ok((task, treatment))
             })
             .collect::<Result<_, _>>()
             .map_err(TrainError::Setting)?;
         let workers = (0..settings.workers)
             .map(|worker| {
-                let (lesson, treatment) = fleets[worker * count / settings.workers].clone();
-                Box::new(Fleet::new(lesson, missions, treatment)) as Box<dyn VectorEnvironment>
+                let (task, treatment) = fleets[worker * count / settings.workers].clone();
+                Box::new(Fleet::new(task, missions, treatment)) as Box<dyn VectorEnvironment>
             })
             .collect();
         Trainer::new(settings.clone(), workers).map_err(TrainError::Setting)
     }
 
     /// The trainer as the run begins.
-    fn begin(&self, origin: &Origin) -> Result<Trainer, TrainError> {
+    fn begin(&self, origin: &Start) -> Result<Trainer, TrainError> {
         let checkpoint = self.out.join(CHECKPOINT);
         let mut trainer = self.trainer()?;
         match origin {
-            Origin::Resume if checkpoint.exists() => {
+            Start::Resume if checkpoint.exists() => {
                 checkpoint::load(&mut trainer, &self.identity(), &checkpoint)?;
             }
             _ if checkpoint.exists() => {
@@ -155,10 +155,10 @@ impl Plan {
                     self.out.display()
                 )));
             }
-            Origin::Run(folder) => {
+            Start::Run(folder) => {
                 checkpoint::load_learnt(&mut trainer, &folder.join(CHECKPOINT))?;
             }
-            Origin::Nothing | Origin::Resume => {}
+            Start::Fresh | Start::Resume => {}
         }
         Ok(trainer)
     }
@@ -166,13 +166,13 @@ impl Plan {
     /// Trains to the end, or until the observer stops it.
     pub fn train(
         &self,
-        origin: &Origin,
+        origin: &Start,
         observer: &mut dyn Observer,
-    ) -> Result<Ending, TrainError> {
+    ) -> Result<RunOutcome, TrainError> {
         let mut trainer = self.begin(origin)?;
         std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
         let checkpoint = self.out.join(CHECKPOINT);
-        if let Origin::Run(_) = origin {
+        if let Start::Run(_) = origin {
             // The settings do not say what it began with: killed before its first batch, it could not go on.
             checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
         }
@@ -185,7 +185,7 @@ impl Plan {
             if observer.stop() {
                 checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
                 metrics.write()?;
-                return Ok(Ending::Stopped);
+                return Ok(RunOutcome::Stopped);
             }
             let iteration = trainer.iterate();
             let samples = trainer
@@ -253,7 +253,7 @@ impl Plan {
     }
 
     /// Evaluates in every mode, keeps the best, writes policy and speed.
-    fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<Ending, TrainError> {
+    fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<RunOutcome, TrainError> {
         let actor = self.actor(trainer);
         let started = Instant::now();
         let evaluations = self.evaluations(&actor)?;
@@ -285,7 +285,7 @@ impl Plan {
             let text = serde_json::to_string_pretty(speed).map_err(TrainError::format(&path))?;
             write_whole(&path, (text + "\n").as_bytes())?;
         }
-        Ok(Ending::Finished(Box::new(card)))
+        Ok(RunOutcome::Finished(Box::new(card)))
     }
 }
 

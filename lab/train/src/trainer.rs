@@ -6,7 +6,9 @@ use crate::network::{Architecture, Network, set};
 use crate::ppo::gae::{self, Trajectories};
 use crate::ppo::normalise::Running;
 use crate::ppo::rollout::{ActingPolicy, Rollout, collect};
-use crate::ppo::update::{ActorObjective, CriticObjective, Pass, Step, Sums, Trainable, evaluate};
+use crate::ppo::update::{
+    ActorObjective, CriticObjective, Learner, MinibatchSettings, Trainable, UpdateStats, evaluate,
+};
 use crate::random::{Purpose, stream_for};
 use crate::settings::{CriticInput, NetworkKind, PilotCredit, Settings};
 use burn_tensor::Device;
@@ -22,10 +24,10 @@ pub struct Iteration {
     pub environment_steps: u64,
     /// Missions that ended in it.
     pub finished: Vec<Episode>,
-    /// Sums over the actor's epochs.
-    pub actor: Sums,
-    /// Sums over the critic's epochs.
-    pub critic: Sums,
+    /// UpdateStats over the actor's epochs.
+    pub actor: UpdateStats,
+    /// UpdateStats over the critic's epochs.
+    pub critic: UpdateStats,
     /// 1 − Var(target − value)/Var(target).
     pub explained_variance: f64,
     /// Learning rate of the actor.
@@ -166,7 +168,7 @@ impl Trainer {
         let collecting = started.elapsed();
 
         let started_learning = Instant::now();
-        self.look_back(&mut rollouts);
+        self.compute_advantages(&mut rollouts);
         let explained_variance = explained_variance(&rollouts);
         let (actor, critic, epochs, learning_rate) = self.learn(&rollouts);
         let learning = started_learning.elapsed();
@@ -235,7 +237,7 @@ impl Trainer {
     }
 
     /// Values, advantages and targets of every row.
-    fn look_back(&self, rollouts: &mut [Rollout]) {
+    fn compute_advantages(&self, rollouts: &mut [Rollout]) {
         let input = self.settings.critic_input;
         let (offset, scale) = self.value_units();
         for rollout in rollouts {
@@ -249,8 +251,8 @@ impl Trainer {
             };
             rollout.critic_features = features(&rollout.critic_inputs(input));
             let values = value(&rollout.critic_features);
-            let ending_values = value(&features(&rollout.ending_inputs(input)));
-            let next_values = rollout.next_values(&values, &ending_values);
+            let final_values = value(&features(&rollout.final_inputs(input)));
+            let next_values = rollout.next_values(&values, &final_values);
             let (advantages, targets) = gae::advantages(
                 &Trajectories {
                     environments: rollout.shape.environments,
@@ -269,7 +271,7 @@ impl Trainer {
         }
     }
 
-    fn learn(&mut self, rollouts: &[Rollout]) -> (Sums, Sums, usize, f64) {
+    fn learn(&mut self, rollouts: &[Rollout]) -> (UpdateStats, UpdateStats, usize, f64) {
         if self.settings.normalise_values {
             rollouts
                 .iter()
@@ -277,7 +279,7 @@ impl Trainer {
         }
         let settings = &self.settings;
         let autodiff = self.device.clone().autodiff();
-        let pass = Pass {
+        let learner = Learner {
             rollouts,
             device: &autodiff,
         };
@@ -285,13 +287,13 @@ impl Trainer {
         let progress = self.iterations as f64 / settings.iterations().max(1) as f64;
         let factor = settings.schedule.factor(progress);
         let rate = settings.learning_rate * factor;
-        let actor_step = Step {
+        let actor_step = MinibatchSettings {
             minibatch_rows: settings.minibatch_rows,
             shard_rows: settings.shard_rows(),
             learning_rate: rate,
             gradient_norm_max: settings.gradient_norm_max,
         };
-        let critic_step = Step {
+        let critic_step = MinibatchSettings {
             minibatch_rows: settings.critic_minibatch_rows,
             shard_rows: settings.shard_rows().min(settings.critic_minibatch_rows),
             ..actor_step
@@ -313,14 +315,15 @@ impl Trainer {
             units: self.value_units(),
         };
 
-        let (mut actor_sums, mut critic_sums) = (Sums::default(), Sums::default());
+        let (mut actor_sums, mut critic_sums) = (UpdateStats::default(), UpdateStats::default());
         let mut epochs_run = 0;
-        let over =
-            |sums: &Sums, kl: Option<f64>| kl.is_some_and(|kl| sums.kl / sums.rows.max(1.0) > kl);
+        let over = |sums: &UpdateStats, kl: Option<f64>| {
+            kl.is_some_and(|kl| sums.kl / sums.rows.max(1.0) > kl)
+        };
         for epoch in 0..settings.epochs as u64 {
             let mut random =
                 stream_for(settings.seed, Purpose::Minibatches, self.iterations, epoch);
-            let critic = pass.improve_critic(
+            let critic = learner.improve_critic(
                 &mut self.critic,
                 &critic_objective,
                 &critic_step,
@@ -332,7 +335,7 @@ impl Trainer {
             }
             let before = self.actor.clone();
             // The log shows the last epoch: the one that the policy leaves with, or that it was kept from.
-            actor_sums = pass.improve_actor(
+            actor_sums = learner.improve_actor(
                 &mut self.actor,
                 settings.head,
                 &objective,

@@ -6,7 +6,7 @@ use jcas_core::Config;
 use jcas_train::device;
 use jcas_train::network::{flat_gradient, values};
 use jcas_train::policy::files::Precision;
-use jcas_train::run::Plan;
+use jcas_train::run::RunSpec;
 use jcas_train::settings::{NetworkKind, Preset, Settings};
 use std::io::Write;
 
@@ -27,8 +27,8 @@ fn gpus() -> Vec<(&'static str, Device)> {
     found
 }
 
-fn plan(network: NetworkKind, device: &str) -> Plan {
-    Plan {
+fn plan(network: NetworkKind, device: &str) -> RunSpec {
+    RunSpec {
         settings: Settings {
             network,
             device: device.into(),

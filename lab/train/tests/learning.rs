@@ -155,7 +155,7 @@ fn credit_for_each_uav_learns_faster_than_the_team_s() {
 fn fleets_learn_missions_from_nothing() {
     use jcas_core::{Config, Preset as World};
     use jcas_train::policy::files::Precision;
-    use jcas_train::run::Plan;
+    use jcas_train::run::RunSpec;
     use jcas_train::settings::NetworkKind;
 
     let tuned = Settings::preset(Preset::Tuned);
@@ -165,7 +165,7 @@ fn fleets_learn_missions_from_nothing() {
     };
     for (settings, batches) in [(tuned, 20), (mlp, 110)] {
         let network = settings.network;
-        let plan = Plan {
+        let plan = RunSpec {
             settings: Settings {
                 environments: 40,
                 batch_steps: 1280,

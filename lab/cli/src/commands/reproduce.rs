@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 use jcas_cli::error::{CliError, Outcome};
 use jcas_cli::options::ThreadOptions;
 use jcas_cli::{files, interrupt};
-use jcas_reproduce::plan::{Part, Scale};
-use jcas_reproduce::{Narrator, Progress, publish, reproduce};
+use jcas_reproduce::scope::{Part, Scope};
+use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
 use jcas_train::settings::Credit;
@@ -125,15 +125,15 @@ pub struct Reproduce {
 impl Reproduce {
     /// Does what is missing.
     pub fn run(self) -> Result<Outcome, CliError> {
-        let scale = if self.quick {
-            Scale::quick(self.seeds)
+        let scope = if self.quick {
+            Scope::quick(self.seeds)
         } else {
-            Scale::full(self.seeds)
+            Scope::full(self.seeds)
         };
-        let scale = if self.only.is_empty() {
-            scale
+        let scope = if self.only.is_empty() {
+            scope
         } else {
-            scale.parts(
+            scope.parts(
                 self.only
                     .iter()
                     .flat_map(|only| only.parts())
@@ -141,18 +141,18 @@ impl Reproduce {
                     .collect(),
             )
         };
-        let scale = Scale {
+        let scope = Scope {
             paper_credit: self.credit.map(Credit::from),
-            ..scale.only(&self.uavs, &self.hotspots, &self.paper_hotspots)
+            ..scope.only(&self.uavs, &self.hotspots, &self.paper_hotspots)
         }
         .with(self.policy.clone());
         files::prepare_folder(&self.out)?;
         let progress = self
             .threads
-            .run(|| reproduce(&scale, &self.out, &mut Teller))?
+            .run(|| reproduce(&scope, &self.out, &mut ConsoleProgress))?
             .map_err(failed)?;
         if let Some(page) = &self.page {
-            publish(&scale, &self.out, page).map_err(failed)?;
+            publish(&scope, &self.out, page).map_err(failed)?;
         }
         let report = self.out.join("report.html");
         match progress {
@@ -169,9 +169,9 @@ impl Reproduce {
 }
 
 /// Tells the chapters, and about ten lines of each training.
-struct Teller;
+struct ConsoleProgress;
 
-impl Observer for Teller {
+impl Observer for ConsoleProgress {
     fn iteration(&mut self, row: &Row, total: u64, left_s: f64) {
         if row.iteration.is_multiple_of((total / 10).max(1)) {
             eprintln!(
@@ -188,7 +188,7 @@ impl Observer for Teller {
     }
 }
 
-impl Narrator for Teller {
+impl ProgressSink for ConsoleProgress {
     fn chapter(&mut self, title: &str) {
         eprintln!("{title}");
     }

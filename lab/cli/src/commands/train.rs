@@ -11,7 +11,7 @@ use jcas_core::{Config, Model, TargetVisibility};
 use jcas_episode::card::Card;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
-use jcas_train::run::{Ending, Observer, Origin, Plan};
+use jcas_train::run::{Observer, RunOutcome, RunSpec, Start};
 use jcas_train::settings::{Preset, Settings};
 use toml::Table;
 
@@ -20,7 +20,7 @@ use super::failed;
 const EXAMPLES: &str = "\
 Examples:
   jcas-lab train --uavs 10 --hotspots 5 --out run
-  jcas-lab train --training paper --preset paper --uavs 15 --hotspots 3,5,7 --out runs
+  jcas-lab train --train-preset paper --preset paper --uavs 15 --hotspots 3,5,7 --out runs
   jcas-lab train --uavs 5,10 --hotspots 3,5 --out run
   jcas-lab train --preset search --uavs 10 --hotspots 5 --out run
   jcas-lab train --out run --resume
@@ -69,10 +69,10 @@ pub struct Train {
     /// Training settings to start from [default: search where hotspots are hidden, mission where no UAV detects one from
     /// a neighbouring cell, else tuned]
     #[arg(long, value_enum, help_heading = "Training")]
-    training: Option<TrainingPreset>,
+    train_preset: Option<TrainingPreset>,
     /// TOML or JSON file whose settings replace those of the preset
     #[arg(long, value_name = "FILE", help_heading = "Training")]
-    train_config: Option<PathBuf>,
+    train_file: Option<PathBuf>,
     /// One setting; may be repeated; comes after the file
     #[arg(long, value_name = "SETTING=VALUE", help_heading = "Training")]
     train_set: Vec<String>,
@@ -121,31 +121,31 @@ impl Train {
             .map_err(failed)?;
         watcher.bar.finish_and_clear();
         match ending {
-            Ending::Finished(card) => {
+            RunOutcome::Finished(card) => {
                 files::print(&summary(&card, &plan))?;
                 Ok(Outcome::Done)
             }
-            Ending::Stopped => Err(CliError::Interrupted(format!(
+            RunOutcome::Stopped => Err(CliError::Interrupted(format!(
                 "stopped; the run is saved in {}, go on with --resume",
                 plan.out.display()
             ))),
         }
     }
 
-    fn origin(&self) -> Origin {
+    fn origin(&self) -> Start {
         match &self.from {
-            Some(folder) => Origin::Run(folder.clone()),
-            None if self.resume => Origin::Resume,
-            None => Origin::Nothing,
+            Some(folder) => Start::Run(folder.clone()),
+            None if self.resume => Start::Resume,
+            None => Start::Fresh,
         }
     }
 
-    fn plan(&self, settings: Settings) -> Result<Plan, CliError> {
+    fn plan(&self, settings: Settings) -> Result<RunSpec, CliError> {
         let name = self
             .name
             .clone()
             .or_else(|| Some(self.out.file_name()?.to_string_lossy().into_owned()));
-        Ok(Plan {
+        Ok(RunSpec {
             settings,
             configs: self.configs()?,
             out: self.out.clone(),
@@ -181,7 +181,7 @@ impl Train {
     }
 
     fn settings(&self) -> Result<Settings, CliError> {
-        let preset = match self.training {
+        let preset = match self.train_preset {
             Some(TrainingPreset::Tuned) => Preset::Tuned,
             Some(TrainingPreset::Search) => Preset::Search,
             Some(TrainingPreset::Mission) => Preset::Mission,
@@ -189,7 +189,7 @@ impl Train {
             None => fitting(&self.config.source()?.resolve()?)?,
         };
         let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;
-        if let Some(path) = &self.train_config {
+        if let Some(path) = &self.train_file {
             let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
             let json = path
                 .extension()
@@ -270,7 +270,7 @@ fn assign(table: &mut Table, assignment: &str) -> Result<(), CliError> {
 }
 
 /// What came of the run, for people.
-fn summary(card: &Card, plan: &Plan) -> String {
+fn summary(card: &Card, plan: &RunSpec) -> String {
     let mut text = format!(
         "{}: trained for {} environment steps; flown {:?} from now on\n\n",
         plan.out.display(),

@@ -9,7 +9,7 @@ const UAV: f32 = 0.5;
 
 /// Maps of some missions: chances of all cells, the highest as 1, then UAVs of all cells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Survey {
+pub struct SearchBeliefMap {
     /// Cells of the grid along each axis that are drawn as one.
     side: u32,
     /// Cells of a map along each axis.
@@ -17,15 +17,15 @@ pub struct Survey {
     maps: Vec<f32>,
 }
 
-impl Survey {
+impl SearchBeliefMap {
     /// Of so many missions; nothing is drawn yet.
-    pub fn new(missions: usize, model: &Model<'_>) -> Survey {
+    pub fn new(missions: usize, model: &Model<'_>) -> SearchBeliefMap {
         let config = model.config();
         let grid = [config.grid_width, config.grid_height];
         let side = grid[0].max(grid[1]).div_ceil(AXIS_MAX);
         let axes = grid.map(|cells| cells.div_ceil(side));
         let floats = missions * 2 * (axes[0] * axes[1]) as usize;
-        Survey {
+        SearchBeliefMap {
             side,
             axes,
             maps: vec![0.0; floats],
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use jcas_core::{Cell, Config, Preset, Sim};
 
-    fn drawn(width: u32, height: u32, starts: &[Cell], missed: &[f64]) -> Survey {
+    fn drawn(width: u32, height: u32, starts: &[Cell], missed: &[f64]) -> SearchBeliefMap {
         let config = Config {
             grid_width: width,
             grid_height: height,
@@ -86,7 +86,7 @@ mod tests {
         let mut sim = Sim::new(&model);
         sim.reset(1);
         sim.set_starts(starts).unwrap();
-        let mut survey = Survey::new(2, &model);
+        let mut survey = SearchBeliefMap::new(2, &model);
         survey.draw(1, &model, &sim.state(), missed);
         survey
     }

@@ -12,7 +12,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 
 /// What the searches of some missions have not found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct DetectionCredit {
     cells: usize,
     /// Of each mission and cell, where hotspots are hidden: the chance that one there would be unconfirmed still;
     /// where they are known: how many there are.
@@ -43,12 +43,12 @@ struct Chance {
     highest: f64,
 }
 
-impl Finding {
+impl DetectionCredit {
     /// Of so many missions, none of which has begun.
-    pub fn new(missions: usize, model: &Model<'_>) -> Finding {
+    pub fn new(missions: usize, model: &Model<'_>) -> DetectionCredit {
         let config = model.config();
         let cells = (config.grid_width * config.grid_height) as usize;
-        Finding {
+        DetectionCredit {
             cells,
             missed: vec![1.0; missions * cells],
             open: vec![0; missions],
@@ -319,7 +319,7 @@ mod tests {
         let mut missed = vec![1.0; cells.len()];
         let mut sim = Sim::new(&model);
         sim.reset(3);
-        let mut finding = Finding::new(2, &model);
+        let mut finding = DetectionCredit::new(2, &model);
         finding.start(1, &model, &sim.state());
         let (mut gains, mut by_pilot) = ([0.0; 5], [0.0; 5]);
         for _ in 0..2 {
@@ -383,7 +383,7 @@ mod tests {
         let mut sim = Sim::new(&model);
         sim.reset(1);
         sim.set_starts(&[sim.state().hotspot_cell(0); 3]).unwrap();
-        let mut finding = Finding::new(1, &model);
+        let mut finding = DetectionCredit::new(1, &model);
         finding.start(0, &model, &sim.state());
         let (mut gains, mut by_pilot) = ([0.0; 3], [0.0; 3]);
         sim.step(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).unwrap();
@@ -402,14 +402,14 @@ mod tests {
         let model = Model::new(Config::preset(Preset::Search)).unwrap();
         let mut sim = Sim::new(&model);
         sim.reset(5);
-        let mut finding = Finding::new(1, &model);
+        let mut finding = DetectionCredit::new(1, &model);
         finding.start(0, &model, &sim.state());
         let mut gains = vec![0.0; model.uav_count()];
         let mut by_pilot = gains.clone();
         let actions = vec![0.3; 2 * model.uav_count()];
         sim.step(&actions).unwrap();
         finding.gained(0, &model, &sim.state(), &mut gains, &mut by_pilot);
-        let mut other = Finding::new(1, &model);
+        let mut other = DetectionCredit::new(1, &model);
         other.start(0, &model, &sim.state());
         assert_ne!(other.missed, finding.missed);
         other.load(finding.save());

@@ -1,9 +1,9 @@
 //! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
 
-use super::finding::Finding;
-use super::informing::{Informed, Informing};
-use super::lesson::Lesson;
-use super::survey::Survey;
+use super::belief_map::SearchBeliefMap;
+use super::detection_credit::DetectionCredit;
+use super::knowledge_credit::{Informed, KnowledgeCredit};
+use super::task::TrainingTask;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::settings::Settings;
 use jcas_core::batch::BatchOut;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// What training changes about the missions it flies.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Treatment {
+pub struct RewardShaping {
     /// Factor on each reward component.
     pub factors: [f64; COMPONENTS],
     /// Those of them that a pilot density has to do with in the same step; 0 elsewhere.
@@ -34,15 +34,15 @@ pub struct Treatment {
     pub constant_pilot: Option<f32>,
 }
 
-impl Treatment {
+impl RewardShaping {
     /// Of fleets of so many UAVs, from the settings' names; an unknown component is refused.
     pub fn new(
         settings: &Settings,
         uavs: usize,
         constant_pilot: Option<f32>,
-    ) -> Result<Treatment, String> {
+    ) -> Result<RewardShaping, String> {
         let weights = settings.shaping_weights(uavs);
-        let mut treatment = Treatment {
+        let mut treatment = RewardShaping {
             factors: [1.0; COMPONENTS],
             pilot_factors: [0.0; COMPONENTS],
             time_penalty: weights.time_penalty,
@@ -91,11 +91,11 @@ fn paid(components: &[f64], factors: &[f64; COMPONENTS]) -> f64 {
 
 /// Missions of one configuration side by side.
 pub struct Fleet {
-    lesson: Lesson,
+    task: TrainingTask,
     stage: u64,
     seed: u64,
     model: Arc<Model<'static>>,
-    treatment: Treatment,
+    treatment: RewardShaping,
     environments: usize,
     states: Vec<u64>,
     scratch: Vec<u64>,
@@ -104,12 +104,12 @@ pub struct Fleet {
     final_global: Vec<f32>,
     components: Vec<f64>,
     uav_components: Vec<f64>,
-    informing: Informing,
+    informing: KnowledgeCredit,
     informed: Informed,
     /// Where it is paid for.
-    finding: Option<Finding>,
+    finding: Option<DetectionCredit>,
     /// Where the critic sees it.
-    survey: Option<Survey>,
+    survey: Option<SearchBeliefMap>,
     /// What training pays each UAV of a mission besides, and what it is paid for.
     extra: [Vec<f64>; 2],
     /// Confirmations that each UAV of a mission owes to its pilot density.
@@ -122,12 +122,12 @@ pub struct Fleet {
 
 impl Fleet {
     /// `environments` missions, reset with seed 0.
-    pub fn new(lesson: Lesson, environments: usize, treatment: Treatment) -> Fleet {
-        let stage = lesson.stage(0);
-        let model = lesson.model(stage);
+    pub fn new(task: TrainingTask, environments: usize, treatment: RewardShaping) -> Fleet {
+        let stage = task.stage(0);
+        let model = task.model(stage);
         let uavs = model.uav_count();
         let mut fleet = Fleet {
-            lesson,
+            task,
             stage,
             seed: 0,
             environments,
@@ -138,12 +138,13 @@ impl Fleet {
             final_global: vec![0.0; environments * model.global_len()],
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
-            informing: Informing::new(environments, uavs),
+            informing: KnowledgeCredit::new(environments, uavs),
             informed: Informed::default(),
-            finding: (treatment.detection != 0.0).then(|| Finding::new(environments, &model)),
+            finding: (treatment.detection != 0.0)
+                .then(|| DetectionCredit::new(environments, &model)),
             survey: treatment
                 .critic_survey
-                .then(|| Survey::new(environments, &model)),
+                .then(|| SearchBeliefMap::new(environments, &model)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
@@ -160,9 +161,9 @@ impl Fleet {
     /// What missions of a stage are flown with.
     fn enter(&mut self, stage: u64) {
         self.stage = stage;
-        self.model = self.lesson.model(stage);
+        self.model = self.task.model(stage);
         if let Some(finding) = &mut self.finding {
-            *finding = Finding::new(self.environments, &self.model);
+            *finding = DetectionCredit::new(self.environments, &self.model);
         }
     }
 
@@ -210,13 +211,13 @@ impl Fleet {
 
     /// Floats of the global state that the kernel does not write.
     fn survey_len(&self) -> usize {
-        self.survey.as_ref().map_or(0, Survey::map_len)
+        self.survey.as_ref().map_or(0, SearchBeliefMap::map_len)
     }
 
     /// What the critic sees of each mission: the state, and behind it the map that was last drawn.
     fn join(&self, states: &[f32], out: &mut [f32]) {
         let (state_len, map_len) = (self.model.global_len(), self.survey_len());
-        let maps = self.survey.as_ref().map_or(&[][..], Survey::maps);
+        let maps = self.survey.as_ref().map_or(&[][..], SearchBeliefMap::maps);
         for (m, row) in out.chunks_exact_mut(state_len + map_len).enumerate() {
             let (state, map) = row.split_at_mut(state_len);
             state.copy_from_slice(&states[m * state_len..(m + 1) * state_len]);
@@ -304,7 +305,7 @@ impl VectorEnvironment for Fleet {
     }
 
     fn begin_batch(&mut self, batch: u64) {
-        let stage = self.lesson.stage(batch);
+        let stage = self.task.stage(batch);
         if stage != self.stage {
             self.enter(stage);
             self.start(derive_seed(self.seed, u64::MAX - stage));
@@ -384,7 +385,7 @@ impl VectorEnvironment for Fleet {
     }
 
     fn save(&self) -> Vec<u8> {
-        let finding = self.finding.iter().flat_map(Finding::save);
+        let finding = self.finding.iter().flat_map(DetectionCredit::save);
         std::iter::once(self.stage)
             .chain(self.states.iter().copied())
             .chain(finding)
@@ -394,7 +395,7 @@ impl VectorEnvironment for Fleet {
 
     /// The stage, the states, what has not been found where that is paid for; observations follow.
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let finding = self.finding.as_ref().map_or(0, Finding::words);
+        let finding = self.finding.as_ref().map_or(0, DetectionCredit::words);
         let expected = (1 + self.states.len() + finding) * 8;
         if bytes.len() != expected {
             return Err(format!(
@@ -463,12 +464,13 @@ mod tests {
             }),
             ..Settings::preset(Preset::Search)
         };
-        let lesson = Lesson::new(&Config::preset(jcas_core::Preset::Search), &settings).unwrap();
-        let treatment = Treatment::new(&settings, 10, None).unwrap();
-        let mut fleet = Fleet::new(lesson, 2, treatment);
+        let task =
+            TrainingTask::new(&Config::preset(jcas_core::Preset::Search), &settings).unwrap();
+        let treatment = RewardShaping::new(&settings, 10, None).unwrap();
+        let mut fleet = Fleet::new(task, 2, treatment);
         let (first, saved) = (fleet.finding.clone(), fleet.save());
         fleet.begin_batch(1);
-        let mut fresh = Finding::new(2, &fleet.model);
+        let mut fresh = DetectionCredit::new(2, &fleet.model);
         for (m, words) in fleet.states.chunks(fleet.model.state_words()).enumerate() {
             fresh.start(m, &fleet.model, &fleet.model.state(words).unwrap());
         }

@@ -8,7 +8,7 @@ use jcas_core::{Model, StateRef};
 
 /// What the UAVs of some missions knew when they were last looked at, and where.
 #[derive(Clone, Debug)]
-pub struct Informing {
+pub struct KnowledgeCredit {
     uavs: usize,
     /// Hotspots that each UAV knows to be confirmed.
     known: Vec<u32>,
@@ -27,10 +27,10 @@ pub struct Informed {
     pub cells: Vec<f64>,
 }
 
-impl Informing {
+impl KnowledgeCredit {
     /// Of so many missions of so many UAVs each, none of which has been looked at.
-    pub fn new(missions: usize, uavs: usize) -> Informing {
-        Informing {
+    pub fn new(missions: usize, uavs: usize) -> KnowledgeCredit {
+        KnowledgeCredit {
             uavs,
             known: vec![0; missions * uavs],
             ways: vec![0; missions * uavs],
@@ -119,7 +119,7 @@ mod tests {
         };
         let model = Model::new(config).unwrap();
         let mut sim = Sim::new(&model);
-        let mut informing = Informing::new(2, 4);
+        let mut informing = KnowledgeCredit::new(2, 4);
         let (mut news, mut nearer) = (0.0, 0.0);
         for seed in 0..20 {
             sim.reset(seed);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 /// A mission while training, from the first batch to the last.
 #[derive(Clone)]
-pub struct Lesson {
+pub struct TrainingTask {
     model: Arc<Model<'static>>,
     curriculum: Option<Curriculum>,
 }
@@ -16,10 +16,10 @@ fn built(config: Config) -> Result<Arc<Model<'static>>, String> {
     Ok(Arc::new(model))
 }
 
-impl Lesson {
+impl TrainingTask {
     /// The mission of a configuration under these settings; what the configuration does not allow is
     /// refused.
-    pub fn new(config: &Config, settings: &Settings) -> Result<Lesson, String> {
+    pub fn new(config: &Config, settings: &Settings) -> Result<TrainingTask, String> {
         let mut fields = serde_json::to_value(config).map_err(|error| error.to_string())?;
         for (name, value) in &settings.config_overrides {
             let field = fields.get_mut(name).ok_or_else(|| {
@@ -29,15 +29,15 @@ impl Lesson {
         }
         let config =
             serde_json::from_value(fields).map_err(|error| format!("config_overrides: {error}"))?;
-        let lesson = Lesson {
+        let task = TrainingTask {
             model: built(config).map_err(|error| format!("config_overrides: {error}"))?,
             curriculum: settings.curriculum,
         };
-        if let Some(Curriculum { threshold_db, .. }) = lesson.curriculum {
-            built(lesson.with_threshold(threshold_db))
+        if let Some(Curriculum { threshold_db, .. }) = task.curriculum {
+            built(task.with_threshold(threshold_db))
                 .map_err(|error| format!("curriculum.threshold_db: {error}"))?;
         }
-        Ok(lesson)
+        Ok(task)
     }
 
     fn with_threshold(&self, threshold_db: f64) -> Config {
@@ -112,9 +112,9 @@ mod tests {
             detection_threshold_db: Some(12.0),
             ..Config::default()
         };
-        let lesson = Lesson::new(&config, &settings()).unwrap();
+        let task = TrainingTask::new(&config, &settings()).unwrap();
         let thresholds = [0, 1, 2, 7, 8, 100]
-            .map(|batch| lesson.model(lesson.stage(batch)).detection_threshold_db());
+            .map(|batch| task.model(task.stage(batch)).detection_threshold_db());
         assert_eq!(thresholds, [-20.0, -20.0, -12.0, 4.0, 12.0, 12.0]);
         let expected = Config {
             quorum: 2,
@@ -122,7 +122,7 @@ mod tests {
             inform_payment: InformPayment::EveryStep,
             ..config
         };
-        assert_eq!(*lesson.model(4).config(), expected);
+        assert_eq!(*task.model(4).config(), expected);
     }
 
     #[test]
@@ -130,7 +130,9 @@ mod tests {
         let refused = |name: &str, value: Value| {
             let mut settings = settings();
             settings.config_overrides = mission([(name, value)]);
-            Lesson::new(&Config::default(), &settings).err().unwrap()
+            TrainingTask::new(&Config::default(), &settings)
+                .err()
+                .unwrap()
         };
         assert!(refused("shaping", 1.into()).contains("config_overrides.shaping"));
         assert!(refused("quorum", 1.5.into()).contains("config_overrides"));
@@ -141,7 +143,9 @@ mod tests {
             batches: 3,
             stages: 3,
         });
-        let told = Lesson::new(&Config::default(), &settings).err().unwrap();
+        let told = TrainingTask::new(&Config::default(), &settings)
+            .err()
+            .unwrap();
         assert!(told.contains("curriculum.threshold_db"), "{told}");
     }
 }

@@ -1,11 +1,11 @@
 //! Orthogonal initial weights (Saxe et al., 2014), the usual start for PPO with ReLU.
 
-use super::Block;
+use super::Param;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Orthogonal matrices with gain √2, zero biases, and `output_gain` for the last matrix.
-pub(super) fn orthogonal(blocks: &[Block], output_gain: f64, random: &mut ChaCha8Rng) -> Vec<f32> {
+pub(super) fn orthogonal(blocks: &[Param], output_gain: f64, random: &mut ChaCha8Rng) -> Vec<f32> {
     let last = blocks.iter().rposition(|block| block.rows > 1).unwrap_or(0);
     let mut parameters = Vec::new();
     for (index, block) in blocks.iter().enumerate() {

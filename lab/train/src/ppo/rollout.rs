@@ -39,7 +39,7 @@ pub struct Rollout {
     /// T × M.
     pub truncated: Vec<bool>,
     /// What steps led to where the next row does not hold it.
-    pub endings: Vec<Ending>,
+    pub final_states: Vec<FinalState>,
     /// Missions finished meanwhile.
     pub finished: Vec<Episode>,
     /// Advantages, T × M or T × M·N (by the learner).
@@ -56,7 +56,7 @@ pub struct Rollout {
 
 /// The state that a mission's step led to.
 #[derive(Clone, Debug)]
-pub struct Ending {
+pub struct FinalState {
     /// Mission and step, a row of T × M.
     pub row: usize,
     /// The global state, S.
@@ -157,7 +157,7 @@ impl Rollout {
             pilot_gains: Vec::with_capacity(steps * out.pilot_gains.len()),
             terminated: vec![false; missions],
             truncated: vec![false; missions],
-            endings: Vec::new(),
+            final_states: Vec::new(),
             finished: Vec::new(),
             advantages: Vec::new(),
             targets: Vec::new(),
@@ -187,9 +187,9 @@ impl Rollout {
         self.truncated[rows.clone()].copy_from_slice(&out.truncated);
         for (m, row) in rows.enumerate() {
             if out.truncated[m] && !out.terminated[m] {
-                let ending =
-                    Ending::of(&self.shape, row, &out.final_global, &out.final_observations);
-                self.endings.push(ending);
+                let last =
+                    FinalState::of(&self.shape, row, &out.final_global, &out.final_observations);
+                self.final_states.push(last);
             }
         }
         self.finished.extend_from_slice(&out.finished);
@@ -204,8 +204,8 @@ impl Rollout {
         let first = (self.steps - 1) * shape.environments;
         for row in first..first + shape.environments {
             if !self.terminated[row] && !self.truncated[row] {
-                self.endings
-                    .push(Ending::of(&shape, row, &global, &observations));
+                self.final_states
+                    .push(FinalState::of(&shape, row, &global, &observations));
             }
         }
     }
@@ -248,16 +248,15 @@ impl Rollout {
         out
     }
 
-    /// What it sees in the endings, one after the other.
-    pub fn ending_inputs(&self, input: CriticInput) -> Vec<f32> {
+    /// What it sees in the final_states, one after the other.
+    pub fn final_inputs(&self, input: CriticInput) -> Vec<f32> {
         let mut out = Vec::new();
-        for ending in &self.endings {
+        for last in &self.final_states {
             match input {
-                CriticInput::State => out.extend_from_slice(&ending.global),
+                CriticInput::State => out.extend_from_slice(&last.global),
                 CriticInput::StateAndUav => {
-                    for observation in ending.observations.chunks_exact(self.shape.observation_len)
-                    {
-                        out.extend_from_slice(&ending.global);
+                    for observation in last.observations.chunks_exact(self.shape.observation_len) {
+                        out.extend_from_slice(&last.global);
                         out.extend_from_slice(observation);
                     }
                 }
@@ -266,27 +265,27 @@ impl Rollout {
         out
     }
 
-    /// V(s_{t+1}) of every row from the values of all rows and of the endings.
-    pub fn next_values(&self, values: &[f32], ending_values: &[f32]) -> Vec<f32> {
+    /// V(s_{t+1}) of every row from the values of all rows and of the final_states.
+    pub fn next_values(&self, values: &[f32], final_values: &[f32]) -> Vec<f32> {
         let per_mission = values.len() / self.missions();
         let later = self.shape.environments * per_mission;
         let mut next: Vec<f32> = (0..values.len())
             .map(|row| values.get(row + later).copied().unwrap_or(0.0))
             .collect();
-        let ending_values = ending_values.chunks_exact(per_mission);
-        for (ending, values) in self.endings.iter().zip(ending_values) {
-            next[ending.row * per_mission..][..per_mission].copy_from_slice(values);
+        let final_values = final_values.chunks_exact(per_mission);
+        for (last, values) in self.final_states.iter().zip(final_values) {
+            next[last.row * per_mission..][..per_mission].copy_from_slice(values);
         }
         next
     }
 }
 
-impl Ending {
+impl FinalState {
     /// From the states of all missions in the step that `row` belongs to.
-    fn of(shape: &Shape, row: usize, global: &[f32], observations: &[f32]) -> Ending {
+    fn of(shape: &Shape, row: usize, global: &[f32], observations: &[f32]) -> FinalState {
         let m = row % shape.environments;
         let own = shape.agents * shape.observation_len;
-        Ending {
+        FinalState {
             row,
             global: global[m * shape.global_len..(m + 1) * shape.global_len].to_vec(),
             observations: observations[m * own..(m + 1) * own].to_vec(),
@@ -307,8 +306,8 @@ impl CriticInput {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::fleet::{Fleet, Treatment};
-    use crate::environment::lesson::Lesson;
+    use crate::environment::fleet::{Fleet, RewardShaping};
+    use crate::environment::task::TrainingTask;
     use crate::network::Architecture;
     use crate::settings::{Preset, Settings};
     use jcas_core::Config;
@@ -318,10 +317,10 @@ mod tests {
     #[test]
     fn uavs_of_a_cell_share_out_their_motions() {
         let settings = Settings::preset(Preset::Tuned);
-        let lesson = Lesson::new(&Config::default(), &settings).unwrap();
+        let task = TrainingTask::new(&Config::default(), &settings).unwrap();
         let uavs = Config::default().uav_count as usize;
-        let treatment = Treatment::new(&settings, uavs, None).unwrap();
-        let mut fleet = Fleet::new(lesson, 60, treatment);
+        let treatment = RewardShaping::new(&settings, uavs, None).unwrap();
+        let mut fleet = Fleet::new(task, 60, treatment);
         let shape = fleet.shape();
         let network = Network::new(Architecture::Mlp {
             sizes: vec![shape.observation_len, Head::Hybrid.outputs()],

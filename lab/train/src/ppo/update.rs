@@ -45,9 +45,9 @@ type Row = (u32, u32);
 /// Rows of one shape that are worked on together.
 type Shard = Vec<Row>;
 
-/// What a pass over shards is told.
+/// What a learner over shards is told.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub struct MinibatchSettings {
     /// Rows of a minibatch.
     pub minibatch_rows: usize,
     /// Rows of a shard.
@@ -97,9 +97,9 @@ pub struct CriticObjective {
     pub units: (f32, f32),
 }
 
-/// Sums over rows of what the log shows.
+/// UpdateStats over rows of what the log shows.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
+pub struct UpdateStats {
     /// Rows.
     pub rows: f64,
     /// Loss.
@@ -116,9 +116,9 @@ pub struct Sums {
     pub updates: f64,
 }
 
-impl Sums {
-    /// Adds another pass.
-    pub fn merge(&mut self, other: &Sums) {
+impl UpdateStats {
+    /// Adds another learner.
+    pub fn merge(&mut self, other: &UpdateStats) {
         self.rows += other.rows;
         self.loss += other.loss;
         self.entropy += other.entropy;
@@ -158,15 +158,15 @@ fn shards(
     shards
 }
 
-/// Everything that a pass needs besides the network.
-pub struct Pass<'a> {
+/// Everything that a learner needs besides the network.
+pub struct Learner<'a> {
     /// The batch.
     pub rollouts: &'a [Rollout],
     /// Where gradients are computed (an autodiff device).
     pub device: &'a Device,
 }
 
-impl Pass<'_> {
+impl Learner<'_> {
     fn gather(&self, shard: &[Row], columns: usize, of: impl Fn(&Rollout) -> &[f32]) -> Vec<f32> {
         let mut out = Vec::with_capacity(shard.len() * columns);
         for &(rollout, row) in shard {
@@ -187,9 +187,9 @@ impl Pass<'_> {
         actor: &mut Trainable,
         head: Head,
         objective: &ActorObjective,
-        step: &Step,
+        step: &MinibatchSettings,
         random: &mut ChaCha8Rng,
-    ) -> Sums {
+    ) -> UpdateStats {
         let shards = shards(
             self.rollouts,
             Rollout::rows,
@@ -197,7 +197,7 @@ impl Pass<'_> {
             step.shard_rows,
             random,
         );
-        descend(
+        run_minibatches(
             actor,
             &shards,
             step,
@@ -265,7 +265,7 @@ impl Pass<'_> {
         shard: &Shard,
         scales: &[(f32, f32)],
         minibatch_rows: usize,
-    ) -> (Vec<f32>, Sums) {
+    ) -> (Vec<f32>, UpdateStats) {
         let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
         let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
@@ -292,9 +292,9 @@ impl Pass<'_> {
         let bonus = entropy.clone().mul_scalar(objective.entropy);
         let loss = (gain + bonus).sum().neg().div_scalar(minibatch_rows as f64);
 
-        let mut sums = Sums {
+        let mut sums = UpdateStats {
             rows: shard.len() as f64,
-            ..Sums::default()
+            ..UpdateStats::default()
         };
         for log_ratio in values(log_ratio) {
             let ratio = log_ratio.exp();
@@ -313,9 +313,9 @@ impl Pass<'_> {
         &self,
         critic: &mut Trainable,
         objective: &CriticObjective,
-        step: &Step,
+        step: &MinibatchSettings,
         random: &mut ChaCha8Rng,
-    ) -> Sums {
+    ) -> UpdateStats {
         let &CriticObjective {
             input,
             sample_fraction,
@@ -329,7 +329,7 @@ impl Pass<'_> {
             step.shard_rows,
             random,
         );
-        self.descend_by_shard(critic, &shards, step, |network, weights, shard, rows| {
+        self.run_minibatches_by_shard(critic, &shards, step, |network, weights, shard, rows| {
             let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.critic_features);
             let mut targets = self.gather(shard, 1, |r| &r.targets);
             targets.iter_mut().for_each(|x| *x = (*x - offset) / scale);
@@ -343,14 +343,14 @@ impl Pass<'_> {
     }
 
     /// Descends where the gradient of a shard needs to know of no other shard.
-    fn descend_by_shard(
+    fn run_minibatches_by_shard(
         &self,
         model: &mut Trainable,
         shards: &[Shard],
-        step: &Step,
-        gradient: impl Fn(&Network, &[Tensor<2>], &Shard, usize) -> (Vec<f32>, Sums) + Sync,
-    ) -> Sums {
-        descend(
+        step: &MinibatchSettings,
+        gradient: impl Fn(&Network, &[Tensor<2>], &Shard, usize) -> (Vec<f32>, UpdateStats) + Sync,
+    ) -> UpdateStats {
+        run_minibatches(
             model,
             shards,
             step,
@@ -387,25 +387,25 @@ fn finish(
     loss: Tensor<1>,
     rows: usize,
     minibatch_rows: usize,
-) -> (Vec<f32>, Sums) {
+) -> (Vec<f32>, UpdateStats) {
     let gradients = loss.backward();
-    let sums = Sums {
+    let sums = UpdateStats {
         rows: rows as f64,
         loss: f64::from(loss.into_scalar::<f32>()) * minibatch_rows as f64,
-        ..Sums::default()
+        ..UpdateStats::default()
     };
     (flat_gradient(network, weights, gradients), sums)
 }
 
 /// Runs over minibatches of whole shards; each gives gradients that are summed in order.
-fn descend(
+fn run_minibatches(
     model: &mut Trainable,
     shards: &[Shard],
-    step: &Step,
+    step: &MinibatchSettings,
     device: &Device,
-    gradients: impl Fn(&Network, &[Tensor<2>], &[Shard], usize) -> Vec<(Vec<f32>, Sums)>,
-) -> Sums {
-    let mut total = Sums::default();
+    gradients: impl Fn(&Network, &[Tensor<2>], &[Shard], usize) -> Vec<(Vec<f32>, UpdateStats)>,
+) -> UpdateStats {
+    let mut total = UpdateStats::default();
     let shards_per_minibatch = (step.minibatch_rows / step.shard_rows).max(1);
     for minibatch in shards.chunks(shards_per_minibatch) {
         let rows = minibatch.iter().map(Vec::len).sum();
@@ -499,7 +499,7 @@ mod tests {
             rollout(1, vec![100.0, 300.0]),
             rollout(2, vec![1.0, 3.0, 1.0, 3.0]),
         ];
-        let pass = Pass {
+        let learner = Learner {
             rollouts: &rollouts,
             device: &Device::flex(),
         };
@@ -508,7 +508,7 @@ mod tests {
             vec![(1, 0), (1, 2)],
             vec![(1, 1), (1, 3)],
         ];
-        let scales = pass.advantage_scales(&minibatch);
+        let scales = learner.advantage_scales(&minibatch);
         assert_eq!(scales, [[(200.0, 100.0)], [(2.0, 1.0)], [(2.0, 1.0)]]);
     }
 }

@@ -1,10 +1,10 @@
 //! A run that goes on: from where it was stopped or killed, or from what another has learnt.
 
 use crate::{StopAfter, fleets, plan, settings};
-use jcas_train::run::{Ending, Origin, Plan, Unwatched};
+use jcas_train::run::{NoObserver, RunOutcome, RunSpec, Start};
 use jcas_train::settings::{NetworkKind, Settings};
 
-fn weights(plan: &Plan) -> Vec<u8> {
+fn weights(plan: &RunSpec) -> Vec<u8> {
     std::fs::read(plan.out.join(jcas_episode::card::WEIGHTS)).unwrap()
 }
 
@@ -14,16 +14,16 @@ fn weights(plan: &Plan) -> Vec<u8> {
 fn a_resumed_run_ends_as_if_never_stopped() {
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let whole = plan(&format!("whole-{network:?}"), settings(network));
-        whole.train(&Origin::Nothing, &mut Unwatched).unwrap();
+        whole.train(&Start::Fresh, &mut NoObserver).unwrap();
 
         let parts = plan(&format!("parts-{network:?}"), settings(network));
         for stop in [1, 4] {
-            let ending = parts.train(&Origin::Resume, &mut StopAfter(stop)).unwrap();
-            assert!(matches!(ending, Ending::Stopped));
+            let ending = parts.train(&Start::Resume, &mut StopAfter(stop)).unwrap();
+            assert!(matches!(ending, RunOutcome::Stopped));
         }
-        parts.train(&Origin::Resume, &mut Unwatched).unwrap();
+        parts.train(&Start::Resume, &mut NoObserver).unwrap();
         assert_eq!(weights(&whole), weights(&parts));
-        let lines = |plan: &Plan| -> Vec<String> {
+        let lines = |plan: &RunSpec| -> Vec<String> {
             let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
             // The columns up to the wall time are the same in every run; the rest are times.
             let before = |head: &str| head.split(',').position(|name| name == "wall_s");
@@ -36,10 +36,10 @@ fn a_resumed_run_ends_as_if_never_stopped() {
         assert_eq!(lines(&whole).len(), 8);
 
         let killed = plan(&format!("killed-{network:?}"), settings(network));
-        killed.train(&Origin::Nothing, &mut StopAfter(4)).unwrap();
+        killed.train(&Start::Fresh, &mut StopAfter(4)).unwrap();
         // What a kill after the checkpoint of iteration 4 may leave: half a file beside it.
         std::fs::write(killed.out.join("checkpoint.safetensors.part"), b"half").unwrap();
-        killed.train(&Origin::Resume, &mut Unwatched).unwrap();
+        killed.train(&Start::Resume, &mut NoObserver).unwrap();
         assert_eq!(weights(&whole), weights(&killed));
         for plan in [whole, parts, killed] {
             std::fs::remove_dir_all(plan.out).unwrap();
@@ -50,9 +50,9 @@ fn a_resumed_run_ends_as_if_never_stopped() {
 #[test]
 fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
     let first = plan("held", settings(NetworkKind::Mlp));
-    first.train(&Origin::Nothing, &mut StopAfter(1)).unwrap();
+    first.train(&Start::Fresh, &mut StopAfter(1)).unwrap();
     let again = first
-        .train(&Origin::Nothing, &mut Unwatched)
+        .train(&Start::Fresh, &mut NoObserver)
         .err()
         .unwrap()
         .to_string();
@@ -60,7 +60,7 @@ fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
     let mut other = first.clone();
     other.settings.discount = 0.9;
     let refused = other
-        .train(&Origin::Resume, &mut Unwatched)
+        .train(&Start::Resume, &mut NoObserver)
         .err()
         .unwrap()
         .to_string();
@@ -72,7 +72,7 @@ fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
 #[test]
 fn a_run_begins_with_what_another_has_learnt() {
     let first = plan("taught", settings(NetworkKind::Set));
-    let Ending::Finished(taught) = first.train(&Origin::Nothing, &mut Unwatched).unwrap() else {
+    let RunOutcome::Finished(taught) = first.train(&Start::Fresh, &mut NoObserver).unwrap() else {
         panic!("nobody stopped it");
     };
     let other = Settings {
@@ -84,13 +84,13 @@ fn a_run_begins_with_what_another_has_learnt() {
         ..settings(NetworkKind::Set)
     };
     let second = plan("begun", other.clone());
-    let origin = Origin::Run(first.out.clone());
-    let Ending::Finished(card) = second.train(&origin, &mut Unwatched).unwrap() else {
+    let origin = Start::Run(first.out.clone());
+    let RunOutcome::Finished(card) = second.train(&origin, &mut NoObserver).unwrap() else {
         panic!("nobody stopped it");
     };
     assert_eq!(weights(&first), weights(&second));
     // Killed before its first batch, it still goes on from there.
-    second.train(&Origin::Resume, &mut Unwatched).unwrap();
+    second.train(&Start::Resume, &mut NoObserver).unwrap();
     assert_eq!(weights(&first), weights(&second));
     assert_eq!(card.environment_steps, taught.environment_steps);
     assert_eq!(card.environment_steps, Some(7 * 256));
@@ -102,7 +102,7 @@ fn a_run_begins_with_what_another_has_learnt() {
             ..other.clone()
         },
     );
-    let Ending::Finished(card) = third.train(&origin, &mut Unwatched).unwrap() else {
+    let RunOutcome::Finished(card) = third.train(&origin, &mut NoObserver).unwrap() else {
         panic!("nobody stopped it");
     };
     assert_ne!(weights(&first), weights(&third));
@@ -110,7 +110,7 @@ fn a_run_begins_with_what_another_has_learnt() {
     // With networks over sets, also on fleets of another size.
     let mut fourth = plan("another-fleet", other.clone());
     fourth.configs = vec![fleets()[1]];
-    fourth.train(&origin, &mut Unwatched).unwrap();
+    fourth.train(&origin, &mut NoObserver).unwrap();
     assert_eq!(weights(&first), weights(&fourth));
 
     let larger = plan(
@@ -123,11 +123,11 @@ fn a_run_begins_with_what_another_has_learnt() {
     for (origin, named) in [
         (origin, "actor.parameters"),
         (
-            Origin::Run(larger.out.join("nothing")),
+            Start::Run(larger.out.join("nothing")),
             "checkpoint.safetensors",
         ),
     ] {
-        let refused = larger.train(&origin, &mut Unwatched).err().unwrap();
+        let refused = larger.train(&origin, &mut NoObserver).err().unwrap();
         assert!(refused.to_string().contains(named), "{refused}");
         assert!(!larger.out.exists());
     }

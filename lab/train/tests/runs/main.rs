@@ -7,7 +7,7 @@ use jcas_core::Config;
 use jcas_policy::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
-use jcas_train::run::{Observer, Origin, Plan};
+use jcas_train::run::{Observer, RunSpec, Start};
 use jcas_train::settings::{
     Curriculum, NetworkKind, PilotCredit, Preset, Settings, Shaping, SmallFleets,
 };
@@ -65,10 +65,10 @@ fn fleets() -> Vec<Config> {
     vec![config(), larger]
 }
 
-fn plan(name: &str, settings: Settings) -> Plan {
+fn plan(name: &str, settings: Settings) -> RunSpec {
     let out = std::env::temp_dir().join(format!("jcas-train-{}-{name}", std::process::id()));
     let _ = std::fs::remove_dir_all(&out);
-    Plan {
+    RunSpec {
         settings,
         configs: vec![config()],
         out,
@@ -113,7 +113,7 @@ fn the_success_of_the_first_to_end_is_called_so() {
     let mut plan = plan("first", settings(NetworkKind::Set));
     plan.configs[0].horizon_steps = 40;
     let mut successes = Successes(Vec::new());
-    plan.train(&Origin::Nothing, &mut successes).unwrap();
+    plan.train(&Start::Fresh, &mut successes).unwrap();
     assert_eq!(successes.0, ["1.00 of the first to end", "1.00"]);
     std::fs::remove_dir_all(plan.out).unwrap();
 }
@@ -123,7 +123,7 @@ fn the_success_of_the_first_to_end_is_called_so() {
 fn small_fleets_are_trained_by_what_they_are_paid() {
     let trained = |name: &str, settings: Settings| {
         let plan = plan(name, settings);
-        plan.train(&Origin::Nothing, &mut StopAfter(3)).unwrap();
+        plan.train(&Start::Fresh, &mut StopAfter(3)).unwrap();
         let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
         std::fs::remove_dir_all(&plan.out).unwrap();
         // Up to the wall time.

@@ -9,7 +9,7 @@ use jcas_policy::head::{Head, Mode};
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, onnx, shape_of};
-use jcas_train::run::{Origin, Unwatched};
+use jcas_train::run::{NoObserver, Start};
 use jcas_train::settings::{NetworkKind, Settings};
 use std::path::Path;
 
@@ -31,7 +31,7 @@ fn observations(model: &Model<'static>) -> Vec<f32> {
 #[test]
 fn policies_read_back_as_written() {
     let plan = plan("store", settings(NetworkKind::Mlp));
-    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let model = Model::new(config()).unwrap();
     card::load(&plan.out).unwrap().check(&model).unwrap();
     let (card, stored) = files::load(&plan.out).unwrap();
@@ -78,7 +78,7 @@ fn what_flies_is_what_was_trained() {
     let model = Model::new(config()).unwrap();
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let plan = plan(&format!("flies-{network:?}"), settings(network));
-        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+        plan.train(&Start::Fresh, &mut NoObserver).unwrap();
         same_outputs(&files::load(&plan.out).unwrap().1, &model);
         std::fs::remove_dir_all(&plan.out).unwrap();
     }
@@ -88,7 +88,7 @@ fn what_flies_is_what_was_trained() {
 #[test]
 fn a_policy_that_does_not_fit_is_refused() {
     let plan = plan("fit", settings(NetworkKind::Mlp));
-    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
     let other = Model::new(Config {
         uav_count: 6,
@@ -112,7 +112,7 @@ fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     };
     let mut plan = plan("tags", settings(NetworkKind::Set));
     plan.configs = vec![tagged];
-    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
     // At the start all UAVs see the same but for their tags.
     let outputs = |config: Config| {
@@ -155,7 +155,7 @@ fn the_set_network_reads_search_maps() {
     };
     let mut plan = plan("maps", without_tours);
     plan.configs = vec![searched];
-    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
     let model = Model::new(searched).unwrap();
     stored.check(&model).unwrap();
@@ -171,7 +171,7 @@ fn the_set_network_reads_the_size_of_the_fleet() {
     plan.configs = fleets();
     // Trained on twice as often, listed and evaluated once.
     plan.configs.push(plan.configs[1]);
-    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
     assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
     assert_eq!(stored.card.evaluations.len(), 2 * 3);
@@ -193,7 +193,7 @@ fn the_set_network_reads_the_size_of_the_fleet() {
 #[test]
 fn sampled_flights_repeat() {
     let plan = plan("sampled", settings(NetworkKind::Set));
-    plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
     let model = Model::new(Config {
         uav_count: 7,
@@ -244,7 +244,7 @@ fn onnxruntime_gives_the_same_actions() {
             },
         );
         plan.configs = configs;
-        plan.train(&Origin::Nothing, &mut Unwatched).unwrap();
+        plan.train(&Start::Fresh, &mut NoObserver).unwrap();
         let model = Model::new(config()).unwrap();
         let (_, actor) = files::load(&plan.out).unwrap();
         let graph = onnx::encode(&actor, &shape_of(&model));

@@ -2,13 +2,13 @@
 
 use super::{COMMON, CROWD, HEADS, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS, UAV_WIDTH};
 use crate::environment::Shape;
-use crate::network::{Architecture, Block, Network};
+use crate::network::{Architecture, Network, Param};
 use std::cmp::Ordering;
 
 /// Blocks of a network in their order.
 struct Blocks<'a> {
     parameters: &'a [f32],
-    blocks: std::slice::Iter<'a, Block>,
+    blocks: std::slice::Iter<'a, Param>,
 }
 
 impl<'a> Blocks<'a> {
