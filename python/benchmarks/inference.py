@@ -1,12 +1,12 @@
 """How long a network takes: jcas-policy beside onnxruntime and the trainer's own forward pass.
 
-    cargo build --release -p jcas-train --example inference
-    python python/benchmarks/inference.py --command target/release/examples/inference POLICY...
+    cargo build --release --manifest-path lab/Cargo.toml -p jcas-train --example inference
+    cargo lab export POLICY --uavs 15 --hotspots 7 -o POLICY/policy.onnx
+    python python/benchmarks/inference.py --command lab/target/release/examples/inference POLICY...
 
-POLICY: folders of trained policies for the N and n given; the ONNX graph is written for one size, which
-`jcas train --uavs 15 --hotspots 7 --steps 0` gives it. A batch is a number of missions whose UAVs' observations are
-handed over at once: N rows each. All three compute the same rows, and are seen to agree. One core, one thread each,
-in turns; processor time, the least disturbed tenth of the turns and their median.
+POLICY: folders of trained policies, each with an ONNX graph for the N and n given. A batch is a number of missions
+whose UAVs' observations are handed over at once: N rows each. All three compute the same rows, and are seen to agree.
+One core, one thread each, in turns; processor time, the least disturbed tenth of the turns and their median.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Trains the same mission with `jcas train`, RLlib and Stable-Baselines3, and prints the time to equal success.
+"""Trains the same mission with `jcas-lab train`, RLlib and Stable-Baselines3, and prints the time to equal success.
 
     python python/benchmarks/time_to_success.py --command target/release/jcas
 
@@ -9,11 +9,11 @@ or when its processor time is up.
 Success is what a trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the hundredth
 on: the first to end are those that went well.
 
-`jcas` is `jcas train` as it comes: the set network of the training `tuned`, a categorical motion and a Beta pilot
+`jcas` is `jcas-lab train` as it comes: the set network of the training `tuned`, a categorical motion and a Beta pilot
 density. The others train an MLP of 512-256-128 with normal actions by PPO with the paper's rate, discount, clip and
-epochs, on batches of 4096 environment steps: `jcas-paper` is `jcas train --training paper`; it and RLlib have one actor
-for all UAVs beside a critic of the global state, while Stable-Baselines3 sees every UAV as a mission of its own, and
-its critic reads one observation.
+epochs, on batches of 4096 environment steps: `jcas-paper` is `jcas-lab train --train-preset paper`; it and RLlib have
+one actor for all UAVs beside a critic of the global state, while Stable-Baselines3 sees every UAV as a mission of its
+own, and its critic reads one observation.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ STEPS = "250000"
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--command", help="the jcas binary")
+    parser.add_argument("--command", help="the jcas-lab binary")
     parser.add_argument("--preset", default="paper")
     parser.add_argument("--uavs", type=int, default=10)
     parser.add_argument("--hotspots", type=int, default=5)
@@ -184,7 +184,7 @@ def jcas_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]
 
 
 def jcas_paper_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
-    return [*jcas_command(out, seed, options), "--training", "paper", "--train-set", f"credit={options.credit}"]
+    return [*jcas_command(out, seed, options), "--train-preset", "paper", "--train-set", f"credit={options.credit}"]
 
 
 def jcas_progress(out: Path) -> tuple[int, float] | None:
