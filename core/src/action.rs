@@ -1,6 +1,11 @@
 //! What a UAV's action means: a motion and a pilot density.
 
 use crate::error::Error;
+use crate::lanes::{self, Block, at_width, ones};
+use crate::model::Model;
+use crate::motion;
+use crate::state::StateMut;
+use crate::word::stored;
 
 /// One of the five motions, in the order of the action's bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +25,19 @@ pub enum Motion {
 impl Motion {
     /// All motions, in the order of the bins.
     pub const ALL: [Self; 5] = [Self::Up, Self::Down, Self::Left, Self::Right, Self::Stay];
+
+    /// (Δx, Δy).
+    #[inline(always)]
+    #[must_use]
+    pub const fn offset(self) -> (i32, i32) {
+        match self {
+            Self::Up => (0, 1),
+            Self::Down => (0, -1),
+            Self::Left => (-1, 0),
+            Self::Right => (1, 0),
+            Self::Stay => (0, 0),
+        }
+    }
 
     /// Centre of the motion's bin: an action component that means this motion.
     #[must_use]
@@ -47,23 +65,27 @@ pub fn clip(value: f32) -> f32 {
     }
 }
 
-/// k = min(4, floor((u + 1)/2 · 5)) over the motions, u clipped.
+/// The motion k = min(4, floor((u + 1)/2 · 5)), u clipped.
 #[inline(always)]
 #[must_use]
 pub fn motion(u_dir: f32) -> Motion {
+    match direction(u_dir) {
+        (0, 1) => Motion::Up,
+        (0, -1) => Motion::Down,
+        (-1, 0) => Motion::Left,
+        (1, 0) => Motion::Right,
+        _ => Motion::Stay,
+    }
+}
+
+/// (Δx, Δy) of [`motion`], without a branch.
+#[inline(always)]
+fn direction(u_dir: f32) -> (i32, i32) {
     // Halving is exact, so (u + 1)/2 · 5 = (u + 1) · 2.5 with one rounding.
     let bin = (f64::from(clip(u_dir)) + 1.0) * 2.5;
-    if bin < 1.0 {
-        Motion::Up
-    } else if bin < 2.0 {
-        Motion::Down
-    } else if bin < 3.0 {
-        Motion::Left
-    } else if bin < 4.0 {
-        Motion::Right
-    } else {
-        Motion::Stay
-    }
+    let up = i32::from(bin < 1.0) - i32::from(bin >= 1.0 && bin < 2.0);
+    let right = i32::from(bin >= 3.0 && bin < 4.0) - i32::from(bin >= 2.0 && bin < 3.0);
+    (right, up)
 }
 
 /// ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), u clipped, the result clipped to [ρ_min, ρ_max].
@@ -78,6 +100,57 @@ pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
     } else {
         min
     }
+}
+
+/// Every UAV's action: its pilot density, then its motion, unless its battery grounds it or sends it home.
+#[inline(always)]
+pub(crate) fn act(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) {
+    at_width!(model, act_in_blocks(model, state, actions));
+}
+
+#[inline(always)]
+fn act_in_blocks<const W: usize>(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) {
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        act_in(model, state, block, actions);
+    }
+}
+
+#[inline(always)]
+fn act_in<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    block: Block<W>,
+    actions: &[f32],
+) {
+    let config = model.config();
+    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+    let (mut u_dir, mut u_pilot) = ([0.0; W], [0.0; W]);
+    let pairs = actions[2 * block.first..].chunks_exact(2);
+    for (lane, pair) in block.lanes().zip(pairs) {
+        (u_dir[lane], u_pilot[lane]) = (pair[0], pair[1]);
+    }
+    lanes::force_vector(&mut u_dir);
+    lanes::force_vector(&mut u_pilot);
+    let battery = block.load(state.battery);
+    let (mut pilot, mut grounded, mut returning) = ([0; W], [0; W], [0; W]);
+    for lane in 0..W {
+        pilot[lane] = stored(pilot_density(u_pilot[lane], low, high));
+        grounded[lane] = ones(battery[lane] == 0);
+        returning[lane] = ones(battery[lane] < model.energy().rtb_uj) & !grounded[lane];
+    }
+    block.store(&pilot, state.pilot);
+    block.put_bits(lanes::gather_bits(&grounded), state.grounded);
+    let home = lanes::gather_bits(&returning) & block.mask();
+    block.put_bits(home, state.returning);
+
+    let mut offsets = [(0, 0); W];
+    for lane in 0..W {
+        let (right, up) = direction(u_dir[lane]);
+        let flies = !(grounded[lane] as i32);
+        offsets[lane] = (right & flies, up & flies);
+    }
+    motion::fly(model, state, block, &offsets);
+    motion::fly_home(model, state, block.first, block.uavs_in(home));
 }
 
 /// The action component that asks for a pilot density; the inverse of [`pilot_density`].

@@ -2,7 +2,10 @@
 
 use crate::config::{ChargeBilling, Config};
 use crate::energy::round_half_up;
+use crate::model::Model;
+use crate::reward::Happenings;
 use crate::rng::{self, Purpose};
+use crate::state::StateMut;
 
 /// Parts of a billion.
 const BILLION: u64 = 1_000_000_000;
@@ -81,16 +84,43 @@ pub fn emitted_ng(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
 
 /// A UAV's share of the carbon of its fleet: as its part of what was billed. The carbon itself is rounded
 /// once, for the fleet; a share need not be whole.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn share_ng(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {
-    if billed_uj == 0 || billed_fleet_uj == 0 {
-        return 0.0;
-    }
-    let (whole, part) = (co2_ng as f64, billed_uj as f64 / billed_fleet_uj as f64);
-    let share = whole * part;
+    // Where the fleet is billed nothing, so is the UAV: its share is 0 of anything.
+    let fleet = if billed_fleet_uj == 0 {
+        1.0
+    } else {
+        billed_fleet_uj as f64
+    };
+    let whole = co2_ng as f64;
+    let share = whole * (billed_uj as f64 / fleet);
     // Never more than the whole, whatever the rounding.
     if share > whole { whole } else { share }
+}
+
+/// Grid energy and carbon of what the fleet was billed, each rounded once a step; then the next intensity. Gives
+/// the carbon in nanograms.
+#[inline(always)]
+pub(crate) fn emit(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    billed_uj: u64,
+    happened: &mut Happenings,
+) -> u64 {
+    let header = &mut state.header;
+    let intensity = header.intensity_mg_per_kwh();
+    let grid_uj = model.carbon().grid_uj(billed_uj);
+    let co2_ng = emitted_ng(grid_uj, intensity);
+    header.set_grid(header.grid_uj() + grid_uj);
+    header.set_co2(header.co2_ng() + co2_ng);
+    header.set_billed_intensity(intensity);
+    let next = model
+        .carbon()
+        .intensity_mg_per_kwh(header.seed(), header.t());
+    header.set_intensity(next);
+    happened.co2_ng = co2_ng as f64;
+    co2_ng
 }
 
 /// value · factor / divisor, rounded half up, exact in 128 bits.

@@ -1,9 +1,14 @@
 //! Battery and its ledger, in whole microjoules, so that the balance is exact on every platform:
 //! initial + accepted = stored + spent.
 
-use crate::config::Config;
+use crate::bits;
+use crate::config::{ChargeBilling, Config};
 use crate::lanes::real::whole;
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
+use crate::model::Model;
+use crate::reward::Happenings;
+use crate::scratch::Tally;
+use crate::state::StateMut;
 
 /// Microjoules in a kilowatt-hour.
 pub const MICROJOULES_PER_KWH: f64 = 3.6e12;
@@ -77,75 +82,152 @@ impl EnergyPlan {
     }
 
     /// What a UAV's step asks for: propulsion, sensing (e_sense · ρ_pilot/ρ_max) and communication
-    /// (e_comm · ρ_comm).
-    #[inline]
-    #[must_use]
-    pub fn asked_uj(&self, activity: Activity, pilot_density: f64) -> u64 {
-        if activity.grounded {
-            return 0;
-        }
-        let travel = if activity.moved {
-            self.move_uj
-        } else {
-            self.hover_uj
-        };
-        let sense = if activity.sensing {
-            at_most(
-                round_half_up(self.sense_uj_per_density * pilot_density),
-                self.sense_uj,
-            )
-        } else {
-            0
-        };
-        let comm = if activity.linked {
-            at_most(
-                round_half_up(self.comm_uj as f64 * (1.0 - pilot_density)),
-                self.comm_uj,
-            )
-        } else {
-            0
-        };
-        travel + sense + comm
-    }
-}
-
-/// What the UAVs of a block did in a step: all ones for yes.
-pub(crate) struct Activities {
-    pub(crate) flies: Lanes<u64>,
-    pub(crate) moved: Lanes<u64>,
-    pub(crate) sensing: Lanes<u64>,
-    pub(crate) linked: Lanes<u64>,
-}
-
-impl EnergyPlan {
-    /// [`Self::asked_uj`] of each UAV of a block.
+    /// (e_comm · ρ_comm); without a branch.
     #[inline(always)]
-    pub(crate) fn asked_in_lanes(&self, did: &Activities, density: &Lanes<f64>) -> Lanes<u64> {
-        let mut asked = [0; WIDTH];
-        for lane in 0..WIDTH {
-            let travel = did.moved[lane] & self.move_uj | !did.moved[lane] & self.hover_uj;
-            // At most some kilowatt-hours: far below 2^51.
-            let sense = whole(self.sense_uj_per_density * density[lane] + 0.5);
-            let comm = whole(self.comm_uj as f64 * (1.0 - density[lane]) + 0.5);
-            let sense = at_most(sense, self.sense_uj) & did.sensing[lane];
-            let comm = at_most(comm, self.comm_uj) & did.linked[lane];
-            asked[lane] = (travel + sense + comm) & did.flies[lane];
-        }
-        asked
+    #[must_use]
+    pub(crate) fn asked_uj(&self, did: Activity, pilot_density: f64) -> u64 {
+        let travel = did.moved & self.move_uj | !did.moved & self.hover_uj;
+        // Rounded half up. At most some kilowatt-hours: far below 2^51.
+        let sense = whole(self.sense_uj_per_density * pilot_density + 0.5);
+        let comm = whole(self.comm_uj as f64 * (1.0 - pilot_density) + 0.5);
+        let sense = at_most(sense, self.sense_uj) & did.sensing;
+        let comm = at_most(comm, self.comm_uj) & did.linked;
+        (travel + sense + comm) & did.flies
     }
 }
 
-/// What a UAV did in a step, as far as its battery is concerned.
+/// What a UAV did in a step, as far as its battery is concerned: all ones for yes, 0 for no.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Activity {
-    /// Its battery was empty at the start of the step.
-    pub grounded: bool,
+pub(crate) struct Activity {
+    /// Its battery was not empty at the start of the step.
+    pub(crate) flies: u64,
     /// Its cell changed.
-    pub moved: bool,
+    pub(crate) moved: u64,
     /// It did not know some hotspot when it sensed.
-    pub sensing: bool,
+    pub(crate) sensing: u64,
     /// It has a neighbour.
-    pub linked: bool,
+    pub(crate) linked: u64,
+}
+
+/// Every battery spends and charges.
+#[inline(always)]
+pub(crate) fn settle_fleet(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+    happened: &mut Happenings,
+) -> Settled {
+    let settled = at_width!(model, settle_in_blocks(model, state, tally));
+    happened.spent_uj = settled.spent_uj;
+    settled
+}
+
+/// Sums over the UAVs of a step.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Settled {
+    pub(crate) spent_uj: u64,
+    pub(crate) billed_uj: u64,
+    /// UAVs that changed their cell.
+    pub(crate) moves: u64,
+    /// Of pilot densities.
+    pub(crate) pilot: f64,
+}
+
+#[inline(always)]
+fn settle_in_blocks<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+) -> Settled {
+    let mut sums = Settled::default();
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        settle_in(model, state, tally, block, &mut sums);
+    }
+    sums
+}
+
+#[inline(always)]
+fn settle_in<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+    block: Block<W>,
+    sums: &mut Settled,
+) {
+    let plan = model.energy();
+    let density = block.load(state.pilot).map(f64::from_bits);
+    let cells = block.load(state.cells);
+    let (asked, moves) = asked(model, state, block, &cells, &density);
+    let depots = model.depot_distances(&Cells::of(&cells));
+    let there = lanes::spread::<W>(block.mask());
+    let battery = block.load(state.battery);
+    let (mut charge, mut spent, mut billed) = ([0; W], [0; W], [0; W]);
+    let (mut total_spent, mut total_accepted, mut total_shortfall) = (
+        block.load(state.spent),
+        block.load(state.accepted),
+        block.load(state.shortfall),
+    );
+    let nameplate = ones(model.carbon().billing == ChargeBilling::Nameplate);
+    for lane in 0..W {
+        let offered = ones(depots[lane] == 0) & there[lane] & plan.charge_uj;
+        let settled = settle(battery[lane], asked[lane], offered, plan.capacity_uj);
+        charge[lane] = settled.battery_uj;
+        spent[lane] = settled.spent_uj;
+        billed[lane] = offered & nameplate | settled.accepted_uj & !nameplate;
+        total_spent[lane] += settled.spent_uj;
+        total_accepted[lane] += settled.accepted_uj;
+        total_shortfall[lane] += settled.shortfall_uj;
+    }
+    block.store(&charge, state.battery);
+    block.store(&total_spent, state.spent);
+    block.store(&total_accepted, state.accepted);
+    block.store(&total_shortfall, state.shortfall);
+    block.store(&spent, tally.spent_uj);
+    block.store(&billed, tally.billed_uj);
+    // A spare lane asks for nothing and is offered nothing.
+    sums.spent_uj += lanes::sum(&spent);
+    sums.billed_uj += lanes::sum(&billed);
+    sums.moves += moves;
+    for &density in &state.pilot[block.first..][..block.count] {
+        sums.pilot += f64::from_bits(density);
+    }
+}
+
+/// What each UAV of a block asks its battery for, and how many of them changed their cell.
+#[inline(always)]
+fn asked<const W: usize>(
+    model: &Model<'_>,
+    state: &StateMut<'_>,
+    block: Block<W>,
+    cells: &Lanes<u64, W>,
+    density: &Lanes<f64, W>,
+) -> (Lanes<u64, W>, u64) {
+    let row = model.uav_words();
+    let previous = block.load(state.previous);
+    let mut any_link = [0; W];
+    if row == 1 {
+        any_link = block.load(state.links);
+    } else {
+        let links = state.links[block.first * row..].chunks_exact(row);
+        for (lane, links) in block.lanes().zip(links) {
+            any_link[lane] = u64::from(!bits::is_empty(links));
+        }
+    }
+    let flies = lanes::spread::<W>(!block.bits(state.grounded) & block.mask());
+    let sensing = lanes::spread::<W>(block.bits(state.sensing));
+    let (mut moved, mut asked) = ([0; W], [0; W]);
+    for lane in 0..W {
+        moved[lane] = ones(cells[lane] != previous[lane]);
+        let did = Activity {
+            flies: flies[lane],
+            moved: moved[lane],
+            sensing: sensing[lane],
+            linked: ones(any_link[lane] != 0),
+        };
+        asked[lane] = model.energy().asked_uj(did, density[lane]);
+    }
+    let moves = (lanes::gather_bits(&moved) & block.mask()).count_ones();
+    (asked, u64::from(moves))
 }
 
 /// What a step did to a battery.
@@ -217,30 +299,22 @@ mod tests {
     #[test]
     fn asks_for_what_the_activity_needs() {
         let plan = EnergyPlan::new(&Config::default());
+        let (yes, no) = (u64::MAX, 0);
         let all = Activity {
-            grounded: false,
-            moved: true,
-            sensing: true,
-            linked: true,
+            flies: yes,
+            moved: yes,
+            sensing: yes,
+            linked: yes,
         };
         assert_eq!(
             plan.asked_uj(all, 0.30),
             2_880_000_000 + 720_000_000 + 126_000_000
         );
-        assert_eq!(
-            plan.asked_uj(
-                Activity {
-                    grounded: true,
-                    ..all
-                },
-                0.30
-            ),
-            0
-        );
+        assert_eq!(plan.asked_uj(Activity { flies: no, ..all }, 0.30), 0);
         let idle = Activity {
-            moved: false,
-            sensing: false,
-            linked: false,
+            moved: no,
+            sensing: no,
+            linked: no,
             ..all
         };
         assert_eq!(plan.asked_uj(idle, 0.30), 0);

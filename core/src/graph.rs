@@ -2,7 +2,7 @@
 
 use crate::bits;
 use crate::config::Cell;
-use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
+use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
@@ -10,34 +10,47 @@ use crate::word::stored;
 
 /// Up to this many UAVs, looking at every pair beats sorting them into buckets.
 const FEW: usize = 48;
-/// Room for the UAVs of a fleet that is not flown in lanes. A proof has no more UAVs than its model, and a longer
-/// array would only cost its solver memory.
-const ROOM: usize = if cfg!(kani) { 2 } else { lanes::FLEET };
 
-/// Whether a fleet's links are looked for pair by pair, in lanes.
-pub(crate) const fn in_lanes(uavs: usize) -> bool {
-    uavs >= lanes::FLEET && uavs <= FEW
+/// How many UAVs a block meets at a time: the table is read for all of them before the first is compared.
+pub(crate) const fn tile(width: usize) -> usize {
+    if width == 1 { lanes::WIDE } else { width }
+}
+
+/// Whether a fleet's links are looked for pair by pair. Its sets of UAVs are then a word each.
+pub(crate) const fn by_pairs(uavs: usize) -> bool {
+    uavs <= FEW
 }
 
 /// Builds the graph from positions and pilot densities.
 #[inline(always)]
 pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
-    let uavs = model.uav_count();
-    if uavs < lanes::FLEET {
-        link_few(model, state);
-    } else if in_lanes(uavs) {
-        for block in lanes::blocks(uavs) {
-            link_in_lanes(model, state, scratch.pairs(), block);
-        }
-        average_throughput(model, state);
+    if by_pairs(model.uav_count()) {
+        at_width!(model, link_by_pairs(model, state, scratch));
     } else {
         link_by_buckets(model, state, scratch);
         measure_throughput(model, state);
     }
 }
 
+/// Graph and throughput in one pass over the pairs.
+#[inline(always)]
+pub(crate) fn link_by_pairs<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) {
+    let (sums, throughput) = scratch.pairs::<W>(model.uav_count());
+    for block in lanes::blocks(model.uav_count()) {
+        meet(model, state, sums, throughput, block);
+    }
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        average(state, sums, block);
+    }
+    average_throughput(model, state);
+}
+
 /// A UAV that communicates.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Radio {
     uav: usize,
     cell: Cell,
@@ -53,135 +66,112 @@ impl Radio {
             load: 1.0 - state.pilot_density(uav),
         }
     }
-
-    /// Whether two UAVs hear each other: η_ij and η_ji both reach η_link.
-    #[inline(always)]
-    fn hears(&self, other: &Self, full_throughput: f64, least: f64) -> bool {
-        let least_load = if self.load < other.load {
-            self.load
-        } else {
-            other.load
-        };
-        least_load * full_throughput >= least
-    }
 }
 
-/// Graph and throughput in one pass over the pairs. A UAV meets the others in ascending order, so that its
-/// throughput has the same sum as in [`measure_throughput`].
+/// Whether two UAVs hear each other, given their loads: η_ij and η_ji both reach η_link.
 #[inline(always)]
-fn link_few(model: &Model<'_>, state: &mut StateMut<'_>) {
-    let (full, least) = (model.full_throughput(), model.link_throughput_min());
-    let mut radios = [Radio::default(); ROOM];
-    let mut count = 0;
-    for i in 0..model.uav_count() {
-        if !bits::get(state.grounded, i) {
-            radios[count] = Radio::of(state, i);
-            count += 1;
-        }
-    }
-    let (mut rows, mut sums) = ([0u64; ROOM], [0.0; ROOM]);
-    for later in 1..count {
-        let radio = radios[later];
-        let (mut row, mut sum) = (0, 0.0);
-        let earlier = radios[..later].iter().zip(&mut rows).zip(&mut sums);
-        for ((other, other_row), other_sum) in earlier {
-            let throughput = full.between(radio.cell, other.cell);
-            let hears = radio.hears(other, throughput, least);
-            let added = if hears { throughput } else { 0.0 };
-            row |= u64::from(hears) << other.uav;
-            *other_row |= u64::from(hears) << radio.uav;
-            sum += added;
-            *other_sum += added;
-        }
-        rows[later] = row;
-        sums[later] = sum;
-    }
-    state.links.fill(0);
-    state.throughput.fill(0);
-    for slot in 0..count {
-        let Radio { uav, load, .. } = radios[slot];
-        state.links[uav] = rows[slot];
-        state.set_throughput(
-            uav,
-            mean_throughput(load, sums[slot], rows[slot].count_ones()),
-        );
-    }
-    average_throughput(model, state);
+fn hear_each_other(a: f64, b: f64, full_throughput: f64, least: f64) -> bool {
+    let least_load = if a < b { a } else { b };
+    least_load * full_throughput >= least
 }
 
-/// The links of a block's UAVs with the whole fleet, met in ascending order as in [`link_few`].
+/// The links of a block's UAVs, and the sums of their throughput over them. A UAV meets the others in ascending order,
+/// so that the sum is that of [`measure_throughput`].
+///
+/// A wide block meets the whole fleet. A single UAV meets those before it, and adds itself to their links: so each pair
+/// is met once, which for vectors would cost more than it saves.
 #[inline(always)]
-fn link_in_lanes(
+fn meet<const W: usize>(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    throughput: &mut [Lanes<u64>],
-    block: Block,
+    all_sums: &mut [u64],
+    throughput: &mut [Lanes<u64, W>],
+    block: Block<W>,
 ) {
     let (full, least) = (model.full_throughput(), model.link_throughput_min());
     let cells = Cells::load(block, state.cells).rows(model.config().grid_width);
-    let (flies, pilot) = (
-        !block.bits(state.grounded) & block.mask(),
-        block.load(state.pilot),
-    );
-    let flies = lanes::spread(flies);
-    let mut loads = [0.0; WIDTH];
-    for lane in 0..WIDTH {
+    let flies = !block.bits(state.grounded) & block.mask();
+    let pilot = block.load(state.pilot);
+    let mut loads = [0.0; W];
+    for lane in 0..W {
         loads[lane] = 1.0 - f64::from_bits(pilot[lane]);
     }
-    let (mut rows, mut sums) = ([0u64; WIDTH], [0.0; WIDTH]);
-    for others in lanes::blocks(model.uav_count()) {
-        for (throughput, &cell) in throughput
-            .iter_mut()
-            .zip(&state.cells[others.first..][..others.count])
-        {
+    let (mut rows, mut sums) = ([0u64; W], [0.0; W]);
+    let end = match (W, flies) {
+        (_, 0) => 0,
+        (1, _) => block.first,
+        _ => model.uav_count(),
+    };
+    for first in (0..end).step_by(tile(W)) {
+        let last = if first + tile(W) < end {
+            first + tile(W)
+        } else {
+            end
+        };
+        for (throughput, &cell) in throughput.iter_mut().zip(&state.cells[first..last]) {
             full.gather_into(&cells, Cell::from_word(cell), throughput);
         }
-        if others.first == block.first {
+        if first <= block.first && block.first < last {
             // A UAV is no neighbour of itself: nothing is above NaN.
             for (lane, &index) in block.indices().iter().enumerate() {
-                throughput[index as usize][lane] = f64::NAN.to_bits();
+                throughput[block.first - first + index as usize][lane] = f64::NAN.to_bits();
             }
         }
-        let pilot = &state.pilot[others.first..][..others.count];
-        let mut flying = others.uavs_in(!others.bits(state.grounded) & others.mask());
+        let (pilot, links) = (&state.pilot[first..last], &mut state.links[first..last]);
+        let their_sums = &mut all_sums[first..last];
+        let mut flying = !state.grounded[0] >> first & bits::valid_mask(0, last - first);
         while flying != 0 {
-            let k = flying.trailing_zeros() as usize % WIDTH;
+            let index = flying.trailing_zeros() as usize % tile(W);
             flying &= flying - 1;
-            let (load, bit) = (1.0 - f64::from_bits(pilot[k]), 1 << (others.first + k));
-            let throughput = &throughput[k];
-            for lane in 0..WIDTH {
-                let least_load = if loads[lane] < load {
-                    loads[lane]
-                } else {
-                    load
-                };
-                let hears = least_load * f64::from_bits(throughput[lane]) >= least;
-                let mask = 0u64.wrapping_sub(u64::from(hears));
+            let (load, bit) = (1.0 - f64::from_bits(pilot[index]), 1 << (first + index));
+            let throughput = &throughput[index];
+            for lane in 0..W {
+                let full = f64::from_bits(throughput[lane]);
+                let mask = ones(hear_each_other(loads[lane], load, full, least));
+                let added = f64::from_bits(throughput[lane] & mask);
                 rows[lane] |= mask & bit;
-                sums[lane] += f64::from_bits(throughput[lane] & mask);
+                sums[lane] += added;
+                if W == 1 {
+                    links[index] |= mask & 1 << block.first;
+                    their_sums[index] = (f64::from_bits(their_sums[index]) + added).to_bits();
+                }
             }
         }
     }
-    lanes::in_memory(&mut rows);
-    lanes::in_memory(&mut sums);
-    let (mut degrees, mut means) = ([0.0; WIDTH], [0; WIDTH]);
-    for lane in 0..WIDTH {
+    lanes::force_vector(&mut rows);
+    lanes::force_vector(&mut sums);
+    let flies = lanes::spread::<W>(flies);
+    let mut bits = [0; W];
+    for lane in 0..W {
         rows[lane] &= flies[lane];
-        sums[lane] = f64::from_bits(sums[lane].to_bits() & flies[lane]);
-        // A UAV without neighbours has a sum of 0, over anything.
-        degrees[lane] = f64::from(rows[lane].count_ones().max(1) as i32);
-    }
-    for lane in 0..WIDTH {
-        means[lane] = stored(loads[lane] * sums[lane] / degrees[lane]);
+        bits[lane] = sums[lane].to_bits() & flies[lane];
     }
     block.store(&rows, state.links);
+    block.store(&bits, all_sums);
+}
+
+/// η̄_i of a block's UAVs from their links and the sums over them.
+#[inline(always)]
+fn average<const W: usize>(state: &mut StateMut<'_>, sums: &[u64], block: Block<W>) {
+    let (links, sums) = (block.load(state.links), block.load(sums));
+    let pilot = block.load(state.pilot);
+    let mut means = [0; W];
+    for lane in 0..W {
+        let load = 1.0 - f64::from_bits(pilot[lane]);
+        let degree = links[lane].count_ones();
+        means[lane] = stored(mean_throughput(load, f64::from_bits(sums[lane]), degree));
+    }
     block.store(&means, state.throughput);
 }
 
 /// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's neighbours
 /// lie in its own bucket and the eight around it.
 #[inline(always)]
-fn link_by_buckets(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
+pub(crate) fn link_by_buckets(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) {
     state.links.fill(0);
     let columns = model.bucket_columns();
     let rows = model.bucket_count() / columns;
@@ -222,7 +212,8 @@ fn link_by_buckets(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Sc
 fn link(model: &Model<'_>, state: &mut StateMut<'_>, radio: Radio, other: usize) {
     let other = Radio::of(state, other);
     let throughput = model.full_throughput().between(radio.cell, other.cell);
-    if radio.hears(&other, throughput, model.link_throughput_min()) {
+    let least = model.link_throughput_min();
+    if hear_each_other(radio.load, other.load, throughput, least) {
         let row = model.uav_words();
         bits::set(&mut state.links[radio.uav * row..], other.uav);
         bits::set(&mut state.links[other.uav * row..], radio.uav);
@@ -274,13 +265,11 @@ pub(crate) fn measure_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
 }
 
 /// η̄_i: the mean over neighbours of ρ_comm,i · log2(1 + SNR_ij)/6; 0 without any.
-#[inline]
+#[inline(always)]
 pub(crate) fn mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
-    if degree == 0 {
-        0.0
-    } else {
-        load * sum / f64::from(degree)
-    }
+    // Without neighbours the sum is 0, over anything.
+    let divisor = if degree == 0 { 1 } else { degree as i32 };
+    load * sum / f64::from(divisor)
 }
 
 /// η̄(t): the mean over all UAVs.

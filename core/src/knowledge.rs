@@ -2,8 +2,8 @@
 //! know of hotspots, and of the cells that they have looked at.
 
 use crate::bits;
-use crate::lanes;
 use crate::model::Model;
+use crate::reward::Happenings;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
@@ -11,7 +11,7 @@ use crate::state::StateMut;
 #[inline(always)]
 pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
-    if uavs >= lanes::FLEET && model.uav_words() == 1 && hotspots == 1 {
+    if model.uav_words() == 1 && hotspots == 1 {
         consensus_of_words(state.links, state.knowledge);
     } else {
         let (order, unreached, union) = scratch.consensus(uavs, model.uav_words(), hotspots);
@@ -35,6 +35,24 @@ pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: 
             state.informed_at[word * 64 + fresh.trailing_zeros() as usize] = t;
             fresh &= fresh - 1;
         }
+    }
+}
+
+/// Counts confirmations, informed hotspots and the spread of knowledge.
+#[inline(always)]
+pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happenings) {
+    let t = u64::from(state.header.t());
+    for j in 0..model.hotspot_count() {
+        happened.newly_confirmed += u64::from(state.confirmed_at[j] == t);
+        happened.newly_informed += u64::from(state.informed_at[j] == t);
+    }
+    happened.informed = bits::count(state.informed) as u64;
+    // Only confirmed hotspots are ever known, so that the bits known, over N times the hotspots
+    // confirmed, are the mean over these of the fraction that knows them.
+    let confirmed = bits::count(state.confirmed);
+    if confirmed > 0 {
+        let known = bits::count(state.knowledge);
+        happened.knowledge_spread = known as f64 / (confirmed * model.uav_count()) as f64;
     }
 }
 
@@ -96,7 +114,7 @@ pub fn consensus(
 
 /// [`consensus`] where a word holds the fleet and another a row: the component found so far is a set.
 #[inline(always)]
-fn consensus_of_words(links: &[u64], rows: &mut [u64]) {
+pub(crate) fn consensus_of_words(links: &[u64], rows: &mut [u64]) {
     let mut unreached = bits::valid_mask(0, rows.len());
     while unreached != 0 {
         let (mut component, mut next) = (0, unreached & unreached.wrapping_neg());

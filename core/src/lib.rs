@@ -34,6 +34,7 @@ pub mod batch;
 pub mod bits;
 pub mod carbon;
 pub mod config;
+mod coverage;
 pub mod energy;
 pub mod error;
 mod graph;

@@ -1,8 +1,8 @@
 //! Summary of an episode.
 
 use crate::carbon;
-use crate::energy::MICROJOULES_PER_KWH;
-use crate::state::StateRef;
+use crate::energy::{MICROJOULES_PER_KWH, Settled};
+use crate::state::{StateMut, StateRef};
 
 /// What an episode came to, so far or at its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +36,16 @@ pub struct Metrics {
     pub throughput_mean: f64,
     /// Mean over steps and UAVs of the pilot density; 0 before the first.
     pub pilot_density_mean: f64,
+}
+
+/// Adds a step to the sums that the summary is made of.
+#[inline(always)]
+pub(crate) fn add_step(state: &mut StateMut<'_>, settled: &Settled) {
+    let pilot = settled.pilot / state.layout.uavs as f64;
+    let header = &mut state.header;
+    header.set_moves(header.moves() + settled.moves);
+    header.set_pilot_sum(header.pilot_sum() + pilot);
+    header.set_throughput_sum(header.throughput_sum() + header.mean_throughput());
 }
 
 impl StateRef<'_> {

@@ -5,7 +5,7 @@ use crate::carbon::CarbonPlan;
 use crate::config::{Cell, Config, Depots, MAX_DEPOTS, MapDirections, UavTag};
 use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
-use crate::lanes::{self, Cells, Lanes, Rows, WIDTH};
+use crate::lanes::{self, Cells, Lanes, Rows};
 use crate::layout::Layout;
 use crate::reward::RewardPlan;
 use crate::search::{self, Disc};
@@ -108,15 +108,20 @@ impl OffsetTable<'_> {
 
     /// The values for the cells of a block and one cell.
     #[inline(always)]
-    pub(crate) fn gather(self, rows: &Rows, to: Cell) -> Lanes<f64> {
-        let mut values = [0; WIDTH];
+    pub(crate) fn gather<const W: usize>(self, rows: &Rows<W>, to: Cell) -> Lanes<f64, W> {
+        let mut values = [0; W];
         self.gather_into(rows, to, &mut values);
         values.map(f64::from_bits)
     }
 
     /// As [`Self::gather`], the bits of each value written at once.
     #[inline(always)]
-    pub(crate) fn gather_into(self, rows: &Rows, to: Cell, values: &mut Lanes<u64>) {
+    pub(crate) fn gather_into<const W: usize>(
+        self,
+        rows: &Rows<W>,
+        to: Cell,
+        values: &mut Lanes<u64, W>,
+    ) {
         rows.gather(self.values, self.len, to, self.width, values);
     }
 }
@@ -528,7 +533,7 @@ impl<'m> Model<'m> {
 
     /// Manhattan distance of each cell of a block to its nearest depot.
     #[inline(always)]
-    pub(crate) fn depot_distances(&self, cells: &Cells) -> Lanes<u32> {
+    pub(crate) fn depot_distances<const W: usize>(&self, cells: &Cells<W>) -> Lanes<u32, W> {
         let index = cells.index(self.width);
         lanes::gather(&self.words()[2 * self.cells()..], self.cells(), &index)
             .map(|word| (word >> 32) as u32)

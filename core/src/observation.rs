@@ -2,12 +2,14 @@
 
 pub mod fields;
 
+use core::ops::Range;
+
 use crate::bits;
 use crate::config::{Cell, TargetVisibility};
 use crate::error::Error;
 use crate::lanes::neighbours::Ranking;
-use crate::lanes::real::Divisors;
-use crate::lanes::{self, Block, Cells, Lanes, WIDTH, in_memory, repeat};
+use crate::lanes::real::{Divisors, ENTRIES, repeat};
+use crate::lanes::{self, Block, Cells, Lanes, at_width, force_vector};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::search::unsearched_shares;
@@ -20,21 +22,24 @@ const TARGET: usize = 4;
 /// The bits of 1.
 const ONE: u32 = 1.0f32.to_bits();
 
-/// Hotspots whose entries fill a block of lanes.
-const QUARTET: usize = WIDTH / TARGET;
+/// Hotspots whose entries are worked out side by side.
+const QUARTET: usize = ENTRIES / TARGET;
+
+/// UAVs whose rows are written at a time.
+const ROWS: usize = 16;
 /// The set of four hotspots.
 const ALL: usize = (1 << QUARTET) - 1;
 
 /// By a set of four hotspots the bits of 1 for those entries of theirs that say what the UAV knows, and all ones for
 /// those that say where they are.
-static KNOWN: [Lanes<u32>; ALL + 1] = entries([0, 0, 0, ONE]);
-static POSITIONS: [Lanes<u32>; ALL + 1] = entries([u32::MAX, u32::MAX, 0, 0]);
+static KNOWN: [[u32; ENTRIES]; ALL + 1] = entries([0, 0, 0, ONE]);
+static POSITIONS: [[u32; ENTRIES]; ALL + 1] = entries([u32::MAX, u32::MAX, 0, 0]);
 
-const fn entries(bits: [u32; TARGET]) -> [Lanes<u32>; ALL + 1] {
-    let (mut sets, mut set) = ([[0; WIDTH]; ALL + 1], 0);
+const fn entries(bits: [u32; TARGET]) -> [[u32; ENTRIES]; ALL + 1] {
+    let (mut sets, mut set) = ([[0; ENTRIES]; ALL + 1], 0);
     while set <= ALL {
         let mut lane = 0;
-        while lane < WIDTH {
+        while lane < ENTRIES {
             if set >> (lane / TARGET) & 1 == 1 {
                 sets[set][lane] = bits[lane % TARGET];
             }
@@ -90,14 +95,19 @@ pub(crate) fn observe_here(
     if let Some(ranking) = &mut ranking {
         ranking.rank(state);
     }
-    for block in lanes::blocks(uavs) {
-        let rows = &mut out[block.first * len..][..block.count * len];
-        if view.hidden {
-            view.write_targets::<true>(block, rows);
+    for first in (0..uavs).step_by(ROWS) {
+        let end = if first + ROWS < uavs {
+            first + ROWS
         } else {
-            view.write_targets::<false>(block, rows);
+            uavs
+        };
+        let rows = &mut out[first * len..end * len];
+        if view.hidden {
+            view.write_targets::<true>(first..end, rows);
+        } else {
+            view.write_targets::<false>(first..end, rows);
         }
-        for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
+        for (i, row) in (first..).zip(rows.chunks_exact_mut(len)) {
             let row = &mut row[view.slots..];
             match &mut ranking {
                 Some(ranking) => ranking.write(i, model.neighbour_slots(), row),
@@ -107,14 +117,38 @@ pub(crate) fn observe_here(
                 }
             }
         }
-        view.write_own(block, rows);
+        // After the neighbours, whose last slot is written with one real more.
+        at_width!(model, write_own(&view, first..end, rows));
         if view.common + COMMON < len {
-            for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
+            for (i, row) in (first..).zip(rows.chunks_exact_mut(len)) {
                 view.write_added(i, &mut row[view.common + COMMON..]);
             }
         }
     }
     Ok(())
+}
+
+/// What each UAV sees of itself, and what stands behind its neighbours: connectivity, sustainability, progress.
+#[inline(always)]
+fn write_own<const W: usize>(view: &View<'_>, uavs: Range<usize>, rows: &mut [f32]) {
+    let len = view.model.observation_len();
+    let mut rows = rows.chunks_exact_mut(len);
+    for block in lanes::blocks_of::<W>(uavs) {
+        let cells = block.load(view.state.cells);
+        let own = view.own(block, &cells);
+        let (connection, to_depot) = view.common(block, &cells);
+        for (lane, row) in block.lanes().zip(&mut rows) {
+            row[..OWN].copy_from_slice(&own.each_ref().map(|lanes| lanes[lane]));
+            row[view.common..view.common + COMMON].copy_from_slice(&[
+                connection[lane],
+                view.carbon,
+                to_depot[lane],
+                view.progress[0],
+                view.progress[1],
+                view.progress[2],
+            ]);
+        }
+    }
 }
 
 /// Writes the global state: per UAV (x, y, SoC, pilot density, η̄_i, fraction of hotspots known), per
@@ -140,7 +174,9 @@ pub fn observe_global(
     let (per_uav, rest) = out.split_at_mut(6 * uavs);
     let (per_hotspot, common) = rest.split_at_mut(4 * hotspots);
     for (i, row) in per_uav.chunks_exact_mut(6).enumerate() {
-        row[..OWN].copy_from_slice(&view.own(i));
+        let block = Block::<1> { first: i, count: 1 };
+        let own = view.own(block, &block.load(state.cells));
+        row[..OWN].copy_from_slice(own.as_flattened());
         row[OWN] = bits::count(state.knowledge_of(i)) as f32 / hotspots as f32;
     }
     for (j, row) in per_hotspot.chunks_exact_mut(4).enumerate() {
@@ -241,90 +277,35 @@ impl<'v> View<'v> {
         }
     }
 
-    /// What each UAV sees of itself, and what stands behind its neighbours: connectivity, sustainability, progress.
+    /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of each UAV of a block.
     #[inline(always)]
-    fn write_own(&self, block: Block, rows: &mut [f32]) {
-        let len = self.model.observation_len();
-        if block.count < lanes::FLEET {
-            for (i, row) in (block.first..).zip(rows.chunks_exact_mut(len)) {
-                let degree = bits::count(self.state.links_of(i)) as i32;
-                let distance = self.model.depot_distance(self.state.cell(i)) as i32;
-                self.put_own(&self.own(i), row);
-                self.put_common(self.connection(degree), self.to_depot(distance), row);
-            }
-        } else {
-            let own = self.own_in_lanes(block);
-            let (connection, to_depot) = self.common_in_lanes(block);
-            for (lane, row) in block.lanes().zip(rows.chunks_exact_mut(len)) {
-                self.put_own(&own.each_ref().map(|lanes| lanes[lane]), row);
-                self.put_common(connection[lane], to_depot[lane], row);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn put_own(&self, own: &[f32; OWN], row: &mut [f32]) {
-        row[..OWN].copy_from_slice(own);
-    }
-
-    /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of UAV i.
-    #[inline(always)]
-    fn own(&self, i: usize) -> [f32; OWN] {
-        self.own_of(
-            self.state.cells[i],
-            self.state.battery[i],
-            self.state.pilot[i],
-            self.state.throughput[i],
-        )
-    }
-
-    #[inline(always)]
-    fn own_of(&self, cell: u64, battery: u64, pilot: u64, throughput: u64) -> [f32; OWN] {
-        let above = f64::from_bits(pilot) - self.pilot_min;
-        [
-            cell as u32 as i32 as f32 / self.spans.0,
-            (cell >> 32) as i32 as f32 / self.spans.1,
-            (battery as f64 * self.per_capacity) as f32,
-            (above * self.per_pilot_span) as f32,
-            f64::from_bits(throughput) as f32,
-        ]
-    }
-
-    /// [`Self::own`] of each UAV of a block.
-    #[inline(always)]
-    fn own_in_lanes(&self, block: Block) -> [Lanes<f32>; OWN] {
-        let (cells, battery) = (block.load(self.state.cells), block.load(self.state.battery));
+    fn own<const W: usize>(&self, block: Block<W>, cells: &Lanes<u64, W>) -> [Lanes<f32, W>; OWN] {
+        let battery = block.load(self.state.battery);
         let (pilot, throughput) = (
             block.load(self.state.pilot),
             block.load(self.state.throughput),
         );
-        let mut own = [[0.0; WIDTH]; OWN];
-        for lane in 0..WIDTH {
-            let one = self.own_of(cells[lane], battery[lane], pilot[lane], throughput[lane]);
-            for (lanes, value) in own.iter_mut().zip(one) {
-                lanes[lane] = value;
-            }
+        let mut own = [[0.0; W]; OWN];
+        for lane in 0..W {
+            let above = f64::from_bits(pilot[lane]) - self.pilot_min;
+            own[0][lane] = cells[lane] as u32 as i32 as f32 / self.spans.0;
+            own[1][lane] = (cells[lane] >> 32) as i32 as f32 / self.spans.1;
+            own[2][lane] = (battery[lane] as f64 * self.per_capacity) as f32;
+            own[3][lane] = (above * self.per_pilot_span) as f32;
+            own[4][lane] = f64::from_bits(throughput[lane]) as f32;
         }
-        own.iter_mut().for_each(in_memory);
+        own.iter_mut().for_each(force_vector);
         own
     }
 
-    /// Neighbours/(N-1).
+    /// Neighbours/(N-1) and depot distance/(W+H-2) of each UAV of a block.
     #[inline(always)]
-    fn connection(&self, neighbours: i32) -> f32 {
-        (f64::from(neighbours) * self.per_other) as f32
-    }
-
-    /// Depot distance/(W+H-2).
-    #[inline(always)]
-    fn to_depot(&self, distance: i32) -> f32 {
-        (f64::from(distance) * self.per_span) as f32
-    }
-
-    /// [`Self::connection`] and [`Self::to_depot`] of each UAV of a block.
-    #[inline(always)]
-    fn common_in_lanes(&self, block: Block) -> (Lanes<f32>, Lanes<f32>) {
-        let (mut degrees, row) = ([0; WIDTH], self.model.uav_words());
+    fn common<const W: usize>(
+        &self,
+        block: Block<W>,
+        cells: &Lanes<u64, W>,
+    ) -> (Lanes<f32, W>, Lanes<f32, W>) {
+        let (mut degrees, row) = ([0; W], self.model.uav_words());
         if row == 1 {
             degrees = block
                 .load(self.state.links)
@@ -335,30 +316,15 @@ impl<'v> View<'v> {
                 degrees[lane] = bits::count(links) as i32;
             }
         }
-        let distances = self
-            .model
-            .depot_distances(&Cells::load(block, self.state.cells));
-        let (mut connection, mut to_depot) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for lane in 0..WIDTH {
-            connection[lane] = self.connection(degrees[lane]);
-            to_depot[lane] = self.to_depot(distances[lane] as i32);
+        let distances = self.model.depot_distances(&Cells::of(cells));
+        let (mut connection, mut to_depot) = ([0.0; W], [0.0; W]);
+        for lane in 0..W {
+            connection[lane] = (f64::from(degrees[lane]) * self.per_other) as f32;
+            to_depot[lane] = (f64::from(distances[lane] as i32) * self.per_span) as f32;
         }
-        in_memory(&mut connection);
-        in_memory(&mut to_depot);
+        force_vector(&mut connection);
+        force_vector(&mut to_depot);
         (connection, to_depot)
-    }
-
-    /// Connectivity, sustainability and progress.
-    #[inline(always)]
-    fn put_common(&self, connection: f32, to_depot: f32, row: &mut [f32]) {
-        row[self.common..self.common + COMMON].copy_from_slice(&[
-            connection,
-            self.carbon,
-            to_depot,
-            self.progress[0],
-            self.progress[1],
-            self.progress[2],
-        ]);
     }
 
     /// What the configuration adds: a window of the map, the unsearched shares, a tag.
@@ -407,27 +373,23 @@ impl<'v> View<'v> {
     /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots at a time. Where there
     /// is room in its row, eight are written where fewer are left: what follows them is written later.
     #[inline(always)]
-    fn write_targets<const HIDDEN: bool>(&self, uavs: Block, out: &mut [f32]) {
+    fn write_targets<const HIDDEN: bool>(&self, uavs: Range<usize>, out: &mut [f32]) {
         let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
         // (x, y, 0, 0) of each UAV, all before the first is read: a load waits for stores that it spans.
-        let mut observers = [[0.0; WIDTH]; TARGET];
-        let cells = self.state.cells[uavs.first..][..uavs.count].iter();
-        for (own, &cell) in observers
-            .as_flattened_mut()
-            .chunks_exact_mut(TARGET)
-            .zip(cells)
-        {
+        let mut observers = [0.0; ROWS * TARGET];
+        let cells = self.state.cells[uavs.clone()].iter();
+        for (own, &cell) in observers.chunks_exact_mut(TARGET).zip(cells) {
             own[0] = cell as u32 as i32 as f32;
             own[1] = (cell >> 32) as i32 as f32;
         }
-        in_memory(&mut observers);
-        let knowledge = &self.state.knowledge[uavs.first * row_words..][..uavs.count * row_words];
+        force_vector(&mut observers);
+        let knowledge = &self.state.knowledge[uavs.start * row_words..uavs.end * row_words];
         let divisors = Divisors::of([self.spans.0, self.spans.1, 1.0, 1.0]);
         for (block, words) in self.state.hotspots.chunks(TARGETS).enumerate() {
             let (word, shift) = (block * TARGETS / 64, block * TARGETS % 64);
             let targets = targets(words, self.state.confirmed[word] >> shift);
             let begin = OWN + TARGET * TARGETS * block;
-            let observers = observers.as_flattened().chunks_exact(TARGET);
+            let observers = observers.chunks_exact(TARGET);
             let uavs = observers.zip(knowledge.chunks_exact(row_words));
             for (row, (own, known)) in out.chunks_exact_mut(len).zip(uavs) {
                 let own = repeat([own[0], own[1], own[2], own[3]]);
@@ -477,13 +439,13 @@ impl<'v> View<'v> {
     }
 }
 
-/// Eight hotspots, in blocks of lanes.
-const PARTS: usize = TARGETS * TARGET / WIDTH;
+/// Eight hotspots, in parts that are worked out side by side.
+const PARTS: usize = TARGETS * TARGET / ENTRIES;
 
 /// What a UAV at (x, y, 0, 0), over and over, sees of eight hotspots, of which it knows some.
 #[inline(always)]
 fn see<const HIDDEN: bool>(
-    own: &Lanes<f32>,
+    own: &[f32; ENTRIES],
     targets: &[f32; TARGET * TARGETS],
     divisors: &Divisors,
     known: usize,
@@ -491,8 +453,8 @@ fn see<const HIDDEN: bool>(
 ) {
     for part in 0..PARTS {
         let known = (known >> (part * QUARTET)) % (ALL + 1);
-        for lane in 0..WIDTH {
-            let index = part * WIDTH + lane;
+        for lane in 0..ENTRIES {
+            let index = part * ENTRIES + lane;
             let mut offset = divisors.offset(own[lane], targets[index], lane).to_bits();
             if HIDDEN {
                 offset &= !POSITIONS[ALL - known][lane];
@@ -516,7 +478,7 @@ fn targets(words: &[u64], confirmed: u64) -> [f32; TARGETS * TARGET] {
         target[1] = cell.y as i32 as f32;
         target[2] = flag(confirmed >> j & 1 == 1);
     }
-    in_memory(&mut targets);
+    force_vector(&mut targets);
     targets
 }
 

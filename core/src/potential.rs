@@ -3,9 +3,9 @@
 
 use crate::bits;
 use crate::config::Cell;
-use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
+use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
-use crate::scratch::Scratch;
+use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
 use crate::word::stored;
 
@@ -25,10 +25,34 @@ pub(crate) fn update(
         }
         (0.0, 0.0)
     } else {
-        (goal(model, state, scratch), charge(model, state))
+        at_width!(model, both(model, state, scratch))
     };
     state.header.set_goal_potential(goal);
     state.header.set_charge_potential(charge);
+}
+
+/// Keeps the potentials of each UAV before the step.
+#[inline(always)]
+pub(crate) fn keep(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_>) {
+    at_width!(model, keep_in_blocks(model, state, tally));
+}
+
+#[inline(always)]
+fn keep_in_blocks<const W: usize>(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_>) {
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        block.store(&block.load(state.goal_potential), tally.goal_before);
+        block.store(&block.load(state.charge_potential), tally.charge_before);
+    }
+}
+
+/// The goal potential and the charging potential.
+#[inline(always)]
+fn both<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) -> (f64, f64) {
+    (goal::<W>(model, state, scratch), charge::<W>(model, state))
 }
 
 /// Whether two potentials can be those of a UAV or a fleet: each within its weights, but for rounding.
@@ -59,7 +83,11 @@ fn span(model: &Model<'_>) -> f64 {
 /// A confirmation may leave UAVs as far from the next hotspot as the grid is wide, but takes one from U: with
 /// w_u of at least 1 it lowers no potential.
 #[inline(always)]
-fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) -> f64 {
+fn goal<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+) -> f64 {
     let open = scratch.list(model.hotspot_count());
     let mut count = 0;
     for j in 0..model.hotspot_count() {
@@ -72,37 +100,19 @@ fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) 
     let (weight, span) = (config.shaping_goal_weight, span(model));
     let unconfirmed = config.shaping_unconfirmed_weight * count as f64;
     let mut total = 0u64;
-    if model.uav_count() >= lanes::FLEET {
-        for block in lanes::blocks(model.uav_count()) {
-            let nearest = nearest_in_lanes(block, state, &open[..count]);
-            let mut potentials = [0; WIDTH];
-            for lane in 0..WIDTH {
-                let distance = f64::from(nearest[lane]);
-                potentials[lane] = stored(-(weight * (distance / span + unconfirmed)));
-            }
-            let (mut sum, own) = (0, block.mask() as i32);
-            for lane in 0..WIDTH {
-                sum += nearest[lane] & -(own >> lane & 1);
-            }
-            total += sum as u64;
-            block.store(&potentials, state.goal_potential);
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        let nearest = nearest(block, state, &open[..count]);
+        let mut potentials = [0; W];
+        for lane in 0..W {
+            let distance = f64::from(nearest[lane]);
+            potentials[lane] = stored(-(weight * (distance / span + unconfirmed)));
         }
-        let mean = total as f64 / model.uav_count() as f64;
-        return -(weight * (mean / span + unconfirmed));
-    }
-    for i in 0..model.uav_count() {
-        let cell = state.cell(i);
-        let mut nearest = if count == 0 { 0 } else { u32::MAX };
-        for &word in &open[..count] {
-            let distance = cell.manhattan(Cell::from_word(word));
-            nearest = if distance < nearest {
-                distance
-            } else {
-                nearest
-            };
+        let (mut sum, own) = (0, block.mask() as i32);
+        for lane in 0..W {
+            sum += nearest[lane] & -(own >> lane & 1);
         }
-        total += u64::from(nearest);
-        state.set_goal_potential(i, -(weight * (f64::from(nearest) / span + unconfirmed)));
+        total += sum as u64;
+        block.store(&potentials, state.goal_potential);
     }
     let mean = total as f64 / model.uav_count() as f64;
     -(weight * (mean / span + unconfirmed))
@@ -110,18 +120,18 @@ fn goal(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) 
 
 /// Manhattan distance of each UAV of a block to the nearest of some hotspots; 0 without any.
 #[inline(always)]
-fn nearest_in_lanes(block: Block, state: &StateMut<'_>, open: &[u64]) -> Lanes<i32> {
+fn nearest<const W: usize>(block: Block<W>, state: &StateMut<'_>, open: &[u64]) -> Lanes<i32, W> {
     let cells = Cells::load(block, state.cells);
-    let mut nearest = [if open.is_empty() { 0 } else { i32::MAX }; WIDTH];
+    let mut nearest = [if open.is_empty() { 0 } else { i32::MAX }; W];
     for &word in open {
         let to = Cell::from_word(word);
         let (x, y) = (to.x as i32, to.y as i32);
-        for lane in 0..WIDTH {
+        for lane in 0..W {
             let distance = (cells.x[lane] - x).abs() + (cells.y[lane] - y).abs();
             nearest[lane] = nearest[lane].min(distance);
         }
-        // Sixteen UAVs and one hotspot at a time, not the other way round.
-        lanes::in_memory(&mut nearest);
+        // All UAVs and one hotspot at a time, not the other way round.
+        lanes::force_vector(&mut nearest);
     }
     nearest
 }
@@ -129,7 +139,7 @@ fn nearest_in_lanes(block: Block, state: &StateMut<'_>, open: &[u64]) -> Lanes<i
 /// Φ_i = w_c · (1 - soc_i) · g_t · (1 - depot distance / (W + H - 2)), with
 /// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min). Gives the mean.
 #[inline(always)]
-fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
+fn charge<const W: usize>(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
     let (capacity_uj, span) = (model.energy().capacity_uj, span(model));
     let config = model.config();
     let cleanness = 1.0
@@ -139,32 +149,21 @@ fn charge(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
     let g = config.renewable_share + (1.0 - config.renewable_share) * cleanness;
     let (weight, most) = (config.shaping_charge_weight, capacity_uj as f64 * span);
     let mut sum = 0.0;
-    if model.uav_count() >= lanes::FLEET {
-        for block in lanes::blocks(model.uav_count()) {
-            let battery = block.load(state.battery);
-            let depots = model.depot_distances(&Cells::load(block, state.cells));
-            let (mut shares, mut potentials) = ([0.0; WIDTH], [0; WIDTH]);
-            for lane in 0..WIDTH {
-                let missing = capacity_uj.wrapping_sub(battery[lane]) as f64;
-                shares[lane] = missing * (span - f64::from(depots[lane] as i32));
-                potentials[lane] = stored(weight * (shares[lane] / most * g));
-            }
-            for shares in block.in_order(&shares) {
-                for share in shares {
-                    sum += share;
-                }
-            }
-            block.store(&potentials, state.charge_potential);
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        let battery = block.load(state.battery);
+        let depots = model.depot_distances(&Cells::load(block, state.cells));
+        let (mut shares, mut potentials) = ([0.0; W], [0; W]);
+        for lane in 0..W {
+            let missing = capacity_uj.wrapping_sub(battery[lane]) as f64;
+            shares[lane] = missing * (span - f64::from(depots[lane] as i32));
+            potentials[lane] = stored(weight * (shares[lane] / most * g));
         }
-        let mean = sum / (most * model.uav_count() as f64);
-        return weight * (mean * g);
-    }
-    for i in 0..model.uav_count() {
-        let missing = (capacity_uj - state.battery[i]) as f64;
-        let distance = f64::from(model.depot_distance(state.cell(i)));
-        let share = missing * (span - distance);
-        sum += share;
-        state.set_charge_potential(i, weight * (share / most * g));
+        for shares in block.in_order(&shares) {
+            for share in shares {
+                sum += share;
+            }
+        }
+        block.store(&potentials, state.charge_potential);
     }
     let mean = sum / (most * model.uav_count() as f64);
     weight * (mean * g)

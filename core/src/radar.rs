@@ -3,6 +3,7 @@
 use libm::{exp, log, log10};
 
 use crate::config::Config;
+use crate::lanes::real;
 
 /// Speed of light in vacuum.
 pub const LIGHT_M_PER_S: f64 = 299_792_458.0;
@@ -83,11 +84,11 @@ pub fn range_odds_against(config: &Config, snr_db: f64, threshold_db: f64) -> f6
     })
 }
 
-/// The UAV's factor of the odds against detection, exp(κ α ρ_comm).
-#[inline]
+/// The UAV's factor of the odds against detection, exp(κ α ρ_comm), for κ α from 0 to 700 and a load from 0 to 1.
+#[inline(always)]
 #[must_use]
 pub fn load_odds_against(loss_per_load: f64, comm_load: f64) -> f64 {
-    exp(loss_per_load * comm_load)
+    real::exp(loss_per_load * comm_load)
 }
 
 /// The odds against a detection: a range's factor times a UAV's.

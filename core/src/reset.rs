@@ -30,7 +30,7 @@ impl Model<'_> {
         state
             .header
             .set_intensity(self.carbon().intensity_mg_per_kwh(seed, 0));
-        place_hotspots(self, &mut state, seed);
+        place_hotspots(self, &mut state, scratch, seed);
         let depot = self.depots()[0];
         for i in 0..self.uav_count() {
             state.cells[i] = depot.to_word();
@@ -65,7 +65,14 @@ pub(crate) fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64
 
 /// Draws distinct cells without a depot: Floyd's sampling makes every set equally likely in n draws,
 /// a Fisher-Yates shuffle then makes every order so. (R. Floyd, J. Bentley, CACM 30(9), 1987.)
-pub(crate) fn place_hotspots(model: &Model<'_>, state: &mut StateMut<'_>, seed: u64) {
+pub(crate) fn place_hotspots(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    scratch: &mut Scratch<'_>,
+    seed: u64,
+) {
+    let taken = scratch.cells(model);
+    taken.fill(0);
     let count = model.hotspot_count();
     let free = model.config().cell_count() - model.depots().len();
     for pick in 0..count {
@@ -73,16 +80,14 @@ pub(crate) fn place_hotspots(model: &Model<'_>, state: &mut StateMut<'_>, seed: 
         let draw = rng::bits64(seed, 0, 0, pick as u32, Purpose::Hotspot);
         let rank = rng::below(draw, top as u64 + 1) as usize;
         let cell = free_cell(model, rank);
-        // The cells chosen so far are marked in the set of visited cells, which is cleared below.
-        let chosen = if bits::get(state.visited, model.cell_index(cell)) {
+        let chosen = if bits::get(taken, model.cell_index(cell)) {
             free_cell(model, top)
         } else {
             cell
         };
-        bits::set(state.visited, model.cell_index(chosen));
+        bits::set(taken, model.cell_index(chosen));
         state.hotspots[pick] = chosen.to_word();
     }
-    state.visited.fill(0);
     for last in (1..count).rev() {
         let draw = rng::bits64(seed, 0, 0, last as u32, Purpose::Shuffle);
         let other = rng::below(draw, last as u64 + 1) as usize;

@@ -1,8 +1,12 @@
 //! The reward: a fixed vector of named components whose sum, left to right, is R_t for the team, and R_i
 //! for one UAV. The mean of R_i over the fleet is R_t.
 
+use crate::carbon;
 use crate::config::{Config, InformPayment};
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{self, Block, Lanes, at_width};
+use crate::model::Model;
+use crate::scratch::Tally;
+use crate::state::StateMut;
 use crate::word::stored;
 
 /// How many components there are.
@@ -57,7 +61,7 @@ pub struct RewardPlan {
     discount: f64,
 }
 
-/// What happened in a step, as far as the reward is concerned: to the team, or as one UAV is credited with it.
+/// What happened to the team in a step, as far as the reward is concerned.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Happenings {
     /// Hotspots confirmed in this step.
@@ -76,7 +80,7 @@ pub struct Happenings {
     pub revisits: u64,
     /// Energy spent by the fleet.
     pub spent_uj: u64,
-    /// Carbon emitted; a UAV's share of it need not be whole.
+    /// Carbon emitted.
     pub co2_ng: f64,
     /// η̄(t).
     pub mean_throughput: f64,
@@ -90,64 +94,6 @@ pub struct Happenings {
     pub charge_potential_before: f64,
     /// The same after it; 0 in a terminal state.
     pub charge_potential_after: f64,
-}
-
-/// What one UAV did in a step, as far as its own reward is concerned.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Deeds {
-    /// It was the first, by index, of those that came to a cell never visited before.
-    pub new_cell: bool,
-    /// It moved into a cell visited before this step.
-    pub revisit: bool,
-    /// Energy that it spent.
-    pub spent_uj: u64,
-    /// Its share of the carbon emitted.
-    pub co2_ng: f64,
-    /// η̄_i.
-    pub throughput: f64,
-    /// Its Φ of the distance to hotspots, before the step.
-    pub goal_potential_before: f64,
-    /// The same after it; 0 in a terminal state.
-    pub goal_potential_after: f64,
-    /// Its Φ of carbon-aware charging, before the step.
-    pub charge_potential_before: f64,
-    /// The same after it; 0 in a terminal state.
-    pub charge_potential_after: f64,
-}
-
-/// [`Deeds`] of a block of UAVs as the state holds them: reals as bits, 1 for yes.
-pub(crate) struct BlockDeeds {
-    pub(crate) new_cell: Lanes<u64>,
-    pub(crate) revisit: Lanes<u64>,
-    pub(crate) spent_uj: Lanes<u64>,
-    pub(crate) billed_uj: Lanes<u64>,
-    pub(crate) throughput: Lanes<u64>,
-    pub(crate) goal_potential_before: Lanes<u64>,
-    pub(crate) goal_potential_after: Lanes<u64>,
-    pub(crate) charge_potential_before: Lanes<u64>,
-    pub(crate) charge_potential_after: Lanes<u64>,
-}
-
-impl Happenings {
-    /// The team's happenings as a UAV of a fleet of `uavs` is credited with them: what the team counts as a
-    /// sum over UAVs is `uavs` times the UAV's own, what it counts as a mean is the UAV's own, and the rest
-    /// is shared. So the mean over the fleet is the team's.
-    #[inline(always)]
-    #[must_use]
-    pub fn credited(&self, uavs: u64, own: &Deeds) -> Self {
-        Self {
-            new_cells: if own.new_cell { uavs } else { 0 },
-            revisits: if own.revisit { uavs } else { 0 },
-            spent_uj: uavs * own.spent_uj,
-            co2_ng: uavs as f64 * own.co2_ng,
-            mean_throughput: own.throughput,
-            goal_potential_before: own.goal_potential_before,
-            goal_potential_after: own.goal_potential_after,
-            charge_potential_before: own.charge_potential_before,
-            charge_potential_after: own.charge_potential_after,
-            ..*self
-        }
-    }
 }
 
 impl RewardPlan {
@@ -170,7 +116,7 @@ impl RewardPlan {
         }
     }
 
-    /// Every component of R_t, or of R_i for what a UAV is credited with, in the order of [`NAMES`].
+    /// Every component of R_t, in the order of [`NAMES`].
     #[inline(always)]
     #[must_use]
     pub fn components(&self, step: &Happenings) -> Rewards {
@@ -183,64 +129,146 @@ impl RewardPlan {
             self.detect * step.newly_confirmed as f64,
             self.inform * paid as f64,
             if step.complete { self.complete } else { 0.0 },
-            self.coverage_per_cell * step.new_cells as f64,
-            -(self.energy_per_uj * step.spent_uj as f64),
-            -(self.carbon_per_ng * step.co2_ng),
-            -(self.revisit * step.revisits as f64),
+            self.coverage(step.new_cells as f64),
+            self.energy(step.spent_uj as f64),
+            self.carbon(step.co2_ng),
+            self.revisit(step.revisits as f64),
             if step.at_horizon {
                 -self.truncation
             } else {
                 0.0
             },
-            self.throughput * step.mean_throughput,
+            self.throughput(step.mean_throughput),
             self.spread * step.knowledge_spread,
-            self.discount * step.goal_potential_after - step.goal_potential_before,
-            self.discount * step.charge_potential_after - step.charge_potential_before,
+            self.shaping(step.goal_potential_before, step.goal_potential_after),
+            self.shaping(step.charge_potential_before, step.charge_potential_after),
         ]
+    }
+
+    // The terms that a UAV has of its own, of the fleet's quantities or of those that it is credited with.
+
+    #[inline(always)]
+    pub(crate) fn coverage(&self, new_cells: f64) -> f64 {
+        self.coverage_per_cell * new_cells
+    }
+
+    #[inline(always)]
+    pub(crate) fn energy(&self, spent_uj: f64) -> f64 {
+        -(self.energy_per_uj * spent_uj)
+    }
+
+    #[inline(always)]
+    pub(crate) fn carbon(&self, co2_ng: f64) -> f64 {
+        -(self.carbon_per_ng * co2_ng)
+    }
+
+    #[inline(always)]
+    pub(crate) fn revisit(&self, revisits: f64) -> f64 {
+        -(self.revisit * revisits)
+    }
+
+    #[inline(always)]
+    pub(crate) fn throughput(&self, mean: f64) -> f64 {
+        self.throughput * mean
+    }
+
+    #[inline(always)]
+    pub(crate) fn shaping(&self, before: f64, after: f64) -> f64 {
+        self.discount * after - before
     }
 }
 
-impl RewardPlan {
-    /// The components in [`OWN`] of each UAV of a block, as bits: those of [`Self::components`] for what
-    /// [`Happenings::credited`] credits it with. `fleet` is the fleet's carbon and what it was billed for.
-    #[inline(always)]
-    pub(crate) fn own_in_lanes(
-        &self,
-        uavs: u64,
-        (co2_ng, billed_uj): (u64, u64),
-        own: &BlockDeeds,
-    ) -> [Lanes<u64>; OWN_COMPONENTS] {
-        let (fleet, whole_ng) = (uavs as f64, co2_ng as f64);
-        let billed_fleet = if billed_uj == 0 {
-            1.0
-        } else {
-            billed_uj as f64
-        };
-        let mut rows = [[0; WIDTH]; OWN_COMPONENTS];
-        let [coverage, energy, carbon, revisit, throughput, goal, charge] = &mut rows;
-        for lane in 0..WIDTH {
-            let new_cells = f64::from(own.new_cell[lane] as u32) * fleet;
-            coverage[lane] = stored(self.coverage_per_cell * new_cells);
-            let spent_uj = (uavs * own.spent_uj[lane]) as f64;
-            energy[lane] = stored(-(self.energy_per_uj * spent_uj));
-            let revisits = f64::from(own.revisit[lane] as u32) * fleet;
-            revisit[lane] = stored(-(self.revisit * revisits));
-            throughput[lane] = stored(self.throughput * f64::from_bits(own.throughput[lane]));
+/// What the fleet was billed in a step, and the carbon of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Billed {
+    pub(crate) co2_ng: u64,
+    pub(crate) billed_uj: u64,
+}
+
+/// The own components of each UAV's reward; the others are the team's.
+#[inline(always)]
+pub(crate) fn credit(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &Tally<'_>,
+    billed: Billed,
+) {
+    at_width!(model, credit_in_blocks(model, state, tally, billed));
+}
+
+#[inline(always)]
+fn credit_in_blocks<const W: usize>(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &Tally<'_>,
+    billed: Billed,
+) {
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        let own = own_in(model, state, tally, billed, block);
+        let rows = state.own_rewards[block.first * OWN_KEPT..].chunks_exact_mut(OWN_KEPT);
+        for (lane, row) in block.lanes().zip(rows) {
+            for (value, lanes) in row.iter_mut().zip(&own) {
+                *value = lanes[lane];
+            }
         }
-        for lane in 0..WIDTH {
-            let share = whole_ng * (own.billed_uj[lane] as f64 / billed_fleet);
-            let share = if share > whole_ng { whole_ng } else { share };
-            carbon[lane] = stored(-(self.carbon_per_ng * (fleet * share)));
-        }
-        for lane in 0..WIDTH {
-            let gained = |after: &Lanes<u64>, before: &Lanes<u64>| {
-                stored(self.discount * f64::from_bits(after[lane]) - f64::from_bits(before[lane]))
-            };
-            goal[lane] = gained(&own.goal_potential_after, &own.goal_potential_before);
-            charge[lane] = gained(&own.charge_potential_after, &own.charge_potential_before);
-        }
-        rows
     }
+}
+
+/// The components in [`OWN`] of each UAV of a block, as bits. What the team counts as a sum over N UAVs is N times the
+/// UAV's own, and what it counts as a mean is the UAV's own: so the mean over the fleet is the team's.
+#[inline(always)]
+fn own_in<const W: usize>(
+    model: &Model<'_>,
+    state: &StateMut<'_>,
+    tally: &Tally<'_>,
+    fleet: Billed,
+    block: Block<W>,
+) -> [Lanes<u64, W>; OWN_COMPONENTS] {
+    let (plan, uavs) = (model.reward(), model.uav_count() as u64);
+    let (new_cell, revisited) = (block.load(tally.new_cells), block.load(tally.revisits));
+    let (spent_uj, billed_uj) = (block.load(tally.spent_uj), block.load(tally.billed_uj));
+    let mean = block.load(state.throughput);
+    let mut rows = [[0; W]; OWN_COMPONENTS];
+    let [coverage, energy, carbon, revisit, throughput, goal, charge] = &mut rows;
+    // Loops that the compiler makes vectors of; one loop for all is too much for it.
+    for lane in 0..W {
+        let new_cells = f64::from(new_cell[lane] as u32) * uavs as f64;
+        coverage[lane] = stored(plan.coverage(new_cells));
+        energy[lane] = stored(plan.energy((uavs * spent_uj[lane]) as f64));
+        let revisits = f64::from(revisited[lane] as u32) * uavs as f64;
+        revisit[lane] = stored(plan.revisit(revisits));
+        throughput[lane] = stored(plan.throughput(f64::from_bits(mean[lane])));
+    }
+    for lane in 0..W {
+        let share_ng = carbon::share_ng(fleet.co2_ng, billed_uj[lane], fleet.billed_uj);
+        carbon[lane] = stored(plan.carbon(uavs as f64 * share_ng));
+    }
+    *goal = gained(
+        plan,
+        &block.load(tally.goal_before),
+        &block.load(state.goal_potential),
+    );
+    *charge = gained(
+        plan,
+        &block.load(tally.charge_before),
+        &block.load(state.charge_potential),
+    );
+    rows
+}
+
+/// The shaping terms of potentials, all as bits.
+#[inline(always)]
+fn gained<const W: usize>(
+    plan: &RewardPlan,
+    before: &Lanes<u64, W>,
+    after: &Lanes<u64, W>,
+) -> Lanes<u64, W> {
+    let mut gained = [0; W];
+    for lane in 0..W {
+        let (before, after) = (f64::from_bits(before[lane]), f64::from_bits(after[lane]));
+        gained[lane] = stored(plan.shaping(before, after));
+    }
+    gained
 }
 
 /// R_t or R_i: the components summed left to right.
@@ -301,87 +329,19 @@ mod tests {
     }
 
     #[test]
-    fn own_components_of_a_block_are_those_of_each_uav() {
+    fn own_components_are_where_own_says() {
         let plan = RewardPlan::new(&Config::default());
-        for round in 0..1000u64 {
-            let word = |purpose: u64, lane: usize| {
-                crate::rng::derive_seed(round, purpose * WIDTH as u64 + lane as u64)
-            };
-            let real = |purpose, lane, scale: f64| {
-                (crate::rng::unit(word(purpose, lane)) * scale).to_bits()
-            };
-            let lanes = |purpose, make: &dyn Fn(u64, usize) -> u64| {
-                core::array::from_fn(|lane| make(purpose, lane))
-            };
-            let own = BlockDeeds {
-                new_cell: lanes(0, &|purpose, lane| word(purpose, lane) & 1),
-                revisit: lanes(1, &|purpose, lane| word(purpose, lane) & 1),
-                spent_uj: lanes(2, &|purpose, lane| word(purpose, lane) >> 22),
-                billed_uj: lanes(3, &|purpose, lane| {
-                    word(purpose, lane) >> 30 << (word(9, lane) % 3)
-                }),
-                throughput: lanes(4, &|purpose, lane| real(purpose, lane, 2.0)),
-                goal_potential_before: lanes(5, &|purpose, lane| real(purpose, lane, -3.0)),
-                goal_potential_after: lanes(6, &|purpose, lane| real(purpose, lane, -3.0)),
-                charge_potential_before: lanes(7, &|purpose, lane| real(purpose, lane, 0.1)),
-                charge_potential_after: lanes(8, &|purpose, lane| real(purpose, lane, 0.1)),
-            };
-            let billed_uj: u64 = own.billed_uj.iter().sum();
-            let billed_uj = if round % 10 == 0 { 0 } else { billed_uj };
-            let co2_ng = word(10, 0) >> 20;
-            let rows = plan.own_in_lanes(15, (co2_ng, billed_uj), &own);
-            for lane in 0..WIDTH {
-                let billed = if billed_uj == 0 {
-                    0
-                } else {
-                    own.billed_uj[lane]
-                };
-                if billed != own.billed_uj[lane] {
-                    continue;
-                }
-                let deeds = Deeds {
-                    new_cell: own.new_cell[lane] != 0,
-                    revisit: own.revisit[lane] != 0,
-                    spent_uj: own.spent_uj[lane],
-                    co2_ng: crate::carbon::share_ng(co2_ng, billed, billed_uj),
-                    throughput: f64::from_bits(own.throughput[lane]),
-                    goal_potential_before: f64::from_bits(own.goal_potential_before[lane]),
-                    goal_potential_after: f64::from_bits(own.goal_potential_after[lane]),
-                    charge_potential_before: f64::from_bits(own.charge_potential_before[lane]),
-                    charge_potential_after: f64::from_bits(own.charge_potential_after[lane]),
-                };
-                let all = plan.components(&Happenings::default().credited(15, &deeds));
-                for (row, index) in rows.iter().zip(OWN) {
-                    assert_eq!(row[lane], stored(all[index]), "{}", NAMES[index]);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn own_components_are_those_that_differ_between_uavs() {
-        let fleet = Happenings {
-            newly_confirmed: 1,
-            newly_informed: 1,
-            informed: 1,
-            complete: true,
-            at_horizon: true,
-            knowledge_spread: 1.0,
-            ..Happenings::default()
-        };
-        let busy = Deeds {
-            new_cell: true,
-            revisit: true,
+        let idle = plan.components(&Happenings::default());
+        let busy = plan.components(&Happenings {
+            new_cells: 1,
+            revisits: 1,
             spent_uj: 1,
             co2_ng: 1.0,
-            throughput: 1.0,
+            mean_throughput: 1.0,
             goal_potential_before: -1.0,
             charge_potential_before: 0.1,
-            ..Deeds::default()
-        };
-        let plan = RewardPlan::new(&Config::default());
-        let idle = plan.components(&fleet.credited(10, &Deeds::default()));
-        let busy = plan.components(&fleet.credited(10, &busy));
+            ..Happenings::default()
+        });
         for index in 0..COMPONENTS {
             let differs = idle[index] != busy[index];
             assert_eq!(differs, OWN.contains(&index), "{}", NAMES[index]);

@@ -4,7 +4,7 @@
 //! SC 2011. Every draw is a pure function of (seed, step, UAV, item, purpose): none depends on another
 //! having been made, nor on order, batch or thread.
 
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::Lanes;
 
 const MULTIPLIER_0: u32 = 0xD251_1F53;
 const MULTIPLIER_1: u32 = 0xCD9E_8D57;
@@ -69,19 +69,19 @@ pub fn block(seed: u64, step: u32, uav: u32, block: u32, purpose: Purpose) -> [u
     )
 }
 
-/// The blocks of sixteen UAVs: word by word, each a row of one for each UAV.
+/// The blocks of some UAVs: word by word, each a lane for each UAV.
 #[inline(always)]
 #[must_use]
-pub(crate) fn blocks(
+pub(crate) fn blocks<const W: usize>(
     seed: u64,
     step: u32,
-    uavs: &Lanes<u32>,
+    uavs: &Lanes<u32, W>,
     index: u32,
     purpose: Purpose,
-) -> [Lanes<u32>; 4] {
-    let mut words = [[0; WIDTH]; 4];
+) -> [Lanes<u32, W>; 4] {
+    let mut words = [[0; W]; 4];
     let [first, second, third, fourth] = &mut words;
-    for lane in 0..WIDTH {
+    for lane in 0..W {
         let one = block(seed, step, uavs[lane], index, purpose);
         first[lane] = one[0];
         second[lane] = one[1];
@@ -151,7 +151,7 @@ mod tests {
         for (seed, step, uav, index) in
             [(0, 1, 0, 0), (u64::MAX, 99, 4080, 17), (1 << 40, 7, 16, 3)]
         {
-            let uavs = core::array::from_fn(|lane| uav + (lane as u32 * 7) % 16);
+            let uavs: [u32; 16] = core::array::from_fn(|lane| uav + (lane as u32 * 7) % 16);
             let rows = blocks(seed, step, &uavs, index, Purpose::Detect);
             for (lane, &uav) in uavs.iter().enumerate() {
                 let one = block(seed, step, uav, index, Purpose::Detect);

@@ -1,11 +1,9 @@
 //! Working memory of a step: nothing in it outlives a call. One per thread serves any number of states.
 
+use crate::bits;
 use crate::graph;
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{self, Lanes};
 use crate::model::Model;
-
-/// Pairs of two blocks.
-const PAIRS: usize = WIDTH * WIDTH;
 
 /// Working memory for the states of one model.
 #[derive(Debug)]
@@ -18,18 +16,22 @@ impl<'a> Scratch<'a> {
     #[must_use]
     pub fn words_for(model: &Model<'_>) -> usize {
         let uavs = model.uav_count();
-        let sense = uavs * model.hotspot_words() + model.hotspot_count();
+        let (hotspots, cells) = (model.hotspot_count(), model.config().cell_count());
         let graph = model.bucket_count() + 1 + uavs;
         let longest = model.hotspot_words().max(model.map_words());
         let consensus = uavs + model.uav_words() + longest;
-        let ending = Tally::WORDS * uavs + model.hotspot_count();
-        let links = if graph::in_lanes(uavs) { PAIRS } else { 0 };
-        sense
+        let ending = Tally::WORDS * uavs + hotspots;
+        let width = lanes::width_of(uavs);
+        let pairs = if graph::by_pairs(uavs) {
+            uavs + graph::tile(width) * width
+        } else {
+            0
+        };
+        bits::words_for(cells)
             .max(graph)
             .max(consensus)
             .max(ending)
-            .max(uavs)
-            .max(links)
+            .max(pairs)
     }
 
     /// Uses the caller's memory; `None` if it has fewer than [`Scratch::words_for`] words.
@@ -38,22 +40,24 @@ impl<'a> Scratch<'a> {
         (words.len() >= Self::words_for(model)).then_some(Self { words })
     }
 
-    /// Detections: a row of hotspot bits per UAV, and the number of positives per hotspot.
-    pub(crate) fn detections(&mut self, model: &Model<'_>) -> (&mut [u64], &mut [u64]) {
-        self.two(
-            model.uav_count() * model.hotspot_words(),
-            model.hotspot_count(),
-        )
+    /// A set of cells.
+    pub(crate) fn cells(&mut self, model: &Model<'_>) -> &mut [u64] {
+        self.list(bits::words_for(model.config().cell_count()))
     }
 
     /// Bucket boundaries and the UAVs sorted by bucket.
     pub(crate) fn buckets(&mut self, model: &Model<'_>) -> (&mut [u64], &mut [u64]) {
-        self.two(model.bucket_count() + 1, model.uav_count())
+        let (starts, rest) = self.words.split_at_mut(model.bucket_count() + 1);
+        (starts, &mut rest[..model.uav_count()])
     }
 
-    /// A word for each pair of a UAV and a lane.
-    pub(crate) fn pairs(&mut self) -> &mut [Lanes<u64>] {
-        self.words[..PAIRS].as_chunks_mut().0
+    /// A word for each UAV, and one for each pair of a lane and one of the UAVs met at a time.
+    pub(crate) fn pairs<const W: usize>(
+        &mut self,
+        uavs: usize,
+    ) -> (&mut [u64], &mut [Lanes<u64, W>]) {
+        let (sums, rest) = self.words.split_at_mut(uavs);
+        (sums, rest[..graph::tile(W) * W].as_chunks_mut().0)
     }
 
     /// Order of a walk over the graph, UAVs not reached yet, and a component's union of rows.
@@ -72,6 +76,7 @@ impl<'a> Scratch<'a> {
     pub(crate) fn tally(&mut self, uavs: usize) -> (Tally<'_>, Scratch<'_>) {
         let (spent_uj, rest) = self.words.split_at_mut(uavs);
         let (billed_uj, rest) = rest.split_at_mut(uavs);
+        let (cell_indices, rest) = rest.split_at_mut(uavs);
         let (new_cells, rest) = rest.split_at_mut(uavs);
         let (revisits, rest) = rest.split_at_mut(uavs);
         let (goal_before, rest) = rest.split_at_mut(uavs);
@@ -79,6 +84,7 @@ impl<'a> Scratch<'a> {
         let tally = Tally {
             spent_uj,
             billed_uj,
+            cell_indices,
             new_cells,
             revisits,
             goal_before,
@@ -91,11 +97,6 @@ impl<'a> Scratch<'a> {
     pub(crate) fn list(&mut self, count: usize) -> &mut [u64] {
         &mut self.words[..count]
     }
-
-    fn two(&mut self, first: usize, second: usize) -> (&mut [u64], &mut [u64]) {
-        let (a, b) = self.words.split_at_mut(first);
-        (a, &mut b[..second])
-    }
 }
 
 /// What each UAV does in a step, as its own reward needs it; a word per UAV each.
@@ -104,6 +105,8 @@ pub(crate) struct Tally<'a> {
     pub(crate) spent_uj: &'a mut [u64],
     /// Charging billed.
     pub(crate) billed_uj: &'a mut [u64],
+    /// Row-major index of its cell.
+    pub(crate) cell_indices: &'a mut [u64],
     /// 1 where it was the first in a cell never visited before.
     pub(crate) new_cells: &'a mut [u64],
     /// 1 where it moved into a cell visited before.
@@ -116,5 +119,5 @@ pub(crate) struct Tally<'a> {
 
 impl Tally<'_> {
     /// Words per UAV.
-    const WORDS: usize = 6;
+    const WORDS: usize = 7;
 }

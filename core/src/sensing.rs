@@ -2,7 +2,7 @@
 
 use crate::bits;
 use crate::config::Cell;
-use crate::lanes::{self, Block, Cells, Lanes, WIDTH};
+use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
 use crate::radar;
 use crate::rng::{self, Purpose};
@@ -36,19 +36,10 @@ pub(crate) fn sense_and_learn(
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
 ) {
-    if model.uav_count() < lanes::FLEET {
-        let (detected, positives) = scratch.detections(model);
-        detect(model, state, detected, positives);
-        state.detected.copy_from_slice(detected);
-        conclude(model, state, positives);
-    } else {
-        let positives = scratch.list(model.hotspot_count());
-        positives.fill(0);
-        for block in lanes::blocks(model.uav_count()) {
-            detect_in_lanes(model, state, block, positives);
-        }
-        conclude(model, state, positives);
-    }
+    let positives = scratch.list(model.hotspot_count());
+    positives.fill(0);
+    at_width!(model, detect_in_blocks(model, state, positives));
+    conclude(model, state, positives);
 }
 
 /// As [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV, in place of the
@@ -88,99 +79,51 @@ fn conclude(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
 }
 
 #[inline(always)]
-fn detect(
+fn detect_in_blocks<const W: usize>(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    detected: &mut [u64],
     positives: &mut [u64],
 ) {
-    detected.fill(0);
-    positives.fill(0);
-    let (row, hotspots) = (model.hotspot_words(), model.hotspot_count());
-    for i in 0..model.uav_count() {
-        let known = &state.knowledge[i * row..(i + 1) * row];
-        let senses = !bits::get(state.grounded, i) && bits::count(known) < hotspots;
-        bits::assign(state.sensing, i, senses);
-        if senses {
-            let found = &mut detected[i * row..(i + 1) * row];
-            detect_from(model, state, i, found, positives);
-        }
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        detect_in(model, state, block, positives);
     }
 }
 
-/// The draws of one UAV: a block of the generator for every four hotspots.
+/// The draws of a block's UAVs: a block of the generator for every four hotspots.
 #[inline(always)]
-fn detect_from(
-    model: &Model<'_>,
-    state: &StateMut<'_>,
-    i: usize,
-    found: &mut [u64],
-    positives: &mut [u64],
-) {
-    let (seed, t) = (state.header.seed(), state.header.t());
-    let (cell, load) = (state.cell(i), 1.0 - state.pilot_density(i));
-    let load_odds = radar::load_odds_against(model.loss_per_load(), load);
-    let range_odds = model.range_odds();
-    let known = &state.knowledge[i * found.len()..(i + 1) * found.len()];
-    let cells = state.hotspots.chunks(DRAWS);
-    for (block, (cells, positives)) in cells.zip(positives.chunks_mut(DRAWS)).enumerate() {
-        let first = block * DRAWS;
-        let unknown = !known[first / 64] >> (first % 64) & 0xF;
-        if unknown == 0 {
-            continue;
-        }
-        let draws = rng::block(seed, t, i as u32, block as u32, Purpose::Detect);
-        let mut hits = 0;
-        for lane in 0..cells.len() {
-            let range_odds = range_odds.between(cell, Cell::from_word(cells[lane]));
-            let odds = radar::odds_against(range_odds, load_odds);
-            let below = u64::from(draws[lane]) < radar::detection_threshold(odds);
-            let positive = unknown >> lane & u64::from(below);
-            positives[lane] += positive;
-            hits |= positive << lane;
-        }
-        found[first / 64] |= hits << (first % 64);
-    }
-}
-
-/// As [`detect`] for the UAVs of a block.
-#[inline(always)]
-fn detect_in_lanes(
+fn detect_in<const W: usize>(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    block: Block,
+    block: Block<W>,
     positives: &mut [u64],
 ) {
-    let (row, hotspots) = (model.hotspot_words(), model.hotspot_count());
-    let flies = lanes::spread(!block.bits(state.grounded) & block.mask());
+    let (row, seed, t) = (model.hotspot_words(), state.header.seed(), state.header.t());
+    let flies = lanes::spread::<W>(!block.bits(state.grounded) & block.mask());
     let rows = Cells::load(block, state.cells).rows(model.config().grid_width);
     let load_odds = load_odds(model, &block.load(state.pilot));
     let uavs = block.indices().map(|index| block.first as u32 + index);
-    let mut wanting: Lanes<u64> = [0; WIDTH];
-    for word in 0..row {
+    let mut wanting = [0; W];
+    let words = state.hotspots.chunks(64).zip(positives.chunks_mut(64));
+    for (word, (cells, positives)) in words.enumerate() {
         let known = block.load_word(state.knowledge, row, word);
-        let (mut unknown, mut found, mut any) = ([0; WIDTH], [0; WIDTH], 0);
-        for lane in 0..WIDTH {
-            unknown[lane] = !known[lane] & bits::valid_mask(word, hotspots) & flies[lane];
+        let (mut unknown, mut found, mut any) = ([0; W], [0; W], 0);
+        for lane in 0..W {
+            unknown[lane] = !known[lane] & bits::valid_mask(0, cells.len()) & flies[lane];
             wanting[lane] |= if unknown[lane] == 0 { 0 } else { u64::MAX };
             any |= unknown[lane];
         }
-        let sixteenth = hotspots.saturating_sub(word * 64).div_ceil(DRAWS);
-        for part in 0..if sixteenth < 16 { sixteenth } else { 16 } {
-            if any >> (part * DRAWS) & 0xF == 0 {
+        let parts = cells.chunks(DRAWS).zip(positives.chunks_mut(DRAWS));
+        for (part, (cells, positives)) in parts.enumerate() {
+            let first = part * DRAWS;
+            if any >> first & 0xF == 0 {
                 continue;
             }
-            let (seed, t) = (state.header.seed(), state.header.t());
-            let draws = rng::blocks(seed, t, &uavs, (word * 16 + part) as u32, Purpose::Detect);
-            for (lane, draws) in draws.iter().enumerate() {
-                let bit = part * DRAWS + lane;
-                let j = word * 64 + bit;
-                if j >= hotspots {
-                    break;
-                }
-                let cell = Cell::from_word(state.hotspots[j]);
-                let range_odds = model.range_odds().gather(&rows, cell);
-                positives[j] += hits(draws, &range_odds, &load_odds, &unknown, bit, &mut found);
+            let index = (word * 16 + part) as u32;
+            let draws = rng::blocks(seed, t, &uavs, index, Purpose::Detect);
+            for (draw, (&cell, positives)) in cells.iter().zip(positives).enumerate() {
+                let range_odds = model.range_odds().gather(&rows, Cell::from_word(cell));
+                let (draws, bit) = (&draws[draw % DRAWS], first + draw);
+                *positives += hits(draws, &range_odds, &load_odds, &unknown, bit, &mut found);
             }
         }
         block.store_word(&found, state.detected, row, word);
@@ -190,27 +133,27 @@ fn detect_in_lanes(
 
 /// [`radar::load_odds_against`] of each UAV.
 #[inline(always)]
-fn load_odds(model: &Model<'_>, pilot: &Lanes<u64>) -> Lanes<f64> {
-    let mut odds = [0.0; WIDTH];
-    for lane in 0..WIDTH {
+fn load_odds<const W: usize>(model: &Model<'_>, pilot: &Lanes<u64, W>) -> Lanes<f64, W> {
+    let mut odds = [0.0; W];
+    for lane in 0..W {
         let load = 1.0 - f64::from_bits(pilot[lane]);
-        odds[lane] = lanes::real::exp(model.loss_per_load() * load);
+        odds[lane] = radar::load_odds_against(model.loss_per_load(), load);
     }
     odds
 }
 
 /// Marks the UAVs that detect hotspot `bit` of the word, and counts them.
 #[inline(always)]
-fn hits(
-    draws: &Lanes<u32>,
-    range_odds: &Lanes<f64>,
-    load_odds: &Lanes<f64>,
-    unknown: &Lanes<u64>,
+fn hits<const W: usize>(
+    draws: &Lanes<u32, W>,
+    range_odds: &Lanes<f64, W>,
+    load_odds: &Lanes<f64, W>,
+    unknown: &Lanes<u64, W>,
     bit: usize,
-    found: &mut Lanes<u64>,
+    found: &mut Lanes<u64, W>,
 ) -> u64 {
     let mut count = 0;
-    for lane in 0..WIDTH {
+    for lane in 0..W {
         let odds = radar::odds_against(range_odds[lane], load_odds[lane]);
         let hit = unknown[lane] >> bit & u64::from(radar::detects(draws[lane], odds));
         found[lane] |= hit << bit;

@@ -219,14 +219,6 @@ impl StateMut<'_> {
     pub(crate) fn set_charge_potential(&mut self, i: usize, potential: f64) {
         self.charge_potential[i] = stored(potential);
     }
-
-    /// Keeps those components of a UAV's reward that are its own.
-    #[inline]
-    pub(crate) fn set_own_rewards(&mut self, i: usize, rewards: &Rewards) {
-        for slot in 0..OWN_KEPT {
-            self.own_rewards[i * OWN_KEPT + slot] = stored(rewards[OWN[slot]]);
-        }
-    }
 }
 
 impl<'a> StateRef<'a> {

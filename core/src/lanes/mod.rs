@@ -1,27 +1,62 @@
-//! The hot loops of a step, sixteen UAVs side by side.
+//! One source for every loop over UAVs, at a width that is a parameter.
 //!
-//! A loop over arrays of a fixed width becomes vector instructions, of whatever width the target has. Every lane
-//! computes what the plain formula computes, in its order, so that the bits are the same with any of them; the
-//! plain formula stays beside it, for fleets that are too small to fill the lanes, and the tests compare both.
+//! A loop over arrays of a fixed width becomes vector instructions, of the width that the target has. Every lane
+//! computes its formula in the same order, so that the bits are the same at any width. A fleet that fills half a wide
+//! block flies [`WIDE`] UAVs side by side; a smaller one flies the same source at a width of one, where an array
+//! compiles to a scalar. [`at_width`] chooses, at the door of each part of a step.
 //!
 //! What is read by an index that differs between lanes is gathered into an array first: a check of its bounds in
 //! the loop would keep the compiler from vectorising the rest.
+//!
+//! A block of eleven UAVs at a width of sixteen. Each half of the lanes is a part of a row as it stands:
+//!
+//! ```text
+//! row       0  1  2  3  4  5  6  7  8  9 10
+//!
+//! lane      0  1  2  3  4  5  6  7 | 8  9 10 11 12 13 14 15
+//! UAV       0  1  2  3  4  5  6  7 | 3  4  5  6  7  8  9 10
+//!           '--- first eight ----'   '-- last eight, of which the first five are spare copies
+//! mask      1  1  1  1  1  1  1  1 | 0  0  0  0  0  1  1  1
+//! ```
 
 pub(crate) mod neighbours;
 pub(crate) mod real;
 
+use core::ops::Range;
+
 use crate::config::Cell;
 
-/// UAVs in a block.
-pub(crate) const WIDTH: usize = 16;
-pub(crate) const HALF: usize = WIDTH / 2;
-const FIRST_HALF: u64 = (1 << HALF) - 1;
+/// UAVs in a block of a fleet that is not small. A prover looks at the same source two wide: two UAVs are a block, and
+/// three are a block and a part of one.
+pub(crate) const WIDE: usize = if cfg!(kani) { 2 } else { 16 };
 
-/// Fleets from this size on fly in lanes: for fewer, one UAV after the other costs less.
-pub(crate) const FLEET: usize = HALF;
+/// Fleets from this size on fly wide; for fewer UAVs, one after the other costs less. To a prover every fleet flies
+/// wide, so that its two UAVs are not flown at a width of one.
+pub(crate) const WIDE_FLEET: usize = if cfg!(kani) { 1 } else { 8 };
+
+/// The width at which a fleet flies.
+#[cfg(not(test))]
+#[inline(always)]
+pub(crate) const fn width_of(uavs: usize) -> usize {
+    if uavs < WIDE_FLEET { 1 } else { WIDE }
+}
+
+/// Calls a part of a step at the width at which the fleet flies.
+macro_rules! at_width {
+    ($model:expr, $part:ident($($argument:expr),* $(,)?)) => {
+        match $crate::lanes::width_of($model.uav_count()) {
+            1 => $part::<1>($($argument),*),
+            // Tests fly the width of the prover too.
+            #[cfg(test)]
+            2 => $part::<2>($($argument),*),
+            _ => $part::<{ $crate::lanes::WIDE }>($($argument),*),
+        }
+    };
+}
+pub(crate) use at_width;
 
 /// A value for each UAV of a block.
-pub(crate) type Lanes<T> = [T; WIDTH];
+pub(crate) type Lanes<T, const W: usize> = [T; W];
 
 /// Begins at a line of the cache: a vector that lies in two lines is slower, and one in two pages much slower.
 #[repr(align(64))]
@@ -30,58 +65,60 @@ pub(crate) struct Lined<T>(pub(crate) T);
 
 /// The UAVs `first..first + count`, each in a lane.
 ///
-/// The first eight have the first half of the lanes. Of more than eight the last eight have the other half, so that each
+/// The first half of the lanes has the first UAVs. Where they fill it, the other half has the last ones, so that each
 /// half is a part of a row as it stands: a load that spans two stores just made would wait for both. UAVs in the middle
 /// then have two lanes, of which that in the second half is spare: it holds a copy, which nothing counts.
 #[derive(Clone, Copy)]
-pub(crate) struct Block {
+pub(crate) struct Block<const W: usize> {
     pub(crate) first: usize,
     pub(crate) count: usize,
 }
 
 /// A fleet in blocks; the last may not be full.
 #[inline(always)]
-pub(crate) fn blocks(uavs: usize) -> impl Iterator<Item = Block> {
-    (0..uavs).step_by(WIDTH).map(move |first| Block {
+pub(crate) fn blocks<const W: usize>(uavs: usize) -> impl Iterator<Item = Block<W>> {
+    blocks_of(0..uavs)
+}
+
+/// A part of a fleet in blocks, from a multiple of the width on.
+#[inline(always)]
+pub(crate) fn blocks_of<const W: usize>(uavs: Range<usize>) -> impl Iterator<Item = Block<W>> {
+    let end = uavs.end;
+    uavs.step_by(W).map(move |first| Block {
         first,
-        count: if uavs - first < WIDTH {
-            uavs - first
+        // A block of one is full: the compiler does not see it.
+        count: if W == 1 || end - first >= W {
+            W
         } else {
-            WIDTH
+            end - first
         },
     })
 }
 
-/// A fleet in blocks, or its UAVs one by one where they are too few for lanes.
-#[inline(always)]
-pub(crate) fn split(uavs: usize) -> (impl Iterator<Item = Block>, core::ops::Range<usize>) {
-    if uavs < FLEET {
-        (blocks(0), 0..uavs)
-    } else {
-        (blocks(uavs), 0..0)
-    }
-}
+impl<const W: usize> Block<W> {
+    /// Lanes of the first half; a width of one has no other.
+    const HALF: usize = W.div_ceil(2);
+    const FIRST_HALF: u64 = (1 << Self::HALF) - 1;
 
-impl Block {
     /// Spare lanes, which begin the second half.
     #[inline(always)]
     const fn spare(self) -> usize {
-        if self.count < HALF {
+        if self.count < Self::HALF {
             0
         } else {
-            WIDTH - self.count
+            W - self.count
         }
     }
 
     /// The lane of a UAV, by its index in the block.
     #[inline(always)]
     pub(crate) const fn lane(self, index: usize) -> usize {
-        let lane = if index < HALF {
+        let lane = if index < Self::HALF {
             index
         } else {
             index + self.spare()
         };
-        lane % WIDTH
+        lane % W
     }
 
     /// The lanes of the UAVs, one after the other.
@@ -92,9 +129,9 @@ impl Block {
 
     /// The lanes of the UAVs in their order, in two parts.
     #[inline(always)]
-    pub(crate) fn in_order<T>(self, lanes: &Lanes<T>) -> [&[T]; 2] {
-        let (first, last) = lanes.split_at(HALF);
-        if self.count < HALF {
+    pub(crate) fn in_order<T>(self, lanes: &Lanes<T, W>) -> [&[T]; 2] {
+        let (first, last) = lanes.split_at(Self::HALF);
+        if self.count < Self::HALF {
             [&first[..self.count], &[]]
         } else {
             [first, &last[self.spare()..]]
@@ -103,54 +140,56 @@ impl Block {
 
     /// The UAV of each lane, by its index in the block.
     #[inline(always)]
-    pub(crate) fn indices(self) -> Lanes<u32> {
-        let (mut indices, spare) = ([0; WIDTH], self.spare() as u32);
-        for lane in 0..WIDTH {
-            indices[lane] = lane as u32 - if lane < HALF { 0 } else { spare };
+    pub(crate) fn indices(self) -> Lanes<u32, W> {
+        let (mut indices, spare) = ([0; W], self.spare() as u32);
+        for lane in 0..W {
+            indices[lane] = lane as u32 - if lane < Self::HALF { 0 } else { spare };
         }
         indices
     }
 
     /// The block's part of a row with an entry for each UAV; lanes without a UAV hold a copy or `T::default()`.
     #[inline(always)]
-    pub(crate) fn load<T: Copy + Default>(self, row: &[T]) -> Lanes<T> {
+    pub(crate) fn load<T: Copy + Default>(self, row: &[T]) -> Lanes<T, W> {
         let row = &row[self.first..self.first + self.count];
-        let mut few = [T::default(); HALF];
-        let (first, last) = match (row.first_chunk(), row.last_chunk()) {
-            (Some(first), Some(last)) => (first, last),
-            _ => {
-                few[..row.len()].copy_from_slice(row);
-                (&few, &few)
-            }
+        let mut few = [T::default(); W];
+        let (first, last) = if row.len() < Self::HALF {
+            few[..row.len()].copy_from_slice(row);
+            (&few[..Self::HALF], &few[..W - Self::HALF])
+        } else {
+            let begin = row.len() - (W - Self::HALF);
+            (&row[..Self::HALF], &row[begin..])
         };
-        let mut lanes = [T::default(); WIDTH];
-        lanes[..HALF].copy_from_slice(first);
-        lanes[HALF..].copy_from_slice(last);
+        let mut lanes = [T::default(); W];
+        lanes[..Self::HALF].copy_from_slice(first);
+        lanes[Self::HALF..].copy_from_slice(last);
         lanes
     }
 
     /// Writes the lanes of the UAVs.
     #[inline(always)]
-    pub(crate) fn store<T: Copy>(self, lanes: &Lanes<T>, row: &mut [T]) {
+    pub(crate) fn store<T: Copy>(self, lanes: &Lanes<T, W>, row: &mut [T]) {
         let row = &mut row[self.first..self.first + self.count];
-        if let Some(last) = row.last_chunk_mut::<HALF>() {
-            // Spare lanes first: what they hold is written over.
-            last.copy_from_slice(&lanes[HALF..]);
-            row[..HALF].copy_from_slice(&lanes[..HALF]);
-        } else {
-            for (entry, &lane) in row.iter_mut().zip(lanes) {
+        let (first, last) = lanes.split_at(Self::HALF);
+        if row.len() < Self::HALF {
+            for (entry, &lane) in row.iter_mut().zip(first) {
                 *entry = lane;
             }
+        } else {
+            // Spare lanes first: what they hold is written over.
+            let begin = row.len() - last.len();
+            row[begin..].copy_from_slice(last);
+            row[..Self::HALF].copy_from_slice(first);
         }
     }
 
     /// Word `word` of the row of bits that each UAV has in `rows`, rows being `len` words long.
     #[inline(always)]
-    pub(crate) fn load_word(self, rows: &[u64], len: usize, word: usize) -> Lanes<u64> {
+    pub(crate) fn load_word(self, rows: &[u64], len: usize, word: usize) -> Lanes<u64, W> {
         if len == 1 {
             return self.load(rows);
         }
-        let mut lanes = [0; WIDTH];
+        let mut lanes = [0; W];
         let rows = rows[self.first * len..].chunks_exact(len);
         for (lane, row) in self.lanes().zip(rows) {
             lanes[lane] = row[word];
@@ -160,7 +199,13 @@ impl Block {
 
     /// Writes what [`Block::load_word`] reads.
     #[inline(always)]
-    pub(crate) fn store_word(self, lanes: &Lanes<u64>, rows: &mut [u64], len: usize, word: usize) {
+    pub(crate) fn store_word(
+        self,
+        lanes: &Lanes<u64, W>,
+        rows: &mut [u64],
+        len: usize,
+        word: usize,
+    ) {
         if len == 1 {
             return self.store(lanes, rows);
         }
@@ -179,7 +224,7 @@ impl Block {
     /// The lanes of a set of UAVs, by their index in the block.
     #[inline(always)]
     pub(crate) fn lanes_of(self, uavs: u64) -> u64 {
-        uavs & FIRST_HALF | uavs >> HALF << (HALF + self.spare())
+        uavs & Self::FIRST_HALF | uavs >> Self::HALF << (Self::HALF + self.spare())
     }
 
     /// Writes the UAVs of a set of lanes.
@@ -192,7 +237,7 @@ impl Block {
     /// The UAVs of a set of lanes, by their index in the block.
     #[inline(always)]
     pub(crate) fn uavs_in(self, bits: u64) -> u64 {
-        (bits & FIRST_HALF | bits >> (HALF + self.spare()) << HALF) & self.uavs()
+        (bits & Self::FIRST_HALF | bits >> (Self::HALF + self.spare()) << Self::HALF) & self.uavs()
     }
 
     #[inline(always)]
@@ -207,33 +252,29 @@ impl Block {
     }
 }
 
-/// The same four entries over and over.
+/// All ones for yes.
 #[inline(always)]
-pub(crate) fn repeat(entries: [f32; 4]) -> Lanes<f32> {
-    let mut lanes = [0.0; WIDTH];
-    for lane in 0..WIDTH {
-        lanes[lane] = entries[lane % 4];
-    }
-    lanes
+pub(crate) fn ones(yes: bool) -> u64 {
+    0u64.wrapping_sub(u64::from(yes))
 }
 
 /// For each lane, all ones where its bit is set.
 #[inline(always)]
-pub(crate) fn spread(bits: u64) -> Lanes<u64> {
-    let mut lanes = [0; WIDTH];
-    for lane in 0..WIDTH {
+pub(crate) fn spread<const W: usize>(bits: u64) -> Lanes<u64, W> {
+    let mut lanes = [0; W];
+    for lane in 0..W {
         let bit = 1 << lane;
         lanes[lane] = if bits & bit == bit { u64::MAX } else { 0 };
     }
-    in_memory(&mut lanes);
+    force_vector(&mut lanes);
     lanes
 }
 
 /// The sum over the lanes.
 #[inline(always)]
-pub(crate) fn sum(lanes: &Lanes<u64>) -> u64 {
+pub(crate) fn sum<const W: usize>(lanes: &Lanes<u64, W>) -> u64 {
     let mut sum = 0;
-    for lane in 0..WIDTH {
+    for lane in 0..W {
         sum += lanes[lane];
     }
     sum
@@ -241,14 +282,14 @@ pub(crate) fn sum(lanes: &Lanes<u64>) -> u64 {
 
 /// The set of lanes that are all ones; the others are 0.
 #[inline(always)]
-pub(crate) fn gather_bits(lanes: &Lanes<u64>) -> u64 {
-    let mut set = [0; WIDTH];
-    for lane in 0..WIDTH {
+pub(crate) fn gather_bits<const W: usize>(lanes: &Lanes<u64, W>) -> u64 {
+    let mut set = [0; W];
+    for lane in 0..W {
         set[lane] = lanes[lane] & 1 << lane;
     }
-    in_memory(&mut set);
+    force_vector(&mut set);
     let mut bits = 0;
-    for lane in 0..WIDTH {
+    for lane in 0..W {
         bits |= set[lane];
     }
     bits
@@ -256,55 +297,55 @@ pub(crate) fn gather_bits(lanes: &Lanes<u64>) -> u64 {
 
 /// The cells of a block.
 #[derive(Clone, Copy)]
-pub(crate) struct Cells {
-    pub(crate) x: Lanes<i32>,
-    pub(crate) y: Lanes<i32>,
+pub(crate) struct Cells<const W: usize> {
+    pub(crate) x: Lanes<i32, W>,
+    pub(crate) y: Lanes<i32, W>,
 }
 
-impl Cells {
+impl<const W: usize> Cells<W> {
     #[inline(always)]
-    pub(crate) fn load(block: Block, words: &[u64]) -> Self {
+    pub(crate) fn load(block: Block<W>, words: &[u64]) -> Self {
         Self::of(&block.load(words))
     }
 
     #[inline(always)]
-    pub(crate) fn of(words: &Lanes<u64>) -> Self {
-        let (mut x, mut y) = ([0; WIDTH], [0; WIDTH]);
-        for lane in 0..WIDTH {
+    pub(crate) fn of(words: &Lanes<u64, W>) -> Self {
+        let (mut x, mut y) = ([0; W], [0; W]);
+        for lane in 0..W {
             x[lane] = words[lane] as u32 as i32;
             y[lane] = (words[lane] >> 32) as i32;
         }
-        in_memory(&mut x);
-        in_memory(&mut y);
+        force_vector(&mut x);
+        force_vector(&mut y);
         Self { x, y }
     }
 
     /// Row-major indices in a grid.
     #[inline(always)]
-    pub(crate) fn index(&self, width: u32) -> Lanes<u32> {
-        let mut index = [0; WIDTH];
-        for lane in 0..WIDTH {
+    pub(crate) fn index(&self, width: u32) -> Lanes<u32, W> {
+        let mut index = [0; W];
+        for lane in 0..W {
             index[lane] = (self.y[lane] * width as i32 + self.x[lane]) as u32;
         }
-        in_memory(&mut index);
+        force_vector(&mut index);
         index
     }
 
     /// The cells in a grid, row by row.
     #[inline(always)]
-    pub(crate) fn rows(&self, width: u32) -> Rows {
-        let mut begin = [0; WIDTH];
-        for lane in 0..WIDTH {
+    pub(crate) fn rows(&self, width: u32) -> Rows<W> {
+        let mut begin = [0; W];
+        for lane in 0..W {
             begin[lane] = self.y[lane] * width as i32;
         }
-        in_memory(&mut begin);
-        let (mut byte_x, mut byte_begin) = ([0; WIDTH], [0; WIDTH]);
-        for lane in 0..WIDTH {
+        force_vector(&mut begin);
+        let (mut byte_x, mut byte_begin) = ([0; W], [0; W]);
+        for lane in 0..W {
             byte_x[lane] = self.x[lane] as u8;
             byte_begin[lane] = begin[lane] as u8;
         }
-        in_memory(&mut byte_x);
-        in_memory(&mut byte_begin);
+        force_vector(&mut byte_x);
+        force_vector(&mut byte_begin);
         Rows {
             x: self.x,
             begin,
@@ -316,15 +357,15 @@ impl Cells {
 
 /// The cells of a block in a grid: their columns, and where their rows begin.
 #[derive(Clone, Copy)]
-pub(crate) struct Rows {
-    x: Lanes<i32>,
-    begin: Lanes<i32>,
+pub(crate) struct Rows<const W: usize> {
+    x: Lanes<i32, W>,
+    begin: Lanes<i32, W>,
     /// The same in a byte, for a grid whose cells have indices of a byte.
-    byte_x: Lanes<u8>,
-    byte_begin: Lanes<u8>,
+    byte_x: Lanes<u8, W>,
+    byte_begin: Lanes<u8, W>,
 }
 
-impl Rows {
+impl<const W: usize> Rows<W> {
     /// The words of a table, `len` entries long, at the row-major index of the absolute offset to a cell of the grid.
     /// What follows the table may be given too.
     #[inline(always)]
@@ -334,19 +375,19 @@ impl Rows {
         len: usize,
         to: Cell,
         width: u32,
-        words: &mut Lanes<u64>,
+        words: &mut Lanes<u64, W>,
     ) {
-        match table.first_chunk() {
-            Some(table) if len <= BYTE => gather_bytes(table, self.byte_offsets(to, width), words),
-            _ => gather_words(table, self.offsets(to, width), words),
+        match in_bytes::<W>(table, len) {
+            Some(table) => gather_bytes(table, self.byte_offsets(to, width), words),
+            None => gather_words(table, self.offsets(to, width), words),
         }
     }
 
     #[inline(always)]
-    fn offsets(&self, to: Cell, width: u32) -> Lanes<u32> {
+    fn offsets(&self, to: Cell, width: u32) -> Lanes<u32, W> {
         let (x, begin) = (to.x as i32, (to.y * width) as i32);
-        let mut index = [0; WIDTH];
-        for lane in 0..WIDTH {
+        let mut index = [0; W];
+        for lane in 0..W {
             index[lane] =
                 (self.begin[lane] - begin).unsigned_abs() + (self.x[lane] - x).unsigned_abs();
         }
@@ -354,10 +395,10 @@ impl Rows {
     }
 
     #[inline(always)]
-    fn byte_offsets(&self, to: Cell, width: u32) -> Lanes<u8> {
+    fn byte_offsets(&self, to: Cell, width: u32) -> Lanes<u8, W> {
         let (x, begin) = (to.x as u8, (to.y * width) as u8);
-        let mut index = [0; WIDTH];
-        for lane in 0..WIDTH {
+        let mut index = [0; W];
+        for lane in 0..W {
             index[lane] = (self.byte_begin[lane].max(begin) - self.byte_begin[lane].min(begin))
                 + (self.byte_x[lane].max(x) - self.byte_x[lane].min(x));
         }
@@ -365,43 +406,93 @@ impl Rows {
     }
 }
 
-/// Keeps the compiler from taking an array apart, which it does where lanes go separate ways afterwards, and then works
-/// the array out one lane after the other.
+/// Keeps the compiler from taking an array of lanes apart, which it does where lanes go separate ways afterwards, and
+/// then works the array out one lane after the other. It is a hint about speed alone, and none at a width of one.
 #[inline(always)]
-pub(crate) fn in_memory<T>(lanes: &mut T) {
-    core::hint::black_box(lanes);
+pub(crate) fn force_vector<T, const W: usize>(lanes: &mut [T; W]) {
+    if W > 1 {
+        core::hint::black_box(lanes);
+    }
 }
 
 /// Up to this many entries, an index is a byte, whose bounds need no check.
 const BYTE: usize = 256;
 
+/// A table whose indices are bytes; none at a width of one, where a check costs no more than the cut to a byte.
+#[inline(always)]
+fn in_bytes<const W: usize>(table: &[u64], len: usize) -> Option<&[u64; BYTE]> {
+    if W > 1 && len <= BYTE {
+        table.first_chunk()
+    } else {
+        None
+    }
+}
+
 /// The words of a table, `len` entries long, at an index for each lane. What follows the table may be given too.
 #[inline(always)]
-pub(crate) fn gather(table: &[u64], len: usize, index: &Lanes<u32>) -> Lanes<u64> {
-    let mut words = [0; WIDTH];
-    match table.first_chunk() {
-        Some(table) if len <= BYTE => {
-            gather_bytes(table, index.map(|index| index as u8), &mut words)
-        }
-        _ => gather_words(table, *index, &mut words),
+pub(crate) fn gather<const W: usize>(
+    table: &[u64],
+    len: usize,
+    index: &Lanes<u32, W>,
+) -> Lanes<u64, W> {
+    let mut words = [0; W];
+    match in_bytes::<W>(table, len) {
+        Some(table) => gather_bytes(table, index.map(|index| index as u8), &mut words),
+        None => gather_words(table, *index, &mut words),
     }
     words
 }
 
 #[inline(always)]
-fn gather_bytes(table: &[u64; BYTE], mut index: Lanes<u8>, words: &mut Lanes<u64>) {
-    in_memory(&mut index);
-    for lane in 0..WIDTH {
+fn gather_bytes<const W: usize>(
+    table: &[u64; BYTE],
+    mut index: Lanes<u8, W>,
+    words: &mut Lanes<u64, W>,
+) {
+    force_vector(&mut index);
+    for lane in 0..W {
         words[lane] = table[usize::from(index[lane])];
     }
 }
 
 #[inline(always)]
-fn gather_words(table: &[u64], mut index: Lanes<u32>, words: &mut Lanes<u64>) {
-    in_memory(&mut index);
-    for lane in 0..WIDTH {
+fn gather_words<const W: usize>(
+    table: &[u64],
+    mut index: Lanes<u32, W>,
+    words: &mut Lanes<u64, W>,
+) {
+    force_vector(&mut index);
+    for lane in 0..W {
         words[lane] = table[index[lane] as usize];
     }
+}
+
+/// The width that tests fly at, in place of the fleet's own.
+#[cfg(test)]
+pub(crate) mod forced {
+    use core::cell::Cell;
+
+    std::thread_local! {
+        static WIDTH: Cell<Option<usize>> = const { Cell::new(None) };
+    }
+
+    /// Flies at a width of 1, 2 or [`super::WIDE`] while it runs.
+    pub(crate) fn at<T>(width: usize, fly: impl FnOnce() -> T) -> T {
+        let before = WIDTH.replace(Some(width));
+        let result = fly();
+        WIDTH.set(before);
+        result
+    }
+
+    pub(super) fn width() -> Option<usize> {
+        WIDTH.get()
+    }
+}
+
+/// The width at which a fleet flies, unless a test sets it.
+#[cfg(test)]
+pub(crate) fn width_of(uavs: usize) -> usize {
+    forced::width().unwrap_or(if uavs < WIDE_FLEET { 1 } else { WIDE })
 }
 
 #[cfg(test)]
@@ -411,11 +502,11 @@ mod tests {
 
     #[test]
     fn a_fleet_of_any_size_is_read_and_written_whole() {
-        for uavs in 1..=70 {
+        fn at<const W: usize>(uavs: usize) {
             let row: Vec<u64> = (1..=uavs as u64).collect();
             let mut copy = std::vec![0; uavs];
             let mut visited = 0;
-            for block in blocks(uavs) {
+            for block in blocks::<W>(uavs) {
                 assert_eq!(block.first, visited);
                 visited += block.count;
                 let lanes = block.load(&row);
@@ -425,25 +516,30 @@ mod tests {
                     block.in_order(&lanes).concat(),
                     row[block.first..][..block.count]
                 );
-                let mask = spread(block.mask());
-                let counted = (0..WIDTH).filter(|&lane| mask[lane] != 0);
+                let mask: Lanes<u64, W> = spread(block.mask());
+                let counted = (0..W).filter(|&lane| mask[lane] != 0);
                 assert!(counted.eq(block.lanes()));
                 for (lane, &index) in block.indices().iter().enumerate() {
                     let copy = row.get(block.first + index as usize).copied();
-                    assert!(block.count < HALF || copy == Some(lanes[lane]));
+                    assert!(block.count < Block::<W>::HALF || copy == Some(lanes[lane]));
                 }
                 block.store(&lanes, &mut copy);
             }
             assert_eq!((visited, copy), (uavs, row));
         }
+        for uavs in 1..=70 {
+            at::<1>(uavs);
+            at::<2>(uavs);
+            at::<16>(uavs);
+        }
     }
 
     #[test]
     fn words_of_rows_are_those_of_each_uav() {
-        for (uavs, len) in [(7, 1), (15, 1), (15, 3), (37, 2)] {
+        fn at<const W: usize>(uavs: usize, len: usize) {
             let rows: Vec<u64> = (0..(uavs * len) as u64).collect();
             let mut copy = std::vec![0; uavs * len];
-            for block in blocks(uavs) {
+            for block in blocks::<W>(uavs) {
                 for word in 0..len {
                     let lanes = block.load_word(&rows, len, word);
                     for (index, lane) in block.lanes().enumerate() {
@@ -454,23 +550,34 @@ mod tests {
             }
             assert_eq!(copy, rows);
         }
+        for (uavs, len) in [(7, 1), (15, 1), (15, 3), (37, 2)] {
+            at::<1>(uavs, len);
+            at::<2>(uavs, len);
+            at::<16>(uavs, len);
+        }
     }
 
     #[test]
     fn bits_of_a_block_leave_the_others_alone() {
-        let mut set = [0x0123_4567_89AB_CDEF, 0xFEDC_BA98_7654_3210];
-        for block in blocks(100) {
-            let before = set;
-            let bits = block.bits(&set);
-            assert_eq!(gather_bits(&spread(bits)), bits);
-            assert_eq!(
-                block.uavs_in(bits),
-                before[block.first / 64] >> (block.first % 64) & (u64::MAX >> (64 - block.count))
-            );
-            block.put_bits(!bits, &mut set);
-            assert_eq!(block.bits(&set), !bits & block.mask());
-            block.put_bits(bits, &mut set);
-            assert_eq!(set, before);
+        fn at<const W: usize>() {
+            let mut set = [0x0123_4567_89AB_CDEF, 0xFEDC_BA98_7654_3210];
+            for block in blocks::<W>(100) {
+                let before = set;
+                let bits = block.bits(&set);
+                assert_eq!(gather_bits(&spread::<W>(bits)), bits);
+                assert_eq!(
+                    block.uavs_in(bits),
+                    before[block.first / 64] >> (block.first % 64)
+                        & (u64::MAX >> (64 - block.count))
+                );
+                block.put_bits(!bits, &mut set);
+                assert_eq!(block.bits(&set), !bits & block.mask());
+                block.put_bits(bits, &mut set);
+                assert_eq!(set, before);
+            }
         }
+        at::<1>();
+        at::<2>();
+        at::<16>();
     }
 }

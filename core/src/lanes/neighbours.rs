@@ -1,15 +1,18 @@
 //! The neighbours of every UAV, nearest first, in small fleets.
 
-use crate::lanes::real::Divisors;
-use crate::lanes::{Block, Cells, HALF, Lanes, Lined, WIDTH, in_memory, repeat};
+use crate::lanes::real::{Divisors, ENTRIES, repeat};
+use crate::lanes::{Block, Cells, Lanes, Lined, force_vector};
 use crate::model::Model;
 use crate::state::StateRef;
+
+/// Lanes of the one block that a fleet is ranked in: the exchanges below sort as many keys, less one.
+const WIDTH: usize = 16;
 
 /// Bits of a UAV's lane in a key; the squared distance takes the bits above.
 const LANE_BITS: u32 = WIDTH.trailing_zeros();
 /// Where no neighbour is: above every key, and with a lane that is spare, as the fleet does not fill all.
 const NONE: i16 = i16::MAX & !(WIDTH as i16 - 1) | SPARE as i16;
-const SPARE: usize = HALF;
+const SPARE: usize = WIDTH / 2;
 
 /// Reals that place a UAV; the last is written over by the next slot.
 const PLACE: usize = 4;
@@ -18,6 +21,8 @@ const SLOT: usize = 3;
 /// Slots that are written at a time.
 const SLOTS: usize = 7;
 
+/// Fewest UAVs: sorting fewer neighbours one UAV after the other costs less, and a spare lane takes half a block.
+const FEWEST: usize = WIDTH / 2;
 /// Most UAVs.
 const UAVS: usize = WIDTH - 1;
 /// Longest squared distance whose key is below [`NONE`].
@@ -44,12 +49,12 @@ macro_rules! layers {
 
 /// For each UAV its neighbours by distance, ties to the lower index.
 pub(crate) struct Ranking {
-    block: Block,
+    block: Block<WIDTH>,
     /// Slot by slot, for each UAV where in `offsets` its neighbour begins.
-    begins: Lined<[Lanes<u8>; UAVS]>,
+    begins: Lined<[Lanes<u8, WIDTH>; UAVS]>,
     /// (1, x, y, 0) of each UAV as a neighbour, one after the other, and (0, x, y, 0) as an observer.
-    places: Lined<[Lanes<f32>; PLACE]>,
-    observers: Lined<[Lanes<f32>; PLACE]>,
+    places: Lined<[Lanes<f32, WIDTH>; PLACE]>,
+    observers: Lined<[Lanes<f32, WIDTH>; PLACE]>,
     /// (1, Δx, Δy, 0) of one UAV after the other; as long as a byte that is an index needs no check.
     offsets: Lined<[f32; 1 << u8::BITS | PLACE]>,
     divisors: Divisors,
@@ -65,7 +70,7 @@ impl Ranking {
             model.config().grid_width - 1,
             model.config().grid_height - 1,
         );
-        if count < super::FLEET || count > UAVS || dx * dx + dy * dy > SQUARED_MAX {
+        if count < FEWEST || count > UAVS || dx * dx + dy * dy > SQUARED_MAX {
             return None;
         }
         let (span_x, span_y) = model.offset_spans();
@@ -88,8 +93,8 @@ impl Ranking {
             x[lane] = cells.x[lane] as i16;
             y[lane] = cells.y[lane] as i16;
         }
-        in_memory(&mut x);
-        in_memory(&mut y);
+        force_vector(&mut x);
+        force_vector(&mut y);
         let Lined(keys) = &mut Lined([[NONE; WIDTH]; UAVS]);
         for (k, row) in keys[..block.count].iter_mut().enumerate() {
             // The graph is symmetric: the neighbours of k are those that have k as a neighbour.
@@ -100,7 +105,7 @@ impl Ranking {
                 let key = (dx * dx + dy * dy) << LANE_BITS | neighbour as i16;
                 row[lane] = if linked & 1 << lane != 0 { key } else { NONE };
             }
-            in_memory(row);
+            force_vector(row);
         }
         macro_rules! layer {
             ($($a:literal $b:literal),+) => {
@@ -115,7 +120,7 @@ impl Ranking {
             for lane in 0..WIDTH {
                 begins[lane] = (keys[lane] as usize % WIDTH * PLACE) as u8;
             }
-            in_memory(begins);
+            force_vector(begins);
         }
         let places = self.places.0.as_flattened_mut().chunks_exact_mut(PLACE);
         let observers = self.observers.0.as_flattened_mut().chunks_exact_mut(PLACE);
@@ -124,8 +129,8 @@ impl Ranking {
             place.copy_from_slice(&[1.0, x, y, 0.0]);
             observer.copy_from_slice(&[0.0, x, y, 0.0]);
         }
-        in_memory(&mut self.places);
-        in_memory(&mut self.observers);
+        force_vector(&mut self.places.0);
+        force_vector(&mut self.observers.0);
     }
 
     /// Writes (present, Δx/(W-1), Δy/(H-1)) for each of the slots of UAV i, with which `row` begins, and one real more.
@@ -134,12 +139,12 @@ impl Ranking {
         let lane = self.block.lane(i);
         let observer = &self.observers.0.as_flattened()[PLACE * lane..][..PLACE];
         let own = repeat([observer[0], observer[1], observer[2], observer[3]]);
-        let (offsets, _) = self.offsets.0.as_chunks_mut::<WIDTH>();
+        let (offsets, _) = self.offsets.0.as_chunks_mut::<ENTRIES>();
         for (offsets, places) in offsets.iter_mut().zip(&self.places.0) {
             for lane in 0..WIDTH {
                 offsets[lane] = self.divisors.offset(own[lane], places[lane], lane);
             }
-            in_memory(offsets);
+            force_vector(offsets);
         }
         self.offsets.0[PLACE * SPARE..][..PLACE].fill(0.0);
         let neighbour = |slot: usize| {
@@ -165,7 +170,7 @@ impl Ranking {
 
 /// Leaves the lesser key of each UAV in the first slot.
 #[inline(always)]
-fn exchange(first: &mut Lanes<i16>, second: &mut Lanes<i16>) {
+fn exchange(first: &mut Lanes<i16, WIDTH>, second: &mut Lanes<i16, WIDTH>) {
     let (a, b) = (*first, *second);
     for lane in 0..WIDTH {
         first[lane] = a[lane].min(b[lane]);
@@ -201,8 +206,8 @@ mod tests {
     fn keys_stay_below_none() {
         let largest = SQUARED_MAX << LANE_BITS | (WIDTH as u32 - 1);
         assert!(largest < NONE as u32);
-        for count in super::super::FLEET..=UAVS {
-            let block = Block { first: 0, count };
+        for count in FEWEST..=UAVS {
+            let block = Block::<WIDTH> { first: 0, count };
             assert!(block.lanes().all(|lane| lane != NONE as usize % WIDTH));
         }
     }

@@ -1,6 +1,19 @@
 //! Functions of reals without a branch or a conversion, so that lanes of them are vector instructions.
 
-use super::{Lanes, Lined, in_memory, repeat};
+use super::{Lined, force_vector};
+
+/// Entries of observations that are worked out side by side, whatever the fleet.
+pub(crate) const ENTRIES: usize = 16;
+
+/// The same four entries over and over.
+#[inline(always)]
+pub(crate) fn repeat(four: [f32; 4]) -> [f32; ENTRIES] {
+    let mut entries = [0.0; ENTRIES];
+    for index in 0..ENTRIES {
+        entries[index] = four[index % 4];
+    }
+    entries
+}
 
 /// 2^52: added to a real from 0 to 2^51, it leaves the nearest whole number in the low bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
@@ -25,8 +38,8 @@ pub(crate) fn whole(value: f64) -> u64 {
 /// Four whole numbers from 1 to 1023, over and over, to divide by.
 pub(crate) struct Divisors {
     /// The upper fourteen bits of their inverses, and the rest.
-    high: Lined<Lanes<f32>>,
-    low: Lined<Lanes<f32>>,
+    high: Lined<[f32; ENTRIES]>,
+    low: Lined<[f32; ENTRIES]>,
 }
 
 impl Divisors {
@@ -40,17 +53,17 @@ impl Divisors {
         }
         let (mut high, mut low) = (Lined(repeat(high)), Lined(repeat(low)));
         // What is known of the numbers would be put to use for single lanes, and cost more than it saves.
-        in_memory(&mut high.0);
-        in_memory(&mut low.0);
+        force_vector(&mut high.0);
+        force_vector(&mut low.0);
         Self { high, low }
     }
 
     /// `(to - from) / divisor` to the last bit for whole numbers whose difference is from -1023 to 1023, without a
     /// division: the first product is exact, the second too small for its rounding to matter.
     #[inline(always)]
-    pub(crate) fn offset(&self, from: f32, to: f32, lane: usize) -> f32 {
+    pub(crate) fn offset(&self, from: f32, to: f32, entry: usize) -> f32 {
         let offset = to - from;
-        offset * self.high.0[lane] + offset * self.low.0[lane]
+        offset * self.high.0[entry] + offset * self.low.0[entry]
     }
 }
 

@@ -56,7 +56,8 @@ pub fn hotspots_lie_apart() {
     given!(model = any_spread_model);
     let mut words = [0; SPREAD_WORDS];
     let mut state = StateMut::split(*model.layout(), &mut words[..model.state_words()]);
-    place_hotspots(&model, &mut state, kani::any());
+    given!(scratch for model);
+    place_hotspots(&model, &mut state, &mut scratch, kani::any());
     let first = state.hotspot_cell(0);
     kani::cover!(first.x == 0 && first.y == 0, "the first free cell");
     kani::cover!(first.x == 0 && first.y == 1, "the last free cell of a row");

@@ -31,7 +31,7 @@ pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
 pub(super) const STATE_WORDS: usize = 160;
 /// Words of working memory of the smallest model.
 #[cfg(any(kani, test))]
-pub(super) const SMALLEST_SCRATCH_WORDS: usize = 13;
+pub(super) const SMALLEST_SCRATCH_WORDS: usize = 15;
 /// Words of working memory of any model that Kani sees.
 #[cfg(kani)]
 pub(super) const SCRATCH_WORDS: usize = SMALLEST_SCRATCH_WORDS;

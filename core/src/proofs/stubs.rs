@@ -122,7 +122,7 @@ pub(super) fn any_total(_: &Rewards) -> f64 {
 
 pub(super) fn any_asked(plan: &EnergyPlan, activity: Activity, density: f64) -> u64 {
     assert!(density >= 0.0 && density <= 1.0);
-    if activity.grounded {
+    if activity.flies == 0 {
         0
     } else {
         between(0, plan.most_asked_uj())

@@ -1,0 +1,53 @@
+//! Coverage: cells that the fleet visits for the first time, and moves into cells visited before.
+
+use crate::bits;
+use crate::lanes::{self, Cells, at_width, ones};
+use crate::model::Model;
+use crate::reward::Happenings;
+use crate::scratch::Tally;
+use crate::state::StateMut;
+
+/// Counts new cells and revisits, of each UAV and of the fleet, and marks the cells as visited.
+#[inline(always)]
+pub(crate) fn cover(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    tally: &mut Tally<'_>,
+    happened: &mut Happenings,
+) {
+    happened.revisits = at_width!(model, revisit_in_blocks(model, state, tally));
+    // One after the other: of UAVs in the same new cell, the first discovers it.
+    for (new_cell, &index) in tally.new_cells.iter_mut().zip(&*tally.cell_indices) {
+        let (word, bit) = (&mut state.visited[index as usize / 64], index % 64);
+        *new_cell = !*word >> bit & 1;
+        *word |= 1 << bit;
+        happened.new_cells += *new_cell;
+    }
+}
+
+/// Finds the index of each UAV's cell, and whether the UAV moved into one visited before this step.
+#[inline(always)]
+fn revisit_in_blocks<const W: usize>(
+    model: &Model<'_>,
+    state: &StateMut<'_>,
+    tally: &mut Tally<'_>,
+) -> u64 {
+    let mut sum = 0;
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        let (cells, previous) = (block.load(state.cells), block.load(state.previous));
+        let index = Cells::of(&cells).index(model.config().grid_width);
+        let mut moved = [0; W];
+        for lane in 0..W {
+            moved[lane] = ones(cells[lane] != previous[lane]);
+        }
+        block.store(&index.map(u64::from), tally.cell_indices);
+        lanes::force_vector(&mut moved);
+        let revisits = &mut tally.revisits[block.first..][..block.count];
+        for (lane, revisit) in block.lanes().zip(revisits) {
+            let visited = bits::get(state.visited, index[lane] as usize);
+            *revisit = u64::from(visited) & moved[lane];
+            sum += *revisit;
+        }
+    }
+    sum
+}
