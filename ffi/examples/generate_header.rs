@@ -4,6 +4,34 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// The first item of each group of the header, and the group's name and title.
+const GROUPS: [(&str, &str, &str); 16] = [
+    ("JCAS_VERSION_MAJOR", "constants", "Constants"),
+    ("JCAS_OK", "status", "Statuses"),
+    (
+        "JCAS_MAX_DEPOTS",
+        "values",
+        "Values of fields and arguments",
+    ),
+    ("jcas_batch", "handles", "Handles"),
+    ("jcas_cell", "structs", "Structs"),
+    ("jcas_version", "version", "Versions and words of a status"),
+    ("jcas_config_default", "config", "Configurations"),
+    ("jcas_model_layout", "model", "Models"),
+    ("jcas_sim_layout", "sim", "Simulations"),
+    (
+        "jcas_sim_step_begin",
+        "parts",
+        "A step by parts, for a host simulator",
+    ),
+    ("jcas_sim_get_episode", "queries", "Queries of a simulation"),
+    ("jcas_sim_save", "snapshot", "Snapshots"),
+    ("jcas_trace_layout", "trace", "Traces"),
+    ("jcas_batch_new", "batch", "Batches"),
+    ("jcas_batch_reset", "batch_step", "Steps of a batch"),
+    ("jcas_policy_layout", "policy", "Policies"),
+];
+
 fn main() {
     for (path, text) in headers() {
         let new = path.with_extension("h.new");
@@ -74,8 +102,46 @@ fn generate(root: &Path) -> String {
     bindings.write(&mut text);
     let text = String::from_utf8(text).expect("sources are UTF-8");
     let mut lines: Vec<String> = text.trim_start().lines().map(macro_value).collect();
+    group(&mut lines);
     lines.dedup_by(|a, b| a.is_empty() && b.is_empty());
     lines.join("\n") + "\n"
+}
+
+/// Encloses the groups in marks that Doxygen reads and that a reader sees.
+fn group(lines: &mut Vec<String>) {
+    for (index, (item, name, title)) in GROUPS.iter().enumerate() {
+        let declares = [
+            format!("#define {item} "),
+            format!("typedef struct {item}"),
+            format!(" {item}("),
+            format!("*{item}("),
+        ];
+        let is_declaration = |line: &String| {
+            !line.starts_with(['/', ' ']) && declares.iter().any(|text| line.contains(text))
+        };
+        let mut at = lines
+            .iter()
+            .position(is_declaration)
+            .expect("the first item of a group");
+        while !lines[at - 1].is_empty() {
+            at -= 1;
+        }
+        let mut marks = vec![
+            format!("/** @defgroup {name} {title}"),
+            " *  @{ */".into(),
+            String::new(),
+        ];
+        if index > 0 {
+            marks.splice(0..0, ["/** @} */".to_owned(), String::new()]);
+        }
+        lines.splice(at..at, marks);
+    }
+    let is_end = |line: &String| line == "#ifdef __cplusplus";
+    let end = lines
+        .iter()
+        .rposition(is_end)
+        .expect("the end of the declarations");
+    lines.splice(end..end, ["/** @} */".to_owned(), String::new()]);
 }
 
 /// Numbers of macros as C wants them: negative ones in parentheses, floats as floats.

@@ -58,7 +58,7 @@ pub unsafe extern "C" fn jcas_config_default(
 /// Fills `config` with a preset: "mission", "paper" (the letter of every equation of the paper) or "search"
 /// (hidden hotspots, shared search maps).
 ///
-/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the introduction.
+/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules below.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
@@ -92,8 +92,8 @@ pub unsafe extern "C" fn jcas_config_preset(
 /// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a field
 /// and replaces the preset's value; unknown keys are errors. The result is validated.
 ///
-/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
-/// introduction. Threads: any.
+/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the rules
+/// below. Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn jcas_config_from_json(
 /// Whether a configuration is legal: JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the field,
 /// its value and what is allowed.
 ///
-/// `config`: not NULL, struct_size set. `message`: see the introduction. Threads: any.
+/// `config`: not NULL, struct_size set. `message`: see the rules below. Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
 #[must_use]
 #[unsafe(no_mangle)]

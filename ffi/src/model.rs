@@ -20,7 +20,7 @@ pub struct jcas_model(());
 
 /// How much memory a model takes, for jcas_model_init.
 ///
-/// `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the introduction.
+/// `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the rules below.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
 #[must_use]
@@ -45,7 +45,7 @@ pub unsafe extern "C" fn jcas_model_layout(
 ///
 /// `memory`: at least the size and alignment of jcas_model_layout; not NULL; the caller's.
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
-/// `message`: see the introduction. Threads: any.
+/// `message`: see the rules below. Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG, IN_USE, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn jcas_model_init(
 /// Builds a model in memory of its own, to be ended by jcas_model_free.
 ///
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
-/// `message`: see the introduction. Threads: any.
+/// `message`: see the rules below. Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]

@@ -18,13 +18,14 @@ use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard, jcas_status,
 };
 
-/// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a time may
-/// use it; several policies may fly on one model at once.
+/// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a
+/// time may use it; several policies may fly on one model at once.
 pub struct jcas_policy(());
 
 /// The most likely motion and the mean pilot density.
 pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
-/// Draws from the network's distribution, which follow from the mission's seed, the step and the UAV.
+/// Draws from the network's distribution, which follow from the mission's seed, the step and the
+/// UAV.
 pub const JCAS_POLICY_SAMPLED: i32 = 1;
 /// Motions shared out, which draws nothing: UAVs of one cell take quantiles that lie apart.
 /// The mean pilot density.
@@ -58,9 +59,9 @@ unsafe fn network(
 
 /// How much memory a trained policy takes, for jcas_policy_init.
 ///
-/// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors. `size` in bytes.
-/// `message`: see the introduction. JCAS_ERROR_CORRUPT where the bytes are no policy,
-/// JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
+/// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors.
+/// `size` in bytes. `message`: see the rules below. JCAS_ERROR_CORRUPT where the bytes are no
+/// policy, JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -87,11 +88,13 @@ pub unsafe extern "C" fn jcas_policy_layout(
     })
 }
 
-/// Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may not be moved.
+/// Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may
+/// not be moved.
 ///
 /// `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
-/// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not needed after
-/// the call. `policy`: not NULL; receives the handle. `message`: see the introduction. Threads: any.
+/// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not
+/// needed after the call. `policy`: not NULL; receives the handle. `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, IN_USE, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -125,12 +128,13 @@ pub unsafe extern "C" fn jcas_policy_init(
 
 /// Builds a trained policy in memory of its own, to be ended by jcas_policy_free.
 ///
-/// It flies as its file says (`mode`, `pilot_density`), deterministically where the file says nothing.
+/// It flies as its file says (`mode`, `pilot_density`), deterministically where the file says
+/// nothing.
 ///
-/// `model`: not NULL; must not be freed before the policy. `file`: the bytes of a policy.safetensors; not
-/// needed after the call. `policy`: not NULL; receives the handle. `message`: see the introduction.
-/// JCAS_ERROR_CORRUPT where the bytes are no policy, JCAS_ERROR_MODEL_MISMATCH where it reads other
-/// observations than the model has. Threads: any.
+/// `model`: not NULL; must not be freed before the policy. `file`: the bytes of a
+/// policy.safetensors; not needed after the call. `policy`: not NULL; receives the handle.
+/// `message`: see the rules below. JCAS_ERROR_CORRUPT where the bytes are no policy,
+/// JCAS_ERROR_MODEL_MISMATCH where it reads other observations than the model has. Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -158,14 +162,15 @@ pub unsafe extern "C" fn jcas_policy_load(
     })
 }
 
-/// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams, sweep,
-/// line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It plans on the heap:
-/// jcas_policy_act asks for memory in the first step of an episode and whenever it plans.
+/// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams,
+/// sweep, line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It
+/// plans on the heap: jcas_policy_act asks for memory in the first step of an episode and whenever
+/// it plans.
 ///
-/// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid, max, adaptive
-/// or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the handle. `message`: see the
-/// introduction. JCAS_ERROR_ARGUMENT where there is none of that name, or where it steers by positions that
-/// the model hides. Threads: any.
+/// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
+/// max, adaptive or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the
+/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT where there is none of that name,
+/// or where it steers by positions that the model hides. Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -215,7 +220,8 @@ pub unsafe extern "C" fn jcas_policy_baseline(
 
 /// Chooses how a trained policy's actions follow from its network. Baselines are not affected.
 ///
-/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or JCAS_POLICY_STRATIFIED.
+/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or
+/// JCAS_POLICY_STRATIFIED.
 /// Threads: only this one uses `policy`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
 #[must_use]
@@ -238,12 +244,12 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
 
 /// Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
 ///
-/// The same bits on every platform. `sim` may be of another model with the same configuration; it is not
-/// changed. A baseline that plans over several steps begins anew at t = 0 and with another seed. Where it
-/// finds no memory for its plan (RESOURCES), the same call may be made again.
+/// The same bits on every platform. `sim` may be of another model with the same configuration; it
+/// is not changed. A baseline that plans over several steps begins anew at t = 0 and with another
+/// seed. Where it finds no memory for its plan (RESOURCES), the same call may be made again.
 ///
-/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses `policy`,
-/// none changes `sim`.
+/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses
+/// `policy`, none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -267,11 +273,12 @@ pub unsafe extern "C" fn jcas_policy_act(
     })
 }
 
-/// As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where the outputs
-/// of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that simulation are written.
+/// As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where
+/// the outputs of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that
+/// simulation are written.
 ///
-/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this one uses
-/// `policy`, none changes `batch`.
+/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this
+/// one uses `policy`, none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]

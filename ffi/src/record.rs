@@ -142,7 +142,7 @@ pub unsafe extern "C" fn jcas_sim_record_end(sim: *mut jcas_sim) -> jcas_status 
 /// Fills `config` with the configuration that a trace was flown with.
 ///
 /// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL. `config`: not
-/// NULL. `struct_size`: sizeof(jcas_config). `message`: see the introduction. Threads: any.
+/// NULL. `struct_size`: sizeof(jcas_config). `message`: see the rules below. Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CORRUPT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -174,7 +174,7 @@ pub unsafe extern "C" fn jcas_trace_config(
 ///
 /// `sim`: not NULL; of the trace's configuration (jcas_trace_config), or JCAS_ERROR_MODEL_MISMATCH.
 /// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again after the
-/// call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the introduction. Threads:
+/// call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the rules below. Threads:
 /// only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
 #[must_use]
