@@ -20,7 +20,7 @@ PATH=$tools/bin:$PATH cargo cinstall --locked --profile dist --package jcas-ffi 
     --prefix="$prefix" --libdir=lib
 tests/package/use.sh pkg-config "$prefix"
 
-echo "the README's snippets against that installation"
+echo "the documents' programs against that installation"
 .ci/snippets.sh "$prefix"
 
 echo "CMake, installed"

@@ -51,3 +51,5 @@ cargo xtask fmu --out "$work/jcas.fmu"
 uv pip install --quiet --python "$python" 'fmpy>=0.3.32'
 JCAS_FMU=$work/jcas.fmu "$python" -m pytest -q fmi/tests
 "$python" examples/fmi/one_fleet_two_radars.py "$work/jcas.fmu" "$work/radars.png"
+sed -n '/^```python$/,/^```$/p' docs/fmi.md | sed '/^```/d' >"$work/fmi.py"
+"$python" "$work/fmi.py" "$work/jcas.fmu"

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# The README's C, C++ and Rust snippets, copied out as they stand into an empty folder.
+# The programs of the documents, copied out as they stand into an empty folder, compiled and run.
 #
 #   snippets.sh PREFIX    where the library is installed
+#
+# Every fenced block of C and C++ is a whole program. Of Rust the README's first block is.
 set -euo pipefail
 
 prefix=$1
@@ -9,23 +11,36 @@ root=$PWD
 outside=$(mktemp -d)
 trap 'rm -rf "$outside"' EXIT
 
-# The first fenced block of a language.
-snippet() {
-    awk -v fence="\`\`\`$1" '$0 == fence { inside = 1; next } /^```/ { if (inside) exit } inside' README.md
+# Writes the fenced blocks of a language in a document to <name>-<number>.<language>.
+snippets() {
+    local language=$1 document=$2
+    awk -v fence="\`\`\`$language" -v name="$outside/$(basename "$document" .md)" -v suffix="$language" '
+        $0 == fence { inside = 1; file = name "-" ++count "." suffix; printf "" >file; next }
+        /^```/ { inside = 0 }
+        inside { print >file }' "$document"
 }
-mkdir -p "$outside/src"
-snippet c >"$outside/snippet.c"
-snippet cpp >"$outside/snippet.cpp"
-snippet rust >"$outside/src/main.rs"
+for document in README.md docs/*.md; do
+    for language in c cpp rust; do snippets $language "$document"; done
+done
 
 cd "$outside"
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
 flags="$(pkg-config --cflags --libs jcas) -Wl,-rpath,$prefix/lib"
-cc snippet.c $flags -o c
-./c | tail -n 1
-c++ -std=c++17 snippet.cpp $flags -o cpp
-./cpp
+programs=0
+for program in *.c *.cpp; do
+    [[ -e $program ]] || continue
+    case $program in
+    *.c) cc -Wall -Wextra -Werror "$program" $flags -o program ;;
+    *.cpp) c++ -std=c++17 -Wall -Wextra -Werror "$program" $flags -o program ;;
+    esac
+    printf '%s: %s\n' "$program" "$(./program | tail -n 1)"
+    programs=$((programs + 1))
+done
+# A document that loses its fences must not pass.
+((programs >= 8)) || { echo "only $programs programs found" >&2; exit 1; }
 
-cargo init --quiet --vcs none --name snippet
+cargo init --quiet --vcs none --name snippet rust
+cp README-1.rust rust/src/main.rs
+cd rust
 cargo add --quiet --path "$root/core" --features alloc jcas-core
 cargo run --quiet
