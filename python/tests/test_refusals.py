@@ -1,4 +1,4 @@
-"""Mistakes of new users: each raises the documented error in words that help, and changes nothing."""
+"""Mistakes of new users: each raises the documented error, says what helps, and changes nothing."""
 
 import contextlib
 import copy
@@ -60,10 +60,17 @@ def test_acting_for_another_model_says_so(model):
     assert policy.act(jcas.Sim(jcas.Model(model.config))).shape == (5, 2)
 
 
-@pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, lambda policy: pickle.loads(pickle.dumps(policy))])
+def pickled(policy):
+    return pickle.loads(pickle.dumps(policy))
+
+
+@pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, pickled])
 def test_policies_can_be_copied(model, how):
     sim = jcas.Sim(model, seed=3)
-    for policy in (jcas.Policy.load(FLEET, model, mode="sampled"), jcas.Policy.baseline("swarm", model, pilot=0.2)):
+    for policy in (
+        jcas.Policy.load(FLEET, model, mode="sampled"),
+        jcas.Policy.baseline("swarm", model, pilot=0.2),
+    ):
         twin = how(policy)
         assert (twin.name, repr(twin)) == (policy.name, repr(policy))
         np.testing.assert_array_equal(twin.act(sim), policy.act(sim))
@@ -91,9 +98,16 @@ def test_a_file_that_is_not_there_is_one_error(model, tmp_path):
 # Environments.
 
 
-@pytest.mark.parametrize("options", [{"resetmask": [True, False]}, {"snapshots": b""}, [1], "snapshot", 3, {"seed": 4}])
+UNKNOWN = [{"resetmask": [True, False]}, {"snapshots": b""}, [1], "snapshot", 3, {"seed": 4}]
+
+
+def vector(**fields):
+    return jcas.make_vec(num_envs=2, **fields)
+
+
+@pytest.mark.parametrize("options", UNKNOWN)
 def test_unknown_options_of_a_reset_are_refused(options):
-    for make in (jcas.parallel_env, jcas.FleetEnv, jcas.env, lambda **fields: jcas.make_vec(num_envs=2, **fields)):
+    for make in (jcas.parallel_env, jcas.FleetEnv, jcas.env, vector):
         env = make(uav_count=3)
         env.reset(seed=1)
         before = env.save()
@@ -132,7 +146,8 @@ def test_a_vector_environment_says_how_it_resets():
 
 def test_a_derived_field_reads_as_none():
     config = jcas.Config()
-    assert all(config[field["name"]] is None or field["name"] in config for field in jcas.Config.fields())
+    names = [field["name"] for field in jcas.Config.fields()]
+    assert all(config[name] is None or name in config for name in names)
     assert config["depots"] is None and "depots" not in config and "depots" not in dict(config)
     assert jcas.Config(depots=[(1, 2)])["depots"] == [[1, 2]]
     assert jcas.Config(depots=config["depots"]) == config
@@ -150,9 +165,11 @@ def test_the_readmes_lines_are_typed(tmp_path):
     pytest.importorskip("mypy")
     text = (ROOT / "python" / "README.md").read_text(encoding="utf-8")
     script = tmp_path / "readme.py"
-    script.write_text("".join(part.split("```")[0] for part in text.split("```python\n")[1:]), encoding="utf-8")
+    code = "".join(part.split("```")[0] for part in text.split("```python\n")[1:])
+    script.write_text(code, encoding="utf-8")
+    settings = str(ROOT / "python" / "pyproject.toml")
     checked = subprocess.run(
-        [sys.executable, "-m", "mypy", "--strict", "--config-file", str(ROOT / "python/pyproject.toml"), str(script)],
+        [sys.executable, "-m", "mypy", "--strict", "--config-file", settings, str(script)],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -1,4 +1,4 @@
-"""One object that several threads use at once: each call is made whole or raises, and nothing is corrupted.
+"""One object that several threads use at once: each call is made whole or raises.
 
 The threads run in a process of their own, so that one that ends or hangs is seen as such.
 """
@@ -105,7 +105,8 @@ print("wrong", wrong) if wrong else print("well", sum(made), sum(refused))
     ],
 )
 def test_four_threads_on_one_object_corrupt_nothing(what):
-    done = subprocess.run([sys.executable, "-c", SHARED, what], capture_output=True, text=True, timeout=240)
+    command = [sys.executable, "-c", SHARED, what]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("well 1200 "), done.stdout
 

@@ -71,7 +71,8 @@ static void abuse_files(const jcas_model *model)
     why[0] = 0;
     EXPECT(JCAS_ERROR_CORRUPT, jcas_policy_load(model, damaged, length, &policy, why, sizeof why));
     CHECK(strstr(why, "finite") != NULL);
-    EXPECT(JCAS_ERROR_CORRUPT, jcas_policy_layout(model, damaged, length, &size, &alignment, NULL, 0));
+    EXPECT(JCAS_ERROR_CORRUPT,
+           jcas_policy_layout(model, damaged, length, &size, &alignment, NULL, 0));
     free(damaged);
     EXPECT(JCAS_ERROR_NULL, jcas_policy_load(NULL, file, length, &policy, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_load(model, NULL, length, &policy, NULL, 0));

@@ -70,8 +70,8 @@ static void run_and_intrude(jcas_task task, void *task_context, uint32_t count, 
 /* A step whose runner runs nothing is refused, and writes nothing. */
 static void refuse_a_runner_that_runs_nothing(const jcas_model *model)
 {
-    jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = TASKS,
-                                  .run = run_nothing};
+    jcas_batch_options options = {.struct_size = sizeof options, .environments = M,
+                                  .threads = TASKS, .run = run_nothing};
     size_t size, alignment, length;
     OK(jcas_batch_layout(model, &options, &size, &alignment));
     void *memory = allocated(size);
@@ -115,8 +115,8 @@ static void name_the_environment_that_refuses(const jcas_model *model)
 static void refuse_a_batch_in_use(const jcas_model *model, uint64_t expected)
 {
     int seven = 7;
-    jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = TASKS,
-                                  .run = run_and_intrude, .run_context = &seven};
+    jcas_batch_options options = {.struct_size = sizeof options, .environments = M,
+                                  .threads = TASKS, .run = run_and_intrude, .run_context = &seven};
     size_t size, alignment;
     OK(jcas_batch_layout(model, &options, &size, &alignment));
     void *memory = allocated(size);

@@ -1,6 +1,6 @@
 /* Threads that share one model, each with a simulation of its own; threads that read one simulation;
  * a batch with worker threads against one without. Every result has to be that of one thread alone.
- * Threads that step one simulation, one batch or one policy at once: each call is made whole or refused.
+ * Threads that use one simulation, batch or policy at once: each call is made whole or refused.
  *
  *   threads          all
  *   threads shared   without the batch, whose locks thread checkers cannot see through
@@ -189,7 +189,8 @@ static void *step_one_sim(void *intruder_)
     for (uint32_t call = 0; intruder->done < CALLS; call++) {
         for (uint32_t i = 0; i < intruder->info.action_len; i++)
             actions[i] = action_of(1, call, i);
-        count_call(intruder, jcas_sim_step(intruder->sim, actions, intruder->info.action_len, &outcome));
+        count_call(intruder,
+                   jcas_sim_step(intruder->sim, actions, intruder->info.action_len, &outcome));
         uint64_t hash;
         int32_t status = jcas_sim_hash(intruder->sim, &hash);
         CHECK(status == JCAS_OK || status == JCAS_ERROR_BUSY);
@@ -202,7 +203,8 @@ static void *step_one_batch(void *intruder_)
 {
     struct intruder *intruder = (struct intruder *)intruder_;
     size_t acted = (size_t)ENVIRONMENTS * intruder->info.action_len;
-    size_t observed = (size_t)ENVIRONMENTS * intruder->info.uav_count * intruder->info.observation_len;
+    size_t observed =
+        (size_t)ENVIRONMENTS * intruder->info.uav_count * intruder->info.observation_len;
     float *actions = ARRAY(float, acted), *observations = ARRAY(float, observed);
     float rewards[ENVIRONMENTS];
     uint8_t terminated[ENVIRONMENTS], truncated[ENVIRONMENTS];
@@ -228,8 +230,8 @@ static void *fly_one_policy(void *intruder_)
     struct intruder *intruder = (struct intruder *)intruder_;
     float *actions = ARRAY(float, intruder->info.action_len);
     while (intruder->done < CALLS)
-        count_call(intruder,
-                   jcas_policy_act(intruder->policy, intruder->seen, actions, intruder->info.action_len));
+        count_call(intruder, jcas_policy_act(intruder->policy, intruder->seen, actions,
+                                             intruder->info.action_len));
     free(actions);
     return NULL;
 }

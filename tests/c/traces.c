@@ -222,7 +222,8 @@ static void damage(const struct text *whole)
     /* The checksum in capitals: the same number, but not the same bytes. */
     memcpy(text.bytes, whole->bytes, whole->length);
     int capitals = 0;
-    for (char *digit = text.bytes + whole->length - 19; digit < text.bytes + whole->length - 3; digit++)
+    char *checksum = text.bytes + whole->length - 19;
+    for (char *digit = checksum; digit < checksum + 16; digit++)
         if (*digit >= 'a' && *digit <= 'f')
             *digit -= 'a' - 'A', capitals++;
     CHECK(capitals > 0);

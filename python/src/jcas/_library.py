@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import TypeAlias
 
 from . import _abi
 from .errors import (
@@ -22,6 +23,9 @@ from .errors import (
 _SUFFIXES = (".so", ".dylib", ".dll")
 _MESSAGE_CAPACITY = 1024
 _BUSY = "the object is in use by another thread: give each thread its own, or use a lock"
+
+TextCall: TypeAlias = "Callable[[ctypes.Array[ctypes.c_char] | None, int, object], int]"
+"""A call that gives a text: where to, how many bytes fit, and where its length goes."""
 
 _ERRORS: dict[int, type[JcasError]] = {
     _abi.JCAS_ERROR_CONFIG: ConfigError,
@@ -50,7 +54,7 @@ def _load() -> ctypes.CDLL:
 
 
 def _version(number: int) -> str:
-    """Write a version of the interface: major and minor. Those from before the first release begin with 0."""
+    """Write a version of the interface: major and minor. Development headers have major 0."""
     return f"{number >> 24}.{number >> 16 & 0xFF}"
 
 
@@ -69,11 +73,12 @@ lib = _load()
 
 def fail(status: int, message: str = "") -> None:
     """Raise the error of a status, with the kernel's own words where it has some."""
-    words = message or (_BUSY if status == _abi.JCAS_ERROR_BUSY else lib.jcas_status_string(status).decode())
+    own = _BUSY if status == _abi.JCAS_ERROR_BUSY else lib.jcas_status_string(status).decode()
+    words = message or own
     raise _ERRORS.get(status, JcasError)(words, status)
 
 
-def fail_saying(status: int, message: Callable[[ctypes.Array[ctypes.c_char] | None, int, object], int]) -> None:
+def fail_saying(status: int, message: TextCall) -> None:
     """Raise the error of a status with the words that an object keeps of its last refusal.
 
     Of a call that found it in use it keeps none, and another thread may be using it by now.
@@ -99,7 +104,7 @@ def check_with_message(call: Callable[[ctypes.Array[ctypes.c_char], int], int]) 
         fail(status, message.value.decode("utf-8", "replace"))
 
 
-def read_text(call: Callable[[ctypes.Array[ctypes.c_char] | None, int, object], int]) -> str:
+def read_text(call: TextCall) -> str:
     """Make a call that gives a text: once for its length, once for itself."""
     length = ctypes.c_size_t()
     check(call(None, 0, ctypes.byref(length)))

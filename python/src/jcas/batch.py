@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import weakref
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -170,7 +171,8 @@ class Batch:
         chosen = seeds_of("seeds", seeds, self.num_envs)
         self._check_buffers(buffers)
         with buffers.in_use:
-            self._check(lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *buffers.observed()))
+            observed = buffers.observed()
+            self._check(lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *observed))
         self.begun = True
 
     def step(self, actions: npt.ArrayLike, buffers: BatchBuffers, auto_reset: bool = True) -> None:
@@ -180,9 +182,8 @@ class Batch:
         if not self.begun:
             raise ResetNeededError("step before the first reset: call reset first")
         with buffers.in_use:
-            status = lib.jcas_batch_step(
-                self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), ctypes.byref(buffers.record)
-            )
+            out = ctypes.byref(buffers.record)
+            status = lib.jcas_batch_step(self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), out)
         if status:
             self._check(status)
 
@@ -240,7 +241,7 @@ class Batch:
 
     def _check(self, status: int) -> None:
         if status:
-            fail_saying(status, lambda out, size, length: lib.jcas_batch_message(self.handle, out, size, length))
+            fail_saying(status, partial(lib.jcas_batch_message, self.handle))
 
 
 def _free(handle: ctypes.c_void_p, model: Model) -> None:

@@ -31,7 +31,8 @@ class Config(Mapping[str, Any]):
     """A legal configuration: an immutable mapping of fields to values.
 
     Fields that the kernel derives from others (`detection_threshold_db`, `range_min_m`,
-    `range_resolution_m`, `depots`) are absent unless they were given: `config["depots"]` is None then.
+    `range_resolution_m`, `depots`) are absent unless they were given; `config["depots"]` is then
+    None.
 
     Args:
         base: what to begin with; a preset's name (`mission`, the default, or `paper`), the path of a

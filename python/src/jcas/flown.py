@@ -32,8 +32,8 @@ WEIGHTS = "policy.safetensors"
 class Policy:
     """What flies a fleet: made by :meth:`load` or :meth:`baseline`, for missions of one model.
 
-    A copy, also one that was pickled, flies as a policy that was just made: a baseline that plans over several steps
-    plans anew.
+    A copy, also one that was pickled, flies as a policy that was just made: a baseline that plans
+    over several steps plans anew.
     """
 
     def __init__(self, model: Model, handle: ctypes.c_void_p, name: str) -> None:

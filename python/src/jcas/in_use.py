@@ -1,4 +1,4 @@
-"""Which objects are in use: what NumPy's arrays and several calls in a row need beside the kernel's own marks."""
+"""Marks of objects in use, for NumPy's arrays and calls in a row; the kernel has marks of its own."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .errors import BusyError
 
 
 class Mark:
-    """The mark of an object that one thread at a time may use; as a context manager it is held for a block.
+    """The mark of an object that one thread at a time may use: a context manager.
 
     A copy, also one that was pickled, is free.
 

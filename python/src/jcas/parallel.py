@@ -93,7 +93,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
 
         `options["snapshot"]`, bytes of :meth:`save`, takes that state up instead of beginning anew.
         """
-        # PettingZoo's conformance tests pass an option of the name "options", which must make no difference.
+        # PettingZoo's conformance tests pass an option named "options", which changes nothing.
         self._mission.reset(seed, options_of(options, "snapshot", "options"))
         if seed is not None:
             self.np_random = np.random.default_rng(seed)

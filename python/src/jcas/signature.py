@@ -17,7 +17,12 @@ def shows_fields(function: F) -> F:
     own = [part for part in signature.parameters.values() if part.kind is not inspect.Parameter.VAR_KEYWORD]
     taken = {part.name for part in own}
     fields = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_kind(annotation))
+        inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=None,
+            annotation=_kind(annotation),
+        )
         for name, annotation in Fields.__annotations__.items()
         if name not in taken
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import weakref
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -299,7 +300,7 @@ class Sim:
             self._fail(status)
 
     def _fail(self, status: int) -> None:
-        fail_saying(status, lambda out, size, length: lib.jcas_sim_message(self.handle, out, size, length))
+        fail_saying(status, partial(lib.jcas_sim_message, self.handle))
 
 
 _UAV = ctypes.POINTER(_abi.jcas_uav)

@@ -113,9 +113,16 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
             if self._autoreset is AutoresetMode.NEXT_STEP and self._ended.any():
                 self._step_and_begin(encoded, buffers)
             else:
-                self.batch.step(encoded, buffers, auto_reset=self._autoreset is AutoresetMode.SAME_STEP)
+                at_once = self._autoreset is AutoresetMode.SAME_STEP
+                self.batch.step(encoded, buffers, auto_reset=at_once)
             self._ended = buffers.terminated | buffers.truncated
-            return buffers.observations, buffers.rewards, buffers.terminated, buffers.truncated, self._infos(buffers)
+            return (
+                buffers.observations,
+                buffers.rewards,
+                buffers.terminated,
+                buffers.truncated,
+                self._infos(buffers),
+            )
 
     def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
         """Draw every sub-environment."""
