@@ -92,7 +92,11 @@ fn every_declaration_says_threads_and_statuses() {
     {
         assert!(block.contains("Threads:"), "no threads: {block}");
         let fails = block.contains("jcas_status jcas_");
-        assert_eq!(fails, block.contains("\n/// Statuses:"), "statuses: {block}");
+        assert_eq!(
+            fails,
+            block.contains("\n/// Statuses:"),
+            "statuses: {block}"
+        );
     }
 }
 
