@@ -1,9 +1,9 @@
 //! Simulated annealing of the trajectories, one UAV at a time.
 //!
-//! With all UAVs but one held, the chance that fewer than θ detect a hotspot is affine in the one's chance p of
-//! detection: B - p D, with B the chance that fewer than θ of the others detect it, and D that exactly θ - 1 do. Both
-//! are worked out once for a batch of moves of that UAV, so that a move costs a product for each step that it
-//! changes and each site, and another for each later step: no loop over the fleet.
+//! All UAVs but one are held. The chance that fewer than θ UAVs detect a hotspot is then B - p D,
+//! with p the chance that the one detects it. B is the chance that fewer than θ of the others do,
+//! and D that exactly θ - 1 do. Both are worked out once for a batch of moves of that UAV. A move
+//! costs a product for each site and each step from its first on, and no loop over the fleet.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -81,8 +81,8 @@ pub struct Annealer<'p, 'm> {
     /// F and G of each step; G where it has mattered.
     done: Vec<f64>,
     gather: Vec<u32>,
-    /// Expected steps that have passed by the end of each step, with the gathering of missions that are confirmed by
-    /// then.
+    /// Expected steps that have passed by the end of each step, with the gathering of missions that
+    /// are confirmed by then.
     spent: Vec<f64>,
     /// For each step and UAV the radio component without the UAV whose turn it is.
     part_of: Vec<u8>,
@@ -154,7 +154,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
         annealer
     }
 
-    /// The expected steps of the present trajectories, but for what is left after the steps that are looked at.
+    /// The expected steps of the present trajectories, but for what is left after the steps that
+    /// are looked at.
     #[must_use]
     pub fn value(&self) -> f64 {
         self.value
@@ -166,20 +167,20 @@ impl<'p, 'm> Annealer<'p, 'm> {
         &self.paths
     }
 
-    /// Anneals and returns the best trajectories. `progress` is called after each batch of moves and may end it; the
-    /// flag says whether it did.
+    /// Anneals and returns the best trajectories. `progress` is called after each batch of moves
+    /// and may end it; the flag says whether it did.
     pub fn run(
         mut self,
         iterations: u64,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> (Paths, bool) {
         let mut best = (self.value, self.paths.clone());
-        let uavs = self.paths.uav_count();
+        let movers = self.problem.movers.as_slice();
         let mut tried = 0;
-        while tried < iterations {
+        while tried < iterations && !movers.is_empty() {
             let share = tried as f64 / iterations as f64;
             let temperature = HOT * libm::pow(COLD / HOT, share);
-            let uav = self.draws.below(uavs);
+            let uav = movers[self.draws.below(movers.len())];
             self.take_turn(uav);
             let batch = BATCH.min(iterations - tried);
             for _ in 0..batch {
@@ -376,8 +377,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
         steps_to_meet(problem.model, odds, &mut self.cells)
     }
 
-    /// What a step adds to the expected time: the step itself, and the gathering of missions whose last confirmation
-    /// is in it.
+    /// What a step adds to the expected time: the step itself, and the gathering of missions whose
+    /// last confirmation is in it.
     fn cost(&mut self, step: usize, before: f64, after: f64) -> f64 {
         let chance = after - before;
         let mut cost = 1.0 - before;
@@ -424,7 +425,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
                 miss(problem, &mut row, &self.missed[at..at + stride])
             };
             if step <= last {
-                // Gathering costs most to work out: it waits until all else has been found good enough.
+                // Gathering costs most to work out: it waits until all else has been found good
+                // enough.
                 self.moved.chance[step] = done - before;
                 value += 1.0 - before;
             } else {
@@ -533,7 +535,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
         (step + self.draws.below(reach + 1)).min(self.problem.steps)
     }
 
-    /// Moves the cells between two steps by the difference of the motions in these, which change places.
+    /// Moves the cells between two steps by the difference of the motions in these, which change
+    /// places.
     fn swap_motions(&mut self, first: usize) -> bool {
         let last = self.later(first);
         if last == first {
@@ -613,8 +616,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.joins()
     }
 
-    /// Flies by way of a random cell: straight there, and straight to where the UAV is after a later step; or to the
-    /// end of the plan, along the old way from where it meets it.
+    /// Flies by way of a random cell, then straight to the first cell of the old way that it can
+    /// reach in time.
     fn detour(&mut self, first: usize) -> bool {
         let config = *self.problem.model.config();
         let reach = 2 + self.draws.below(6) as i64;

@@ -59,9 +59,10 @@ pub(crate) fn after(
     settle(charge_uj, asked_uj, offered_uj, plan.capacity_uj).battery_uj
 }
 
-/// Whether a UAV with this charge can fly a trajectory: it is never sent elsewhere by a low battery, and its level is
-/// [`Odds::grounded`] in exactly the steps that it begins with an empty one. `cells` and `levels` are as in
-/// [`Paths`](crate::Paths).
+/// Whether a UAV with this charge can fly a trajectory, given as in [`Paths`](crate::Paths).
+///
+/// A low battery never sends it elsewhere. Its level is [`Odds::grounded`] in exactly the steps
+/// that it begins with an empty battery.
 #[must_use]
 pub fn allows(
     model: &Model<'_>,
@@ -87,7 +88,7 @@ pub fn allows(
     true
 }
 
-/// Whether no trajectory of so many steps can drain a battery below the threshold that sends a UAV home.
+/// Whether no trajectory of this length drains a battery below the threshold of the return to base.
 pub(crate) fn never_low(model: &Model<'_>, charge_uj: u64, steps: usize) -> bool {
     let plan = model.energy();
     let most = (steps as u64).saturating_mul(plan.most_asked_uj());

@@ -1,19 +1,24 @@
-//! A time that no fixed plan can beat.
+//! A lower bound: a time that no fixed plan can beat.
 //!
-//! Two things hold a fleet back. *Reach*: after s steps no UAV is more than s cells from where it began, so that a
-//! hotspot in cell c is confirmed in step s with at most the probability of θ positives if every UAV were in that
-//! cell of its reach from which it detects c best. *Coverage*: the probability Q of at least θ positives is at most
-//! Σ h(p_i) over the UAVs, with h(p) = min(p/θ, -κ ln(1 - p)); so the fleet confirms at most the sum, over UAVs, of
-//! the largest Σ_c w_c h(p_c) over the cells of its reach.
+//! Two things hold a fleet back.
 //!
-//! Why Q ≤ Σ h(p_i): let A be the UAVs with h(p) = p/θ. A Bernoulli variable is stochastically at most a Poisson
-//! variable of mean -ln(1 - p), so the others have at most as many positives as a Poisson variable of mean Λ, their
-//! sum. Given a positives in A, θ are reached with probability φ_(θ-a)(Λ), with φ_k the chance of at least k; κ is
-//! the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ. The mean over a is the claim.
+//! *Reach*: after s steps no UAV is more than s cells from its start. A step confirms a hotspot at
+//! most as often as if every UAV were in the best cell of its reach.
 //!
-//! Both give an upper bound on the share of hotspots confirmed after t steps, hence on the probability F(t) that all
-//! are: the mean over sets of distinct cells is at most the power of the mean (Maclaurin), and a product of means at
-//! most the power of their mean. The expected time is the sum of 1 - F(t).
+//! *Coverage*: let h(p) be the lesser of p/θ and -κ ln(1 - p). The chance Q of at least θ positives
+//! is at most Σ h(p_i) over the UAVs. A step therefore confirms at most the sum, over the UAVs, of
+//! the largest Σ_c w_c h(p_c) over the cells of the reach.
+//!
+//! Proof of Q ≤ Σ h(p_i). Let A be the UAVs with h(p) = p/θ. A Bernoulli variable is stochastically
+//! at most a Poisson variable of mean -ln(1 - p). The positives of the others are thus at most a
+//! Poisson variable, whose mean Λ is the sum of theirs. Given a positives in A, the quorum is
+//! reached with probability at most φ_(θ-a)(Λ), where φ_k is the chance of at least k. The slope κ
+//! is the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ. The mean over a is the
+//! claim.
+//!
+//! Both bound the share of hotspots confirmed after t steps, hence F(t), the chance that all are.
+//! The mean over sets of distinct cells is at most the power of the mean (Maclaurin). A product of
+//! means is at most the power of their mean. The expected time is the sum of 1 - F(t).
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -30,7 +35,8 @@ const INTENSITY_STEP: f64 = 0.002;
 /// What is left of the probability when no further step is looked at.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// Steps, from the beginning of the plan, that every fixed plan of the problem takes at least in expectation.
+/// Steps, from the beginning of the plan, that every fixed plan of the problem takes at least in
+/// expectation.
 #[must_use]
 pub fn bound(problem: &Problem<'_>) -> f64 {
     let odds = &problem.odds;
@@ -38,10 +44,10 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     let farthest = (config.grid_width + config.grid_height) as usize;
     let starts = &problem.situation.cells;
     let sites = odds.sites();
-    let kinds = kinds(problem);
-    let spread = covered(problem, &kinds, farthest);
+    let priors = priors(problem);
+    let spread = covered(problem, &priors, farthest);
 
-    // Best chance of detection of each site from within so many cells of each start.
+    // Best chance of detection of each site, by distance from each start.
     let nearest: Vec<(Vec<usize>, Vec<f64>)> = distinct(starts)
         .into_iter()
         .map(|start| {
@@ -50,7 +56,7 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
         })
         .collect();
     let mut missed = vec![1.0; sites.len()];
-    let mut coverage = vec![0.0; kinds.len()];
+    let mut coverage = vec![0.0; priors.len()];
     let quorum = config.quorum as usize;
     let mut exactly = vec![0.0; quorum];
     let (mut expected, mut done) = (0.0, 0.0);
@@ -73,14 +79,14 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
         }
         let mut product = 1.0;
         let mut joint = 1.0;
-        for (index, (kind, coverage)) in kinds.iter().zip(&mut coverage).enumerate() {
+        for (index, (prior, coverage)) in priors.iter().zip(&mut coverage).enumerate() {
             *coverage += spread[index][reach];
             let mut reached = 0.0;
-            for (weight, missed) in kind.weights.iter().zip(&missed) {
+            for (weight, missed) in prior.weights.iter().zip(&missed) {
                 reached += weight * (1.0 - missed);
             }
-            let chance = power(reached.min(*coverage).min(1.0), kind.count);
-            if index + 1 < kinds.len() {
+            let chance = power(reached.min(*coverage).min(1.0), prior.count);
+            if index + 1 < priors.len() {
                 product *= chance;
             } else {
                 joint = chance;
@@ -95,35 +101,35 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
 }
 
 /// Weights over the sites and a number of hotspots.
-struct Kind {
+struct Prior {
     count: u32,
     weights: Vec<f64>,
 }
 
 /// The groups, and last all groups as one, with the mean of their weights.
-fn kinds(problem: &Problem<'_>) -> Vec<Kind> {
+fn priors(problem: &Problem<'_>) -> Vec<Prior> {
     let sites = problem.odds.sites().len();
-    let mut kinds: Vec<Kind> = problem
+    let mut priors: Vec<Prior> = problem
         .draws
         .iter()
         .map(|draw| {
             let mut weights = vec![0.0; sites];
             weights[draw.sites.clone()].copy_from_slice(&draw.weights);
-            Kind {
+            Prior {
                 count: draw.count,
                 weights,
             }
         })
         .collect();
-    let count: u32 = kinds.iter().map(|kind| kind.count).sum();
+    let count: u32 = priors.iter().map(|prior| prior.count).sum();
     let mut weights = vec![0.0; sites];
-    for kind in &kinds {
-        for (mean, weight) in weights.iter_mut().zip(&kind.weights) {
-            *mean += weight * f64::from(kind.count) / f64::from(count);
+    for prior in &priors {
+        for (mean, weight) in weights.iter_mut().zip(&prior.weights) {
+            *mean += weight * f64::from(prior.count) / f64::from(count);
         }
     }
-    kinds.push(Kind { count, weights });
-    kinds
+    priors.push(Prior { count, weights });
+    priors
 }
 
 fn distinct(cells: &[Cell]) -> Vec<Cell> {
@@ -150,7 +156,8 @@ fn cells(problem: &Problem<'_>) -> impl Iterator<Item = Cell> {
     (0..config.grid_height).flat_map(move |y| (0..width).map(move |x| Cell { x, y }))
 }
 
-/// For each distance and site the best chance of a detection from a cell within the distance of a start.
+/// For each distance and site the best chance of a detection from a cell within the distance of a
+/// start.
 fn best_within(problem: &Problem<'_>, start: Cell, farthest: usize) -> Vec<f64> {
     let sites = problem.odds.sites();
     let mut best = vec![0.0; (farthest + 1) * sites.len()];
@@ -167,9 +174,9 @@ fn best_within(problem: &Problem<'_>, start: Cell, farthest: usize) -> Vec<f64> 
     best
 }
 
-/// For each kind and distance the sum over the UAVs of the largest Σ_c w_c h(p_c) from a cell within the distance of
-/// their start.
-fn covered(problem: &Problem<'_>, kinds: &[Kind], farthest: usize) -> Vec<Vec<f64>> {
+/// For each prior and distance the sum over the UAVs of the largest Σ_c w_c h(p_c) from a cell
+/// within the distance of their start.
+fn covered(problem: &Problem<'_>, priors: &[Prior], farthest: usize) -> Vec<Vec<f64>> {
     let quorum = problem.model.config().quorum as usize;
     let slope = slope(quorum);
     let share = |p: f64| {
@@ -181,14 +188,14 @@ fn covered(problem: &Problem<'_>, kinds: &[Kind], farthest: usize) -> Vec<Vec<f6
         }
     };
     let sites = problem.odds.sites();
-    let mut sums = vec![Vec::new(); kinds.len()];
+    let mut sums = vec![Vec::new(); priors.len()];
     for cell in cells(problem) {
         let shares: Vec<f64> = sites
             .iter()
             .map(|&site| share(best_detection(&problem.odds, cell, site)))
             .collect();
-        for (kind, sums) in kinds.iter().zip(&mut sums) {
-            let terms = kind.weights.iter().zip(&shares);
+        for (prior, sums) in priors.iter().zip(&mut sums) {
+            let terms = prior.weights.iter().zip(&shares);
             sums.push(terms.map(|(weight, share)| weight * share).sum::<f64>());
         }
     }
@@ -212,7 +219,8 @@ fn covered(problem: &Problem<'_>, kinds: &[Kind], farthest: usize) -> Vec<Vec<f6
         .collect()
 }
 
-/// κ: the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ; infinite where h(p) = p/θ is all there is.
+/// κ: the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ; infinite where h(p) =
+/// p/θ is all there is.
 fn slope(quorum: usize) -> f64 {
     if !(2..=QUORUM_MAX).contains(&quorum) {
         return f64::INFINITY;

@@ -2,17 +2,18 @@
 
 use alloc::vec::Vec;
 
-use jcas_core::action::{Motion, pilot_action};
+use jcas_core::action::pilot_action;
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, StateRef};
 
 use crate::gather::meeting_cell;
 use crate::plan::Plan;
 
-/// Turns a plan into actions: along the trajectories until every hotspot is confirmed, then to the meeting cell at
-/// the least pilot density.
+/// Turns a plan into actions: along the trajectories until every hotspot is confirmed, then to the
+/// meeting cell at the least pilot density.
 ///
-/// It reads which hotspots are confirmed, as every script does; the trajectories are flown without feedback.
+/// It reads which hotspots are confirmed, as every script does; the trajectories are flown without
+/// feedback.
 #[derive(Clone, Debug)]
 pub struct Follower {
     plan: Plan,
@@ -43,7 +44,6 @@ impl Follower {
     /// Writes (u_dir, u_pilot) of each UAV.
     pub fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         let config = model.config();
-        let (low, high) = (config.pilot_density_min, config.pilot_density_max);
         if self.meeting.is_none() && (0..state.hotspot_count()).all(|j| state.confirmed(j)) {
             let cells: Vec<Cell> = (0..state.uav_count()).map(|uav| state.cell(uav)).collect();
             self.meeting = Some(meeting_cell(&cells, config.grid_width, config.grid_height));
@@ -51,20 +51,27 @@ impl Follower {
         let step = (state.t().saturating_sub(self.plan.first_step)) as usize + 1;
         for (uav, action) in actions.chunks_exact_mut(2).enumerate() {
             let (target, density) = match self.meeting {
-                Some(cell) => (cell, low),
+                Some(cell) => (cell, config.pilot_density_min),
                 None => (
                     self.plan.cell(uav, step),
                     self.plan.pilot_density(uav, step),
                 ),
             };
-            let here = state.cell(uav);
-            let motion = if here == target {
-                Motion::Stay
-            } else {
-                toward(here, target)
-            };
-            action[0] = motion.to_action();
-            action[1] = pilot_action(density, low, high);
+            write(model, state.cell(uav), target, density, action);
         }
     }
+}
+
+/// The action of a UAV that flies toward a cell and senses at a pilot density.
+pub(crate) fn write(
+    model: &Model<'_>,
+    here: Cell,
+    target: Cell,
+    pilot_density: f64,
+    action: &mut [f32],
+) {
+    let config = model.config();
+    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+    action[0] = toward(here, target).to_action();
+    action[1] = pilot_action(pilot_density, low, high);
 }

@@ -11,7 +11,7 @@ use crate::problem::Problem;
 
 /// Most lines, and most strips that a line sweeps one after the other.
 const MOST: u32 = 4;
-/// A line spreads over so many thirds of its strip; 0 is a flock.
+/// A line spreads over at most this number of thirds of its strip; 0 is a flock.
 const THIRDS: u32 = 3;
 
 /// Flies a fleet toward targets, as its batteries allow, and records where it goes.
@@ -76,7 +76,7 @@ impl<'p, 'm> Recorder<'p, 'm> {
 }
 
 /// One line under way: the stations that it takes, and the offset of each of its UAVs across.
-struct Row {
+struct Rank {
     first: usize,
     places: Vec<i64>,
     /// (across, along).
@@ -96,7 +96,7 @@ fn extents(problem: &Problem<'_>) -> (i64, i64, bool) {
     )
 }
 
-impl Row {
+impl Rank {
     fn place(&self, problem: &Problem<'_>, index: usize) -> Cell {
         let (across, _, transposed) = extents(problem);
         let (x, y) = self.stations[self.next];
@@ -132,7 +132,7 @@ impl Row {
     }
 }
 
-fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Row> {
+fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Rank> {
     let (across, along, transposed) = extents(problem);
     let uavs = problem.situation.cells.len();
     let start = problem.situation.cells.first().copied().unwrap_or_default();
@@ -161,7 +161,7 @@ fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Row>
                     twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
                 })
                 .collect();
-            Row {
+            Rank {
                 first: share(line),
                 places,
                 stations,

@@ -8,11 +8,12 @@ use crate::odds::Odds;
 /// Most UAVs of a plan: a set of them is one integer.
 pub(crate) const UAVS_MAX: usize = 128;
 
-/// The cell where a fleet meets soonest: the centre in Manhattan distance, from which the farthest UAV is nearest.
+/// The cell where a fleet meets soonest: the centre in Manhattan distance, from which the farthest
+/// UAV is nearest.
 ///
-/// In the coordinates u = x + y, v = x - y, Manhattan distance is the larger of the two differences, so that the
-/// centre is that of the bounding box. It need not be a cell: of the cells around it the best is taken, then the one
-/// with the least total distance, then the first.
+/// With u = x + y and v = x - y, Manhattan distance is the larger of the two differences. The
+/// centre is then that of the bounding box. Where it is no cell, the best cell around it is taken. Among
+/// equals that is the one with the least total distance, then the first.
 #[must_use]
 pub fn meeting_cell(cells: &[Cell], width: u32, height: u32) -> Cell {
     let middle = |of: fn(i64, i64) -> i64| {
@@ -76,8 +77,8 @@ pub(crate) fn connected(odds: &Odds, cells: &[Cell], level: impl Fn(usize) -> u8
     unmet == 0
 }
 
-/// Steps until a fleet that flies to its meeting cell at the least pilot density is one component. The cells are
-/// left where it then is.
+/// Steps until a fleet that flies to its meeting cell at the least pilot density is one component.
+/// The cells are left where it then is.
 pub(crate) fn steps_to_meet(model: &Model<'_>, odds: &Odds, cells: &mut [Cell]) -> u32 {
     let config = model.config();
     let (width, height) = (config.grid_width, config.grid_height);

@@ -1,12 +1,13 @@
 //! Plans missions: a trajectory for each UAV, chosen for the least expected time to the end.
 //!
-//! A plan is flown without feedback until every hotspot is confirmed; the fleet then gathers until it is one radio
-//! component, and the mission is over. [`expect`] gives the expected time of a plan exactly, from the tables of the
-//! [`Model`](jcas_core::Model); [`search`] and [`tour`] look for a plan that makes it short, by simulated annealing;
-//! [`bound`] gives a time that no fixed plan can beat.
+//! A plan is flown without feedback until every hotspot is confirmed. The fleet then gathers until
+//! it is one radio component, which ends the mission. [`expect`] gives the expected time of a plan
+//! exactly, from the tables of the [`Model`](jcas_core::Model). [`search`] and [`tour`] look for a
+//! plan of short expected time by simulated annealing. No fixed plan can beat [`bound`].
 //!
-//! A result is a function of configuration, seed and number of iterations. Nothing here reads a clock: a caller
-//! that has a time limit ends the annealing from its progress callback, and the best plan so far is returned.
+//! A result is a function of configuration, seed and number of iterations. The crate reads no
+//! clock. A caller with a time limit ends the annealing from its progress callback; the best plan
+//! found by then is returned.
 //!
 //! ```
 //! use core::ops::ControlFlow;
@@ -41,6 +42,7 @@ mod odds;
 mod paths;
 mod plan;
 mod problem;
+mod replan;
 mod targets;
 mod teams;
 
@@ -55,4 +57,5 @@ pub use odds::Odds;
 pub use paths::Paths;
 pub use plan::{Plan, improve, search, starts, tour};
 pub use problem::{Problem, Situation};
+pub use replan::Replanner;
 pub use targets::{Group, Targets};

@@ -1,11 +1,13 @@
 //! The expected time of a plan, exactly.
 //!
-//! Detections are independent. A hotspot in cell c is unconfirmed after t steps with probability m_c(t), the product
-//! over the steps of the chance that fewer than θ UAVs detect it. Hotspots are independent given their cells, so that
-//! all are confirmed after t steps with probability F(t): for each group of n hotspots with weights w_c the factor is
-//! (Σ w_c (1 - m_c(t)))^n, or, for n distinct and equally likely cells, the mean of the products over all sets of n.
-//! The mission ends G(t) steps after the last confirmation, at step t: when the fleet, which gathers from its
-//! planned cells, is one radio component.
+//! Detections are independent. Let m_c(t) be the chance that a hotspot in cell c is unconfirmed
+//! after t steps. It is a product over the steps: of the chance that fewer than θ UAVs detect it.
+//! Hotspots are independent given their cells. The chance F(t) that all are confirmed is a
+//! product over the groups. A group of n hotspots with weights w_c has the factor (Σ w_c (1 - m_c(t)))^n.
+//! For n distinct and equally likely cells it is the mean of Π (1 - m_c(t)) over all sets of n.
+//!
+//! The mission ends G(t) steps after the last confirmation, at step t. G counts the steps until the
+//! fleet, which gathers from its planned cells, is one radio component.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,7 +16,7 @@ use jcas_core::Cell;
 
 use crate::gather::{connected, steps_to_meet};
 use crate::paths::Paths;
-use crate::problem::{Draw, Problem, power};
+use crate::problem::{Hidden, Problem, power};
 
 /// What is left of the probability when no further step is looked at.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -22,7 +24,8 @@ const NEGLIGIBLE: f64 = 1e-12;
 /// What a plan is expected to take, from the step that it begins at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Expectation {
-    /// Steps until the end of the mission; a mission without success counts with all steps that are left.
+    /// Steps until the end of the mission; a mission without success counts with all steps that are
+    /// left.
     pub steps: f64,
     /// Steps until every hotspot is confirmed, counted alike.
     pub confirmed_steps: f64,
@@ -69,6 +72,17 @@ pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
     expected
 }
 
+/// The chance that a hotspot in each site is unconfirmed after some steps of a plan.
+pub(crate) fn missed_after(problem: &Problem<'_>, paths: &Paths, steps: usize) -> Vec<f64> {
+    let sites = problem.odds.sites().iter();
+    let factors = sites.map(|&site| {
+        (1..=steps)
+            .map(|step| below_quorum(problem, paths, step, site))
+            .product()
+    });
+    factors.collect()
+}
+
 /// Adds the missions whose last confirmation is in a step.
 fn account(expected: &mut Expectation, steps_left: u32, step: u32, chance: f64, to_gather: u32) {
     let left = steps_left - step;
@@ -78,7 +92,8 @@ fn account(expected: &mut Expectation, steps_left: u32, step: u32, chance: f64, 
     }
 }
 
-/// G: steps from a step of the plan until the fleet is one radio component; `u32::MAX` if it never is.
+/// G: steps from a step of the plan until the fleet is one radio component; `u32::MAX` if it never
+/// is.
 fn gathering(problem: &Problem<'_>, paths: &Paths, step: usize) -> u32 {
     let odds = &problem.odds;
     let mut cells: Vec<Cell> = (0..paths.uav_count())
@@ -110,7 +125,7 @@ fn below_quorum(problem: &Problem<'_>, paths: &Paths, step: usize, hotspot: Cell
 }
 
 /// F: the probability that every hotspot is confirmed.
-fn all_confirmed(draws: &[Draw], missed: &[f64]) -> f64 {
+fn all_confirmed(draws: &[Hidden], missed: &[f64]) -> f64 {
     draws
         .iter()
         .map(|draw| {
@@ -126,8 +141,10 @@ fn all_confirmed(draws: &[Draw], missed: &[f64]) -> f64 {
         .product()
 }
 
-/// The mean, over all sets of `count` cells, of the product of 1 - m_c: for the first j cells the mean over sets of k
-/// follows from those over the first j - 1, since cell j is in the share k/j of the sets.
+/// The mean, over all sets of `count` cells, of the product of 1 - m_c.
+///
+/// Cell j is in the share k/j of the sets of k among the first j cells. The mean over these sets
+/// follows from the means over sets among the first j - 1.
 fn over_distinct_cells(missed: &[f64], count: usize) -> f64 {
     let mut mean = vec![0.0; count + 1];
     mean[0] = 1.0;

@@ -14,8 +14,8 @@ const FINE_DIFFERENCE: f64 = 0.1;
 
 /// Chances of detection and links between cells.
 ///
-/// A *level* is an index into the pilot densities of the plan, which ascend. One level more, [`Odds::grounded`],
-/// stands for a UAV with an empty battery: it detects nothing and has no links.
+/// A *level* is an index into the pilot densities of the plan, which ascend. One level more,
+/// [`Odds::grounded`], stands for a UAV with an empty battery: it detects nothing and has no links.
 #[derive(Clone, Debug)]
 pub struct Odds {
     width: u32,
@@ -161,8 +161,8 @@ impl Odds {
     }
 }
 
-/// One density where it does not matter to the radar; two where it matters little; four where it matters much.
-/// Each is a density that an action can ask for.
+/// One density where it does not matter to the radar; two where it matters little; four where it
+/// matters much. Each is a density that an action can ask for.
 fn densities(model: &Model<'_>) -> Vec<f64> {
     let config = model.config();
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);

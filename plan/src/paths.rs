@@ -3,7 +3,8 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Cells are row-major indices; levels are indices into [`Odds::densities`](crate::Odds::densities).
+/// Cells are row-major indices; levels are indices into
+/// [`Odds::densities`](crate::Odds::densities).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Paths {
     uavs: usize,
@@ -68,5 +69,21 @@ impl Paths {
         let slot = uav * (self.steps + 1) + step;
         self.cells[slot] = cell;
         self.levels[slot] = level;
+    }
+
+    /// What is left after some steps, as a plan of another number of steps.
+    #[must_use]
+    pub fn after(&self, flown: usize, steps: usize) -> Self {
+        let slots = || (0..self.uavs).flat_map(|uav| (0..=steps).map(move |step| (uav, step)));
+        Self {
+            uavs: self.uavs,
+            steps,
+            cells: slots()
+                .map(|(uav, step)| self.cell(uav, flown + step))
+                .collect(),
+            levels: slots()
+                .map(|(uav, step)| self.level(uav, flown + step))
+                .collect(),
+        }
     }
 }

@@ -59,8 +59,8 @@ impl Plan {
     }
 }
 
-/// Plans a mission from its reset, with all hotspots hidden: any set of distinct cells without a depot is as likely as
-/// any other.
+/// Plans a mission from its reset, with all hotspots hidden: any set of distinct cells without a
+/// depot is as likely as any other.
 ///
 /// # Errors
 /// [`PlanError`], where the fleet or the grid is too large.
@@ -74,8 +74,8 @@ pub fn search(
     Ok(improve(&problem, starts(&problem), settings, progress))
 }
 
-/// Plans a mission from its reset, with hotspots in known cells: where each UAV goes, with which others, in what order
-/// and for how long.
+/// Plans a mission from its reset, with hotspots in known cells: where each UAV goes, with which
+/// others, in what order and for how long.
 ///
 /// # Errors
 /// [`PlanError`], where the fleet or the grid is too large or a hotspot lies off the grid.
@@ -90,7 +90,8 @@ pub fn tour(
     Ok(improve(&problem, starts(&problem), settings, progress))
 }
 
-/// Trajectories to begin with: tours of teams where hotspots are known, sweeps of formations where they are hidden.
+/// Trajectories to begin with: tours of teams where hotspots are known, sweeps of formations where
+/// they are hidden.
 #[must_use]
 pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
     let tours = teams::tours(problem);
@@ -101,8 +102,9 @@ pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
     }
 }
 
-/// Anneals the best of some trajectories. Those that a battery does not last for, or that have another number of UAVs
-/// or steps than the problem, are left out; the fleet hovers where none is left.
+/// Anneals the best of some trajectories; the fleet hovers where none fits.
+///
+/// Trajectories fit if they have the UAVs and steps of the problem and every battery lasts.
 #[must_use]
 pub fn improve(
     problem: &Problem<'_>,
@@ -137,7 +139,8 @@ pub fn improve(
     let mut expected = expect(problem, &annealed);
     let mut best = annealed;
     if expected.steps > start_steps {
-        // The annealing takes distinct hotspots for independent ones, which may mislead it by a little.
+        // The annealing takes distinct hotspots for independent ones, which may mislead it by a
+        // little.
         expected = expect(problem, &paths);
         best = paths;
     }

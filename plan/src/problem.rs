@@ -31,7 +31,8 @@ pub struct Situation {
 }
 
 impl Situation {
-    /// Before the first step: all UAVs at depot 0, each with the least charge that the configuration allows.
+    /// Before the first step: all UAVs at depot 0, each with the least charge that the
+    /// configuration allows.
     #[must_use]
     pub fn at_reset(model: &Model<'_>) -> Self {
         let capacity_uj = model.energy().capacity_uj;
@@ -57,7 +58,7 @@ impl Situation {
 
 /// A group of hotspots over its own part of the sites of a problem.
 #[derive(Clone, Debug)]
-pub(crate) struct Draw {
+pub(crate) struct Hidden {
     pub(crate) count: u32,
     /// The part of the sites: cells of positive weight, then padding.
     pub(crate) sites: Range<usize>,
@@ -73,17 +74,19 @@ pub(crate) struct Draw {
 pub struct Problem<'m> {
     pub(crate) model: &'m Model<'m>,
     pub(crate) odds: Odds,
-    pub(crate) draws: Vec<Draw>,
+    pub(crate) draws: Vec<Hidden>,
     pub(crate) situation: Situation,
     pub(crate) steps_left: u32,
     pub(crate) steps: usize,
+    pub(crate) movers: Vec<usize>,
 }
 
 impl<'m> Problem<'m> {
     /// Reads what the plan needs out of the model.
     ///
     /// # Errors
-    /// [`PlanError`], where the fleet or the grid is too large or the situation is not one of the model.
+    /// [`PlanError`], where the fleet or the grid is too large or the situation is not one of the
+    /// model.
     pub fn new(
         model: &'m Model<'m>,
         targets: &Targets,
@@ -134,7 +137,18 @@ impl<'m> Problem<'m> {
             situation,
             steps_left,
             steps,
+            movers: (0..model.uav_count()).collect(),
         })
+    }
+
+    /// Plans only for these UAVs; the others fly on along the trajectories to begin with.
+    ///
+    /// UAVs that the fleet does not have are left out.
+    #[must_use]
+    pub fn only(mut self, uavs: &[usize]) -> Self {
+        let fleet = self.model.uav_count();
+        self.movers = uavs.iter().copied().filter(|&uav| uav < fleet).collect();
+        self
     }
 
     /// The tables.
@@ -155,10 +169,10 @@ impl<'m> Problem<'m> {
         &self.situation
     }
 
-    /// Whether every battery lasts for its trajectory.
+    /// Whether the battery of each UAV that is planned for lasts for its trajectory.
     #[must_use]
     pub fn allows(&self, paths: &Paths) -> bool {
-        (0..paths.uav_count()).all(|uav| {
+        self.movers.iter().all(|&uav| {
             battery::allows(
                 self.model,
                 &self.odds,
@@ -171,7 +185,7 @@ impl<'m> Problem<'m> {
 }
 
 /// Each group with its sites, padded to whole lanes.
-fn draws(targets: &Targets, width: u32) -> (Vec<Draw>, Vec<Cell>) {
+fn draws(targets: &Targets, width: u32) -> (Vec<Hidden>, Vec<Cell>) {
     let (mut draws, mut sites) = (Vec::new(), Vec::new());
     for group in targets.groups().iter().filter(|group| group.count > 0) {
         let first = sites.len();
@@ -189,7 +203,7 @@ fn draws(targets: &Targets, width: u32) -> (Vec<Draw>, Vec<Cell>) {
         let cells = weights.len();
         weights.resize(cells.next_multiple_of(LANES), 0.0);
         sites.resize(first + weights.len(), Cell::default());
-        draws.push(Draw {
+        draws.push(Hidden {
             count: group.count,
             sites: first..sites.len(),
             cells,

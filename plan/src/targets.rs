@@ -14,8 +14,8 @@ pub struct Group {
     pub count: u32,
     /// Probability of each cell, row by row; the sum is 1.
     pub weights: Vec<f64>,
-    /// Whether the hotspots lie in distinct cells that are equally likely, as the kernel places them. Otherwise
-    /// each hotspot is drawn independently.
+    /// Whether the hotspots lie in distinct cells that are equally likely, as the kernel places
+    /// them. Otherwise each hotspot is drawn independently.
     pub distinct: bool,
 }
 
@@ -26,7 +26,8 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// The model's own prior: all hotspots hidden, in distinct cells without a depot, each set equally likely.
+    /// The model's own prior: all hotspots hidden, in distinct cells without a depot, each set
+    /// equally likely.
     #[must_use]
     pub fn hidden(model: &Model<'_>) -> Self {
         let config = model.config();
@@ -73,8 +74,8 @@ impl Targets {
         })
     }
 
-    /// Hotspots that are drawn independently, each from a prior with these weights, one for each cell, row by row.
-    /// The weights need not sum to 1.
+    /// Hotspots that are drawn independently, each from a prior with these weights, one for each
+    /// cell, row by row. The weights need not sum to 1.
     ///
     /// # Errors
     /// [`PlanError::Length`], [`PlanError::Weights`].

@@ -48,7 +48,8 @@ fn known_cells(problem: &Problem<'_>) -> Vec<Cell> {
     known.map(|draw| sites[draw.sites.start]).collect()
 }
 
-/// The team that is free first takes the hotspot that it reaches first; when none is left, all are visited again.
+/// The team that is free first takes the hotspot that it reaches first; when none is left, all are
+/// visited again.
 fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64) -> Paths {
     let uavs = problem.situation.cells.len();
     let team_of = |uav: usize| uav * teams / uavs;

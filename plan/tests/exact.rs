@@ -5,8 +5,8 @@ use core::ops::ControlFlow;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Config, Model, Preset, Sim};
 use jcas_plan::{
-    Annealer, Follower, Plan, Problem, Settings, Situation, Targets, allows, expect, search,
-    starts, tour,
+    Annealer, Follower, Plan, Problem, Replanner, Settings, Situation, Targets, allows, expect,
+    search, starts, tour,
 };
 
 fn small(preset: Preset) -> Config {
@@ -28,7 +28,7 @@ fn planned(model: &Model<'_>) -> Plan {
     search(model, &BRIEF, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Mission time of each of so many flown missions; the horizon where one does not end.
+/// Mission time of each flown mission; the horizon where it does not end.
 fn fly(model: &Model<'_>, plan: &Plan, hotspots: Option<&[Cell]>, missions: u64) -> Vec<f64> {
     let mut sim = Sim::new(model);
     let mut follower = Follower::new(plan.clone());
@@ -102,8 +102,9 @@ fn a_search_takes_what_is_expected() {
     is_near(mean, error, plan.expected.steps);
 }
 
-/// The mission of ten UAVs and seven hotspots in the preset, flown so often that a bias of two hundredths of a step shows.
-/// It takes a release build: `cargo test --release -p jcas-plan -- --ignored`.
+/// The mission of ten UAVs and seven hotspots in the preset, flown often enough that a bias of two
+/// hundredths of a step shows. It takes a release build: `cargo test --release -p jcas-plan --
+/// --ignored`.
 #[test]
 #[ignore = "a hundred thousand missions take a release build"]
 fn a_hundred_thousand_searches_take_what_is_expected() {
@@ -249,5 +250,38 @@ fn any_grid_depot_and_fleet() {
                 assert!(plan.cell(uav, step).manhattan(plan.cell(uav, step - 1)) <= 1);
             }
         }
+    }
+}
+
+fn replanned(model: &Model<'_>, missions: u64) -> Vec<f64> {
+    let settings = Settings {
+        iterations: 2_000,
+        seed: 1,
+    };
+    let mut replanner = Replanner::new(5_000, settings);
+    let mut sim = Sim::new(model);
+    let mut actions = vec![0.0; model.action_len()];
+    (0..missions)
+        .map(|mission| {
+            sim.reset(derive_seed(11, mission));
+            replanner.reset();
+            loop {
+                replanner.act(model, &sim.state(), &mut actions).unwrap();
+                let outcome = sim.step(&actions).unwrap();
+                if outcome.terminated || outcome.truncated {
+                    return f64::from(sim.state().t());
+                }
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn replanning_ends_missions_and_depends_on_nothing_else() {
+    for preset in [Preset::Paper, Preset::Search] {
+        let model = Model::new(small(preset)).unwrap();
+        let times = replanned(&model, 20);
+        assert!(times.iter().all(|&time| time < 60.0), "{times:?}");
+        assert_eq!(times, replanned(&model, 20));
     }
 }

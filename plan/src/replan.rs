@@ -1,0 +1,295 @@
+//! Planning anew while a mission is flown, after each confirmation and each meeting.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::ControlFlow;
+
+use jcas_core::{Cell, Model, StateRef, TargetVisibility};
+
+use crate::anneal::Settings;
+use crate::error::PlanError;
+use crate::follow::write;
+use crate::gather::meeting_cell;
+use crate::objective::missed_after;
+use crate::plan::{Plan, improve, starts};
+use crate::problem::{Problem, Situation};
+use crate::targets::{Targets, index_of};
+
+/// Plans before the first step, and anew in each radio component whose knowledge has changed.
+///
+/// A component plans for its members by what they know: their own cells and charges, the hotspots
+/// that they know, and the plan that they share with the others. It takes the others to fly on by
+/// that plan. All members of a component compute the same plan, bit by bit.
+#[derive(Clone, Debug)]
+pub struct Replanner {
+    settings: Settings,
+    first_iterations: u64,
+    views: Vec<View>,
+    /// The view of each UAV.
+    view_of: Vec<usize>,
+}
+
+/// A plan as the members of a component share it.
+#[derive(Clone, Debug)]
+struct View {
+    first_step: u32,
+    plan: Plan,
+    /// Which hotspots the members knew when they planned.
+    known: Vec<bool>,
+    /// Where hidden hotspots may be, for each cell; empty where positions are known.
+    weights: Vec<f64>,
+}
+
+impl View {
+    fn flown(&self, state: &StateRef<'_>) -> usize {
+        state.t().saturating_sub(self.first_step) as usize
+    }
+
+    /// Where the plan has a UAV now.
+    fn cell(&self, state: &StateRef<'_>, uav: usize) -> Cell {
+        self.plan.cell(uav, self.flown(state))
+    }
+}
+
+impl Replanner {
+    /// Plans with `first_iterations` before the first step, and with those of the settings later.
+    #[must_use]
+    pub fn new(first_iterations: u64, settings: Settings) -> Self {
+        Self {
+            settings,
+            first_iterations,
+            views: Vec::new(),
+            view_of: Vec::new(),
+        }
+    }
+
+    /// Called before the first step of a mission.
+    pub fn reset(&mut self) {
+        // Where hotspots are hidden the first plan is that of every mission.
+        let hidden = self
+            .views
+            .first()
+            .is_some_and(|view| !view.weights.is_empty());
+        self.views.truncate(usize::from(hidden));
+        self.view_of.fill(0);
+    }
+
+    /// Writes (u_dir, u_pilot) of each UAV.
+    ///
+    /// # Errors
+    /// [`PlanError`], where the fleet or the grid is too large.
+    pub fn act(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        actions: &mut [f32],
+    ) -> Result<(), PlanError> {
+        let everyone: Vec<usize> = (0..state.uav_count()).collect();
+        if self.views.is_empty() {
+            let view = self.first(model, state)?;
+            self.views.push(view);
+            self.view_of = vec![0; everyone.len()];
+        }
+        let mut open = everyone.clone();
+        while let Some(&first) = open.first() {
+            let members = component(state, first);
+            open.retain(|uav| !members.contains(uav));
+            self.share(model, state, &members)?;
+            self.write(model, state, &members, actions);
+        }
+        Ok(())
+    }
+
+    fn first(&self, model: &Model<'_>, state: &StateRef<'_>) -> Result<View, PlanError> {
+        let known = vec![false; state.hotspot_count()];
+        let hidden = model.config().target_visibility == TargetVisibility::Hidden;
+        let targets = if hidden {
+            Targets::hidden(model)
+        } else {
+            Targets::known(model, &unknown_cells(state, &known))?
+        };
+        // A plan that is kept for all missions holds for the least charges.
+        let situation = if hidden {
+            Situation::at_reset(model)
+        } else {
+            Situation::of(state)
+        };
+        let problem = Problem::new(model, &targets, situation)?;
+        let settings = Settings {
+            iterations: self.first_iterations,
+            ..self.settings
+        };
+        let plan = improve(&problem, starts(&problem), &settings, &mut go_on);
+        let weights = match targets.groups().first() {
+            Some(group) if hidden => group.weights.clone(),
+            _ => Vec::new(),
+        };
+        Ok(View {
+            first_step: state.t(),
+            plan,
+            known,
+            weights,
+        })
+    }
+
+    /// Gives the members of a component one view, planned anew if they know more than it says.
+    fn share(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        members: &[usize],
+    ) -> Result<(), PlanError> {
+        let known: Vec<bool> = (0..state.hotspot_count())
+            .map(|hotspot| state.knows(members[0], hotspot))
+            .collect();
+        let mut newest = self.view_of[members[0]];
+        let mut agreed = true;
+        for &uav in members {
+            let view = self.view_of[uav];
+            agreed &= view == newest;
+            if self.views[view].first_step > self.views[newest].first_step {
+                newest = view;
+            }
+        }
+        if agreed && self.views[newest].known == known {
+            return Ok(());
+        }
+        let view = self.plan(model, state, members, &self.views[newest], known)?;
+        for &uav in members {
+            self.view_of[uav] = self.views.len();
+        }
+        self.views.push(view);
+        Ok(())
+    }
+
+    fn plan(
+        &self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        members: &[usize],
+        shared: &View,
+        known: Vec<bool>,
+    ) -> Result<View, PlanError> {
+        let mut situation = Situation::of(state);
+        for uav in 0..state.uav_count() {
+            if !members.contains(&uav) {
+                situation.cells[uav] = shared.cell(state, uav);
+                situation.charges_uj[uav] = model.energy().capacity_uj;
+            }
+        }
+        let weights = belief(model, state, shared, &known)?;
+        let targets = if weights.is_empty() {
+            Targets::known(model, &unknown_cells(state, &known))?
+        } else {
+            let left = known.iter().filter(|known| !**known).count();
+            Targets::weighted(model, left as u32, &weights)?
+        };
+        let problem = Problem::new(model, &targets, situation)?.only(members);
+        let flown = shared.flown(state);
+        let mut begin = vec![shared.plan.paths.after(flown, problem.steps())];
+        if members.len() == state.uav_count() && weights.is_empty() {
+            begin.extend(starts(&problem));
+        }
+        let settings = if known.iter().all(|known| *known) {
+            // Nothing is left to plan: the members gather.
+            Settings {
+                iterations: 0,
+                ..self.settings
+            }
+        } else {
+            self.settings
+        };
+        Ok(View {
+            first_step: state.t(),
+            plan: improve(&problem, begin, &settings, &mut go_on),
+            known,
+            weights,
+        })
+    }
+
+    fn write(
+        &self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        members: &[usize],
+        actions: &mut [f32],
+    ) {
+        let config = model.config();
+        let view = &self.views[self.view_of[members[0]]];
+        let gathers = view.known.iter().all(|known| *known);
+        let meeting = gathers.then(|| {
+            let cells: Vec<Cell> = (0..state.uav_count())
+                .map(|uav| {
+                    if members.contains(&uav) {
+                        state.cell(uav)
+                    } else {
+                        view.cell(state, uav)
+                    }
+                })
+                .collect();
+            meeting_cell(&cells, config.grid_width, config.grid_height)
+        });
+        let step = view.flown(state) + 1;
+        for &uav in members {
+            let (target, density) = match meeting {
+                Some(cell) => (cell, config.pilot_density_min),
+                None => (
+                    view.plan.cell(uav, step),
+                    view.plan.pilot_density(uav, step),
+                ),
+            };
+            let action = &mut actions[2 * uav..2 * uav + 2];
+            write(model, state.cell(uav), target, density, action);
+        }
+    }
+}
+
+fn go_on(_: crate::anneal::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// The radio component of a UAV, ascending.
+fn component(state: &StateRef<'_>, first: usize) -> Vec<usize> {
+    let mut members = vec![first];
+    let mut met = 0;
+    while met < members.len() {
+        for uav in state.neighbours(members[met]) {
+            if !members.contains(&uav) {
+                members.push(uav);
+            }
+        }
+        met += 1;
+    }
+    members.sort_unstable();
+    members
+}
+
+/// The cells of the hotspots that are not known.
+fn unknown_cells(state: &StateRef<'_>, known: &[bool]) -> Vec<Cell> {
+    let unknown = (0..known.len()).filter(|&hotspot| !known[hotspot]);
+    unknown.map(|hotspot| state.hotspot_cell(hotspot)).collect()
+}
+
+/// Where hidden hotspots may still be, after the looks that a shared plan has taken; empty where
+/// positions are known.
+fn belief(
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    shared: &View,
+    known: &[bool],
+) -> Result<Vec<f64>, PlanError> {
+    let mut weights = shared.weights.clone();
+    if weights.is_empty() {
+        return Ok(weights);
+    }
+    let targets = Targets::weighted(model, 1, &weights)?;
+    let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
+    let missed = missed_after(&problem, &shared.plan.paths, shared.flown(state));
+    for (&site, missed) in problem.odds.sites().iter().zip(missed) {
+        weights[index_of(model, site)] = shared.weights[index_of(model, site)] * missed;
+    }
+    for hotspot in (0..known.len()).filter(|&hotspot| known[hotspot]) {
+        weights[index_of(model, state.hotspot_cell(hotspot))] = 0.0;
+    }
+    Ok(weights)
+}
