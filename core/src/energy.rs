@@ -81,6 +81,19 @@ impl EnergyPlan {
         travel + self.sense_uj + self.comm_uj
     }
 
+    /// What a step asks for of a UAV that flies, senses and has a neighbour: the most at its pilot
+    /// density.
+    #[must_use]
+    pub fn most_asked_at_uj(&self, moved: bool, pilot_density: f64) -> u64 {
+        let did = Activity {
+            flies: u64::MAX,
+            moved: if moved { u64::MAX } else { 0 },
+            sensing: u64::MAX,
+            linked: u64::MAX,
+        };
+        self.asked_uj(did, pilot_density)
+    }
+
     /// What a UAV's step asks for: propulsion, sensing (e_sense · ρ_pilot/ρ_max) and communication
     /// (e_comm · ρ_comm); without a branch.
     #[inline(always)]

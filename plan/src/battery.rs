@@ -1,6 +1,6 @@
 //! Whether a battery lasts for a trajectory.
 
-use jcas_core::energy::{Activity, settle};
+use jcas_core::energy::settle;
 use jcas_core::motion::{destination, nearest, toward};
 use jcas_core::{Cell, Model};
 
@@ -44,18 +44,16 @@ pub(crate) fn after(
     pilot_density: f64,
 ) -> u64 {
     let plan = model.energy();
-    let activity = Activity {
-        grounded: charge_uj == 0,
-        moved: from != to,
-        sensing: true,
-        linked: true,
-    };
     let offered_uj = if model.depots().contains(&to) {
         plan.charge_uj
     } else {
         0
     };
-    let asked_uj = plan.asked_uj(activity, pilot_density);
+    let asked_uj = if charge_uj == 0 {
+        0
+    } else {
+        plan.most_asked_at_uj(from != to, pilot_density)
+    };
     settle(charge_uj, asked_uj, offered_uj, plan.capacity_uj).battery_uj
 }
 
