@@ -37,8 +37,8 @@ impl Ledger {
         Ledger {
             capacity_uj: kwh(c.battery_capacity_kwh),
             return_uj: kwh(c.rtb_threshold_kwh),
-            // Kilowatts times seconds are kilojoules.
-            charge_uj: half_up(c.charge_power_kw * c.step_duration_s * 1e9),
+            // Microwatts times seconds.
+            charge_uj: half_up(c.charge_power_kw * 1e9 * c.step_duration_s),
             move_uj: kwh(c.move_energy_kwh),
             hover_uj: kwh(c.hover_energy_kwh),
             sense_uj: kwh(c.sense_energy_kwh),
@@ -107,8 +107,8 @@ impl Specification {
             e.hover_uj
         };
         if sensing {
-            let share = world.pilot[i] / self.config.pilot_density_max;
-            asked += half_up(e.sense_uj as f64 * share);
+            let per_density = e.sense_uj as f64 / self.config.pilot_density_max;
+            asked += half_up(per_density * world.pilot[i]);
         }
         if world.linked[i].contains(&true) {
             asked += half_up(e.comm_uj as f64 * (1.0 - world.pilot[i]));
