@@ -1477,6 +1477,24 @@ jcas_status jcas_trace_verify(struct jcas_sim *sim,
                               char *message,
                               size_t message_capacity);
 
+/// Flies a trace again to the end of its next step, and compares these lines as jcas_trace_verify does.
+///
+/// `offset`: where the lines begin, in bytes; not NULL. Set it to 0 to begin: that checks the whole file,
+/// resets the simulation and compares the first line. Each call then moves it to the end of the next step,
+/// the last one to `length`. Between calls the simulation may be read. The others as for jcas_trace_verify.
+/// Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_trace_step(struct jcas_sim *sim,
+                            void *memory,
+                            size_t size,
+                            const char *trace,
+                            size_t length,
+                            size_t *offset,
+                            char *message,
+                            size_t message_capacity);
+
 /** @} */
 
 /** @defgroup batch Batches

@@ -78,6 +78,7 @@ typedef jcas_status jcas_sim_record_fn(struct jcas_sim *sim, uint64_t seed, cons
 typedef jcas_status jcas_sim_record_end_fn(struct jcas_sim *sim);
 typedef jcas_status jcas_trace_config_fn(const char *trace, size_t length, struct jcas_config *config, size_t struct_size, char *message, size_t message_capacity);
 typedef jcas_status jcas_trace_verify_fn(struct jcas_sim *sim, void *memory, size_t size, const char *trace, size_t length, char *message, size_t message_capacity);
+typedef jcas_status jcas_trace_step_fn(struct jcas_sim *sim, void *memory, size_t size, const char *trace, size_t length, size_t *offset, char *message, size_t message_capacity);
 typedef jcas_status jcas_batch_new_fn(const struct jcas_model *model, uint32_t environments, uint32_t threads, struct jcas_batch **batch);
 typedef jcas_status jcas_batch_layout_fn(const struct jcas_model *model, const struct jcas_batch_options *options, size_t *size, size_t *alignment);
 typedef jcas_status jcas_batch_init_fn(void *memory, size_t size, const struct jcas_model *model, const struct jcas_batch_options *options, struct jcas_batch **batch);

@@ -7,7 +7,9 @@ use jcas_trace::{Problem, Replay, VerifyError, configuration};
 
 use crate::config::jcas_config;
 use crate::handle::{Open, change, model, open};
-use crate::memory::{Plain, Record, Said, bytes, message, put_layout, read_record, sized_record};
+use crate::memory::{
+    Plain, Record, Said, bytes, message, output, put_layout, read_record, sized_record,
+};
 use crate::model::jcas_model;
 use crate::recording::{Recording, Sink, Workspace};
 use crate::sim::jcas_sim;
@@ -188,19 +190,68 @@ pub unsafe extern "C" fn jcas_trace_verify(
     message: *mut c_char,
     message_capacity: usize,
 ) -> jcas_status {
+    let message = (message, message_capacity);
+    // SAFETY: the caller's promises.
+    unsafe { replay(sim, (memory, size), (trace, length), None, message) }
+}
+
+/// Flies a trace again to the end of its next step, and compares these lines as jcas_trace_verify does.
+///
+/// `offset`: where the lines begin, in bytes; not NULL. Set it to 0 to begin: that checks the whole file,
+/// resets the simulation and compares the first line. Each call then moves it to the end of the next step,
+/// the last one to `length`. Between calls the simulation may be read. The others as for jcas_trace_verify.
+/// Threads: only this one uses `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
+#[must_use]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_trace_step(
+    sim: *mut jcas_sim,
+    memory: *mut c_void,
+    size: usize,
+    trace: *const c_char,
+    length: usize,
+    offset: *mut usize,
+    message: *mut c_char,
+    message_capacity: usize,
+) -> jcas_status {
+    let message = (message, message_capacity);
+    // SAFETY: the caller's promises.
+    unsafe { replay(sim, (memory, size), (trace, length), Some(offset), message) }
+}
+
+/// Flies a trace again: all of it, or a step from an offset on.
+///
+/// # Safety
+/// As [`jcas_trace_step`]; each pair is a pointer and the size of what it points to.
+unsafe fn replay(
+    sim: *mut jcas_sim,
+    memory: (*mut c_void, usize),
+    trace: (*const c_char, usize),
+    offset: Option<*mut usize>,
+    message: (*mut c_char, usize),
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `sim`.
         let sim = unsafe { open(sim.cast()) }?;
         // SAFETY: the caller's promise for `memory`.
-        let workspace = unsafe { Workspace::lent(memory, size, sim.model) }?;
+        let workspace = unsafe { Workspace::lent(memory.0, memory.1, sim.model) }?;
         // SAFETY: the caller's promises for `trace` and `message`.
-        let trace = unsafe { text(trace, length, message, message_capacity) }?;
+        let trace = unsafe { text(trace.0, trace.1, message.0, message.1) }?;
+        // SAFETY: the caller's promise for `offset`.
+        let offset = offset.map(|at| unsafe { output(at, 1, 1) }).transpose()?;
         *sim.recording = None;
         // SAFETY: only this call uses the workspace.
         let workspace = unsafe { workspace.parts() };
-        let verified = Replay::new(sim.model, sim.words, sim.scratch, workspace).verify(trace);
+        let mut replay = Replay::new(sim.model, sim.words, sim.scratch, workspace);
+        let verified = match offset {
+            None => replay.verify(trace),
+            Some(offset) => {
+                let next = replay.verify_step(trace, offset[0]);
+                next.map(|next| offset[0] = next)
+            }
+        };
         // SAFETY: the caller's promise for `message`.
-        verified.map_err(|error| unsafe { say(&error, message, message_capacity) })
+        verified.map_err(|error| unsafe { say(&error, message.0, message.1) })
     })
 }
 

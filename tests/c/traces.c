@@ -144,6 +144,28 @@ static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
 }
 
 /* Flies a trace again in a simulation of its own. */
+/* The same trace step by step: t counts them, and the last state is the one that it leads to at once. */
+static void verify_by_steps(jcas_sim *sim, void *memory, size_t size, const char *trace, size_t length)
+{
+    jcas_episode episode;
+    uint64_t at_once, by_steps;
+    size_t offset = 0;
+    memset(&episode, 0, sizeof episode);
+    episode.struct_size = sizeof episode;
+    OK(jcas_sim_hash(sim, &at_once));
+    OK(jcas_sim_get_episode(sim, &episode));
+    uint32_t last = episode.t;
+    for (uint32_t t = 0; t <= last; t++) {
+        OK(jcas_trace_step(sim, memory, size, trace, length, &offset, NULL, 0));
+        OK(jcas_sim_get_episode(sim, &episode));
+        CHECK(episode.t == t && trace[offset - 1] == '\n' && offset < length);
+    }
+    OK(jcas_trace_step(sim, memory, size, trace, length, &offset, NULL, 0));
+    CHECK(offset == length);
+    OK(jcas_sim_hash(sim, &by_steps));
+    CHECK(at_once == by_steps);
+}
+
 static int32_t verify(const char *trace, size_t length, char *why, size_t room)
 {
     jcas_config config;
@@ -157,6 +179,8 @@ static int32_t verify(const char *trace, size_t length, char *why, size_t room)
     OK(jcas_sim_new(model, &sim));
     void *memory = workspace(model, &size);
     status = jcas_trace_verify(sim, memory, size, trace, length, why, room);
+    if (status == JCAS_OK)
+        verify_by_steps(sim, memory, size, trace, length);
     free(memory);
     OK(jcas_sim_free(sim));
     OK(jcas_model_free(model));
@@ -329,6 +353,20 @@ static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder, cons
     EXPECT(JCAS_ERROR_NULL, jcas_trace_verify(sim, memory, size, NULL, length, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_trace_verify(sim, memory, size - 1, text, length, NULL, 0));
     EXPECT(JCAS_ERROR_HANDLE, jcas_trace_verify(FOREIGN(jcas_sim), memory, size, text, length, NULL, 0));
+    size_t offset = 0;
+    EXPECT(JCAS_ERROR_NULL, jcas_trace_step(NULL, memory, size, text, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_trace_step(sim, NULL, size, text, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_trace_step(sim, memory, size, NULL, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_trace_step(sim, memory, size, text, length, NULL, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH, jcas_trace_step(sim, memory, size - 1, text, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE, jcas_trace_step(FOREIGN(jcas_sim), memory, size, text, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_step(sim, memory, size, text, length - 1, &offset, NULL, 0));
+    CHECK(offset == 0);
+    for (offset = length; offset < length + 2; offset++)
+        EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_step(sim, memory, size, text, length, &offset, NULL, 0));
+    offset = 7;
+    EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_step(sim, memory, size, text, length, &offset, NULL, 0));
+    CHECK(offset == 7);
     OK(jcas_sim_hash(sim, &after));
     CHECK(before == after);
 

@@ -40,18 +40,23 @@ pub(crate) struct Header<'t> {
 /// A place in a trace.
 #[derive(Clone)]
 pub(crate) struct Reader<'t> {
+    /// The lines before the first that is read.
+    before: &'t str,
     /// This line, whole.
     pub(crate) line: &'t str,
     /// What of it is still to be read.
     pub(crate) rest: &'t str,
     /// The lines after it.
     pub(crate) later: &'t str,
+    /// 1 for the first line that is read.
     number: usize,
 }
 
 impl<'t> Reader<'t> {
+    /// At the first line of a trace.
     pub(crate) fn new(trace: &'t str) -> Self {
         let mut reader = Self {
+            before: "",
             line: "",
             rest: "",
             later: trace,
@@ -59,6 +64,20 @@ impl<'t> Reader<'t> {
         };
         reader.next_line();
         reader
+    }
+
+    /// At the line that begins at a byte offset.
+    pub(crate) fn at(trace: &'t str, offset: usize) -> Result<Self, VerifyError<'t>> {
+        match trace.split_at_checked(offset) {
+            Some((before, later)) if !later.is_empty() => {
+                let reader = Self::new(later);
+                Ok(Self { before, ..reader })
+            }
+            _ => Err(VerifyError {
+                line: 0,
+                problem: Problem::Form,
+            }),
+        }
     }
 
     pub(crate) fn next_line(&mut self) {
@@ -71,8 +90,9 @@ impl<'t> Reader<'t> {
     }
 
     pub(crate) fn error(&self, problem: Problem<'t>) -> VerifyError<'t> {
+        let before = self.before.bytes().filter(|&byte| byte == b'\n').count();
         VerifyError {
-            line: self.number,
+            line: before + self.number,
             problem,
         }
     }

@@ -85,19 +85,54 @@ impl<'r> Replay<'r> {
         trace: &'t str,
         lines: &mut impl Lines<'t>,
     ) -> Result<(), VerifyError<'t>> {
-        check_whole(trace)?;
-        let mut reader = Reader::new(trace);
-        let header = reader.header()?;
-        self.begin(&header, lines)
-            .map_err(|problem| reader.error(problem))?;
-        loop {
-            reader.next_line();
-            match self.line(&mut reader, lines) {
-                Ok(true) => {}
-                Ok(false) => return Ok(()),
-                Err(problem) => return Err(reader.error(problem)),
-            }
+        let mut offset = self.advance(trace, 0, lines)?;
+        while offset < trace.len() {
+            offset = self.advance(trace, offset, lines)?;
         }
+        Ok(())
+    }
+
+    /// Verifies the next lines of a trace, to the end of a step; see [`Replay::advance`].
+    ///
+    /// # Errors
+    /// The first line that cannot be flown or differs.
+    pub fn verify_step<'t>(
+        &mut self,
+        trace: &'t str,
+        offset: usize,
+    ) -> Result<usize, VerifyError<'t>> {
+        self.advance(trace, offset, &mut Comparison)
+    }
+
+    /// Flies the next lines of a trace from a byte offset and returns the offset after them: the header
+    /// from 0 on, then all lines to the end of a step, at last the lines after the last step. The state
+    /// must be the one that the lines before have led to.
+    ///
+    /// # Errors
+    /// The first line that cannot be flown, or that `lines` refuses.
+    pub fn advance<'t>(
+        &mut self,
+        trace: &'t str,
+        offset: usize,
+        lines: &mut impl Lines<'t>,
+    ) -> Result<usize, VerifyError<'t>> {
+        if offset == 0 {
+            check_whole(trace)?;
+        }
+        let mut reader = Reader::at(trace, offset)?;
+        let flown = if offset == 0 {
+            let header = reader.header()?;
+            self.begin(&header, lines)
+        } else {
+            loop {
+                match self.line(&mut reader, lines) {
+                    Ok(true) => reader.next_line(),
+                    other => break other.map(|_| ()),
+                }
+            }
+        };
+        flown.map_err(|problem| reader.error(problem))?;
+        Ok(trace.len() - reader.later.len())
     }
 
     fn begin<'t>(
@@ -125,7 +160,7 @@ impl<'r> Replay<'r> {
         lines.flown(header.line, &line)
     }
 
-    /// Flies a line; whether another must follow.
+    /// Flies a line; whether it is a call, which a step or the end must follow.
     fn line<'t>(
         &mut self,
         reader: &mut Reader<'t>,
@@ -133,7 +168,7 @@ impl<'r> Replay<'r> {
     ) -> Result<bool, Problem<'t>> {
         if reader.line.starts_with(STEP) {
             self.flight.step(reader, lines)?;
-            return Ok(true);
+            return Ok(false);
         }
         reader.skip("{\"kind\":\"")?;
         let kind = reader.text()?;

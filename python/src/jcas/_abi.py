@@ -457,6 +457,8 @@ def declare(library: CDLL) -> None:
     library.jcas_trace_config.restype = c_int32
     library.jcas_trace_verify.argtypes = (c_void_p, c_void_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)
     library.jcas_trace_verify.restype = c_int32
+    library.jcas_trace_step.argtypes = (c_void_p, c_void_p, c_size_t, c_char_p, c_size_t, c_void_p, c_char_p, c_size_t)
+    library.jcas_trace_step.restype = c_int32
     library.jcas_batch_new.argtypes = (c_void_p, c_uint32, c_uint32, POINTER(c_void_p))
     library.jcas_batch_new.restype = c_int32
     library.jcas_batch_layout.argtypes = (c_void_p, POINTER(jcas_batch_options), c_void_p, c_void_p)

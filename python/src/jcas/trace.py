@@ -1,7 +1,8 @@
-"""Traces: episodes on file, as `jcas trace record` writes them, flown again and compared bit for bit."""
+"""Traces: episodes on file, as `jcas trace record` writes them, flown again and compared byte by byte."""
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 from collections.abc import Callable
@@ -12,19 +13,16 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import _abi
+from ._library import check, lib
 from .arguments import read_file
 from .config import Config
 from .errors import TraceError
-from .hosted import KINDS, own_between_steps, step_with_host
 from .model import Model
 from .sim import Sim
 
 FORMAT = "jcas-trace"
 FORMAT_VERSIONS = (1, 2)
-
-_FNV_BASIS = 0xCBF29CE484222325
-_FNV_PRIME = 0x100000001B3
-_MASK = 2**64 - 1
 
 TraceLike = Union["Trace", str, "os.PathLike[str]"]
 
@@ -33,11 +31,13 @@ TraceLike = Union["Trace", str, "os.PathLike[str]"]
 class Trace:
     """An episode on file."""
 
+    text: bytes = field(repr=False)
+    """The file as it is, which `replay_trace` flies."""
     header: dict[str, Any]
     steps: list[dict[str, Any]]
     end: dict[str, Any]
-    host: list[list[dict[str, Any]]] = field(default_factory=list)
-    """What a host simulator supplied before each step, and after the last; empty where there was no host."""
+    host: list[list[dict[str, Any]]]
+    """The calls of a host simulator before each step, and after the last."""
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trace:
@@ -52,13 +52,15 @@ class Trace:
         header, *between, end = lines if len(lines) > 1 else (lines[0], {})
         if header.get("format") != FORMAT or header.get("format_version") not in FORMAT_VERSIONS:
             raise TraceError(f"{path}: must be a {FORMAT} of version 1 or 2")
-        steps = [line for line in between if line.get("kind") not in KINDS]
-        if end.get("kind") != "end" or any(step.get("kind") != "step" for step in steps):
+        if end.get("kind") != "end":
             raise TraceError(f"{path}: cut short: it does not close with its end")
-        body = content[: content.rindex(b',"checksum":')]
-        if end["checksum"] != f"0x{_fnv1a(body):016x}":
-            raise TraceError(f"{path}: the checksum does not match the content")
-        return cls(header, steps, end, _by_step(between))
+        steps = [line for line in between if line.get("kind") == "step"]
+        trace = cls(content, header, steps, end, _by_step(between))
+        try:
+            _Replay(trace).advance()
+        except TraceError as error:
+            raise TraceError(f"{path}: {error}") from error
+        return trace
 
     @property
     def config(self) -> Config:
@@ -76,37 +78,56 @@ class Trace:
 
 
 def replay_trace(trace: TraceLike, watch: Callable[[Sim], None] | None = None) -> Sim:
-    """Fly a trace again from its seed and actions, and return the simulation at its end.
+    """Fly a trace again, compare every byte, and return the simulation at its end.
 
     Args:
         trace: a trace or its file.
         watch: called with the simulation after the reset and after every step, to draw it for example.
 
     Raises:
-        TraceError: something does not come out as recorded; the message says when, what, and how.
+        TraceError: a line is not flown as recorded; the message names the line and the field.
 
     """
-    recorded = trace if isinstance(trace, Trace) else Trace.load(trace)
-    model = Model(recorded.config)
-    _compare("the header", "config_hash", recorded.header, f"0x{model.config_hash:016x}")
-    sim = Sim(model, seed=recorded.seed)
-    _compare_moment("reset", sim, recorded.header["initial"])
-    if watch:
-        watch(sim)
-    for index, step in enumerate(recorded.steps):
-        step_with_host(sim, recorded.actions(index), recorded.host[index] if recorded.host else [])
-        moment = f"step {index + 1}"
-        _compare_moment(moment, sim, step)
-        _compare(moment, "reward", step, sim.reward_components())
-        _compare(moment, "pilot_density", step, sim.pilot_densities().tolist())
-        _compare(moment, "throughput", step, sim.mean_throughput)
-        if watch:
+    replay = _Replay(trace if isinstance(trace, Trace) else Trace.load(trace))
+    sim = replay.sim
+    watched = -1
+    while not replay.over():
+        replay.advance()
+        if watch and sim.t > watched:
+            watched = sim.t
             watch(sim)
-    own_between_steps(sim, recorded.host[-1] if recorded.host else [])
-    _compare("the end", "steps", recorded.end, sim.t)
-    _compare("the end", "terminated", recorded.end, sim.terminated)
-    _compare("the end", "truncated", recorded.end, sim.truncated)
     return sim
+
+
+class _Replay:
+    """A trace that the library flies, step by step."""
+
+    def __init__(self, trace: Trace) -> None:
+        self._text = trace.text
+        self._offset = ctypes.c_size_t()
+        self._message = ctypes.create_string_buffer(1024)
+        config = _abi.jcas_config()
+        # Before the model, for a message that names the line.
+        self._check(lib.jcas_trace_config, ctypes.byref(config), ctypes.sizeof(config))
+        self.sim = Sim(Model(trace.config))
+        size, alignment = ctypes.c_size_t(), ctypes.c_size_t()
+        check(lib.jcas_trace_layout(self.sim.model.handle, ctypes.byref(size), ctypes.byref(alignment)))
+        self._memory = np.zeros(size.value // 8, np.uint64)
+
+    def over(self) -> bool:
+        """Whether the last line has been flown."""
+        return self._offset.value == len(self._text)
+
+    def advance(self) -> None:
+        """Fly to the end of the next step: first of all the reset, at last what follows the last step."""
+        memory = (self.sim.handle, self._memory.ctypes.data, self._memory.nbytes)
+        self._check(lambda *rest: lib.jcas_trace_step(*memory, *rest), ctypes.byref(self._offset))
+
+    def _check(self, call: Callable[..., int], *arguments: object) -> None:
+        status = call(self._text, len(self._text), *arguments, self._message, len(self._message))
+        if status:
+            words = self._message.value.decode("utf-8", "replace")
+            raise TraceError(words or lib.jcas_status_string(status).decode(), status)
 
 
 def _by_step(lines: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
@@ -118,24 +139,3 @@ def _by_step(lines: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
         else:
             host[-1].append(line)
     return host
-
-
-def _compare_moment(moment: str, sim: Sim, recorded: dict[str, Any]) -> None:
-    _compare(moment, "positions", recorded, sim.cells().tolist())
-    _compare(moment, "battery_uj", recorded, sim.batteries_uj().tolist())
-    observations = sim.observe().astype("<f4", copy=False)
-    _compare(moment, "observation_hash", recorded, f"0x{_fnv1a(observations.tobytes()):016x}")
-    _compare(moment, "state_hash", recorded, f"0x{sim.state_hash():016x}")
-
-
-def _compare(moment: str, quantity: str, recorded: dict[str, Any], flown: Any) -> None:
-    if recorded.get(quantity) != flown:
-        raise TraceError(f"{moment}: {quantity} is {flown}, recorded was {recorded.get(quantity)}")
-
-
-def _fnv1a(content: bytes) -> int:
-    """Hash bytes as trace files do (FNV-1a, 64 bits)."""
-    value = _FNV_BASIS
-    for byte in content:
-        value = ((value ^ byte) * _FNV_PRIME) & _MASK
-    return value
