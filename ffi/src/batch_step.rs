@@ -6,10 +6,10 @@ use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Metrics, Model, Scratch, observation, reward};
 
 use crate::batch::jcas_batch;
-use crate::batch_block::{Batch, BatchBlock, Sizes};
+use crate::batch_block::{Batch, BatchBlock};
 use crate::handle::{self, Open, see};
 use crate::memory::{
-    Buffer, Plain, Record, Words, input, optional_output, output, place, read_record, text_out,
+    Buffer, Plain, Record, Words, check_apart, input, output, place, read_record, text_out,
 };
 use crate::records::jcas_metrics;
 use crate::sim::jcas_sim;
@@ -161,26 +161,18 @@ unsafe fn reset(
     let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
         let (count, length) = (sizes.count, sizes.observations);
-        Buffer::check_all(&[
-            match mask {
-                Some((at, given)) => Buffer::new("mask", at, given, count),
-                None => Buffer::optional::<u8>("mask", std::ptr::null(), 0, count),
-            },
-            Buffer::new("seeds", seeds.0, seeds.1, count),
-            Buffer::new("observations", observations.0, observations.1, length),
-            Buffer::optional("global", global.0, global.1, sizes.global),
-        ])?;
         let mask = match mask {
-            // SAFETY: the caller's promise for `mask`.
-            Some((at, given)) => unsafe { input(at, given, count) }?,
-            None => &[],
-        };
-        // SAFETY: the caller's promise for `seeds`.
-        let seeds = unsafe { input(seeds.0, seeds.1, count) }?;
-        // SAFETY: the caller's promise for `observations`.
-        let observations = unsafe { output(observations.0, observations.1, length) }?;
-        // SAFETY: the caller's promise for `global`.
-        let global = unsafe { optional_output(global.0, global.1, sizes.global) }?;
+            Some((at, given)) => Buffer::new("mask", at, given, count),
+            None => Buffer::optional("mask", std::ptr::null(), 0, count),
+        }?;
+        let seeds = Buffer::new("seeds", seeds.0, seeds.1, count)?;
+        let observations = Buffer::new("observations", observations.0, observations.1, length)?;
+        let global = Buffer::optional("global", global.0, global.1, sizes.global)?;
+        check_apart(&[mask.span, seeds.span, observations.span, global.span])?;
+        // SAFETY: the caller's promise for each buffer, which lie apart.
+        let (mask, seeds) = unsafe { (mask.read(), seeds.read()) };
+        // SAFETY: as above.
+        let (observations, global) = unsafe { (observations.write(), global.write()) };
         batch.each_mut(|model, m, words, scratch| {
             if mask.get(m) == Some(&0) {
                 return Ok(());
@@ -229,34 +221,69 @@ pub unsafe extern "C" fn jcas_batch_step(
         if !c.final_metrics.is_null() && c.metrics_size != size_of::<jcas_metrics>() {
             return Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE));
         }
-        check_step_buffers(&c, actions, action_count, &sizes)?;
-        // SAFETY: the caller's promise for `actions`.
-        let actions = unsafe { input(actions, action_count, sizes.actions) }?;
-        // SAFETY: the caller's promise for each buffer; none overlaps another.
-        let (buffers, metrics) = unsafe {
-            let buffers = BatchOut {
-                observations: output(c.observations, c.observation_count, sizes.observations)?,
-                global: optional_output(c.global, c.global_count, sizes.global)?,
-                rewards: output(c.rewards, c.reward_count, m)?,
-                components: optional_output(
-                    c.components,
-                    c.component_count,
-                    m * reward::COMPONENTS,
-                )?,
-                terminated: output(c.terminated, c.terminated_count, m)?,
-                truncated: output(c.truncated, c.truncated_count, m)?,
-                final_observations: optional_output(
-                    c.final_observations,
-                    c.final_observation_count,
-                    sizes.observations,
-                )?,
-                final_global: optional_output(c.final_global, c.final_global_count, sizes.global)?,
+        let actions = Buffer::new("actions", actions, action_count, sizes.actions)?;
+        let observations = Buffer::new(
+            "observations",
+            c.observations,
+            c.observation_count,
+            sizes.observations,
+        )?;
+        let rewards = Buffer::new("rewards", c.rewards, c.reward_count, m)?;
+        let terminated = Buffer::new("terminated", c.terminated, c.terminated_count, m)?;
+        let truncated = Buffer::new("truncated", c.truncated, c.truncated_count, m)?;
+        let global = Buffer::optional("global", c.global, c.global_count, sizes.global)?;
+        let components = Buffer::optional(
+            "components",
+            c.components,
+            c.component_count,
+            m * reward::COMPONENTS,
+        )?;
+        let final_observations = Buffer::optional(
+            "final_observations",
+            c.final_observations,
+            c.final_observation_count,
+            sizes.observations,
+        )?;
+        let final_global = Buffer::optional(
+            "final_global",
+            c.final_global,
+            c.final_global_count,
+            sizes.global,
+        )?;
+        let final_metrics =
+            Buffer::optional("final_metrics", c.final_metrics, c.final_metrics_count, m)?;
+        let uav_rewards =
+            Buffer::optional("uav_rewards", c.uav_rewards, c.uav_reward_count, sizes.uavs)?;
+        check_apart(&[
+            actions.span,
+            observations.span,
+            rewards.span,
+            terminated.span,
+            truncated.span,
+            global.span,
+            components.span,
+            final_observations.span,
+            final_global.span,
+            final_metrics.span,
+            uav_rewards.span,
+        ])?;
+        // SAFETY: the caller's promise for each buffer, which lie apart.
+        let (actions, metrics) = unsafe { (actions.read(), final_metrics.write()) };
+        // SAFETY: as above.
+        let buffers = unsafe {
+            BatchOut {
+                observations: observations.write(),
+                global: global.write(),
+                rewards: rewards.write(),
+                components: components.write(),
+                terminated: terminated.write(),
+                truncated: truncated.write(),
+                final_observations: final_observations.write(),
+                final_global: final_global.write(),
                 final_metrics: &mut [],
-                uav_rewards: optional_output(c.uav_rewards, c.uav_reward_count, sizes.uavs)?,
+                uav_rewards: uav_rewards.write(),
                 uav_components: &mut [],
-            };
-            let metrics = optional_output(c.final_metrics, c.final_metrics_count, m)?;
-            (buffers, metrics)
+            }
         };
         let wanted = !metrics.is_empty();
         let keep = |at: usize, ended: &Metrics| metrics[at] = jcas_metrics::of(ended);
@@ -264,45 +291,6 @@ pub unsafe extern "C" fn jcas_batch_step(
     };
     // SAFETY: the caller's promise for `batch`.
     unsafe { change(batch, act) }
-}
-
-/// Every buffer of a step: there, long enough, apart from the others.
-fn check_step_buffers(
-    c: &jcas_batch_out,
-    actions: *const f32,
-    action_count: usize,
-    sizes: &Sizes,
-) -> Result<(), Fault> {
-    let m = sizes.count;
-    let components = m * reward::COMPONENTS;
-    Buffer::check_all(&[
-        Buffer::new("actions", actions, action_count, sizes.actions),
-        Buffer::new(
-            "observations",
-            c.observations,
-            c.observation_count,
-            sizes.observations,
-        ),
-        Buffer::new("rewards", c.rewards, c.reward_count, m),
-        Buffer::new("terminated", c.terminated, c.terminated_count, m),
-        Buffer::new("truncated", c.truncated, c.truncated_count, m),
-        Buffer::optional("global", c.global, c.global_count, sizes.global),
-        Buffer::optional("components", c.components, c.component_count, components),
-        Buffer::optional(
-            "final_observations",
-            c.final_observations,
-            c.final_observation_count,
-            sizes.observations,
-        ),
-        Buffer::optional(
-            "final_global",
-            c.final_global,
-            c.final_global_count,
-            sizes.global,
-        ),
-        Buffer::optional("final_metrics", c.final_metrics, c.final_metrics_count, m),
-        Buffer::optional("uav_rewards", c.uav_rewards, c.uav_reward_count, sizes.uavs),
-    ])
 }
 
 /// Observes environment `m` into its rows.
@@ -341,19 +329,12 @@ pub unsafe extern "C" fn jcas_batch_observe(
 ) -> jcas_status {
     let act = |batch: &mut Batch| {
         let sizes = batch.sizes();
-        Buffer::check_all(&[
-            Buffer::new(
-                "observations",
-                observations,
-                observation_count,
-                sizes.observations,
-            ),
-            Buffer::optional("global", global, global_count, sizes.global),
-        ])?;
-        // SAFETY: the caller's promise for `observations`.
-        let observations = unsafe { output(observations, observation_count, sizes.observations) }?;
-        // SAFETY: the caller's promise for `global`.
-        let global = unsafe { optional_output(global, global_count, sizes.global) }?;
+        let length = sizes.observations;
+        let observations = Buffer::new("observations", observations, observation_count, length)?;
+        let global = Buffer::optional("global", global, global_count, sizes.global)?;
+        check_apart(&[observations.span, global.span])?;
+        // SAFETY: the caller's promise for both buffers, which lie apart.
+        let (observations, global) = unsafe { (observations.write(), global.write()) };
         batch.each_mut(|model, m, words, scratch| {
             observe(model, m, words, scratch, observations, global)
         })

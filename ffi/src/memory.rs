@@ -61,62 +61,88 @@ fn check_count(what: &'static str, got: usize, expected: usize) -> Result<(), Fa
     }))
 }
 
-/// A buffer of a call that takes several, before any is touched.
-pub(crate) struct Buffer {
+/// Where a buffer lies.
+#[derive(Clone, Copy)]
+pub(crate) struct Span {
     name: &'static str,
-    checked: Result<(), Fault>,
     begin: usize,
     end: usize,
 }
 
-impl Buffer {
-    /// A buffer that must be there.
-    pub(crate) fn new<T>(
-        name: &'static str,
-        pointer: *const T,
-        count: usize,
-        expected: usize,
-    ) -> Self {
-        let begin = pointer.addr();
-        Self {
-            name,
-            checked: check(pointer).and_then(|()| check_count(name, count, expected)),
-            begin,
-            end: begin.saturating_add(count.saturating_mul(size_of::<T>())),
-        }
-    }
-
-    /// A buffer that may be left out: null with a count of 0.
-    pub(crate) fn optional<T>(
-        name: &'static str,
-        pointer: *const T,
-        count: usize,
-        expected: usize,
-    ) -> Self {
-        let buffer = Self::new(name, pointer, count, expected);
-        if pointer.is_null() && count == 0 {
-            return Self {
-                checked: Ok(()),
-                end: buffer.begin,
-                ..buffer
-            };
-        }
-        buffer
-    }
-
-    /// Each buffer for itself, then whether any two overlap.
-    pub(crate) fn check_all(buffers: &[Self]) -> Result<(), Fault> {
-        for buffer in buffers {
-            buffer.checked?;
-        }
-        for (index, a) in buffers.iter().enumerate() {
-            for b in &buffers[..index] {
-                if a.begin < b.end && b.begin < a.end {
-                    return Err(Fault::Overlap(a.name, b.name));
-                }
+/// Whether any two buffers of a call overlap.
+pub(crate) fn check_apart(spans: &[Span]) -> Result<(), Fault> {
+    for (index, a) in spans.iter().enumerate() {
+        for b in &spans[..index] {
+            if a.begin < b.end && b.begin < a.end {
+                return Err(Fault::Overlap(a.name, b.name));
             }
         }
-        Ok(())
+    }
+    Ok(())
+}
+
+/// A caller's buffer, checked for itself. It becomes a slice once all buffers of the call have been checked.
+pub(crate) struct Buffer<T> {
+    pointer: *mut T,
+    count: usize,
+    pub(crate) span: Span,
+}
+
+impl<T: Plain> Buffer<T> {
+    /// A buffer that must be there, with exactly `expected` elements.
+    pub(crate) fn new(
+        name: &'static str,
+        pointer: *const T,
+        count: usize,
+        expected: usize,
+    ) -> Result<Self, Fault> {
+        check(pointer)?;
+        check_count(name, count, expected)?;
+        let begin = pointer.addr();
+        let end = begin.saturating_add(count.saturating_mul(size_of::<T>()));
+        Ok(Self {
+            pointer: pointer.cast_mut(),
+            count,
+            span: Span { name, begin, end },
+        })
+    }
+
+    /// As [`Buffer::new`], for a buffer that may be left out: null with a count of 0.
+    pub(crate) fn optional(
+        name: &'static str,
+        pointer: *const T,
+        count: usize,
+        expected: usize,
+    ) -> Result<Self, Fault> {
+        if pointer.is_null() && count == 0 {
+            let (begin, end) = (0, 0);
+            return Ok(Self {
+                pointer: std::ptr::dangling_mut(),
+                count,
+                span: Span { name, begin, end },
+            });
+        }
+        Self::new(name, pointer, count, expected)
+    }
+
+    /// The elements, to read.
+    ///
+    /// # Safety
+    /// The pointer was invalid only by being null or misaligned. Otherwise the elements can be read, and stay as
+    /// they are for as long as the slice lives.
+    pub(crate) unsafe fn read<'a>(&self) -> &'a [T] {
+        // SAFETY: not null, aligned, and readable by the caller's promise. The count comes from a validated model, so
+        // that the bytes fit an isize.
+        unsafe { slice::from_raw_parts(self.pointer, self.count) }
+    }
+
+    /// The elements, to write.
+    ///
+    /// # Safety
+    /// As [`Buffer::read`]; the elements can be written, and [`check_apart`] has seen every buffer of the call.
+    pub(crate) unsafe fn write<'a>(&self) -> &'a mut [T] {
+        // SAFETY: as in `read`; no other buffer of the call has these elements.
+        unsafe { slice::from_raw_parts_mut(self.pointer, self.count) }
     }
 }
 
@@ -150,22 +176,6 @@ pub(crate) unsafe fn output<'a, T: Plain>(
     check_count("a buffer", count, expected)?;
     // SAFETY: as in `input`; exclusive by the caller's promise.
     Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
-}
-
-/// As [`output`], for a buffer that may be left out: null with a count of 0.
-///
-/// # Safety
-/// As [`output`].
-pub(crate) unsafe fn optional_output<'a, T: Plain>(
-    pointer: *mut T,
-    count: usize,
-    expected: usize,
-) -> Result<&'a mut [T], Fault> {
-    if pointer.is_null() && count == 0 {
-        return Ok(&mut []);
-    }
-    // SAFETY: passed on.
-    unsafe { output(pointer, count, expected) }
 }
 
 /// A caller's bytes of any length and alignment.
