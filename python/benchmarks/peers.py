@@ -1,4 +1,4 @@
-"""Steps of jcas beside those of other libraries, in one run, by processor time: the table of docs/performance.md.
+"""Steps of jcas beside those of other libraries, in one run, by processor time: the table of README.md.
 
     python3 python/benchmarks/peers.py
 
