@@ -1,6 +1,7 @@
 //! A configuration put together from a preset, a file and single fields.
 //!
-//! Each source replaces only what it names; the rules between fields are checked when all are known.
+//! Each source replaces only what it names; the rules between fields are checked when all are
+//! known.
 
 use std::path::Path;
 
@@ -49,7 +50,8 @@ impl ConfigSource {
         Self { config: *config }
     }
 
-    /// The fields that differ from another's, in the order of their declaration, each with words that say how.
+    /// The fields that differ from another's, in the order of their declaration, each with words
+    /// that say how.
     pub fn changes_from(&self, other: &Self) -> Vec<(&'static str, String)> {
         let shown = |value: &FieldValue| match value.is_derived() {
             true => "derived".to_owned(),

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::error::CliError;
 
-/// Writes a file under a temporary name in its folder and renames it, so that a reader, a crash or a
-/// full disk never meets half a file.
+/// Writes a file under a temporary name in its folder and renames it, so that a reader, a crash or
+/// a full disk never meets half a file.
 pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<T, CliError>,
@@ -37,7 +37,8 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     write_atomically(path, |out| out.write_all(bytes).map_err(CliError::io(path)))
 }
 
-/// Creates a folder with its parents and makes sure that it can be written to, before hours of work.
+/// Creates a folder with its parents and makes sure that it can be written to, before hours of
+/// work.
 pub fn prepare_folder(path: &Path) -> Result<(), CliError> {
     fs::create_dir_all(path).map_err(CliError::io(path))?;
     tempfile::tempfile_in(path).map_err(CliError::io(path))?;

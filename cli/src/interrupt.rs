@@ -1,4 +1,5 @@
-//! Ctrl-C: the first asks the command to stop where its results are whole, the second ends the process.
+//! Ctrl-C: the first asks the command to stop where its results are whole, the second ends the
+//! process.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -48,8 +48,8 @@ pub fn say_changes(policy: &str, changes: &[(&str, String)]) {
     }
 }
 
-/// Makes a trained policy for each worker; `mode` absent: as its card says. Its pilot density is its own where it may
-/// adapt, otherwise held.
+/// Makes a trained policy for each worker; `mode` absent: as its card says. Its pilot density is
+/// its own where it may adapt, otherwise held.
 pub fn factory(
     folder: &Path,
     pilot: &str,

@@ -14,8 +14,8 @@ use crate::learned::{self, PolicyFactory};
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
 pub struct ConfigOptions {
-    /// Values to start from, where the file names no preset of its own [default: what a trained policy's card says,
-    /// or mission]
+    /// Values to start from, where the file names no preset of its own [default: what a trained
+    /// policy's card says, or mission]
     #[arg(long, value_enum, help_heading = "Configuration")]
     pub preset: Option<PresetName>,
     /// TOML or JSON file whose fields replace those of the preset
@@ -69,8 +69,8 @@ impl MissionOptions {
         self.over(self.config.source()?)
     }
 
-    /// The configuration for a policy. What a trained one was trained on holds, unless the options say otherwise;
-    /// what they change is said on standard error.
+    /// The configuration for a policy. What a trained one was trained on holds, unless the options
+    /// say otherwise; what they change is said on standard error.
     pub fn load_for(&self, policy: &str) -> Result<Config, CliError> {
         if !learned::is_policy(policy) {
             return self.load();
@@ -96,11 +96,12 @@ impl MissionOptions {
 /// Who flies.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, or the folder of a trained policy
+    /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, or the folder
+    /// of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed hotspot, min
-    /// elsewhere; of a trained policy, its own)
+    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed
+    /// hotspot, min elsewhere; of a trained policy, its own)
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }

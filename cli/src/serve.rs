@@ -59,7 +59,8 @@ fn respond(input: &mut impl BufRead, port: u16) -> io::Result<Vec<u8>> {
             b"not a request\n",
         ));
     };
-    // A page from elsewhere that has this machine's address in its name server must not reach the kernel.
+    // A page from elsewhere that has this machine's address in its name server must not reach the
+    // kernel.
     if ![format!("127.0.0.1:{port}"), format!("localhost:{port}")].contains(&head.host) {
         return Ok(response(
             "403 Forbidden",

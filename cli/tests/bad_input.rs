@@ -1,4 +1,5 @@
-//! Whatever is wrong is named, with its value and what is allowed, and the exit code tells its kind.
+//! Whatever is wrong is named, with its value and what is allowed, and the exit code tells its
+//! kind.
 
 mod support;
 

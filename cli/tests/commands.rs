@@ -129,8 +129,8 @@ fn a_sweep_goes_on_where_it_was_stopped() {
     let whole = fs::read_to_string(&table).unwrap();
     assert_eq!(whole.lines().count(), 1 + 4);
 
-    // As Ctrl-C leaves it: some cells are there, others are not. A value that no flight gives shows that
-    // the rows on file are kept and not flown again.
+    // As Ctrl-C leaves it: some cells are there, others are not. A value that no flight gives shows
+    // that the rows on file are kept and not flown again.
     let lines: Vec<&str> = whole.lines().collect();
     let success = lines[0]
         .split(',')
@@ -294,7 +294,8 @@ fn every_command_has_help_with_examples_or_commands() {
     assert!(succeed(folder.path(), &["--help"]).contains("Exit codes:"));
 }
 
-/// Ctrl-C: the finished cells are on file, the message says how to go on, the exit code is a shell's.
+/// Ctrl-C: the finished cells are on file, the message says how to go on, the exit code is a
+/// shell's.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_keeps_its_finished_cells() {

@@ -1,4 +1,5 @@
-//! Trained policies on disk: a folder with weights (`policy.safetensors`) and a card (`policy.json`).
+//! Trained policies on disk: a folder with weights (`policy.safetensors`) and a card
+//! (`policy.json`).
 
 use core::fmt;
 use std::path::{Path, PathBuf};

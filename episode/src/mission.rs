@@ -89,7 +89,8 @@ pub fn fly_episode(
     Ok(sim.state().metrics())
 }
 
-/// Flies every episode of a campaign, on all cores of the current rayon pool if there is the feature
+/// Flies every episode of a campaign, on all cores of the current rayon pool if there is the
+/// feature
 /// `parallel`. Episode k's metrics are at index k, whatever the number of threads.
 ///
 /// `make_policy` makes one policy for each worker. `progress` is called once for every finished episode,
@@ -121,7 +122,8 @@ pub fn fly(
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        // A policy may plan for long before its first mission: a few parts for each thread, each with one.
+        // A policy may plan for long before its first mission: a few parts for each thread, each
+        // with one.
         let parts = 4 * rayon::current_num_threads();
         (0..campaign.episodes as usize)
             .into_par_iter()

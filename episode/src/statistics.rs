@@ -26,8 +26,9 @@ pub struct Estimate {
 
 /// The Wilson score interval of a proportion.
 ///
-/// E. B. Wilson, "Probable inference, the law of succession, and statistical inference", JASA 22, 1927.
-/// Unlike the textbook interval it stays within 0 to 1 and does not vanish where all or none succeed.
+/// E. B. Wilson, "Probable inference, the law of succession, and statistical inference", JASA 22,
+/// 1927. Unlike the textbook interval it stays within 0 to 1 and does not vanish where all or none
+/// succeed.
 #[must_use]
 pub fn wilson(successes: u64, trials: u64) -> Estimate {
     if trials == 0 {
@@ -98,8 +99,8 @@ pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
 
 /// What a set of missions says.
 ///
-/// Serialises flat: each quantity under its name in [`Summary::quantities`], its interval's ends under
-/// that name with `_low` and `_high`.
+/// Serialises flat: each quantity under its name in [`Summary::quantities`], its interval's ends
+/// under that name with `_low` and `_high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Missions flown.

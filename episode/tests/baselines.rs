@@ -21,8 +21,8 @@ fn fly(config: Config, kind: BaselineKind, pilot: PilotMode, episodes: u64) -> S
     Summary::of(&missions, config.horizon_steps)
 }
 
-/// A prototype of the model, which left the range resolution's penalty out, confirmed everything in this
-/// share of 300 missions with `swarm` at the highest pilot density.
+/// A prototype of the model, which left the range resolution's penalty out, confirmed everything in
+/// this share of 300 missions with `swarm` at the highest pilot density.
 #[test]
 fn swarm_succeeds_as_often_as_the_prototype_did() {
     for (uav_count, hotspot_count, expected) in [
@@ -200,7 +200,8 @@ fn a_sweep_passes_over_every_cell_where_detection_reaches_no_further() {
         uav_count: 5,
         hotspot_count: 3,
         horizon_steps: 200,
-        // Certain in the own cell, impossible elsewhere; confirmation needs more UAVs than there are.
+        // Certain in the own cell, impossible elsewhere; confirmation needs more UAVs than there
+        // are.
         radar_cross_section_dbsm: 11.0,
         logistic_slope_per_db: 10.0,
         quorum: 6,

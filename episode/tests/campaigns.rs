@@ -1,5 +1,5 @@
-//! Campaigns: the same results on any number of threads, errors that say which episode, traces that read
-//! back as they were written.
+//! Campaigns: the same results on any number of threads, errors that say which episode, traces that
+//! read back as they were written.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -154,8 +154,8 @@ impl Canvas {
         }
     }
 
-    /// Draws everything with `scale` device pixels to a CSS pixel. `sink` moves text down by a share of its
-    /// size: backends differ in what they take for the middle of a line.
+    /// Draws everything with `scale` device pixels to a CSS pixel. `sink` moves text down by a
+    /// share of its size: backends differ in what they take for the middle of a line.
     pub(super) fn render<DB: DrawingBackend>(
         &self,
         area: &DrawingArea<DB, Shift>,
@@ -236,7 +236,8 @@ fn rgba(Colour(red, green, blue, opacity): Colour) -> RGBAColor {
     RGBAColor(red, green, blue, opacity)
 }
 
-/// Cuts a polyline into the strokes of a dash pattern (on, off, on, off, …); an empty pattern leaves it whole.
+/// Cuts a polyline into the strokes of a dash pattern (on, off, on, off, …); an empty pattern
+/// leaves it whole.
 fn dashes(points: &[Place], pattern: &[f64]) -> Vec<Vec<Place>> {
     if pattern.is_empty() {
         return vec![points.to_vec()];

@@ -1,5 +1,5 @@
-//! The legend, to the right of the data. Where every series is a line, each name stands beside the line's
-//! end; else the names are a list.
+//! The legend, to the right of the data. Where every series is a line, each name stands beside the
+//! line's end; else the names are a list.
 
 use super::canvas::{Align, Canvas};
 use super::font::{text_width, wrap};

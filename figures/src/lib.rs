@@ -5,8 +5,8 @@
 //! - [`HeatTable`]: a table of numbers with a colour for each;
 //! - [`report`]: one HTML page of text, figures and tables.
 //!
-//! Colours are told apart by people with any colour vision, and each series has its own marker and dash as
-//! well, so that print without colour can be read too.
+//! Colours are told apart by people with any colour vision, and each series has its own marker and
+//! dash as well, so that print without colour can be read too.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,5 @@
-//! Writes figures to files: first under a temporary name, so that no half-written figure is ever found.
+//! Writes figures to files: first under a temporary name, so that no half-written figure is ever
+//! found.
 
 use std::fmt;
 use std::fs;
@@ -196,7 +197,8 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FigureError> {
     let temporary = path.with_file_name(name);
     let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     written.map_err(|source| {
-        // What could not be renamed is of no use; that it cannot be removed either would hide the reason.
+        // What could not be renamed is of no use; that it cannot be removed either would hide the
+        // reason.
         let _ = fs::remove_file(&temporary);
         FigureError::Write {
             path: path.to_owned(),

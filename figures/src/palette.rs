@@ -1,4 +1,5 @@
-//! What tells series apart: colour (after Okabe and Ito, darkened where white paper asks for it), marker and dash.
+//! What tells series apart: colour (after Okabe and Ito, darkened where white paper asks for it),
+//! marker and dash.
 
 /// Red, green, blue, opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +59,8 @@ const MARKERS: [Marker; 8] = [
     Marker::Plus,
 ];
 
-/// Colour, marker and dash of the series at a place in the palette. Markers shift by one on each round
-/// through the colours, so that the first 64 places all differ.
+/// Colour, marker and dash of the series at a place in the palette. Markers shift by one on each
+/// round through the colours, so that the first 64 places all differ.
 pub(super) fn look(index: usize) -> (Colour, Marker, &'static [f64]) {
     let round = index / COLOURS.len();
     (

@@ -17,7 +17,8 @@ pub struct Panels {
     pub note: String,
     /// How many stand in a row.
     pub columns: usize,
-    /// The panels, row by row; the title of each stands above it. Series of the same name look the same.
+    /// The panels, row by row; the title of each stands above it. Series of the same name look the
+    /// same.
     pub figures: Vec<Figure>,
 }
 

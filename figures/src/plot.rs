@@ -7,7 +7,8 @@ use super::scale::{Extent, Scale, number};
 use super::style::{CAPTION, LABEL, NOTE};
 use super::{Axis, Figure, Interval, Mark, Point, Series};
 
-/// Series over the same x are shifted sideways by this share of the width, so that no whisker hides another.
+/// Series over the same x are shifted sideways by this share of the width, so that no whisker hides
+/// another.
 const DODGE: f64 = 0.006;
 
 /// The most values that an axis labels one by one.
@@ -60,8 +61,8 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// Fits axes and their labels into a part of the page. A given extent replaces that of the data, so
-    /// that several plots can share one axis.
+    /// Fits axes and their labels into a part of the page. A given extent replaces that of the
+    /// data, so that several plots can share one axis.
     pub(super) fn new(figure: &Figure, page: Rect, y_extent: Option<&Extent>) -> Self {
         let own = Extent::of(figure.y_values());
         let y_extent = y_extent.unwrap_or(&own);

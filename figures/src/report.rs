@@ -84,8 +84,8 @@ impl Report {
         self
     }
 
-    /// Adds paragraphs, parted by empty lines. `code` between backticks is set as code, `**words**` are
-    /// set in bold; everything else is plain text.
+    /// Adds paragraphs, parted by empty lines. `code` between backticks is set as code, `**words**`
+    /// are set in bold; everything else is plain text.
     pub fn text(&mut self, text: &str) -> &mut Self {
         for paragraph in text
             .split("\n\n")

@@ -28,7 +28,8 @@ pub(super) const LABEL: Type = Type {
 /// Between the edge of the figure and what is in it.
 pub(super) const MARGIN: f64 = 22.0;
 
-/// How much of the width a title or note may take: an SVG's viewer that lacks the font takes a wider one.
+/// How much of the width a title or note may take: an SVG's viewer that lacks the font takes a
+/// wider one.
 const SPARE: f64 = 0.86;
 
 /// Title and note; gives the height at which they end.

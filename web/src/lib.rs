@@ -1,11 +1,13 @@
 //! The playground: a page on which a person changes a mission while it flies.
 //!
-//! A mission is a pure function of what was asked: configuration, policy, seed, and the deeds of the person
-//! (a hotspot dragged, a UAV grounded or steered, each at a step). After every change the whole mission is flown
-//! again, which takes milliseconds, and the page plays it as it plays any recorded episode. So the address of
-//! the page can hold the question, and whoever opens it sees the same mission, bit for bit.
+//! A mission is a pure function of what was asked: configuration, policy, seed, and the deeds of
+//! the person (a hotspot dragged, a UAV grounded or steered, each at a step). After every change
+//! the whole mission is flown again, which takes milliseconds, and the page plays it as it plays
+//! any recorded episode. So the address of the page can hold the question, and whoever opens it
+//! sees the same mission, bit for bit.
 //!
-//! [`answer`] is the one door, text in and text out. In a browser it is WebAssembly (`wasm.rs`); behind
+//! [`answer`] is the one door, text in and text out. In a browser it is WebAssembly (`wasm.rs`);
+//! behind
 //! `jcas play` the same function answers over the loopback interface.
 
 pub mod about;

@@ -67,8 +67,8 @@ enum Deed {
 type Recorder<'m, 't> = EpisodeRecorder<'m, &'t mut Vec<u8>>;
 
 impl Mission {
-    /// Flies it: the episode as the replay page reads it, the chances of detection over distance, and the
-    /// hash of the last state.
+    /// Flies it: the episode as the replay page reads it, the chances of detection over distance,
+    /// and the hash of the last state.
     ///
     /// # Errors
     /// A sentence that names the field, the value and what is allowed.
@@ -233,8 +233,8 @@ fn check_size(config: &Config) -> Result<(), String> {
     Ok(())
 }
 
-/// For each distance in cells along a row: the chance that one UAV detects, at the least and at the greatest
-/// pilot density, and that as many as the quorum do in the same step, all of them there.
+/// For each distance in cells along a row: the chance that one UAV detects, at the least and at the
+/// greatest pilot density, and that as many as the quorum do in the same step, all of them there.
 fn radar(model: &Model<'_>) -> Value {
     let config = model.config();
     let quorum = f64::from(config.quorum);

@@ -1,4 +1,5 @@
-//! The playground's page: the player of recorded episodes, with controls, and a kernel inside or behind it.
+//! The playground's page: the player of recorded episodes, with controls, and a kernel inside or
+//! behind it.
 
 use jcas_episode::replay::{Parts, assemble};
 

@@ -1,4 +1,5 @@
-//! What the page calls in WebAssembly: it writes a question into memory that it is given, and reads the answer.
+//! What the page calls in WebAssembly: it writes a question into memory that it is given, and reads
+//! the answer.
 
 use std::sync::{Mutex, PoisonError};
 

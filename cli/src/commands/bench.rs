@@ -28,12 +28,13 @@ const PHASES: [&str; 5] = ["begin", "sense", "communicate", "end", "observe"];
 
 /// Measure environment steps and agent steps a second on one core
 ///
-/// Every step takes uniformly random actions and writes all observations and the reward; ended episodes
-/// begin anew within the time measured. The time is cut into tenths; the rate is that of the fastest, which
-/// other programs on the machine disturbed least, beside that of the whole. It comes from a run without clocks inside; a second run
-/// with a clock around each phase of the step divides that time up (begin: actions, return to base,
-/// move; sense: radar draws, quorum, learning; communicate: graph, throughput, consensus; end: energy,
-/// carbon, reward; observe: observations).
+/// Every step takes uniformly random actions and writes all observations and the reward; ended
+/// episodes begin anew within the time measured. The time is cut into tenths; the rate is that of
+/// the fastest, which other programs on the machine disturbed least, beside that of the whole. It
+/// comes from a run without clocks inside; a second run with a clock around each phase of the step
+/// divides that time up (begin: actions, return to base, move; sense: radar draws, quorum,
+/// learning; communicate: graph, throughput, consensus; end: energy, carbon, reward; observe:
+/// observations).
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Bench {

@@ -34,15 +34,17 @@ pub enum ModeName {
 
 /// Evaluate a trained policy or a baseline on the published seeds
 ///
-/// The missions are those of `jcas simulate` with the same seed, whose report this prints. A trained policy
-/// flies the configuration on its card; the options change single fields of it, or with --preset or --config
-/// all of them, and what they change is said on standard error. One whose dimensions do not fit is refused.
+/// The missions are those of `jcas simulate` with the same seed, whose report this prints. A
+/// trained policy flies the configuration on its card; the options change single fields of it, or
+/// with --preset or --config all of them, and what they change is said on standard error. One whose
+/// dimensions do not fit is refused.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Evaluate {
     /// Folder of a trained policy, or a baseline's name
     policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive, which of a trained policy is its own
+    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive, which of a trained policy
+    /// is its own
     #[arg(long, value_name = "MODE", default_value = crate::options::DEFAULT_PILOT)]
     pilot: String,
     /// How a learned policy acts

@@ -14,8 +14,9 @@ Examples:
 
 /// Fly missions in the browser and change them while they fly
 ///
-/// Serves one page on the loopback interface, where only programs of this machine reach it, until Ctrl-C.
-/// The address of the page holds the whole mission: who opens it sees the same one, bit for bit.
+/// Serves one page on the loopback interface, where only programs of this machine reach it, until
+/// Ctrl-C. The address of the page holds the whole mission: who opens it sees the same one, bit for
+/// bit.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Play {

@@ -34,8 +34,9 @@ command goes on with the others.";
 /// Fly every combination of the listed values; write a table, figures and a replay page
 ///
 /// Without options: the paper's grid of fleets and hotspots with the best baseline. Writes into the
-/// folder of --out: results.csv (every quantity with its 95 % interval), figures of success, mission
-/// time, energy and throughput as SVG and PNG, and replay.html, which plays one of the missions.
+/// folder of --out: results.csv (every quantity with its 95 % interval), figures of success,
+/// mission time, energy and throughput as SVG and PNG, and replay.html, which plays one of the
+/// missions.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Sweep {
@@ -47,8 +48,8 @@ pub struct Sweep {
     /// Numbers of hotspots
     #[arg(long, value_name = "n,n", value_delimiter = ',', default_values_t = [3, 5, 7, 9, 11], help_heading = "Lists")]
     hotspots: Vec<u32>,
-    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. By default teams, or, where hotspots
-    /// are hidden, all that search
+    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. By
+    /// default teams, or, where hotspots are hidden, all that search
     #[arg(
         long,
         value_name = "POLICY,POLICY",
@@ -56,7 +57,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     policy: Vec<String>,
-    /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive, which of a trained policy is its own
+    /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive, which of a trained policy
+    /// is its own
     #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
     pilot: Vec<String>,
     /// Values of any field; may be repeated

@@ -1,4 +1,5 @@
-//! What the page gets of a trace. Every index is checked here, so that the page's code can trust it.
+//! What the page gets of a trace. Every index is checked here, so that the page's code can trust
+//! it.
 
 use std::borrow::Cow;
 

@@ -1,6 +1,7 @@
 //! One self-contained HTML page that plays an episode from its trace.
 //!
-//! The page is a hand-written template with its style, its code and the episode inside: it loads nothing.
+//! The page is a hand-written template with its style, its code and the episode inside: it loads
+//! nothing.
 
 mod episode;
 
@@ -46,7 +47,8 @@ pub fn page_of(trace: &Trace) -> Result<String, TraceError> {
 pub struct Parts<'a> {
     /// What the browser's tab shows.
     pub title: &'a str,
-    /// Sources that the page may use beside its own style and pictures, as a Content-Security-Policy.
+    /// Sources that the page may use beside its own style and pictures, as a
+    /// Content-Security-Policy.
     pub sources: &'a str,
     /// Rules added to the style sheet.
     pub style: &'a str,
@@ -122,7 +124,8 @@ fn escape_html(text: &str) -> String {
         .replace('>', "&gt;")
 }
 
-/// JSON stays the same JSON, but holds no `<` that could end the script element or open a comment in it.
+/// JSON stays the same JSON, but holds no `<` that could end the script element or open a comment
+/// in it.
 fn escape_script_data(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

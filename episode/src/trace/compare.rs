@@ -8,8 +8,8 @@ use serde_json::Value;
 use super::format::Trace;
 use super::host::Host;
 
-/// Fields of a header in the order in which they are compared. `core_version` is not among them: that
-/// two versions agree is what a trace is for.
+/// Fields of a header in the order in which they are compared. `core_version` is not among them:
+/// that two versions agree is what a trace is for.
 const HEADER_FIELDS: [&str; 8] = [
     "config",
     "config_hash",

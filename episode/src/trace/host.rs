@@ -1,5 +1,5 @@
-//! What a host simulator supplied: each of its calls is a line of its own, before the line of the step that it is
-//! part of, in the order in which it was made.
+//! What a host simulator supplied: each of its calls is a line of its own, before the line of the
+//! step that it is part of, in the order in which it was made.
 
 use jcas_core::Cell;
 use serde::{Deserialize, Serialize};

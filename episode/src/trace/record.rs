@@ -36,8 +36,8 @@ pub fn record(
     episode.end()
 }
 
-/// Flies a trace again from its configuration, seed, actions and calls. Returns the first difference
-/// between the file and this build; `None` where every bit is the same.
+/// Flies a trace again from its configuration, seed, actions and calls. Returns the first
+/// difference between the file and this build; `None` where every bit is the same.
 ///
 /// # Errors
 /// Where the kernel refuses the configuration, an action or a call.
@@ -94,8 +94,8 @@ pub struct EpisodeRecorder<'m, W: Write> {
 }
 
 impl<'m, W: Write> EpisodeRecorder<'m, W> {
-    /// Begins the episode of `seed` and writes the header with the names of the policy and of its pilot
-    /// density.
+    /// Begins the episode of `seed` and writes the header with the names of the policy and of its
+    /// pilot density.
     ///
     /// # Errors
     /// Where writing fails.

@@ -1,5 +1,5 @@
-//! What the paper claims, and what the table of results says about it. A claim is data: its words, what is
-//! measured, and the rule that judges the measurement. To add one, add a row to [`CLAIMS`].
+//! What the paper claims, and what the table of results says about it. A claim is data: its words,
+//! what is measured, and the rule that judges the measurement. To add one, add a row to [`CLAIMS`].
 
 use crate::curves::Curve;
 use crate::fit;
@@ -26,12 +26,13 @@ pub enum Measure {
     At(Quantity, u32),
     /// A quantity at every fleet size.
     OverFleets(Quantity),
-    /// Success with adaptive less that with constant pilot density, in points of 100, at one fleet size.
+    /// Success with adaptive less that with constant pilot density, in points of 100, at one fleet
+    /// size.
     PilotGap(u32),
     /// A quantity with adaptive and with constant pilot density, at one fleet size.
     Pilots(Quantity, u32),
-    /// Share of the trainings of at least sixty iterations whose return changes by at most a tenth of its whole
-    /// gain after the fortieth.
+    /// Share of the trainings of at least sixty iterations whose return changes by at most a tenth
+    /// of its whole gain after the fortieth.
     FlatTrainings,
     /// Seconds that the paper's number of iterations takes at one fleet size, mean over trainings.
     TrainingTime(u32),
@@ -357,7 +358,8 @@ impl Evidence<'_> {
             .collect()
     }
 
-    /// The values, and over which numbers of hotspots they are means where that is not the whole grid.
+    /// The values, and over which numbers of hotspots they are means where that is not the whole
+    /// grid.
     fn words(&self, measure: Measure, values: &[Option<f64>]) -> String {
         if values.iter().all(Option::is_none) {
             return "not run".to_owned();
@@ -472,7 +474,8 @@ mod tests {
         assert_eq!(verdict(Rule::AtLeast(0.0), &[None], &fleets), NotMeasured);
     }
 
-    /// A full reproduction asks everything of the paper's training; a quick one what its short trainings answer.
+    /// A full reproduction asks everything of the paper's training; a quick one what its short
+    /// trainings answer.
     #[test]
     fn claims_are_asked_of_what_is_trained() {
         let told = |scope: &Scope| -> Vec<(&'static str, usize)> {

@@ -1,5 +1,5 @@
-//! How the trainings with the paper's settings went: a table of its own beside that of the results, so that pages are
-//! made from tables alone.
+//! How the trainings with the paper's settings went: a table of its own beside that of the results,
+//! so that pages are made from tables alone.
 
 use crate::campaign::pilot_name;
 use crate::flights::{POLICIES, paper_name};
@@ -74,8 +74,8 @@ struct Metrics {
     wall_s: f64,
 }
 
-/// Takes the metrics of the trainings in the folder into its table, in place of what the table had of them. A run that
-/// was stopped and continued has all its iterations there.
+/// Takes the metrics of the trainings in the folder into its table, in place of what the table had
+/// of them. A run that was stopped and continued has all its iterations there.
 pub(crate) fn gather(scope: &Scope, out: &Path) -> Result<(), TrainError> {
     let path = out.join(TRAININGS);
     let mut lines = table(&path)?;

@@ -14,19 +14,22 @@ use jcas_policy::{BaselineKind, PilotMode};
 const EXPERIMENT: &str = "endurance";
 /// Hotspots of a mission.
 const HOTSPOTS: u32 = 30;
-/// The paper's charger, which takes as long as a flight, and one that fills a battery in a step, as a swap does.
+/// The paper's charger, which takes as long as a flight, and one that fills a battery in a step, as
+/// a swap does.
 const CHARGERS_KW: [f64; 2] = [0.3, SWAP_KW];
 const SWAP_KW: f64 = 21.6;
 
-/// Who flies it without being trained: with the autopilot's charging alone, filling up, and waiting for clean energy.
+/// Who flies it without being trained: with the autopilot's charging alone, filling up, and waiting
+/// for clean energy.
 const SCRIPTS: [BaselineKind; 3] = [
     BaselineKind::Teams,
     BaselineKind::Charging,
     BaselineKind::Clean,
 ];
 
-/// The tour of `mission` with thirty hotspots, a horizon of a thousand steps, batteries that last sixty moves and two
-/// depots. The charge that sends a UAV home is the paper's share of the battery.
+/// The tour of `mission` with thirty hotspots, a horizon of a thousand steps, batteries that last
+/// sixty moves and two depots. The charge that sends a UAV home is the paper's share of the
+/// battery.
 pub fn mission(uavs: u32, charge_power_kw: f64) -> Config {
     let depots = Depots::from_slice(&[Cell { x: 2, y: 2 }, Cell { x: 9, y: 9 }]);
     Config {

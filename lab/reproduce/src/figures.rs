@@ -1,5 +1,5 @@
-//! The pictures of a reproduction. A picture is data: which rows it shows, over what, and where it stands. To add
-//! one, add a row to [`PICTURES`].
+//! The pictures of a reproduction. A picture is data: which rows it shows, over what, and where it
+//! stands. To add one, add a row to [`PICTURES`].
 
 use crate::curves::Curve;
 use crate::fit::PAPER;
@@ -251,8 +251,8 @@ impl Means {
         figure
     }
 
-    /// The points of a line, and the numbers of hotspots that they are means over: fleets are compared over those that
-    /// all of them have flown.
+    /// The points of a line, and the numbers of hotspots that they are means over: fleets are
+    /// compared over those that all of them have flown.
     fn points(&self, table: &Table, flown: (&str, &str)) -> (Vec<Point>, Vec<u32>) {
         let query = Query::new(self.experiment, self.preset.name(), flown);
         let query = match self.over {

@@ -1,10 +1,11 @@
 //! Which value of one unknown of the model makes published success rates the most likely.
 //!
-//! A published rate is a number of successes among so many missions, so binomial. Its probability as a function
-//! of the unknown comes from simulation at a few values and is interpolated between them. The estimate has the
-//! greatest likelihood; the interval holds every value that a likelihood-ratio test at 5 % does not refuse
-//! (Wilks: twice the loss of log likelihood is χ² with one degree of freedom); what is left over is the deviance
-//! from a model that fits each published rate exactly, with a degree of freedom for each rate less the one fitted.
+//! A published rate is a number of successes among so many missions, so binomial. Its probability
+//! as a function of the unknown comes from simulation at a few values and is interpolated between
+//! them. The estimate has the greatest likelihood; the interval holds every value that a
+//! likelihood-ratio test at 5 % does not refuse (Wilks: twice the loss of log likelihood is χ² with
+//! one degree of freedom); what is left over is the deviance from a model that fits each published
+//! rate exactly, with a degree of freedom for each rate less the one fitted.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -19,8 +20,8 @@ pub struct Published {
     pub missions: f64,
 }
 
-/// The paper's two numbers, each an average of 100 missions: its text gives the rates and its table of settings
-/// the number of episodes of an evaluation.
+/// The paper's two numbers, each an average of 100 missions: its text gives the rates and its table
+/// of settings the number of episodes of an evaluation.
 pub const PAPER: [Published; 2] = [
     Published {
         uavs: 10,
@@ -47,8 +48,8 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// The rate at a value: the logit is straight between neighbours, half a success and half a failure added to
-    /// each so that it is finite; none outside of what was simulated.
+    /// The rate at a value: the logit is straight between neighbours, half a success and half a
+    /// failure added to each so that it is finite; none outside of what was simulated.
     pub fn rate(&self, x: f64) -> Option<f64> {
         let after = self.points.iter().position(|point| point.0 >= x)?;
         let logit = |(_, rate, missions): (f64, f64, f64)| {
@@ -85,7 +86,8 @@ pub struct Fit {
     pub rates: Vec<f64>,
     /// Deviance of the published rates from these.
     pub deviance: f64,
-    /// Probability of at least that deviance if the model were true; none where nothing is left to test.
+    /// Probability of at least that deviance if the model were true; none where nothing is left to
+    /// test.
     pub p_value: Option<f64>,
 }
 
@@ -103,7 +105,8 @@ fn log_likelihood(published: Published, rate: f64) -> f64 {
     term(successes, rate) + term(published.missions - successes, 1.0 - rate)
 }
 
-/// Fits one value to several rates, each with its simulated curve; none where the curves have no common value.
+/// Fits one value to several rates, each with its simulated curve; none where the curves have no
+/// common value.
 pub fn fit(data: &[(Published, Simulated)]) -> Option<Fit> {
     let mut values: Vec<f64> = data
         .iter()
@@ -171,7 +174,8 @@ mod tests {
         }
     }
 
-    /// So many missions that the half success does not show: the rate at x in [0, 1] is nearly 1/(1 + e^(-(a + b x))).
+    /// So many missions that the half success does not show: the rate at x in [0, 1] is nearly 1/(1
+    /// + e^(-(a + b x))).
     fn logistic(a: f64, b: f64) -> Simulated {
         let rate = |x: f64| 1.0 / (1.0 + (-(a + b * x)).exp());
         Simulated {
@@ -215,8 +219,8 @@ mod tests {
 
     #[test]
     fn two_rates_that_no_value_meets_leave_a_deviance() {
-        // The same curve for 40 and for 60 of 100: the best rate is 1/2, and the deviance is
-        // 2 · 2 · (40 ln(40/50) + 60 ln(60/50)) = 8.0542, of χ² with one degree of freedom p = 0.00454.
+        // The same curve for 40 and for 60 of 100: the best rate is 1/2, and the deviance is 2 · 2
+        // · (40 ln(40/50) + 60 ln(60/50)) = 8.0542, of χ² with one degree of freedom p = 0.00454.
         let curve = logistic(-2.0, 4.0);
         let fit = fit(&[
             (published(0.4, 100.0), curve.clone()),

@@ -20,7 +20,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The baselines that stand beside learned policies; the other searchers have nothing to search here.
+/// The baselines that stand beside learned policies; the other searchers have nothing to search
+/// here.
 const BASELINES: [BaselineKind; 5] = [
     BaselineKind::Random,
     BaselineKind::Greedy,
@@ -132,7 +133,8 @@ impl Flights<'_> {
         self.narrator.stop()
     }
 
-    /// The given policies that were trained on missions like this, whatever their number of UAVs and hotspots.
+    /// The given policies that were trained on missions like this, whatever their number of UAVs
+    /// and hotspots.
     fn given_for(&self, config: &Config) -> Vec<Arc<StoredPolicy>> {
         let like = |policy: &&Arc<StoredPolicy>| {
             sized_as(config, &policy.card.config) == policy.card.config
@@ -276,8 +278,8 @@ impl Flights<'_> {
         Ok(true)
     }
 
-    /// Our settings: one policy for the whole grid of each preset, the one that is given or one that is trained; false
-    /// if stopped meanwhile.
+    /// Our settings: one policy for the whole grid of each preset, the one that is given or one
+    /// that is trained; false if stopped meanwhile.
     fn all_tuned(&mut self) -> Result<bool, TrainError> {
         for &preset in &self.scope.presets {
             let given = self.given_for(&self.scope.mission(preset, (10, 5)));
@@ -388,7 +390,8 @@ impl Flights<'_> {
         Ok(())
     }
 
-    /// Success against throughput: the motions of the learned policy and of `teams`, the pilot density held.
+    /// Success against throughput: the motions of the learned policy and of `teams`, the pilot
+    /// density held.
     fn trade_off(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
         self.narrator.chapter("sensing against communication");
         let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
@@ -482,8 +485,8 @@ impl Flights<'_> {
         self.trained_and_flown(&name, settings, config, &key)
     }
 
-    /// One policy for one mission; false if stopped meanwhile. What the table has from elsewhere, without the policy, is
-    /// not trained again.
+    /// One policy for one mission; false if stopped meanwhile. What the table has from elsewhere,
+    /// without the policy, is not trained again.
     fn trained_and_flown(
         &mut self,
         name: &str,
@@ -536,8 +539,8 @@ impl Flights<'_> {
     }
 }
 
-/// A mission with another's numbers of UAVs and hotspots, and with its tags: where a mission shows none, a policy that
-/// reads them numbers the UAVs itself.
+/// A mission with another's numbers of UAVs and hotspots, and with its tags: where a mission shows
+/// none, a policy that reads them numbers the UAVs itself.
 fn sized_as(config: &Config, other: &Config) -> Config {
     Config {
         uav_count: other.uav_count,

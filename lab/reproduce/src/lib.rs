@@ -2,7 +2,8 @@
 //!
 //! Everything is kept in one table, `results.csv`, whose rows are flown once; what is there already
 //! is not flown again, so a reproduction goes on where it was stopped. Figures and texts are made
-//! from it and two small tables beside it alone: how trainings went, and how near the pilot density changes.
+//! from it and two small tables beside it alone: how trainings went, and how near the pilot density
+//! changes.
 
 mod campaign;
 pub mod cell_table;
@@ -60,8 +61,8 @@ pub fn reproduce(
     Ok(progress)
 }
 
-/// Writes the page of a reproduction to a place of its own, its pictures and the tables that it is made of into a folder
-/// beside it, from which a reproduction makes the same page.
+/// Writes the page of a reproduction to a place of its own, its pictures and the tables that it is
+/// made of into a folder beside it, from which a reproduction makes the same page.
 pub fn publish(scope: &Scope, out: &Path, page: &Path) -> Result<(), TrainError> {
     let table = Table::open(&out.join(TABLE))?;
     let curves = curves::curves(scope, out)?;

@@ -1,4 +1,5 @@
-//! What adapting the pilot density is worth: against every constant in four worlds, then over maps of regimes.
+//! What adapting the pilot density is worth: against every constant in four worlds, then over maps
+//! of regimes.
 
 use crate::campaign::{CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
@@ -283,7 +284,8 @@ fn panels(scope: &Scope, worlds: &[(String, Vec<PilotComparison>)], quantity: Qu
 mod tests {
     use super::*;
 
-    /// By hand: 32.30 dB at one cell (docs/model.md), and 6/0.7 bits need 25.79 dB, 6/0.99 bits 18.17 dB.
+    /// By hand: 32.30 dB at one cell (docs/model.md), and 6/0.7 bits need 25.79 dB, 6/0.99 bits
+    /// 18.17 dB.
     #[test]
     fn links_reach_as_far_as_their_budget() {
         let config = Config::default();

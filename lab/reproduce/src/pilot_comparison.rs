@@ -1,4 +1,5 @@
-//! An adaptive pilot density beside each constant in one mission: the campaigns, and what they come to.
+//! An adaptive pilot density beside each constant in one mission: the campaigns, and what they come
+//! to.
 
 use crate::campaign::{ADAPTIVE, CampaignSpec, HELD, Who};
 use crate::scope::CONSTANT_PILOT;
@@ -57,7 +58,8 @@ impl PilotComparison {
         .filter(|worth| !worth.held.is_empty())
     }
 
-    /// The constant with the shortest missions; of those whose intervals reach that, the one that talks most.
+    /// The constant with the shortest missions; of those whose intervals reach that, the one that
+    /// talks most.
     pub(crate) fn best(&self) -> &Row {
         let least = self
             .held

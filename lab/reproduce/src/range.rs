@@ -1,5 +1,6 @@
-//! What the paper's two success rates imply about its radar: the threshold of detection is "derived" there and
-//! not given, and the sensing range that it comes to is the one unknown that decides how hard a mission is.
+//! What the paper's two success rates imply about its radar: the threshold of detection is
+//! "derived" there and not given, and the sensing range that it comes to is the one unknown that
+//! decides how hard a mission is.
 
 use crate::campaign::{CampaignSpec, Who};
 use crate::chapter::{Block, Chapter};
@@ -17,7 +18,8 @@ pub const EXPERIMENT: &str = "range";
 /// Name of its figure's files.
 const FIGURE: &str = "success_over_range";
 
-/// Who flies without training: a fleet that ignores what it sees, and one that goes to each hotspot together.
+/// Who flies without training: a fleet that ignores what it sees, and one that goes to each hotspot
+/// together.
 pub const SCRIPTED: [(&str, BaselineKind, PilotMode); 2] = [
     ("a random walk", BaselineKind::Random, PilotMode::Mid),
     ("`swarm`", BaselineKind::Swarm, PilotMode::Max),
@@ -88,7 +90,8 @@ impl Studied {
         Query::new(EXPERIMENT, Preset::Paper.name(), flown)
     }
 
-    /// Success over the range at a fleet size, mean over the numbers of hotspots; only where all of these are there.
+    /// Success over the range at a fleet size, mean over the numbers of hotspots; only where all of
+    /// these are there.
     fn simulated(&self, scope: &Scope, table: &Table, uavs: u32) -> Simulated {
         let at = |&x: &f64| {
             let rows = self.query().uavs(uavs).x(x).rows(table);
@@ -322,7 +325,8 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// Scripts were flown at more ranges than learners were trained at, and what fits none says of which.
+    /// Scripts were flown at more ranges than learners were trained at, and what fits none says of
+    /// which.
     #[test]
     fn what_fits_no_range_says_which_were_tried() {
         let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/results.csv");

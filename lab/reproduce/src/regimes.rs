@@ -156,7 +156,8 @@ pub(crate) fn blocks(scope: &Scope, table: &Table) -> Vec<Block> {
     maps.flatten().collect()
 }
 
-/// Where adapting pays, over two fields: mission time saved against the best constant of each regime.
+/// Where adapting pays, over two fields: mission time saved against the best constant of each
+/// regime.
 fn regimes(scope: &Scope, table: &Table, map: &Map) -> Option<(String, HeatTable)> {
     let worths: Vec<((f64, f64), PilotComparison)> = map
         .places()

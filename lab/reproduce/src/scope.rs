@@ -30,7 +30,8 @@ pub struct Scope {
     pub paper_cells: Vec<(u32, u32)>,
     /// The pilot densities that are held there; none: it is learnt.
     pub paper_pilots: Vec<Option<f64>>,
-    /// The one credit that is trained with there; none: every one. What is there of others is shown all the same.
+    /// The one credit that is trained with there; none: every one. What is there of others is shown
+    /// all the same.
     pub paper_credit: Option<Credit>,
     /// What is changed of the paper's settings, one thing at a time, to see what a result hangs on.
     pub variations: Vec<Variation>,
@@ -42,15 +43,15 @@ pub struct Scope {
     pub ranges: Vec<f64>,
     /// Those of them at which the paper's training is tried as well, for these cells (N, n).
     pub trained_ranges: (Vec<f64>, Vec<(u32, u32)>),
-    /// Pilot densities of the study of adaptive pilots: fine for single worlds, coarse for maps of regimes, which
-    /// are left out without any.
+    /// Pilot densities of the study of adaptive pilots: fine for single worlds, coarse for maps of
+    /// regimes, which are left out without any.
     pub pilot_densities: (Vec<f64>, Vec<f64>),
     /// Whether those maps are flown whole, or at their corners only.
     pub whole_maps: bool,
     /// Fleets that fly until their batteries decide.
     pub endurance_fleets: Vec<u32>,
-    /// Folders of trained policies from elsewhere; each is ours in the mission that it was trained on, and none is
-    /// trained there.
+    /// Folders of trained policies from elsewhere; each is ours in the mission that it was trained
+    /// on, and none is trained there.
     pub given: Vec<PathBuf>,
     /// What is to be done; what is not is left as it is.
     pub parts: Vec<Part>,
@@ -117,7 +118,8 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// For people who see what came of it: where it was stopped before the paper's training ends, that it was.
+    /// For people who see what came of it: where it was stopped before the paper's training ends,
+    /// that it was.
     pub fn as_trained(&self) -> String {
         let iterations = self.settings.iterations();
         let whole = Settings::preset(Preset::Paper).iterations();
@@ -240,8 +242,8 @@ impl Scope {
     }
 
     /// A smaller version of every part, for minutes instead of hours: half the numbers of hotspots,
-    /// fewer missions, a shorter training, and the paper's own training with small networks, briefly, for one number
-    /// of hotspots and a learnt pilot density.
+    /// fewer missions, a shorter training, and the paper's own training with small networks,
+    /// briefly, for one number of hotspots and a learnt pilot density.
     pub fn quick(seeds: u64) -> Scope {
         let full = Scope::full(seeds);
         let hotspots = vec![3, 7, 11];
@@ -280,8 +282,8 @@ impl Scope {
         }
     }
 
-    /// Only these fleets and numbers of hotspots, and of the latter only some with the paper's settings;
-    /// empty: as they are.
+    /// Only these fleets and numbers of hotspots, and of the latter only some with the paper's
+    /// settings; empty: as they are.
     pub fn only(mut self, fleets: &[u32], hotspots: &[u32], paper_hotspots: &[u32]) -> Scope {
         let or = |given: &[u32], all: &[u32]| if given.is_empty() { all } else { given }.to_vec();
         self.fleets = or(fleets, &self.fleets);
@@ -357,9 +359,9 @@ impl Scope {
         learners
     }
 
-    /// The trainings of each learner, in an order in which those that were done when it is stopped tell most:
-    /// numbers of hotspots near the paper's five first, then adaptive pilots, then the fleets that the paper gives a
-    /// success rate for.
+    /// The trainings of each learner, in an order in which those that were done when it is stopped
+    /// tell most: numbers of hotspots near the paper's five first, then adaptive pilots, then the
+    /// fleets that the paper gives a success rate for.
     pub fn trainings(&self) -> Vec<Training> {
         let mut trainings = Vec::new();
         for &seed in &self.seeds {

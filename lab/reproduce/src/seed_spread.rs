@@ -90,8 +90,8 @@ struct Spread {
     /// Cells, and those in which the intervals of all seeds have a value in common.
     cells: usize,
     overlapping: usize,
-    /// The greatest difference between two seeds of a cell, as it is for success and as a share of the lesser for
-    /// others; and the cell.
+    /// The greatest difference between two seeds of a cell, as it is for success and as a share of
+    /// the lesser for others; and the cell.
     greatest: f64,
     at: (u32, u32),
 }

@@ -19,12 +19,13 @@ pub struct Key {
     pub uavs: u32,
     /// Hotspots.
     pub hotspots: u32,
-    /// Baseline's name, `learned` (our settings), a learner's name (the paper's), a variation's, or the folder of a
-    /// policy that was given.
+    /// Baseline's name, `learned` (our settings), a learner's name (the paper's), a variation's, or
+    /// the folder of a policy that was given.
     pub policy: String,
     /// Pilot rule.
     pub pilot: String,
-    /// Training seed; of policies that were given, their place among those for the mission; 0 for baselines.
+    /// Training seed; of policies that were given, their place among those for the mission; 0 for
+    /// baselines.
     pub seed: u64,
     /// What the experiment varies besides: a density, a share; 0 where nothing.
     pub x: f64,
@@ -342,7 +343,8 @@ impl<'a> Query<'a> {
     }
 }
 
-/// The mean over cells of the mean over each cell's seeds, with that of their intervals' ends; none without rows.
+/// The mean over cells of the mean over each cell's seeds, with that of their intervals' ends; none
+/// without rows.
 pub fn mean(rows: &[&Row], quantity: Quantity) -> Option<Estimate> {
     let mut cells: BTreeMap<_, Vec<Estimate>> = BTreeMap::new();
     for row in rows {
@@ -364,7 +366,8 @@ fn of_equal(estimates: &[Estimate]) -> Estimate {
     }
 }
 
-/// What of some groups of rows can be compared: the numbers of hotspots that all of those have that have any.
+/// What of some groups of rows can be compared: the numbers of hotspots that all of those have that
+/// have any.
 pub fn in_common<'a>(groups: Vec<Vec<&'a Row>>) -> Vec<Vec<&'a Row>> {
     let has = |group: &[&Row], hotspots| {
         group.is_empty() || group.iter().any(|row| row.hotspots == hotspots)

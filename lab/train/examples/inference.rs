@@ -1,9 +1,10 @@
-//! Our side of `python/benchmarks/inference.py`: the network of a policy, flown by jcas-policy and by the trainer's own
-//! forward pass, as often as the other side asks.
+//! Our side of `python/benchmarks/inference.py`: the network of a policy, flown by jcas-policy and
+//! by the trainer's own forward pass, as often as the other side asks.
 //!
 //!     inference POLICY UAVS HOTSPOTS OBSERVATIONS
 //!
-//! Writes the observations of 64 missions, f32, to the file OBSERVATIONS. Then reads lines `ours ROWS CALLS` or
+//! Writes the observations of 64 missions, f32, to the file OBSERVATIONS. Then reads lines `ours
+//! ROWS CALLS` or
 //! `trainer ROWS CALLS` and answers each with a line, once all calls are made: of a single call, the outputs for those
 //! rows.
 

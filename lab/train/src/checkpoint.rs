@@ -102,8 +102,8 @@ pub fn load(trainer: &mut Trainer, run: &str, path: &Path) -> Result<(), TrainEr
     read(trainer, run, &bytes).map_err(TrainError::format(path))
 }
 
-/// Gives a fresh trainer what another run has learnt: weights, moments and statistics, not its missions. Its
-/// environment steps count on.
+/// Gives a fresh trainer what another run has learnt: weights, moments and statistics, not its
+/// missions. Its environment steps count on.
 pub fn load_learnt(trainer: &mut Trainer, path: &Path) -> Result<(), TrainError> {
     let bytes = std::fs::read(path).map_err(TrainError::file(path))?;
     let learnt = decode(&bytes).and_then(|(notes, arrays)| read_learnt(trainer, &notes, &arrays));

@@ -49,7 +49,8 @@ impl Shape {
 pub struct StepOut {
     /// Rewards: the team's of each mission (M), or each UAV's own (M·N), as was asked for.
     pub rewards: Vec<f32>,
-    /// What each UAV's pilot density gained in this step, beside a middling one (M·N), where that is asked for.
+    /// What each UAV's pilot density gained in this step, beside a middling one (M·N), where that
+    /// is asked for.
     pub pilot_gains: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
@@ -111,8 +112,8 @@ pub trait VectorEnvironment: Send {
     /// Observations (M·N × O) and global states (M × S) of the missions as they are now.
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]);
 
-    /// Called before each batch, counted from 0: what is flown may depend on it, and on nothing else that
-    /// a checkpoint does not hold.
+    /// Called before each batch, counted from 0: what is flown may depend on it, and on nothing
+    /// else that a checkpoint does not hold.
     fn begin_batch(&mut self, _batch: u64) {}
 
     /// For each row, that of the last UAV before it in its cell.

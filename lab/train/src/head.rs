@@ -26,8 +26,9 @@ pub struct Densities {
 
 /// What learning asks of an action head, beside what flying does.
 pub trait LearningHead {
-    /// ActionSampling a raw action; returns it with the log-densities of its motion and of its pilot. The
-    /// motion of [`Head::Hybrid`] may be given as a quantile of its distribution, 0 to 1.
+    /// ActionSampling a raw action; returns it with the log-densities of its motion and of its
+    /// pilot. The motion of [`Head::Hybrid`] may be given as a quantile of its distribution, 0 to
+    /// 1.
     fn draw(
         self,
         outputs: &[f32],
@@ -38,7 +39,8 @@ pub trait LearningHead {
     /// The kernel's action pair of a raw action.
     fn action(self, raw: [f32; 2]) -> [f32; 2];
 
-    /// Log-densities of `raw` (rows × 2) under `outputs` (rows × [`Head::outputs`]), differentiable.
+    /// Log-densities of `raw` (rows × 2) under `outputs` (rows × [`Head::outputs`]),
+    /// differentiable.
     fn densities(self, outputs: Tensor<2>, raw: &[f32]) -> Densities;
 
     /// As [`Self::densities`], of the motion alone (rows × 1 each).

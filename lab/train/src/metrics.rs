@@ -61,7 +61,8 @@ pub struct Row {
     pub inference_share: f64,
     /// Share of wall time learning.
     pub learning_share: f64,
-    /// Not all missions have had the time to end yet: the means are of those that ended first, which went well.
+    /// Not all missions have had the time to end yet: the means are of those that ended first,
+    /// which went well.
     #[serde(skip)]
     pub first_to_end: bool,
 }

@@ -30,7 +30,8 @@ pub struct Actor {
 }
 
 impl Actor {
-    /// Ready to fly, by the code that every host flies stored policies with; reports call it `name`.
+    /// Ready to fly, by the code that every host flies stored policies with; reports call it
+    /// `name`.
     #[must_use]
     pub fn fly(&self, name: &str, mode: Mode) -> Trained {
         let note = files::read_besides(&self.network.architecture).trim_start();

@@ -173,7 +173,8 @@ impl RunSpec {
         std::fs::create_dir_all(&self.out).map_err(TrainError::file(&self.out))?;
         let checkpoint = self.out.join(CHECKPOINT);
         if let Start::Run(_) = origin {
-            // The settings do not say what it began with: killed before its first batch, it could not go on.
+            // The settings do not say what it began with: killed before its first batch, it could
+            // not go on.
             checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
         }
         let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
@@ -309,7 +310,8 @@ fn best_mode(evaluations: &[Evaluation]) -> Mode {
     Mode::ALL.into_iter().fold(Mode::Deterministic, better)
 }
 
-/// How well missions went on average: ten steps of mission time weigh as much as one mission in ten.
+/// How well missions went on average: ten steps of mission time weigh as much as one mission in
+/// ten.
 pub(crate) fn score<'e>(evaluations: impl IntoIterator<Item = &'e Evaluation>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for evaluation in evaluations {

@@ -63,12 +63,13 @@ pub struct Settings {
     pub gradient_norm_max: f32,
     /// PPO's clip range ε.
     pub clip: f32,
-    /// Dual-clip bound c (Ye et al., AAAI 2020, take 3): for negative advantages the surrogate is at
-    /// least −c·|A|. Absent: no bound.
+    /// Dual-clip bound c (Ye et al., AAAI 2020, take 3): for negative advantages the surrogate is
+    /// at least −c·|A|. Absent: no bound.
     pub dual_clip: Option<f32>,
     /// Entropy bonus. Absent: none.
     pub entropy: Option<Entropy>,
-    /// Mean KL divergence of a batch's policy change after which no further epoch runs. Absent: no bound.
+    /// Mean KL divergence of a batch's policy change after which no further epoch runs. Absent: no
+    /// bound.
     pub kl_target: Option<f64>,
     /// Mean KL divergence above which an epoch is undone, and is the last. Absent: none is undone.
     pub kl_rollback: Option<f64>,
@@ -81,8 +82,8 @@ pub struct Settings {
     pub credit: Credit,
     /// What the pilot density of an action is judged by.
     pub pilot_credit: PilotCredit,
-    /// Pilot density that replaces the policy's, of which only motions are trained then. Absent: the
-    /// policy chooses it.
+    /// Pilot density that replaces the policy's, of which only motions are trained then. Absent:
+    /// the policy chooses it.
     pub constant_pilot: Option<f64>,
 
     /// Fields of the configuration that have other values in training.
@@ -122,8 +123,8 @@ pub struct Shaping {
     pub detection: f64,
     /// For each confirmed hotspot that a UAV comes to know.
     pub informing: f64,
-    /// Once all hotspots are confirmed, for each cell that a UAV comes nearer to the nearest UAV that
-    /// knows others than it does; nothing in a step in which a UAV is informed.
+    /// Once all hotspots are confirmed, for each cell that a UAV comes nearer to the nearest UAV
+    /// that knows others than it does; nothing in a step in which a UAV is informed.
     pub meeting: f64,
     /// Other weights for small fleets.
     pub small_fleets: Option<SmallFleets>,
@@ -156,8 +157,9 @@ pub enum PilotCredit {
     /// As its motion: by the advantage.
     #[default]
     Return,
-    /// By what it gained in its own step, beside a middling density: detections as `finding_reward` weighs them,
-    /// as if the others sensed as well as they can where that makes them decide more, throughput and energy.
+    /// By what it gained in its own step, beside a middling density: detections as `finding_reward`
+    /// weighs them, as if the others sensed as well as they can where that makes them decide more,
+    /// throughput and energy.
     Step,
 }
 
@@ -186,7 +188,8 @@ pub enum CriticInput {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curriculum {
-    /// Detection threshold of the first batch, dB; 40·log10(a) dB lower sees as well from a times as far.
+    /// Detection threshold of the first batch, dB; 40·log10(a) dB lower sees as well from a times
+    /// as far.
     pub threshold_db: f64,
     /// Batches after which it is the configuration's.
     pub batches: u64,
@@ -220,8 +223,8 @@ pub struct ShapingWeights {
 }
 
 impl Settings {
-    /// Refuses settings that are out of range or do not go together; the message names the setting, its
-    /// value and what is allowed.
+    /// Refuses settings that are out of range or do not go together; the message names the setting,
+    /// its value and what is allowed.
     pub fn validate(&self) -> Result<(), String> {
         self.check_ranges()?;
         self.check_batches()?;
@@ -374,7 +377,8 @@ impl Settings {
         })
     }
 
-    /// Actor rows that one core works on at a time. Intermediate tensors of so few stay in its cache.
+    /// Actor rows that one core works on at a time. Intermediate tensors of so few stay in its
+    /// cache.
     pub fn shard_rows(&self) -> usize {
         (self.minibatch_rows / 4).clamp(1, 512)
     }

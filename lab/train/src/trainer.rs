@@ -63,8 +63,8 @@ pub struct Trainer {
     device: Device,
 }
 
-/// Actor and critic networks that the settings ask for. Where fleets are of several sizes, the set network
-/// reads how many UAVs there are.
+/// Actor and critic networks that the settings ask for. Where fleets are of several sizes, the set
+/// network reads how many UAVs there are.
 fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Network) {
     let sizes = |input: usize, hidden: &[usize], output: usize| {
         let mut sizes = vec![input];
@@ -334,7 +334,8 @@ impl Trainer {
                 continue;
             }
             let before = self.actor.clone();
-            // The log shows the last epoch: the one that the policy leaves with, or that it was kept from.
+            // The log shows the last epoch: the one that the policy leaves with, or that it was
+            // kept from.
             actor_sums = learner.improve_actor(
                 &mut self.actor,
                 settings.head,

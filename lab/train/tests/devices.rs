@@ -1,5 +1,6 @@
-//! A GPU computes what the processor computes, within what sums in another order allow. Runs for each device that is
-//! built in, as by `cargo test -p jcas-train --features cuda --test devices`, where one is at hand.
+//! A GPU computes what the processor computes, within what sums in another order allow. Runs for
+//! each device that is built in, as by `cargo test -p jcas-train --features cuda --test devices`,
+//! where one is at hand.
 
 use burn_tensor::Device;
 use jcas_core::Config;
@@ -10,7 +11,8 @@ use jcas_train::run::RunSpec;
 use jcas_train::settings::{NetworkKind, Preset, Settings};
 use std::io::Write;
 
-/// Devices besides the processor. What is missing is said past the harness, which keeps to itself what a test prints.
+/// Devices besides the processor. What is missing is said past the harness, which keeps to itself
+/// what a test prints.
 fn gpus() -> Vec<(&'static str, Device)> {
     let mut found = Vec::new();
     for &name in device::NAMES.iter().filter(|&&name| name != "cpu") {

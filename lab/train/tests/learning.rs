@@ -1,5 +1,5 @@
-//! PPO learns from nothing: the toy task from chance to most of what the best policy earns, and missions of
-//! the kernel that a random walk fails.
+//! PPO learns from nothing: the toy task from chance to most of what the best policy earns, and
+//! missions of the kernel that a random walk fails.
 
 mod support;
 
@@ -126,8 +126,8 @@ fn each_head_learns_from_the_uavs_own_rewards() {
     }
 }
 
-/// Eight UAVs: the team's reward is seven parts about the others, so after as many steps the fleet whose
-/// UAVs are paid each its own earns clearly more.
+/// Eight UAVs: the team's reward is seven parts about the others, so after as many steps the fleet
+/// whose UAVs are paid each its own earns clearly more.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn credit_for_each_uav_learns_faster_than_the_team_s() {
@@ -147,9 +147,9 @@ fn credit_for_each_uav_learns_faster_than_the_team_s() {
     assert!(uav > team + 1.5, "{uav} {team}");
 }
 
-/// Missions of the kernel, with the networks that the presets use: from random weights fleets come to succeed
-/// where a random walk mostly fails. The MLP has to learn for each hotspot and neighbour what the set network learns
-/// once for all.
+/// Missions of the kernel, with the networks that the presets use: from random weights fleets come
+/// to succeed where a random walk mostly fails. The MLP has to learn for each hotspot and neighbour
+/// what the set network learns once for all.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn fleets_learn_missions_from_nothing() {
@@ -190,7 +190,8 @@ fn fleets_learn_missions_from_nothing() {
             let succeeded = missions.iter().filter(|mission| mission.success);
             succeeded.count() as f64 / missions.len() as f64
         };
-        // The first missions to end are those that succeed early, so the first batches count as one.
+        // The first missions to end are those that succeed early, so the first batches count as
+        // one.
         let before = success(3);
         success(batches);
         let after = success(3);

@@ -112,7 +112,8 @@ pub struct Reproduce {
     /// With the paper's settings, only the training with this credit [default: both]
     #[arg(long, value_enum)]
     credit: Option<WhoseCredit>,
-    /// Folder of a trained policy, flown as ours in the missions that it was trained on; may be repeated
+    /// Folder of a trained policy, flown as ours in the missions that it was trained on; may be
+    /// repeated
     #[arg(long, value_name = "DIR")]
     policy: Vec<PathBuf>,
     /// Write the page of claims here as well, its pictures into a folder beside it

@@ -42,9 +42,9 @@ pub enum TrainingPreset {
 
 /// Train a policy with PPO and write it as safetensors and a JSON card
 ///
-/// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run that
-/// was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of hotspots
-/// train one policy for all of them, which needs the network `set`.
+/// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run
+/// that was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of
+/// hotspots train one policy for all of them, which needs the network `set`.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Train {
@@ -66,8 +66,8 @@ pub struct Train {
         help_heading = "Configuration"
     )]
     hotspots: Vec<u32>,
-    /// Training settings to start from [default: search where hotspots are hidden, mission where no UAV detects one from
-    /// a neighbouring cell, else tuned]
+    /// Training settings to start from [default: search where hotspots are hidden, mission where no
+    /// UAV detects one from a neighbouring cell, else tuned]
     #[arg(long, value_enum, help_heading = "Training")]
     train_preset: Option<TrainingPreset>,
     /// TOML or JSON file whose settings replace those of the preset
@@ -97,7 +97,8 @@ pub struct Train {
     /// Go on with the run in the folder, if there is one
     #[arg(long)]
     resume: bool,
-    /// Folder of another run, to begin with what it has learnt instead of random weights; the settings are this run's
+    /// Folder of another run, to begin with what it has learnt instead of random weights; the
+    /// settings are this run's
     #[arg(long, value_name = "RUN", conflicts_with = "resume")]
     from: Option<PathBuf>,
     #[command(flatten)]

@@ -1,4 +1,5 @@
-//! What a critic sees of a search beside the global state: where hotspots may still be, and where the UAVs are.
+//! What a critic sees of a search beside the global state: where hotspots may still be, and where
+//! the UAVs are.
 
 use jcas_core::{Model, StateRef};
 
@@ -42,7 +43,8 @@ impl SearchBeliefMap {
         &self.maps
     }
 
-    /// ActionSampling a mission. `missed`: of each cell of the grid, how likely a hotspot there would not be found yet.
+    /// ActionSampling a mission. `missed`: of each cell of the grid, how likely a hotspot there
+    /// would not be found yet.
     pub fn draw(
         &mut self,
         mission: usize,

@@ -1,9 +1,10 @@
-//! What each UAV adds to the finding of hotspots: the confirmations that it is expected to make possible.
+//! What each UAV adds to the finding of hotspots: the confirmations that it is expected to make
+//! possible.
 //!
-//! A difference reward (Wolpert and Tumer, "Optimal payoff functions for members of collectives", 2001). Known
-//! hotspots are where they are. A hidden one is in any cell alike at first, later as Bayes' rule says of what the
-//! fleet's radar would have missed so far: unlike a confirmation this comes at every step of a search, and
-//! without the luck of where the hotspots lie.
+//! A difference reward (Wolpert and Tumer, "Optimal payoff functions for members of collectives",
+//! 2001). Known hotspots are where they are. A hidden one is in any cell alike at first, later as
+//! Bayes' rule says of what the fleet's radar would have missed so far: unlike a confirmation this
+//! comes at every step of a search, and without the luck of where the hotspots lie.
 
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 
@@ -14,8 +15,8 @@ const NEGLIGIBLE: f64 = 1e-3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct DetectionCredit {
     cells: usize,
-    /// Of each mission and cell, where hotspots are hidden: the chance that one there would be unconfirmed still;
-    /// where they are known: how many there are.
+    /// Of each mission and cell, where hotspots are hidden: the chance that one there would be
+    /// unconfirmed still; where they are known: how many there are.
     missed: Vec<f64>,
     /// Unconfirmed hotspots of each mission.
     open: Vec<usize>,
@@ -27,8 +28,8 @@ pub struct DetectionCredit {
 struct Radar {
     /// Cells along each axis beyond which no UAV detects.
     reach: [u32; 2],
-    /// Chances with a pilot density in the middle of the range and with the highest, for each distance within reach,
-    /// along x first.
+    /// Chances with a pilot density in the middle of the range and with the highest, for each
+    /// distance within reach, along x first.
     chances: Vec<[f64; 2]>,
 }
 
@@ -75,10 +76,11 @@ impl DetectionCredit {
         }
     }
 
-    /// Confirmations that each UAV is expected to have added in the step that led to this state: that it detects
-    /// a hotspot and exactly θ − 1 of the others do. And, where there is room for it, how many of them it owes to its
-    /// pilot density not having been in the middle of the range, taking of the others' densities and the highest those
-    /// that make it decide more: else none of θ UAVs that all sense little would gain by sensing more alone.
+    /// Confirmations that each UAV is expected to have added in the step that led to this state:
+    /// that it detects a hotspot and exactly θ − 1 of the others do. And, where there is room for
+    /// it, how many of them it owes to its pilot density not having been in the middle of the
+    /// range, taking of the others' densities and the highest those that make it decide more: else
+    /// none of θ UAVs that all sense little would gain by sensing more alone.
     pub fn gained(
         &mut self,
         mission: usize,
@@ -124,7 +126,8 @@ impl DetectionCredit {
         self.look(mission, model, state);
     }
 
-    /// Of each cell: the chance that a hotspot there would be unconfirmed still, or, where they are known, how many are.
+    /// Of each cell: the chance that a hotspot there would be unconfirmed still, or, where they are
+    /// known, how many are.
     pub fn missed(&self, mission: usize) -> &[f64] {
         &self.missed[mission * self.cells..][..self.cells]
     }
@@ -195,8 +198,8 @@ impl Radar {
     }
 }
 
-/// Of some independent events: the chances that exactly 0, 1, … θ − 1 happen of the first and of the last of them, so
-/// that those of all but one are at hand.
+/// Of some independent events: the chances that exactly 0, 1, … θ − 1 happen of the first and of
+/// the last of them, so that those of all but one are at hand.
 struct Quorum {
     quorum: usize,
     /// θ chances of the first 0, 1, … events.
@@ -274,8 +277,8 @@ mod tests {
         assert_eq!(unlike.decided_by(2), 0.5);
     }
 
-    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes, if they have these pilot
-    /// densities; those without one are away.
+    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes, if
+    /// they have these pilot densities; those without one are away.
     fn confirms(sim: &Sim<'_>, model: &Model<'_>, there: Cell, densities: &[Option<f64>]) -> f64 {
         let state = sim.state();
         let chances: Vec<f64> = (0..)
@@ -303,8 +306,9 @@ mod tests {
             .sum()
     }
 
-    // Two steps of a fleet that moves apart, worked out from all outcomes: what each UAV adds is what the fleet
-    // would confirm less without it, and the second step's hotspots are where the first would have missed them.
+    // Two steps of a fleet that moves apart, worked out from all outcomes: what each UAV adds is
+    // what the fleet would confirm less without it, and the second step's hotspots are where the
+    // first would have missed them.
     #[test]
     fn a_gain_is_the_difference_that_the_uav_makes_to_what_is_not_found_yet() {
         let config = Config {
@@ -370,8 +374,8 @@ mod tests {
         }
     }
 
-    // Three UAVs over a known hotspot that all sense as little as they can: each is told that it should sense more,
-    // which alone would confirm next to nothing.
+    // Three UAVs over a known hotspot that all sense as little as they can: each is told that it
+    // should sense more, which alone would confirm next to nothing.
     #[test]
     fn a_quorum_that_senses_little_is_told_to_sense_more() {
         let config = Config {

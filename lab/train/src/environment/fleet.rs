@@ -225,9 +225,10 @@ impl Fleet {
         }
     }
 
-    /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training pays it besides, so
-    /// that their mean is the team's with the fleet's mean of that. A mission that ended has begun anew: what
-    /// completed it was news to somebody, nothing else is known of it.
+    /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training
+    /// pays it besides, so that their mean is the team's with the fleet's mean of that. A mission
+    /// that ended has begun anew: what completed it was news to somebody, nothing else is known of
+    /// it.
     fn pay(&mut self, m: usize, out: &mut StepOut) {
         let words = self.model.state_words();
         let state = &self.states[m * words..(m + 1) * words];
@@ -379,7 +380,8 @@ impl VectorEnvironment for Fleet {
             }
         }
         if !out.finished.is_empty() {
-            // With the maps of before the step: what is searched now is of the missions that follow.
+            // With the maps of before the step: what is searched now is of the missions that
+            // follow.
             self.join(&self.final_global, &mut out.final_global);
         }
     }

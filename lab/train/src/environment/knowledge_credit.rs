@@ -1,8 +1,8 @@
-//! How each UAV takes part in the informing of the fleet: hotspots that it has come to know, and, once all are confirmed,
-//! cells that it has come nearer to somebody who knows others than it does.
+//! How each UAV takes part in the informing of the fleet: hotspots that it has come to know, and,
+//! once all are confirmed, cells that it has come nearer to somebody who knows others than it does.
 //!
-//! A mission ends when everybody knows everything, and what it pays for that goes to all alike. Two groups out of each
-//! other's reach learn from this that the way to each other is theirs.
+//! A mission ends when everybody knows everything, and what it pays for that goes to all alike. Two
+//! groups out of each other's reach learn from this that the way to each other is theirs.
 
 use jcas_core::{Model, StateRef};
 
@@ -12,8 +12,8 @@ pub struct KnowledgeCredit {
     uavs: usize,
     /// Hotspots that each UAV knows to be confirmed.
     known: Vec<u32>,
-    /// Manhattan distance of each UAV to the nearest that knows others; 0 where there is none, or something is
-    /// left to confirm.
+    /// Manhattan distance of each UAV to the nearest that knows others; 0 where there is none, or
+    /// something is left to confirm.
     ways: Vec<u32>,
 }
 
@@ -22,8 +22,8 @@ pub struct KnowledgeCredit {
 pub struct Informed {
     /// Hotspots that each has come to know.
     pub hotspots: Vec<f64>,
-    /// Cells that each has come nearer to the nearest UAV that knows others; nobody's in a step that tells
-    /// somebody something, for then it is another.
+    /// Cells that each has come nearer to the nearest UAV that knows others; nobody's in a step
+    /// that tells somebody something, for then it is another.
     pub cells: Vec<f64>,
 }
 
@@ -105,8 +105,9 @@ mod tests {
     const LEFT: f32 = 0.0;
     const RIGHT: f32 = 0.4;
 
-    // UAVs walk apart and back, where nobody hears anybody: each gains what its row of knowledge gained, and what it
-    // lacked where a mission is completed. Once all is confirmed, ways count, worked out from the cells.
+    // UAVs walk apart and back, where nobody hears anybody: each gains what its row of knowledge
+    // gained, and what it lacked where a mission is completed. Once all is confirmed, ways count,
+    // worked out from the cells.
     #[test]
     fn news_is_what_rows_of_knowledge_gain_and_ways_lead_to_others() {
         let config = Config {

@@ -17,8 +17,8 @@ fn built(config: Config) -> Result<Arc<Model<'static>>, String> {
 }
 
 impl TrainingTask {
-    /// The mission of a configuration under these settings; what the configuration does not allow is
-    /// refused.
+    /// The mission of a configuration under these settings; what the configuration does not allow
+    /// is refused.
     pub fn new(config: &Config, settings: &Settings) -> Result<TrainingTask, String> {
         let mut fields = serde_json::to_value(config).map_err(|error| error.to_string())?;
         for (name, value) in &settings.config_overrides {

@@ -2,8 +2,9 @@
 //!
 //! Neither the order of hotspots and neighbours nor their number matters, so one set of weights
 //! flies any fleet against any number of hotspots. Some features are worked out rather than learnt,
-//! because a sum over pairs would cost a layer to learn, and a tour many: how near a hotspot is in cells, how
-//! many UAVs are at or around it, and, where a network is to read that, which hotspots a tour may begin with.
+//! because a sum over pairs would cost a layer to learn, and a tour many: how near a hotspot is in
+//! cells, how many UAVs are at or around it, and, where a network is to read that, which hotspots a
+//! tour may begin with.
 
 mod features;
 
@@ -96,8 +97,8 @@ impl Critic {
         TARGET_FEATURES + if self.of_uav { OWN_TARGET_FEATURES } else { 0 }
     }
 
-    /// Widths of the parts of a row of features: what is of no hotspot and of no UAV, UAVs each with
-    /// a 1, hotspots.
+    /// Widths of the parts of a row of features: what is of no hotspot and of no UAV, UAVs each
+    /// with a 1, hotspots.
     pub fn widths(self, shape: &Shape) -> [usize; 3] {
         [
             self.common(),
@@ -123,8 +124,8 @@ fn parts<const K: usize>(features: &[f32], widths: [usize; K]) -> [Vec<f32>; K] 
     parts
 }
 
-/// Fields of an observation that the configuration adds: search map, directions, tag. They are the UAV's
-/// own and come last.
+/// Fields of an observation that the configuration adds: search map, directions, tag. They are the
+/// UAV's own and come last.
 pub fn added(shape: &Shape) -> usize {
     let always = OWN + HOTSPOT_FIELDS * shape.hotspots + SLOT_FIELDS * shape.neighbour_slots;
     shape.observation_len - always

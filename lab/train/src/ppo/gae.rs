@@ -5,8 +5,8 @@
 //! flew on: V of its own last state stands there, not that of the mission that began after it.
 //! Either way the sum over A stops, since the next row belongs to another mission.
 
-/// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values may
-/// each be the team's (T × M) or the UAVs' own (T × M·N).
+/// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values
+/// may each be the team's (T × M) or the UAVs' own (T × M·N).
 pub struct Trajectories<'a> {
     /// Missions side by side (M).
     pub environments: usize,
@@ -22,9 +22,9 @@ pub struct Trajectories<'a> {
     pub truncated: &'a [bool],
 }
 
-/// Advantages A_t, one for each UAV where rewards or values are (T × M·N), else one for the team (T × M); and
-/// value targets A_t + V(s_t), as many as values: where one value stands for the team and UAVs are paid each
-/// its own, their mean.
+/// Advantages A_t, one for each UAV where rewards or values are (T × M·N), else one for the team (T
+/// × M); and value targets A_t + V(s_t), as many as values: where one value stands for the team and
+/// UAVs are paid each its own, their mean.
 pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (Vec<f32>, Vec<f32>) {
     let &Trajectories {
         environments,
@@ -156,9 +156,9 @@ mod tests {
         close(&advantages, &[1.5, 1.75, 2.0, 3.0, 2.0, 29.0]);
     }
 
-    // γ = ½, λ = ½, one mission of two UAVs, cut after two steps. One value for both, V = (1, 2), then 4:
-    // UAV 0 earns (1, 2): δ_1 = 2 + ½·4 − 2 = 2, δ_0 = 1 + ½·2 − 1 = 1, A = (1.5, 2).
-    // UAV 1 earns (3, 6): δ_1 = 6, δ_0 = 3, A = (4.5, 6). The targets are V plus the means, 3 and 4.
+    // γ = ½, λ = ½, one mission of two UAVs, cut after two steps. One value for both, V = (1, 2),
+    // then 4: UAV 0 earns (1, 2): δ_1 = 2 + ½·4 − 2 = 2, δ_0 = 1 + ½·2 − 1 = 1, A = (1.5, 2). UAV 1
+    // earns (3, 6): δ_1 = 6, δ_0 = 3, A = (4.5, 6). The targets are V plus the means, 3 and 4.
     #[test]
     fn uavs_paid_each_its_own_share_one_value() {
         let (advantages, targets) = advantages(
@@ -177,8 +177,8 @@ mod tests {
         close(&targets, &[4.0, 6.0]);
     }
 
-    // The same with a value of each UAV's own: each gets what it would alone; and with a reward of the
-    // team's, which counts for both.
+    // The same with a value of each UAV's own: each gets what it would alone; and with a reward of
+    // the team's, which counts for both.
     #[test]
     fn uavs_with_values_of_their_own_do_not_mix() {
         let alone = |rewards: &[f32], values: &[f32], next_values: &[f32], environments: usize| {

@@ -1,4 +1,5 @@
-//! Running mean and variance of value targets; the fixed scaling of inputs in files of other trainers.
+//! Running mean and variance of value targets; the fixed scaling of inputs in files of other
+//! trainers.
 
 use serde::{Deserialize, Serialize};
 

@@ -312,8 +312,9 @@ mod tests {
     use crate::settings::{Preset, Settings};
     use jcas_core::Config;
 
-    // Of weights that are all zero every motion is as likely: of ten UAVs on the depot two take each, the first time,
-    // whatever is drawn; multiples of φ⁻¹ leave one or three of ten points in a fifth of the circle at most.
+    // Of weights that are all zero every motion is as likely: of ten UAVs on the depot two take
+    // each, the first time, whatever is drawn; multiples of φ⁻¹ leave one or three of ten points in
+    // a fifth of the circle at most.
     #[test]
     fn uavs_of_a_cell_share_out_their_motions() {
         let settings = Settings::preset(Preset::Tuned);

@@ -74,7 +74,8 @@ pub struct ActorObjective {
 }
 
 impl ActorObjective {
-    /// What PPO maximises: the advantages times the ratios, as far as those are within the clip range or make it less.
+    /// What PPO maximises: the advantages times the ratios, as far as those are within the clip
+    /// range or make it less.
     fn gain(&self, ratio: Tensor<2>, advantages: Tensor<2>) -> Tensor<2> {
         let clipped = ratio.clone().clamp(1.0 - self.clip, 1.0 + self.clip);
         let gain = (ratio * advantages.clone()).min_pair(clipped * advantages.clone());
@@ -215,8 +216,8 @@ impl Learner<'_> {
         )
     }
 
-    /// For each shard, mean and standard deviation of each of the advantages of all the minibatch's rows that come from
-    /// missions like its own.
+    /// For each shard, mean and standard deviation of each of the advantages of all the minibatch's
+    /// rows that come from missions like its own.
     fn advantage_scales(&self, minibatch: &[Shard]) -> Vec<Vec<(f32, f32)>> {
         let mut scales: Vec<Vec<(f32, f32)>> = Vec::with_capacity(minibatch.len());
         for shard in minibatch {
@@ -247,7 +248,8 @@ impl Learner<'_> {
         (0..columns).map(scale).collect()
     }
 
-    /// A UAV's advantage, or its team's where all share one; and its pilot density's own, where it has one.
+    /// A UAV's advantage, or its team's where all share one; and its pilot density's own, where it
+    /// has one.
     fn advantages(&self, (rollout, row): Row) -> impl Iterator<Item = f32> {
         let rollout = &self.rollouts[rollout as usize];
         let shared = rollout.rows() / rollout.advantages.len();
@@ -448,8 +450,9 @@ mod tests {
     use crate::environment::StepOut;
     use crate::settings::{Credit, PilotCredit};
 
-    // By hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one, one of 10 counts 3 for a bad one, one of 0.5
-    // counts 0.5 for a good one and 0.8 for a bad one. Where the bound decides nothing is left to learn.
+    // By hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one, one of 10 counts 3
+    // for a bad one, one of 0.5 counts 0.5 for a good one and 0.8 for a bad one. Where the bound
+    // decides nothing is left to learn.
     #[test]
     fn bad_actions_count_without_bound_but_for_the_dual_clip() {
         let device = Device::flex().autodiff();

@@ -19,8 +19,8 @@ pub enum Preset {
     Tuned,
     /// The same for missions whose hotspots are hidden: paid for searching, not for coming nearer.
     Search,
-    /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot densities are
-    /// judged by their own step.
+    /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot
+    /// densities are judged by their own step.
     Mission,
 }
 
@@ -180,7 +180,8 @@ impl Settings {
                 stages: 25,
             }),
             dual_clip: Some(3.0),
-            // While the radar is easy no UAV has to stay over a hotspot, and fleets would unlearn it.
+            // While the radar is easy no UAV has to stay over a hotspot, and fleets would unlearn
+            // it.
             entropy: Some(Entropy {
                 start: 0.02,
                 batches: 120,

@@ -68,7 +68,8 @@ fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
     std::fs::remove_dir_all(first.out).unwrap();
 }
 
-/// Begun with what another run has learnt, a run of no steps ends with its weights, whatever it would have trained with.
+/// Begun with what another run has learnt, a run of no steps ends with its weights, whatever it
+/// would have trained with.
 #[test]
 fn a_run_begins_with_what_another_has_learnt() {
     let first = plan("taught", settings(NetworkKind::Set));

@@ -107,7 +107,8 @@ impl Observer for Successes {
     }
 }
 
-/// In missions of 40 steps nobody fails within the first batch of 32: who has ended there has succeeded.
+/// In missions of 40 steps nobody fails within the first batch of 32: who has ended there has
+/// succeeded.
 #[test]
 fn the_success_of_the_first_to_end_is_called_so() {
     let mut plan = plan("first", settings(NetworkKind::Set));

@@ -1,4 +1,5 @@
-//! What a run leaves flies as it was trained: from its files, over any fleet that it fits, in onnxruntime too.
+//! What a run leaves flies as it was trained: from its files, over any fleet that it fits, in
+//! onnxruntime too.
 
 use crate::{config, fleets, plan, settings};
 use burn_tensor::Device;
@@ -102,8 +103,8 @@ fn a_policy_that_does_not_fit_is_refused() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// A set network that reads tags flies alike whether the mission shows them or not; it reads no other maps
-/// than those that it was trained with.
+/// A set network that reads tags flies alike whether the mission shows them or not; it reads no
+/// other maps than those that it was trained with.
 #[test]
 fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     let tagged = Config {
@@ -164,7 +165,8 @@ fn the_set_network_reads_search_maps() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// Trained for several fleets, the set network reads how many UAVs there are, in flight as in learning.
+/// Trained for several fleets, the set network reads how many UAVs there are, in flight as in
+/// learning.
 #[test]
 fn the_set_network_reads_the_size_of_the_fleet() {
     let mut plan = plan("fleets", settings(NetworkKind::Set));
@@ -214,9 +216,9 @@ fn sampled_flights_repeat() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads.
-/// Needs a Python with `onnx` and `onnxruntime`: where `JCAS_ONNX_PYTHON` names one, as `.ci/python.sh` does, it must
-/// have it; without that, `python3` serves if it happens to.
+/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads. Needs
+/// a Python with `onnx` and `onnxruntime`: where `JCAS_ONNX_PYTHON` names one, as `.ci/python.sh`
+/// does, it must have it; without that, `python3` serves if it happens to.
 #[test]
 fn onnxruntime_gives_the_same_actions() {
     let named = std::env::var("JCAS_ONNX_PYTHON").ok();

@@ -96,7 +96,8 @@ fn in_order(a: [f32; 2], b: [f32; 2]) -> Ordering {
     a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
 }
 
-/// 1 for the hotspot that the shortest tour begins with; two fifths less for the others, and a fifth for each cell more.
+/// 1 for the hotspot that the shortest tour begins with; two fifths less for the others, and a
+/// fifth for each cell more.
 fn rated<'a>(hotspots: impl Iterator<Item = &'a [f32]>, shape: &Shape) -> Vec<f32> {
     let hotspots: Vec<&[f32]> = hotspots.collect();
     let open = |i: usize| hotspots[i][2] == 0.0;

@@ -1,6 +1,7 @@
 //! The set actor as a graph: the function of `network::set::actor`, from the bare observation on.
 //!
-//! What that module works out in plain loops, or leaves out because it cancels, is written out here.
+//! What that module works out in plain loops, or leaves out because it cancels, is written out
+//! here.
 
 use super::graph::{Graph, Value};
 use crate::environment::Shape;
@@ -68,7 +69,8 @@ impl Builder<'_> {
         self.graph.binary("Add", &dx, &dy)
     }
 
-    /// 1 for the least along the last axis, else 0; of several that are, for the one of the lowest rank.
+    /// 1 for the least along the last axis, else 0; of several that are, for the one of the lowest
+    /// rank.
     fn least_of(&mut self, values: &Value, rank: &Value, hotspot: &Value) -> Value {
         let least = self.graph.least(values, 2);
         let is_least = self.graph.equal(values, &least);
