@@ -210,7 +210,12 @@ impl Model<'_> {
     }
 
     #[inline(always)]
-    fn check_batch(&self, states: &[u64], actions: &[f32], count: usize) -> Result<(), Error> {
+    pub(crate) fn check_batch(
+        &self,
+        states: &[u64],
+        actions: &[f32],
+        count: usize,
+    ) -> Result<(), Error> {
         if actions.len() != count * self.action_len() {
             return Err(Error::Length {
                 what: "actions",

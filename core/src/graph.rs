@@ -70,7 +70,7 @@ impl Radio {
 
 /// Whether two UAVs hear each other, given their loads: η_ij and η_ji both reach η_link.
 #[inline(always)]
-fn hear_each_other(a: f64, b: f64, full_throughput: f64, least: f64) -> bool {
+pub(crate) fn hear_each_other(a: f64, b: f64, full_throughput: f64, least: f64) -> bool {
     let least_load = if a < b { a } else { b };
     least_load * full_throughput >= least
 }

@@ -38,7 +38,7 @@ impl Phase {
     }
 }
 
-const CONFIG_HASH: usize = 0;
+pub(crate) const CONFIG_HASH: usize = 0;
 const SEED: usize = 1;
 pub(crate) const T: usize = 2;
 pub(crate) const PHASE: usize = 3;

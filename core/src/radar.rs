@@ -98,16 +98,8 @@ pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
     range_odds * load_odds
 }
 
-/// p = 1 / (1 + odds against), as a threshold of a 32-bit draw: a draw below it is a detection.
-#[inline]
-#[must_use]
-pub fn detection_threshold(odds_against: f64) -> u64 {
-    // By way of i64, which is one instruction where u64 is a dozen; the value is at most 2^32.
-    (DRAWS / (1.0 + odds_against)) as i64 as u64
-}
-
-/// Whether a draw is below [`detection_threshold`], without a conversion to an integer: a whole number is below the
-/// whole part of a real if the next one is not above the real.
+/// Whether a 32-bit draw is below p · 2^32, p = 1 / (1 + odds against): a whole number is below the whole part of a real
+/// if the next one is not above the real.
 #[inline(always)]
 #[must_use]
 pub fn detects(draw: u32, odds_against: f64) -> bool {
@@ -184,6 +176,11 @@ mod tests {
                 detection_threshold_db(&ranged)
             );
         }
+    }
+
+    /// p · 2^32 as a whole number.
+    fn detection_threshold(odds_against: f64) -> u64 {
+        (DRAWS / (1.0 + odds_against)) as u64
     }
 
     #[test]

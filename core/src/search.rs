@@ -37,6 +37,12 @@ impl Disc {
         Self { squared, reach }
     }
 
+    /// Most rows or columns from its middle.
+    #[cfg(any(kani, test))]
+    pub(crate) const fn reach(self) -> u32 {
+        self.reach
+    }
+
     /// Adds the cells of a grid around `cell` to a set of row-major indices.
     pub fn mark(self, map: &mut [u64], cell: Cell, width: u32, height: u32) {
         let mut half = self.reach;

@@ -54,6 +54,21 @@ pub(crate) fn any_spread_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     any_model_of(config, words)
 }
 
+/// The same with three UAVs and a bucket for each cell, each next to all others.
+#[cfg(kani)]
+pub(crate) fn any_bucketed_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    let config = Config {
+        uav_count: 3,
+        ..smallest()
+    };
+    Model {
+        bucket_side: 1,
+        bucket_columns: 2,
+        bucket_rows: 2,
+        ..any_model_of(config, words)
+    }
+}
+
 /// The same with any range of charges at the start.
 #[cfg(kani)]
 pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
@@ -93,7 +108,7 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         carbon: super::CarbonPlan::new(&config),
         reward: super::RewardPlan::new(&config),
         layout: super::Layout::of(&config),
-        uavs: 2,
+        uavs: config.uav_count as usize,
         hotspots: config.hotspot_count as usize,
         width: 2,
         height: 2,
@@ -109,10 +124,27 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     }
 }
 
-/// A real model: the smallest, or one of up to five UAVs, four hotspots and 16 cells.
+/// Most UAVs of a model that the stand-in makes: more than a word of a set holds, and more than are linked pair by pair.
+#[cfg(not(kani))]
+pub(crate) const UAVS_MAX: usize = 70;
+
+/// Mostly few UAVs, of which a case is soon flown; now and then any number.
+#[cfg(not(kani))]
+fn any_uav_count() -> u32 {
+    let most = if between(0, 11) == 6 { UAVS_MAX } else { 5 };
+    between(1, most as u64) as u32
+}
+
+/// A real model: the smallest, or one of up to 70 UAVs, four hotspots and 16 cells.
 #[cfg(not(kani))]
 pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     any_model_of(any_config(), words)
+}
+
+/// The same, as its grid has buckets.
+#[cfg(not(kani))]
+pub(crate) fn any_bucketed_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model(words)
 }
 
 /// The same; many of these models have several hotspots.
@@ -139,7 +171,7 @@ fn any_config() -> Config {
     if kani::any() {
         config.grid_width = between(1, 4) as u32;
         config.grid_height = between(2, 4) as u32;
-        config.uav_count = between(1, 5) as u32;
+        config.uav_count = any_uav_count();
         let room = u64::from(config.grid_width * config.grid_height) - 1;
         config.hotspot_count = between(1, room.min(4)) as u32;
         config.horizon_steps = between(1, 12) as u32;

@@ -30,6 +30,7 @@ mod communication;
 mod energy;
 mod host;
 mod knowledge;
+mod lanes;
 mod motion;
 mod refusal;
 mod reset;

@@ -7,7 +7,7 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use super::state::{ACTIONS, STATE_WORDS, any_actions, any_fleet, differ, open, view};
+use super::state::{ACTIONS, STATE_WORDS, any_actions, any_fleet, any_phase, differ, open, view};
 use crate::config::Cell;
 use crate::error::Error;
 use crate::header::{self, Phase};
@@ -223,8 +223,37 @@ pub fn a_step_with_a_nan_changes_nothing() {
     assert!(!differ(&before, &after));
 }
 
+/// Environments of the batch.
+const BATCH: usize = 2;
+
+/// A batch is checked whole before its first environment steps: what is accepted has no step refused.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(9))]
+pub fn a_batch_that_is_accepted_has_no_step_refused() {
+    given!(model);
+    let (len, actions_len) = (model.state_words(), model.action_len());
+    let mut words = [0; BATCH * STATE_WORDS];
+    for m in 0..BATCH {
+        let one = any_words(any_phase());
+        words[m * len..(m + 1) * len].copy_from_slice(&one[..len]);
+        words[m * len + header::CONFIG_HASH] = model.config_hash() ^ between(0, 1);
+    }
+    let actions: [f32; BATCH * ACTIONS] = kani::any();
+    let (states, actions) = (&words[..BATCH * len], &actions[..BATCH * actions_len]);
+    let checked = model.check_batch(states, actions, BATCH);
+    kani::cover!(checked.is_ok(), "a batch that steps");
+    kani::cover!(checked == Err(Error::EpisodeOver), "one that has ended");
+    kani::cover!(checked == Err(Error::ModelMismatch), "one of another model");
+    let m = between(0, BATCH as u64 - 1) as usize;
+    let state = model.state(&states[m * len..(m + 1) * len]);
+    let ready = state.is_ok_and(|state| state.header.phase() == Some(Phase::Ready));
+    let index = between(0, (BATCH * actions_len) as u64 - 1) as usize;
+    assert!(checked.is_err() || ready && !actions[index].is_nan());
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
+    a_batch_that_is_accepted_has_no_step_refused: 4000 cases, 3 covers;
     parts_out_of_their_order_change_nothing: 1000 cases, 1 covers;
     host_calls_out_of_their_order_change_nothing: 1000 cases, 1 covers;
     data_of_another_length_changes_nothing: 1000 cases, 1 covers;

@@ -11,6 +11,8 @@ use super::standin as kani;
 use crate::bits;
 use crate::header::{self, Phase};
 use crate::model::Model;
+#[cfg(not(kani))]
+use crate::model::any_model::UAVS_MAX;
 use crate::reward::OWN_KEPT;
 #[cfg(not(kani))]
 use crate::scratch::Scratch;
@@ -28,7 +30,7 @@ pub(super) const SMALLEST_SPREAD_WORDS: usize = SMALLEST_STATE_WORDS + 3;
 pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
 /// Words of a state of any model that the stand-in makes.
 #[cfg(not(kani))]
-pub(super) const STATE_WORDS: usize = 160;
+pub(super) const STATE_WORDS: usize = 2048;
 /// Words of working memory of the smallest model.
 #[cfg(any(kani, test))]
 pub(super) const SMALLEST_SCRATCH_WORDS: usize = 15;
@@ -37,9 +39,13 @@ pub(super) const SMALLEST_SCRATCH_WORDS: usize = 15;
 pub(super) const SCRATCH_WORDS: usize = SMALLEST_SCRATCH_WORDS;
 /// Words of working memory of any model that the stand-in makes.
 #[cfg(not(kani))]
-pub(super) const SCRATCH_WORDS: usize = 40;
-/// Two components for each UAV of the smallest model, and for each of at most five.
-pub(super) const ACTIONS: usize = if cfg!(kani) { 4 } else { 10 };
+pub(super) const SCRATCH_WORDS: usize = 512;
+/// Two components for each UAV of the smallest model, and for each of as many as the stand-in has.
+#[cfg(kani)]
+pub(super) const ACTIONS: usize = 4;
+/// Two components for each UAV of the smallest model, and for each of as many as the stand-in has.
+#[cfg(not(kani))]
+pub(super) const ACTIONS: usize = 2 * UAVS_MAX;
 
 pub(super) fn view<'a>(model: &Model<'_>, words: &'a [u64; STATE_WORDS]) -> StateRef<'a> {
     StateRef::split(*model.layout(), &words[..model.state_words()])

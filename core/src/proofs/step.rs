@@ -47,7 +47,7 @@ pub fn beginning_a_step_keeps_the_state_valid() {
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::radar::detection_threshold, crate::proofs::stubs::any_threshold)
+    kani::stub(crate::radar::detects, crate::proofs::stubs::any_detects)
 )]
 pub fn sensing_keeps_the_state_valid() {
     given!(model);

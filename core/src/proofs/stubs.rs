@@ -46,8 +46,8 @@ pub(super) fn any_load_odds(_: f64, _: f64) -> f64 {
     real_between(1.0, LOAD_ODDS_MAX)
 }
 
-pub(super) fn any_threshold(_: f64) -> u64 {
-    between(0, 1 << 32)
+pub(super) fn any_detects(_: u32, _: f64) -> bool {
+    kani::any()
 }
 
 /// Any charge of a battery, empty and full among them.
@@ -63,6 +63,11 @@ pub(super) fn any_mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
     } else {
         real_between(0.0, 1e6)
     }
+}
+
+/// A relation that tells any two sets of arguments apart in some state, and does not mind the order of the two loads.
+pub(super) fn any_symmetric_relation(a: f64, b: f64, full_throughput: f64, _: f64) -> bool {
+    (a.to_bits() ^ b.to_bits() ^ full_throughput.to_bits()).count_ones() % 2 == 1
 }
 
 /// Any graph of the smallest model that `communication::building_the_graph_keeps_its_contract` allows.

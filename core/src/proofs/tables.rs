@@ -8,7 +8,7 @@ use super::inputs::real_between;
 use super::standin as kani;
 use crate::config::Config;
 use crate::link::full_throughput;
-use crate::radar::{detection_threshold, odds_against, range_odds_against, snr_db};
+use crate::radar::{detects, odds_against, range_odds_against, snr_db};
 
 /// Bounds of `exp` on [-700, 700]; infinite beyond in neither direction that a table asks for.
 pub(super) const EXP_MIN: f64 = 1e-305;
@@ -66,17 +66,20 @@ pub fn tabulated_throughput_is_a_number() {
     throughput_is_a_number(&config, range_m);
 }
 
-/// A Bernoulli threshold never exceeds the number of draws.
-fn is_a_threshold(odds_against: f64) {
-    assert!(detection_threshold(odds_against) <= 1 << 32);
+/// Where a draw detects, a lower one does.
+fn is_a_threshold(low: u32, high: u32, odds_against: f64) {
+    assert!(!detects(high, odds_against) || detects(low, odds_against));
 }
 
 #[cfg_attr(kani, kani::proof)]
-pub fn thresholds_are_within_the_draws() {
-    let odds_against = real_between(0.0, f64::MAX);
+pub fn a_lower_draw_detects_too() {
+    let odds_against = real_between(0.0, 1e300);
+    let (low, high): (u32, u32) = (kani::any(), kani::any());
+    kani::assume(low <= high);
     kani::cover!(odds_against == 0.0, "certain");
     kani::cover!(odds_against > 1e10, "as good as never");
-    is_a_threshold(odds_against);
+    is_a_threshold(low, high, odds_against);
+    assert!(odds_against > 0.0 || detects(high, odds_against));
 }
 
 /// A range's odds times a load's are a finite number.
@@ -95,7 +98,7 @@ pub fn odds_of_a_draw_are_finite() {
 super::standin::twins! {
     tabulated_odds_are_positive: 4000 cases, 2 covers;
     tabulated_throughput_is_a_number: 4000 cases, 2 covers;
-    thresholds_are_within_the_draws: 2000 cases, 2 covers;
+    a_lower_draw_detects_too: 2000 cases, 2 covers;
     odds_of_a_draw_are_finite: 2000 cases, 2 covers;
 }
 

@@ -1,0 +1,126 @@
+//! X3: a block reads and writes the rows and sets of its own UAVs, whatever its count and wherever it begins, and a
+//! gather reads its table at the offset of two cells. All at the width that large fleets fly, and at the prover's.
+
+use super::inputs::between;
+#[cfg(not(kani))]
+use super::standin as kani;
+use crate::config::Cell;
+use crate::lanes::{Block, Cells, Lanes};
+
+/// Width of large fleets.
+const FLOWN: usize = 16;
+/// A row of two blocks and a part of one.
+const ROW: usize = 40;
+
+fn any_block<const W: usize>(uavs: usize) -> Block<W> {
+    let first = between(0, (uavs / W) as u64 - 1) as usize * W;
+    let count = between(1, W as u64) as usize;
+    Block { first, count }
+}
+
+/// What a block loads is its UAVs' part of a row, and what it stores is written there and nowhere else.
+fn loads_and_stores_its_own<const W: usize>(
+    block: Block<W>,
+    row: &[u8; ROW],
+    lanes: &Lanes<u8, W>,
+) {
+    let index = between(0, block.count as u64 - 1) as usize;
+    let lane = block.lane(index);
+    assert!(lane < W && block.indices()[lane] as usize == index);
+    assert!(block.load(row)[lane] == row[block.first + index]);
+    let mut after = *row;
+    block.store(lanes, &mut after);
+    assert!(after[block.first + index] == lanes[lane]);
+    let other = between(0, ROW as u64 - 1) as usize;
+    let own = other >= block.first && other < block.first + block.count;
+    assert!(own || after[other] == row[other]);
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(17))]
+pub fn a_block_loads_and_stores_its_own_uavs() {
+    let block = any_block::<FLOWN>(ROW);
+    kani::cover!(block.count == FLOWN, "a full block");
+    kani::cover!(block.count == FLOWN / 2 - 1, "less than half of one");
+    kani::cover!(
+        block.count == 9 && block.first == FLOWN,
+        "one with spare lanes"
+    );
+    loads_and_stores_its_own(block, &kani::any(), &kani::any());
+    if !cfg!(kani) {
+        loads_and_stores_its_own(any_block::<2>(ROW), &kani::any(), &kani::any());
+        loads_and_stores_its_own(any_block::<1>(ROW), &kani::any(), &kani::any());
+    }
+}
+
+/// A set goes into lanes and back, the block's UAVs alone are written, and each UAV has the bit of its lane.
+fn sets_are_its_uavs<const W: usize>(block: Block<W>, set: u64, lanes: u64) {
+    let uavs = u64::MAX >> (64 - block.count) << block.first;
+    let mut after = [set];
+    block.put_bits(lanes, &mut after);
+    assert!((after[0] ^ set) & !uavs == 0);
+    assert!(after[0] & uavs == block.uavs_in(lanes) << block.first);
+    assert!(block.bits(&after) == lanes & block.mask());
+    assert!(block.mask().count_ones() as usize == block.count);
+    let index = between(0, block.count as u64 - 1) as usize;
+    assert!(after[0] >> (block.first + index) & 1 == lanes >> block.lane(index) & 1);
+}
+
+#[cfg_attr(kani, kani::proof)]
+pub fn a_blocks_sets_are_those_of_its_uavs() {
+    let block = any_block::<FLOWN>(64);
+    let (set, lanes): (u64, u64) = (kani::any(), kani::any());
+    kani::cover!(
+        block.first == 48 && block.count == FLOWN,
+        "the last full block"
+    );
+    kani::cover!(block.count == 3, "less than half of one");
+    kani::cover!(block.count == 9, "one with spare lanes");
+    sets_are_its_uavs(block, set, lanes);
+    if !cfg!(kani) {
+        sets_are_its_uavs(any_block::<2>(64), set, lanes);
+        sets_are_its_uavs(any_block::<1>(64), set, lanes);
+    }
+}
+
+/// Most cells of a grid whose offsets are bytes.
+const CELLS: usize = 256;
+
+/// Whatever the grid, a gather reads the entry at |Δy| · width + |Δx|, which is one of the table's.
+fn gathers_the_offset<const W: usize>(table: &[u64; CELLS], width: u32, height: u32) {
+    let any_cell = || Cell {
+        x: between(0, u64::from(width) - 1) as u32,
+        y: between(0, u64::from(height) - 1) as u32,
+    };
+    let (from, to, lane) = (any_cell(), any_cell(), between(0, W as u64 - 1) as usize);
+    let rows = Cells::of(&[from.to_word(); W]).rows(width);
+    let len = (width * height) as usize;
+    let offset = (from.y.abs_diff(to.y) * width + from.x.abs_diff(to.x)) as usize;
+    assert!(offset < len);
+    let (mut by_bytes, mut by_words) = ([0; W], [0; W]);
+    rows.gather(table, len, to, width, &mut by_bytes);
+    rows.gather(&table[..len], len, to, width, &mut by_words);
+    assert!(by_bytes[lane] == table[offset] && by_words[lane] == table[offset]);
+}
+
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(17))]
+pub fn a_gather_stays_within_its_table() {
+    let width = between(1, CELLS as u64) as u32;
+    let height = between(1, CELLS as u64 / u64::from(width)) as u32;
+    let table: [u64; CELLS] = kani::any();
+    kani::cover!(width == 16 && height == 16, "the largest square");
+    kani::cover!(height == 1 && width > 1, "a single row");
+    gathers_the_offset::<FLOWN>(&table, width, height);
+    if !cfg!(kani) {
+        gathers_the_offset::<2>(&table, width, height);
+        gathers_the_offset::<1>(&table, width, height);
+    }
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    a_block_loads_and_stores_its_own_uavs: 4000 cases, 3 covers;
+    a_blocks_sets_are_those_of_its_uavs: 4000 cases, 3 covers;
+    a_gather_stays_within_its_table: 2000 cases, 2 covers;
+}
