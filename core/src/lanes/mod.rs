@@ -484,6 +484,11 @@ pub(crate) mod forced {
         result
     }
 
+    /// Flies at the width from here on, in this thread.
+    pub(crate) fn set(width: usize) {
+        WIDTH.set(Some(width));
+    }
+
     pub(super) fn width() -> Option<usize> {
         WIDTH.get()
     }

@@ -187,8 +187,14 @@ fn any_config() -> Config {
     config
 }
 
+/// The widths at which the kernel flies, and that of the prover.
+#[cfg(not(kani))]
+const WIDTHS: [usize; 3] = [1, 2, crate::lanes::WIDE];
+
+/// The model, to be flown at any of the widths, whatever the size of its fleet.
 #[cfg(not(kani))]
 fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    crate::lanes::forced::set(WIDTHS[between(0, 2) as usize]);
     let len = Model::table_words(&config).unwrap_or(0);
     match Model::new_in(config, &mut words[..len]) {
         Ok(model) => model,

@@ -18,8 +18,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::string::String;
 use std::vec::Vec;
 
-use crate::lanes::{WIDE, forced};
-
 /// Words of a tape that proptest chooses, with edge values, and shrinks.
 const TAPE_WORDS: usize = 16;
 
@@ -154,9 +152,6 @@ pub(crate) use cover;
 /// reach.
 const ROUNDS: usize = 50;
 
-/// The widths at which the kernel flies, and that of the prover: each case has one, whatever the size of its fleet.
-const WIDTHS: [usize; 3] = [1, 2, WIDE];
-
 /// Runs a harness on many tapes; all its covers, `covers` in number, must be reached.
 pub fn check(harness: fn(), cases: u32, covers: usize) {
     let config = Config {
@@ -200,9 +195,8 @@ pub fn check(harness: fn(), cases: u32, covers: usize) {
 }
 
 fn run_once(harness: fn(), tape: Tape) -> Result<(), TestCaseError> {
-    let width = WIDTHS[(tape.stream % 3) as usize];
     TAPE.set(tape);
-    match forced::at(width, || catch_unwind(AssertUnwindSafe(harness))) {
+    match catch_unwind(AssertUnwindSafe(harness)) {
         Ok(()) => Ok(()),
         Err(payload) if payload.is::<Rejected>() => {
             Err(TestCaseError::reject("outside the harness's assumptions"))
