@@ -61,8 +61,8 @@ impl Workspace {
     /// The caller's memory, checked and cleared.
     ///
     /// # Safety
-    /// If `at` is neither null nor misaligned, `size` bytes can be written there, which are the workspace's alone
-    /// for as long as it is used.
+    /// If `at` is neither null nor misaligned, `size` bytes can be written there, which are the
+    /// workspace's alone for as long as it is used.
     pub(crate) unsafe fn lent(
         at: *mut c_void,
         size: usize,
@@ -83,7 +83,7 @@ impl Workspace {
     /// Nothing else uses the workspace for `'a`.
     pub(crate) unsafe fn parts<'a>(&self) -> trace::Workspace<'a> {
         let sizes = &self.sizes;
-        // SAFETY: as many words as `lent` checked and cleared; the caller promises that they are alone.
+        // SAFETY: as many words as `lent` checked and cleared; nothing else uses them.
         let words = unsafe { slice::from_raw_parts_mut(self.at, words_of(sizes)) };
         let floats = floats_of(sizes);
         let (floats, rest) = words.split_at_mut(floats);

@@ -259,8 +259,8 @@ pub const OUTPUTS: [Output; 21] = [
     ),
 ];
 
-/// A variable that is neither an output nor a field: reference, name, type, causality, dimensions, unit,
-/// legal values, meaning.
+/// A variable that is neither an output nor a field: reference, name, type, causality, dimensions,
+/// unit, legal values, meaning.
 type Special = (
     u32,
     &'static str,
@@ -291,7 +291,8 @@ const SPECIAL: [Special; 12] = {
         (SEED, "seed", Kind::UInt64, Parameter, &[], None, None,
          "Seed of the episode: the same seed is the same mission, bit for bit."),
         (POLICY, "policy", Kind::String, Parameter, &[], None, None,
-         "Baseline, or trained policy among the resources, that flies the fleet; empty: the input actions do."),
+         "Baseline, or trained policy among the resources, that flies the fleet; \
+          empty: the input actions do."),
         (PILOT, "pilot", Kind::String, Parameter, &[], None, None,
          "Pilot density of a baseline: a number, min, mid, max or adaptive."),
         (OWN_POSITIONS, "own_positions", Kind::Boolean, Parameter, &[], None, None,

@@ -1,4 +1,4 @@
-//! The lines of a host's calls, one for each call: written here, and read into the arguments' memory.
+//! The line of each call of a host: written here, and read into the memory of its arguments.
 
 use core::fmt::{self, Display};
 

@@ -1,13 +1,13 @@
 //! Traces: an episode as a text file, so that any build can be held to it bit for bit.
 //!
-//! A file has one `header` line, one `step` line for each step and one `end` line, each a JSON object.
-//! Each call of a host simulator is a line of its own, before the step that it is part of. The format is
-//! documented in `jcas-episode`, which reads traces into structures.
+//! A file has one `header` line, one `step` line for each step and one `end` line, each a JSON
+//! object. Each call of a host simulator is a line of its own, before the step that it is part of.
+//! The format is documented in `jcas-episode`, which reads traces into structures.
 //!
 //! - [`Writer`] passes lines to a [`Sink`] and adds the checksum.
-//! - [`HeaderLine`], [`StepLine`], [`EndLine`] and [`CallLine`] display a line from a state or a call.
-//! - [`Replay`] flies a trace again from its seed, its actions and its calls. It writes each line anew and
-//!   compares it with the file, byte by byte.
+//! - [`HeaderLine`], [`StepLine`], [`EndLine`] and [`CallLine`] display a line.
+//! - [`Replay`] flies a trace again from its seed, its actions and its calls. It writes each line
+//!   anew and compares it with the file, byte by byte.
 //!
 //! Nothing here allocates: the caller supplies a state, working memory and a [`Workspace`].
 #![cfg_attr(not(test), no_std)]
@@ -19,7 +19,6 @@ mod line;
 mod number;
 mod reader;
 mod replay;
-
 mod workspace;
 mod writer;
 

@@ -120,13 +120,15 @@ impl Display for HeaderLine<'_> {
         let Self { model, state, .. } = self;
         write!(
             out,
-            "{{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":{},\"core_version\":\"{}\",\"config\":",
+            "{{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":{},\
+             \"core_version\":\"{}\",\"config\":",
             self.version, self.core_version
         )?;
         config(out, model.config())?;
         write!(
             out,
-            ",\"config_hash\":\"0x{:016x}\",\"seed\":\"0x{:016x}\",\"policy\":\"{}\",\"pilot\":\"{}\",\"hotspots\":",
+            ",\"config_hash\":\"0x{:016x}\",\"seed\":\"0x{:016x}\",\"policy\":\"{}\",\
+             \"pilot\":\"{}\",\"hotspots\":",
             model.config_hash(),
             state.seed(),
             self.policy,
@@ -217,8 +219,9 @@ impl Display for EndLine {
         } = metrics;
         write!(
             out,
-            "{{\"kind\":\"end\",\"steps\":{steps},\"terminated\":{terminated},\"truncated\":{truncated},\"metrics\":{{\
-             \"steps\":{steps},\"terminated\":{terminated},\"truncated\":{truncated},\"confirmed\":{confirmed},\
+            "{{\"kind\":\"end\",\"steps\":{steps},\"terminated\":{terminated},\
+             \"truncated\":{truncated},\"metrics\":{{\"steps\":{steps},\
+             \"terminated\":{terminated},\"truncated\":{truncated},\"confirmed\":{confirmed},\
              \"informed\":{informed},\"moves\":{moves}"
         )?;
         for (name, value) in [

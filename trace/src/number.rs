@@ -1,5 +1,5 @@
-//! Reals as trace files write them, by the code that serde_json writes them with: the fewest digits that read back
-//! the same.
+//! Real numbers as trace files have them: the fewest digits that read back the same. The code is
+//! the one that serde_json uses.
 
 use core::fmt::{self, Display};
 

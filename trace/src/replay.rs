@@ -1,4 +1,4 @@
-//! A trace flown again: each line's actions and calls are read from it, and the line is then written anew.
+//! A trace flown again: each line's actions and calls are read, and the line is written anew.
 
 use core::fmt::{self, Display, Write};
 
@@ -29,12 +29,12 @@ pub trait Lines<'t> {
 /// A simulation that flies traces again.
 #[derive(Debug)]
 pub struct Replay<'r> {
-    flight: Flight<'r>,
+    simulation: Simulation<'r>,
     arguments: Arguments<'r>,
 }
 
 #[derive(Debug)]
-struct Flight<'r> {
+struct Simulation<'r> {
     model: &'r Model<'r>,
     words: &'r mut [u64],
     scratch: &'r mut [u64],
@@ -43,8 +43,8 @@ struct Flight<'r> {
 }
 
 impl<'r> Replay<'r> {
-    /// A replay in the words of a state and of working memory. The state is left where a trace ends or
-    /// where it is refused.
+    /// A replay in the words of a state and of working memory. The state is left where a trace
+    /// ends or where it is refused.
     pub fn new(
         model: &'r Model<'r>,
         words: &'r mut [u64],
@@ -57,7 +57,7 @@ impl<'r> Replay<'r> {
             arguments,
         } = workspace;
         Self {
-            flight: Flight {
+            simulation: Simulation {
                 model,
                 words,
                 scratch,
@@ -73,7 +73,7 @@ impl<'r> Replay<'r> {
     /// # Errors
     /// The first line that cannot be flown or differs.
     pub fn verify<'t>(&mut self, trace: &'t str) -> Result<(), VerifyError<'t>> {
-        self.fly(trace, &mut Comparison)
+        self.fly(trace, &mut LineComparison)
     }
 
     /// Flies a trace again and passes every line on.
@@ -101,12 +101,12 @@ impl<'r> Replay<'r> {
         trace: &'t str,
         offset: usize,
     ) -> Result<usize, VerifyError<'t>> {
-        self.advance(trace, offset, &mut Comparison)
+        self.advance(trace, offset, &mut LineComparison)
     }
 
-    /// Flies the next lines of a trace from a byte offset and returns the offset after them: the header
-    /// from 0 on, then all lines to the end of a step, at last the lines after the last step. The state
-    /// must be the one that the lines before have led to.
+    /// Flies the next lines of a trace from a byte offset and returns the offset after them. From 0
+    /// on that is the header. After it come all lines to the end of a step, and at last those after
+    /// the last step. The state must be the one to which the lines before have led.
     ///
     /// # Errors
     /// The first line that cannot be flown, or that `lines` refuses.
@@ -140,21 +140,24 @@ impl<'r> Replay<'r> {
         header: &Header<'t>,
         lines: &mut impl Lines<'t>,
     ) -> Result<(), Problem<'t>> {
-        let flight = &mut self.flight;
-        if header.config.hash() != flight.model.config_hash() {
+        let simulation = &mut self.simulation;
+        if header.config.hash() != simulation.model.config_hash() {
             return Err(Problem::OtherModel);
         }
-        let mut scratch = Scratch::new(flight.model, flight.scratch).ok_or(Problem::Memory)?;
-        let reset = flight.model.reset(flight.words, &mut scratch, header.seed);
+        let mut scratch =
+            Scratch::new(simulation.model, simulation.scratch).ok_or(Problem::Memory)?;
+        let reset = simulation
+            .model
+            .reset(simulation.words, &mut scratch, header.seed);
         reset.map_err(Problem::Kernel)?;
-        let hashes = flight.hashes()?;
+        let hashes = simulation.hashes()?;
         let line = HeaderLine {
             version: header.version,
             core_version: &header.core_version,
             policy: &header.policy,
             pilot: &header.pilot,
-            model: flight.model,
-            state: &flight.state()?,
+            model: simulation.model,
+            state: &simulation.state()?,
             hashes,
         };
         lines.flown(header.line, &line)
@@ -167,35 +170,35 @@ impl<'r> Replay<'r> {
         lines: &mut impl Lines<'t>,
     ) -> Result<bool, Problem<'t>> {
         if reader.line.starts_with(STEP) {
-            self.flight.step(reader, lines)?;
+            self.simulation.step(reader, lines)?;
             return Ok(false);
         }
         reader.skip("{\"kind\":\"")?;
         let kind = reader.text()?;
         reader.skip("\",")?;
         if kind == "end" {
-            self.flight.end(reader, lines)?;
+            self.simulation.end(reader, lines)?;
             return Ok(false);
         }
-        let call = call::read(kind, reader, self.flight.model, &mut self.arguments)?;
+        let call = call::read(kind, reader, self.simulation.model, &mut self.arguments)?;
         if call.within_step() {
-            self.flight.begin_step(reader)?;
+            self.simulation.begin_step(reader)?;
         }
         if matches!(call, Call::StepCommunicateWith { .. }) {
-            self.flight.sense()?;
+            self.simulation.sense()?;
         }
-        self.flight
+        self.simulation
             .act(|model, state, scratch, _| call.apply(model, state, scratch))?;
         lines.supplied(reader.line);
         Ok(true)
     }
 }
 
-impl Flight<'_> {
-    fn act<'t>(
-        &mut self,
-        act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>, &[f32]) -> Result<(), Error>,
-    ) -> Result<(), Problem<'t>> {
+impl Simulation<'_> {
+    fn act<'t, F>(&mut self, act: F) -> Result<(), Problem<'t>>
+    where
+        F: FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>, &[f32]) -> Result<(), Error>,
+    {
         let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Problem::Memory)?;
         let mut state = self.model.state_mut(self.words).map_err(Problem::Kernel)?;
         act(self.model, &mut state, &mut scratch, self.actions).map_err(Problem::Kernel)
@@ -295,9 +298,9 @@ impl<S: Sink> Lines<'_> for Writer<S> {
 }
 
 /// Holds each line to the recorded one.
-struct Comparison;
+struct LineComparison;
 
-impl<'t> Lines<'t> for Comparison {
+impl<'t> Lines<'t> for LineComparison {
     fn flown(&mut self, recorded: &'t str, line: &dyn Display) -> Result<(), Problem<'t>> {
         let mut beside = Beside {
             line: recorded,

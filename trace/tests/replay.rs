@@ -1,4 +1,4 @@
-//! The golden traces, flown again in memory that the caller supplies, and what is refused of a changed file.
+//! Flies the golden traces again in memory that the caller supplies. Changed files are refused.
 
 use std::fs;
 use std::path::Path;

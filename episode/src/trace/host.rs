@@ -1,5 +1,5 @@
-//! What a host simulator supplied: each of its calls is a line of its own, before the line of the
-//! step that it is part of, in the order in which it was made.
+//! The calls of a host simulator. Each is a line of its own, in the order in which it was made,
+//! before the line of the step that it is part of.
 
 use jcas_core::Cell;
 use serde::{Deserialize, Serialize};
