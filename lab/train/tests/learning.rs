@@ -163,7 +163,7 @@ fn fleets_learn_missions_from_nothing() {
         network: NetworkKind::Mlp,
         ..tuned.clone()
     };
-    for (settings, batches) in [(tuned, 20), (mlp, 110)] {
+    for (settings, batches, reached) in [(tuned, 20, 0.9), (mlp, 200, 0.8)] {
         let network = settings.network;
         let plan = RunSpec {
             settings: Settings {
@@ -197,7 +197,7 @@ fn fleets_learn_missions_from_nothing() {
         let after = success(3);
         println!("{network:?}: {before} -> {after}");
         assert!(before < 0.6, "{network:?}: {before}");
-        assert!(after > 0.9, "{network:?}: {after}");
+        assert!(after > reached, "{network:?}: {after}");
     }
 }
 
