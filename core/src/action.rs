@@ -53,6 +53,7 @@ impl Motion {
 }
 
 /// Clips to [-1, 1]; the identity inside. NaN becomes -1 (callers refuse NaN before).
+// Proof: proofs/action.rs, clip_is_total
 #[inline(always)]
 #[must_use]
 pub fn clip(value: f32) -> f32 {
@@ -89,6 +90,7 @@ fn direction(u_dir: f32) -> (i32, i32) {
 }
 
 /// ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), u clipped, the result clipped to [ρ_min, ρ_max].
+// Proof: proofs/action.rs, pilot_density_stays_in_range
 #[inline(always)]
 #[must_use]
 pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
@@ -103,6 +105,7 @@ pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
 }
 
 /// Every UAV's action: its pilot density, then its motion, unless its battery grounds it or sends it home.
+// Proof: proofs/step.rs, beginning_a_step_keeps_the_state_valid
 #[inline(always)]
 pub(crate) fn act(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) {
     at_width!(model, act_in_blocks(model, state, actions));

@@ -84,6 +84,7 @@ pub fn emitted_ng(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
 
 /// A UAV's share of the carbon of its fleet: as its part of what was billed. The carbon itself is rounded
 /// once, for the fleet; a share need not be whole.
+// Proof: proofs/reward.rs, a_share_of_carbon_is_within_the_whole
 #[inline(always)]
 #[must_use]
 pub fn share_ng(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {

@@ -22,6 +22,7 @@ pub(crate) const fn by_pairs(uavs: usize) -> bool {
 }
 
 /// Builds the graph from positions and pilot densities.
+// Proof: proofs/communication.rs, building_the_graph_keeps_its_contract
 #[inline(always)]
 pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     if by_pairs(model.uav_count()) {
@@ -166,6 +167,7 @@ fn average<const W: usize>(state: &mut StateMut<'_>, sums: &[u64], block: Block<
 
 /// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's neighbours
 /// lie in its own bucket and the eight around it.
+// Proof: proofs/communication.rs, buckets_link_the_pairs_that_pairs_link
 #[inline(always)]
 pub(crate) fn link_by_buckets(
     model: &Model<'_>,
@@ -265,6 +267,7 @@ pub(crate) fn measure_throughput(model: &Model<'_>, state: &mut StateMut<'_>) {
 }
 
 /// η̄_i: the mean over neighbours of ρ_comm,i · log2(1 + SNR_ij)/6; 0 without any.
+// Proof: proofs/communication.rs, a_mean_throughput_is_bounded
 #[inline(always)]
 pub(crate) fn mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
     // Without neighbours the sum is 0, over anything.

@@ -62,6 +62,7 @@ pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happ
 /// `links` and `rows` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
 /// `unreached` (a set of UAVs) and `union` (one row) are working memory. Each UAV enters `order` once,
 /// which bounds every loop.
+// Proof: proofs/knowledge.rs, consensus_equals_the_papers_iterations
 #[inline(always)]
 pub fn consensus(
     uavs: usize,
@@ -113,6 +114,7 @@ pub fn consensus(
 }
 
 /// [`consensus`] where a word holds the fleet and another a row: the component found so far is a set.
+// Proof: proofs/knowledge.rs, fast_consensus_equals_the_papers_iterations
 #[inline(always)]
 pub(crate) fn consensus_of_words(links: &[u64], rows: &mut [u64]) {
     let mut unreached = bits::valid_mask(0, rows.len());

@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::state::StateMut;
 
 /// The cell after a motion; a move off the grid is a stay.
+// Proof: proofs/motion.rs, every_motion_ends_on_the_grid
 #[inline(always)]
 #[must_use]
 pub const fn destination(cell: Cell, motion: Motion, width: u32, height: u32) -> Cell {
@@ -67,6 +68,7 @@ pub(crate) fn fly_home(model: &Model<'_>, state: &mut StateMut<'_>, first: usize
 }
 
 /// The motion that brings a UAV one cell nearer to a target, x before y; stay once there.
+// Proof: proofs/motion.rs, returning_nears_the_depot
 #[inline(always)]
 #[must_use]
 pub const fn toward(from: Cell, to: Cell) -> Motion {

@@ -100,6 +100,7 @@ pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
 
 /// Whether a 32-bit draw is below p · 2^32, p = 1 / (1 + odds against): a whole number is below the whole part of a real
 /// if the next one is not above the real.
+// Proof: proofs/tables.rs, a_lower_draw_detects_too
 #[inline(always)]
 #[must_use]
 pub fn detects(draw: u32, odds_against: f64) -> bool {

@@ -65,6 +65,7 @@ pub(crate) fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64
 
 /// Draws distinct cells without a depot: Floyd's sampling makes every set equally likely in n draws,
 /// a Fisher-Yates shuffle then makes every order so. (R. Floyd, J. Bentley, CACM 30(9), 1987.)
+// Proof: proofs/reset.rs, hotspots_lie_apart
 pub(crate) fn place_hotspots(
     model: &Model<'_>,
     state: &mut StateMut<'_>,

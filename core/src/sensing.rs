@@ -30,6 +30,7 @@ pub(crate) fn look_around(model: &Model<'_>, state: &mut StateMut<'_>) {
 
 /// Draws a detection for every UAV that is not grounded and every hotspot that it does not know;
 /// confirms hotspots with at least θ positives; UAVs learn what they detected and is confirmed.
+// Proof: proofs/step.rs, sensing_keeps_the_state_valid
 #[inline(always)]
 pub(crate) fn sense_and_learn(
     model: &Model<'_>,

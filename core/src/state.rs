@@ -1,6 +1,16 @@
 //! The state: one slab of words in the caller's memory, seen as named quantities.
 //!
 //! A state holds no pointer, so that a snapshot is one copy and a thousand states lie side by side.
+//!
+//! The slab, in words, for N UAVs and n hotspots; the list below is its order:
+//!
+//! ```text
+//! | header | N words each: cells .. potentials | own rewards | UAV sets | n words each | hotspot sets |
+//! | scalars| one row a quantity               | 7 N         | N bits   | cells, times | n bits       |
+//!
+//! | knowledge     | links          | visited     | searched       | given | detected      |
+//! | N rows of n b | N rows of N b  | W H bits    | N rows, or none| N     | N rows of n b |
+//! ```
 
 use crate::bits;
 use crate::config::Cell;
