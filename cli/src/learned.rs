@@ -8,6 +8,7 @@ use jcas_policy::head::Mode;
 use jcas_policy::{PilotMode, Policy};
 
 use crate::error::CliError;
+use crate::planned;
 
 /// Makes policies for one model; one for each worker.
 pub type PolicyFactory = Box<dyn Fn() -> Box<dyn Policy> + Sync>;
@@ -19,6 +20,9 @@ pub fn is_policy(name: &str) -> bool {
 
 /// The pilot rule that a report names: a trained policy that may adapt follows its own.
 pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
+    if planned::is_plan(policy) {
+        return "planned";
+    }
     match PilotMode::named(pilot) {
         Ok(PilotMode::Adaptive) if is_policy(policy) => "learned",
         _ => pilot,

@@ -5,10 +5,12 @@
 mod commands;
 pub mod config_source;
 pub mod error;
+pub mod export;
 pub mod files;
 pub mod interrupt;
 pub mod learned;
 pub mod options;
+pub mod planned;
 mod progress;
 mod serve;
 mod sweep;

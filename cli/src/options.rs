@@ -10,6 +10,7 @@ use jcas_policy::{BaselineKind, PilotMode};
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::CliError;
 use crate::learned::{self, PolicyFactory};
+use crate::planned;
 
 /// Where the configuration comes from.
 #[derive(Args, Clone, Debug)]
@@ -72,6 +73,10 @@ impl MissionOptions {
     /// The configuration for a policy. What a trained one was trained on holds, unless the options
     /// say otherwise; what they change is said on standard error.
     pub fn load_for(&self, policy: &str) -> Result<Config, CliError> {
+        if let Some(path) = planned::file_of(policy) {
+            let planned_for = planned::read(path)?.config;
+            return self.over(self.config.source_over(ConfigSource::of(&planned_for))?);
+        }
         if !learned::is_policy(policy) {
             return self.load();
         }
@@ -96,8 +101,8 @@ impl MissionOptions {
 /// Who flies.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, or the folder
-    /// of a trained policy
+    /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, plan, replan,
+    /// plan:FILE for a file of `jcas plan`, or the folder of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
     /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed
@@ -119,6 +124,9 @@ pub fn policy_factory(
 ) -> Result<PolicyFactory, CliError> {
     if learned::is_policy(policy) {
         return learned::factory(Path::new(policy), pilot, model, None);
+    }
+    if let Some(factory) = planned::factory(policy, model)? {
+        return Ok(factory);
     }
     let kind = BaselineKind::named(policy)?;
     let pilot = PilotMode::named(pilot)?;

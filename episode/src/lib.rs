@@ -2,6 +2,7 @@
 //!
 //! - [`card`]: trained policies on disk, with their cards;
 //! - [`mission`]: one episode, or a campaign of many over all cores;
+//! - [`planned`]: policies that fly plans; [`plan_file`]: plans on file;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
 //! - [`replay`]: a page that plays such an episode.
@@ -14,6 +15,8 @@
 
 pub mod card;
 pub mod mission;
+pub mod plan_file;
+pub mod planned;
 pub mod replay;
 pub mod statistics;
 pub mod trace;

@@ -86,10 +86,16 @@ impl Replanner {
     ) -> Result<(), PlanError> {
         let everyone: Vec<usize> = (0..state.uav_count()).collect();
         if self.views.is_empty() {
-            let view = self.first(model, state)?;
-            self.views.push(view);
-            self.view_of = vec![0; everyone.len()];
+            if model.config().target_visibility == TargetVisibility::Hidden {
+                self.prepare(model)?;
+            } else {
+                let known = vec![false; state.hotspot_count()];
+                let targets = Targets::known(model, &unknown_cells(state, &known))?;
+                let view = self.first(model, &targets, Situation::of(state))?;
+                self.views.push(view);
+            }
         }
+        self.view_of.resize(everyone.len(), 0);
         let mut open = everyone.clone();
         while let Some(&first) = open.first() {
             let members = component(state, first);
@@ -100,34 +106,40 @@ impl Replanner {
         Ok(())
     }
 
-    fn first(&self, model: &Model<'_>, state: &StateRef<'_>) -> Result<View, PlanError> {
-        let known = vec![false; state.hotspot_count()];
-        let hidden = model.config().target_visibility == TargetVisibility::Hidden;
-        let targets = if hidden {
-            Targets::hidden(model)
-        } else {
-            Targets::known(model, &unknown_cells(state, &known))?
-        };
-        // A plan that is kept for all missions holds for the least charges.
-        let situation = if hidden {
-            Situation::at_reset(model)
-        } else {
-            Situation::of(state)
-        };
-        let problem = Problem::new(model, &targets, situation)?;
+    /// Makes the first plan, which is that of every mission where hotspots are hidden.
+    ///
+    /// # Errors
+    /// [`PlanError`], where the fleet or the grid is too large.
+    pub fn prepare(&mut self, model: &Model<'_>) -> Result<(), PlanError> {
+        let targets = Targets::hidden(model);
+        // The plan holds for the least charges.
+        let view = self.first(model, &targets, Situation::at_reset(model))?;
+        self.views = vec![view];
+        Ok(())
+    }
+
+    fn first(
+        &self,
+        model: &Model<'_>,
+        targets: &Targets,
+        situation: Situation,
+    ) -> Result<View, PlanError> {
+        let problem = Problem::new(model, targets, situation)?;
         let settings = Settings {
             iterations: self.first_iterations,
             ..self.settings
         };
         let plan = improve(&problem, starts(&problem), &settings, &mut go_on);
         let weights = match targets.groups().first() {
-            Some(group) if hidden => group.weights.clone(),
+            Some(group) if model.config().target_visibility == TargetVisibility::Hidden => {
+                group.weights.clone()
+            }
             _ => Vec::new(),
         };
         Ok(View {
-            first_step: state.t(),
+            first_step: problem.situation().step,
             plan,
-            known,
+            known: vec![false; model.hotspot_count()],
             weights,
         })
     }

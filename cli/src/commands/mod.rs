@@ -3,6 +3,7 @@
 mod bench;
 mod config;
 mod evaluate;
+mod plan;
 mod play;
 mod replay;
 mod simulate;
@@ -20,6 +21,7 @@ use crate::error::{CliError, Outcome};
 pub enum Command {
     Tour(tour::Tour),
     Simulate(simulate::Simulate),
+    Plan(plan::Plan),
     Sweep(sweep::Sweep),
     Evaluate(evaluate::Evaluate),
     #[command(subcommand)]
@@ -37,6 +39,7 @@ impl Command {
         match self {
             Self::Tour(command) => command.run(),
             Self::Simulate(command) => command.run(),
+            Self::Plan(command) => command.run(),
             Self::Sweep(command) => command.run(),
             Self::Evaluate(command) => command.run(),
             Self::Trace(command) => command.run(),

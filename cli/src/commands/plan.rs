@@ -1,0 +1,265 @@
+//! `jcas plan`: a plan of a mission, with what it is expected to take.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use jcas_core::{Cell, Model, Sim, TargetVisibility};
+use jcas_episode::plan_file::PlanFile;
+use jcas_episode::planned::Planned;
+use jcas_plan::{Plan as Flights, Progress, Settings, search, tour};
+
+use super::replay::fly_page;
+use crate::error::{CliError, Outcome};
+use crate::export::{Place, geojson, mission_of, picture};
+use crate::learned::PolicyFactory;
+use crate::options::{EpisodeOptions, MissionOptions};
+use crate::{files, interrupt, progress};
+
+const EXAMPLES: &str = "\
+Examples:
+  jcas plan --preset search --uavs 10
+  jcas plan --preset search --uavs 10 --time-limit 10 -o plan.json --picture plan.svg
+  jcas plan --preset paper --episode 3 --page flight.html
+  jcas plan --preset search --depot 48.137,11.575 --geojson plan.geojson --qgroundcontrol flights
+  jcas simulate --policy plan:plan.json";
+
+/// Plan a mission: trajectories of least expected time, by simulated annealing
+///
+/// Hidden hotspots are searched for in all cells; known ones are those of --hotspot, or of the
+/// episode. The plan is flown without feedback until all are confirmed, then the fleet gathers. It
+/// depends on configuration, seed and iterations alone. A time limit or Ctrl-C ends the annealing
+/// early; the best plan so far is kept.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Plan {
+    #[command(flatten)]
+    mission: MissionOptions,
+    /// Moves that the annealing tries
+    #[arg(long, value_name = "COUNT", default_value_t = 1_000_000)]
+    iterations: u64,
+    /// Seed of the annealing
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    plan_seed: u64,
+    /// Seconds after which the annealing ends early
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    time_limit: Option<f64>,
+    /// Cell of a known hotspot, x,y; once for each
+    #[arg(long, value_name = "X,Y", value_parser = cell)]
+    hotspot: Vec<Cell>,
+    #[command(flatten)]
+    episode: EpisodeOptions,
+    /// Plan to write, as JSON
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        default_value = "plan.json",
+        help_heading = "Output"
+    )]
+    out: PathBuf,
+    /// Picture of the trajectories to write, as SVG
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    picture: Option<PathBuf>,
+    /// Page to write that plays the episode as the plan flies it, as HTML
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    page: Option<PathBuf>,
+    /// Trajectories to write, as GeoJSON; takes --depot
+    #[arg(long, value_name = "FILE", requires = "depot", help_heading = "Output")]
+    geojson: Option<PathBuf>,
+    /// Folder for a QGroundControl plan of each UAV; takes --depot
+    #[arg(long, value_name = "DIR", requires = "depot", help_heading = "Output")]
+    qgroundcontrol: Option<PathBuf>,
+    /// Where the first depot is: latitude and longitude, degrees; x points east, y north
+    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true, help_heading = "Output")]
+    depot: Option<(f64, f64)>,
+    /// Altitude of the flights above the depot
+    #[arg(long, value_name = "M", default_value_t = 50.0, value_parser = positive, help_heading = "Output")]
+    altitude_m: f64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a number above 0".to_owned()),
+    }
+}
+
+fn cell(text: &str) -> Result<Cell, String> {
+    let pair = text.split_once(',').and_then(|(x, y)| {
+        let (x, y) = (x.trim().parse().ok()?, y.trim().parse().ok()?);
+        Some(Cell { x, y })
+    });
+    pair.ok_or_else(|| "must be a column and a row, such as 3,8".to_owned())
+}
+
+fn place(text: &str) -> Result<(f64, f64), String> {
+    let pair = text.split_once(',').and_then(|(latitude, longitude)| {
+        let latitude: f64 = latitude.trim().parse().ok()?;
+        let longitude: f64 = longitude.trim().parse().ok()?;
+        (latitude.abs() < 89.0 && longitude.abs() <= 180.0).then_some((latitude, longitude))
+    });
+    pair.ok_or_else(|| "must be a latitude and a longitude, such as 48.137,11.575".to_owned())
+}
+
+impl Plan {
+    /// Plans and reports.
+    pub fn run(self) -> Result<Outcome, CliError> {
+        let model = Model::new(self.mission.load()?)?;
+        let hotspots = self.hotspots(&model)?;
+        let plan = self.anneal(&model, hotspots.as_deref())?;
+        let file = PlanFile::new(&model, &plan, hotspots);
+        files::write_atomically(&self.out, |out| {
+            serde_json::to_writer(&mut *out, &file).map_err(CliError::input)
+        })?;
+        self.export(&model, &file, &plan)?;
+        if self.json {
+            files::print_json(&Report::of(&file))?;
+        } else {
+            files::print(&self.text(&file))?;
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// The cells of known hotspots; none where they are hidden.
+    fn hotspots(&self, model: &Model<'_>) -> Result<Option<Vec<Cell>>, CliError> {
+        if !self.hotspot.is_empty() {
+            if self.hotspot.len() == model.hotspot_count() {
+                return Ok(Some(self.hotspot.clone()));
+            }
+            return Err(CliError::input(format!(
+                "hotspot: {} cells are given for {} hotspots (hotspot_count)",
+                self.hotspot.len(),
+                model.hotspot_count()
+            )));
+        }
+        if model.config().target_visibility == TargetVisibility::Hidden {
+            return Ok(None);
+        }
+        let mut sim = Sim::new(model);
+        sim.reset(self.episode.seed());
+        let state = sim.state();
+        let cells = (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
+        Ok(Some(cells.collect()))
+    }
+
+    fn anneal(&self, model: &Model<'_>, hotspots: Option<&[Cell]>) -> Result<Flights, CliError> {
+        let settings = Settings {
+            iterations: self.iterations,
+            seed: self.plan_seed,
+        };
+        let bar = progress::bar(self.iterations, "moves");
+        let limit = self.time_limit.map(Duration::from_secs_f64);
+        let start = Instant::now();
+        let mut report = |now: Progress| {
+            bar.set_position(now.iterations);
+            if limit.is_some_and(|limit| start.elapsed() >= limit) {
+                return ControlFlow::Break(());
+            }
+            interrupt::check()
+        };
+        let plan = match hotspots {
+            Some(cells) => tour(model, cells, &settings, &mut report),
+            None => search(model, &settings, &mut report),
+        };
+        bar.finish_and_clear();
+        plan.map_err(CliError::input)
+    }
+
+    fn export(&self, model: &Model<'_>, file: &PlanFile, plan: &Flights) -> Result<(), CliError> {
+        if let Some(path) = &self.picture {
+            files::write_bytes(path, picture(file).as_bytes())?;
+        }
+        if let Some(path) = &self.page {
+            let flown = plan.clone();
+            let factory: PolicyFactory = Box::new(move || Box::new(Planned::new(flown.clone())));
+            fly_page(path, model, &factory, self.episode.seed())?;
+        }
+        let Some((latitude, longitude)) = self.depot else {
+            return Ok(());
+        };
+        let place = Place {
+            latitude,
+            longitude,
+            altitude_m: self.altitude_m,
+        };
+        if let Some(path) = &self.geojson {
+            write_json(path, &geojson(file, model.depots()[0], place))?;
+        }
+        if let Some(folder) = &self.qgroundcontrol {
+            files::prepare_folder(folder)?;
+            for uav in 0..file.uavs.len() {
+                let path = folder.join(format!("uav-{}.plan", uav + 1));
+                write_json(&path, &mission_of(file, uav, model.depots()[0], place))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn text(&self, file: &PlanFile) -> String {
+        let mut text = format!(
+            "{} UAVs, {} hotspots, {} moves, seed {}\n\n\
+             expected mission time {:8.2} steps\n\
+             until all confirmed   {:8.2} steps\n\
+             success               {:8.4}\n\
+             before the annealing  {:8.2} steps\n\
+             no fixed plan below   {:8.2} steps\n\n\
+             {}\n",
+            file.uavs.len(),
+            file.config.hotspot_count,
+            file.iterations,
+            file.seed,
+            file.expected_steps,
+            file.expected_confirmed_steps,
+            file.success,
+            file.start_steps,
+            file.bound_steps,
+            self.out.display()
+        );
+        if file.stopped {
+            text += &format!(
+                "\nThe annealing was ended after {} of {} moves; the plan depends on when.\n",
+                file.iterations, self.iterations
+            );
+        }
+        text
+    }
+}
+
+fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
+    files::write_bytes(path, format!("{value:#}\n").as_bytes())
+}
+
+/// What `--json` prints: the plan without its trajectories.
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    config_hash: &'a str,
+    seed: u64,
+    iterations: u64,
+    stopped: bool,
+    expected_steps: f64,
+    expected_confirmed_steps: f64,
+    success: f64,
+    start_steps: f64,
+    bound_steps: f64,
+}
+
+impl<'a> Report<'a> {
+    fn of(file: &'a PlanFile) -> Self {
+        Self {
+            config_hash: &file.config_hash,
+            seed: file.seed,
+            iterations: file.iterations,
+            stopped: file.stopped,
+            expected_steps: file.expected_steps,
+            expected_confirmed_steps: file.expected_confirmed_steps,
+            success: file.success,
+            start_steps: file.start_steps,
+            bound_steps: file.bound_steps,
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! Plans on file, as JSON.
+
+use std::fmt;
+
+use jcas_core::{Cell, Config, Model};
+use jcas_plan::{Expectation, Paths, Plan};
+use serde::{Deserialize, Serialize};
+
+/// Version of the file that is written and read.
+pub const FORMAT: u32 = 1;
+
+/// A plan with the configuration that it was made for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanFile {
+    /// Version of the file, [`FORMAT`].
+    pub format: u32,
+    /// Hash of the configuration.
+    pub config_hash: String,
+    /// Seed of the annealing.
+    pub seed: u64,
+    /// Moves that the annealing tried.
+    pub iterations: u64,
+    /// Whether the annealing was ended before the moves that were asked for.
+    pub stopped: bool,
+    /// Expected steps until the end of the mission.
+    pub expected_steps: f64,
+    /// Expected steps until every hotspot is confirmed.
+    pub expected_confirmed_steps: f64,
+    /// Probability that the mission ends before the horizon.
+    pub success: f64,
+    /// Expected steps of the trajectories that the annealing began with.
+    pub start_steps: f64,
+    /// Steps that every fixed plan takes at least, in expectation.
+    pub bound_steps: f64,
+    /// Cells of the hotspots, where the plan was made for known ones.
+    pub hotspots: Option<Vec<Cell>>,
+    /// The trajectories.
+    pub uavs: Vec<Trajectory>,
+    /// The configuration.
+    pub config: Config,
+}
+
+/// The trajectory of one UAV.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Trajectory {
+    /// Its cell before the first step, then after each step.
+    pub cells: Vec<Cell>,
+    /// Its pilot density in each step.
+    pub pilot_density: Vec<f64>,
+}
+
+/// Why a file holds no plan for a model.
+#[derive(Debug)]
+pub enum PlanFileError {
+    /// It is no JSON of a plan.
+    Json(serde_json::Error),
+    /// It does not hold a plan that this program can fly.
+    Content(&'static str),
+    /// It was made for another configuration.
+    Configuration {
+        /// Hash of the configuration that it was made for.
+        planned: String,
+        /// Hash of the configuration that is flown.
+        flown: String,
+    },
+}
+
+impl fmt::Display for PlanFileError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Json(error) => write!(out, "no plan: {error}"),
+            Self::Content(what) => write!(out, "no plan: {what}"),
+            Self::Configuration { planned, flown } => {
+                write!(out, "made for the configuration {planned}, not for {flown}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for PlanFileError {}
+
+fn hash_text(hash: u64) -> String {
+    format!("0x{hash:016x}")
+}
+
+impl PlanFile {
+    /// What is written of a plan.
+    #[must_use]
+    pub fn new(model: &Model<'_>, plan: &Plan, hotspots: Option<Vec<Cell>>) -> Self {
+        let steps = plan.paths.steps();
+        let uavs = (0..plan.paths.uav_count()).map(|uav| Trajectory {
+            cells: (0..=steps).map(|step| plan.cell(uav, step)).collect(),
+            pilot_density: (1..=steps)
+                .map(|step| plan.pilot_density(uav, step))
+                .collect(),
+        });
+        Self {
+            format: FORMAT,
+            config_hash: hash_text(plan.config_hash),
+            seed: plan.seed,
+            iterations: plan.iterations,
+            stopped: plan.stopped,
+            expected_steps: plan.expected.steps,
+            expected_confirmed_steps: plan.expected.confirmed_steps,
+            success: plan.expected.success,
+            start_steps: plan.start_steps,
+            bound_steps: plan.bound_steps,
+            hotspots,
+            uavs: uavs.collect(),
+            config: *model.config(),
+        }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`PlanFileError::Json`], [`PlanFileError::Content`].
+    pub fn parse(text: &str) -> Result<Self, PlanFileError> {
+        let file: Self = serde_json::from_str(text).map_err(PlanFileError::Json)?;
+        if file.format == FORMAT {
+            Ok(file)
+        } else {
+            Err(PlanFileError::Content("format: must be 1"))
+        }
+    }
+
+    /// The plan, for a model.
+    ///
+    /// # Errors
+    /// [`PlanFileError::Configuration`] for another model than that of the plan;
+    /// [`PlanFileError::Content`] where the trajectories are not those of a fleet of the model.
+    pub fn plan(&self, model: &Model<'_>) -> Result<Plan, PlanFileError> {
+        let flown = hash_text(model.config_hash());
+        if self.config_hash != flown {
+            return Err(PlanFileError::Configuration {
+                planned: self.config_hash.clone(),
+                flown,
+            });
+        }
+        let config = model.config();
+        let steps = self.uavs.first().map_or(0, |uav| uav.pilot_density.len());
+        let fits = |uav: &Trajectory| {
+            uav.cells.len() == steps + 1
+                && uav.pilot_density.len() == steps
+                && uav.cells[0] == model.depots()[0]
+                && uav
+                    .cells
+                    .windows(2)
+                    .all(|pair| pair[0].manhattan(pair[1]) <= 1)
+                && uav
+                    .cells
+                    .iter()
+                    .all(|cell| cell.x < config.grid_width && cell.y < config.grid_height)
+        };
+        if self.uavs.len() != model.uav_count() || !self.uavs.iter().all(fits) {
+            return Err(PlanFileError::Content(
+                "uavs: must be one trajectory for each UAV, from the depot, over cells of the grid \
+                 that are neighbours",
+            ));
+        }
+        let mut densities: Vec<f64> = Vec::new();
+        let start = config.grid_width * model.depots()[0].y + model.depots()[0].x;
+        let mut paths = Paths::hovering(&vec![start; self.uavs.len()], steps, 0);
+        for (uav, trajectory) in self.uavs.iter().enumerate() {
+            for (step, &density) in trajectory.pilot_density.iter().enumerate() {
+                if !(density >= config.pilot_density_min && density <= config.pilot_density_max) {
+                    return Err(PlanFileError::Content(
+                        "pilot_density: must lie between pilot_density_min and pilot_density_max",
+                    ));
+                }
+                let known = densities.iter().position(|&other| other == density);
+                let level = known.unwrap_or(densities.len());
+                if known.is_none() {
+                    densities.push(density);
+                }
+                let level = u8::try_from(level).map_err(|_| {
+                    PlanFileError::Content("pilot_density: must have at most 256 values")
+                })?;
+                let cell = trajectory.cells[step + 1];
+                paths.set(uav, step + 1, cell.y * config.grid_width + cell.x, level);
+            }
+        }
+        Ok(Plan {
+            config_hash: model.config_hash(),
+            seed: self.seed,
+            iterations: self.iterations,
+            stopped: self.stopped,
+            first_step: 0,
+            paths,
+            densities,
+            grid_width: config.grid_width,
+            expected: Expectation {
+                steps: self.expected_steps,
+                confirmed_steps: self.expected_confirmed_steps,
+                success: self.success,
+            },
+            start_steps: self.start_steps,
+            bound_steps: self.bound_steps,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use jcas_core::Preset;
+    use jcas_plan::{Settings, search};
+
+    use super::*;
+
+    #[test]
+    fn a_file_gives_the_plan_back() {
+        let config = Config {
+            uav_count: 4,
+            ..Config::preset(Preset::Search)
+        };
+        let model = Model::new(config).unwrap();
+        let settings = Settings {
+            iterations: 1_000,
+            seed: 1,
+        };
+        let plan = search(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        let file = PlanFile::new(&model, &plan, None);
+        let text = serde_json::to_string(&file).unwrap();
+        let read = PlanFile::parse(&text).unwrap();
+        assert_eq!(read, file);
+        let back = read.plan(&model).unwrap();
+        for uav in 0..4 {
+            for step in 1..=plan.paths.steps() {
+                assert_eq!(back.cell(uav, step), plan.cell(uav, step));
+                assert_eq!(back.pilot_density(uav, step), plan.pilot_density(uav, step));
+            }
+        }
+        let other = Model::new(Config {
+            uav_count: 5,
+            ..config
+        })
+        .unwrap();
+        assert!(matches!(
+            read.plan(&other),
+            Err(PlanFileError::Configuration { .. })
+        ));
+        let mut torn = file;
+        torn.uavs[2].cells[7] = Cell { x: 0, y: 0 };
+        assert!(matches!(torn.plan(&model), Err(PlanFileError::Content(_))));
+    }
+}
