@@ -13,8 +13,16 @@ use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(900);
 
-/// Crates that hold mutants and their twins.
-const CRATES: [&str; 4] = ["core", "ffi", "policy", "verification"];
+/// Crates that hold mutants and their twins, and those that they depend on.
+const CRATES: [&str; 7] = [
+    "core",
+    "ffi",
+    "plan",
+    "policy",
+    "simd",
+    "trace",
+    "verification",
+];
 
 /// Tries the mutants that `names` select; true if every one is caught.
 pub fn run(arguments: &[String]) -> Result<bool, String> {
