@@ -3,10 +3,18 @@
 use super::{Done, Machine, judge};
 use crate::sampling::Dice;
 use crate::specification::Position;
-use jcas_core::Cell;
 use jcas_core::header::Phase;
+use jcas_core::host::Call;
+use jcas_core::{Cell, Error};
 
 impl Machine<'_> {
+    /// Makes a call of a host.
+    fn call(&mut self, dice: &mut Dice, call: &Call<'_>) -> Result<(), Error> {
+        self.open(dice, |model, state, scratch| {
+            call.apply(model, state, scratch)
+        })
+    }
+
     /// Any cell, one time in ten off the grid.
     fn any_cell(&self, dice: &mut Dice) -> Cell {
         let config = self.model.config();
@@ -27,7 +35,7 @@ impl Machine<'_> {
         let cells: Vec<Cell> = (0..uavs).map(|_| self.any_cell(dice)).collect();
         let legal = cells.iter().all(|&cell| self.on_grid(cell));
         let due = self.phase() == Phase::Moved;
-        let done = self.open(dice, |model, state, _| model.set_positions(state, &cells));
+        let done = self.call(dice, &Call::SetPositions { cells: &cells });
         if done.is_ok() {
             self.shadow.host.positions = Some(cells.iter().copied().map(position).collect());
             // The specification keeps UAVs on the ground last, as the calls' documentation says to do.
@@ -48,7 +56,7 @@ impl Machine<'_> {
         let uavs = self.model.uav_count();
         let uav = Self::any_index(dice, uavs);
         let due = self.phase() == Phase::Moved;
-        let done = self.open(dice, |model, state, _| model.ground(state, uav));
+        let done = self.call(dice, &Call::Ground { uav });
         if done.is_ok() {
             self.shadow.host.grounded.push(uav);
         }
@@ -59,9 +67,7 @@ impl Machine<'_> {
         let hotspots = self.model.hotspot_count();
         let hotspot = Self::any_index(dice, hotspots);
         let due = self.phase() == Phase::Moved;
-        let done = self.open(dice, |model, state, _| {
-            model.confirm_hotspot(state, hotspot)
-        });
+        let done = self.call(dice, &Call::ConfirmHotspot { hotspot });
         if done.is_ok() {
             self.shadow.host.confirmed.push(hotspot);
         }
@@ -78,9 +84,12 @@ impl Machine<'_> {
             detections.push(1);
         }
         let due = self.phase() == Phase::Moved;
-        let done = self.open(dice, |model, state, scratch| {
-            model.step_sense_with(state, scratch, &detections)
-        });
+        let done = self.call(
+            dice,
+            &Call::StepSenseWith {
+                detections: &detections,
+            },
+        );
         if done.is_ok() {
             let rows = detections.chunks(hotspots);
             let rows = rows.map(|row| row.iter().map(|&byte| byte != 0).collect());
@@ -112,9 +121,13 @@ impl Machine<'_> {
             .flatten()
             .all(|value| (0.0..=1e9).contains(value));
         let due = self.phase() == Phase::Sensed;
-        let done = self.open(dice, |model, state, scratch| {
-            model.step_communicate_with(state, scratch, &links, measured.as_deref())
-        });
+        let done = self.call(
+            dice,
+            &Call::StepCommunicateWith {
+                links: &links,
+                throughput: measured.as_deref(),
+            },
+        );
         if done.is_ok() {
             let rows = links.chunks(uavs);
             let rows = rows.map(|row| row.iter().map(|&byte| byte != 0).collect());
@@ -129,9 +142,7 @@ impl Machine<'_> {
         let cells: Vec<Cell> = (0..uavs).map(|_| self.any_cell(dice)).collect();
         let legal = cells.iter().all(|&cell| self.on_grid(cell));
         let due = self.at_the_start();
-        let done = self.open(dice, |model, state, scratch| {
-            model.set_starts(state, scratch, &cells)
-        });
+        let done = self.call(dice, &Call::SetStarts { cells: &cells });
         if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
             let starts: Vec<Position> = cells.iter().copied().map(position).collect();
             self.spec.set_starts(world, &starts);
@@ -158,9 +169,7 @@ impl Machine<'_> {
         };
         let legal = (0..count).all(|index| apart(index) && fits(index));
         let due = self.at_the_start();
-        let done = self.open(dice, |model, state, scratch| {
-            model.set_hotspots(state, scratch, &cells)
-        });
+        let done = self.call(dice, &Call::SetHotspots { cells: &cells });
         if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
             world.hotspot = cells.iter().map(|&cell| position(cell)).collect();
         }
@@ -177,9 +186,12 @@ impl Machine<'_> {
             charges[0] = capacity + 1;
         }
         let due = self.at_the_start();
-        let done = self.open(dice, |model, state, scratch| {
-            model.set_batteries(state, scratch, &charges)
-        });
+        let done = self.call(
+            dice,
+            &Call::SetBatteries {
+                charges_uj: &charges,
+            },
+        );
         if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
             self.spec.set_batteries(world, &charges);
         }
@@ -195,9 +207,13 @@ impl Machine<'_> {
             any_charge(dice, capacity)
         };
         let due = self.phase() == Phase::Ready;
-        let done = self.open(dice, |model, state, scratch| {
-            model.set_battery(state, scratch, uav, charge)
-        });
+        let done = self.call(
+            dice,
+            &Call::SetBattery {
+                uav,
+                charge_uj: charge,
+            },
+        );
         if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
             self.spec.set_battery(world, uav, charge);
         }
@@ -213,9 +229,7 @@ impl Machine<'_> {
             (0..hotspots).any(|other| other != hotspot && state.hotspot_cell(other) == cell);
         let free = self.on_grid(cell) && !taken && !self.model.depots().contains(&cell);
         let due = self.phase() == Phase::Ready;
-        let done = self.open(dice, |model, state, scratch| {
-            model.move_hotspot(state, scratch, hotspot, cell)
-        });
+        let done = self.call(dice, &Call::MoveHotspot { hotspot, cell });
         if let (Ok(()), Some(world)) = (&done, &mut self.shadow.world) {
             world.hotspot[hotspot] = position(cell);
         }
