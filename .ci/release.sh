@@ -5,3 +5,6 @@ set -euo pipefail
 
 # In one command, so that everything is built once, for one set of features.
 cargo test --locked --release --package jcas-tests --package jcas-cli --test golden --test cards --test shipped
+
+# A hundred thousand flown missions against the expected time of their plan.
+cargo test --locked --release --package jcas-plan -- --include-ignored
