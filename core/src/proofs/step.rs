@@ -31,7 +31,9 @@ pub fn beginning_a_step_keeps_the_state_valid() {
     kani::cover!(new.returning(0) && new.moved(0), "a UAV on its way home");
     kani::cover!(new.t() == model.config().horizon_steps, "the last step");
     assert!(new.t() == old.t() + 1 && new.t() <= model.config().horizon_steps);
-    assert!(!(new.grounded(0) && new.moved(0)));
+    for i in 0..model.uav_count() {
+        assert!(!(new.grounded(i) && new.moved(i)));
+    }
     carries_scalars(&old, &new);
     assert!(new.header.phase() == Some(Phase::Moved));
     assert!(new.fleet_is_valid(&model, Phase::Moved));
