@@ -1,4 +1,5 @@
-// Films a mission of the playground: one picture for each part of a step, for an animated image in a document.
+// Films a mission of the playground: it takes one picture for each part of a step, for an animated
+// image in a document.
 //
 //   cargo xtask web
 //   node web/film.mjs target/web/index.html '{"preset":"search","policy":"search","seed":2,"set":{"uav_count":15,"hotspot_count":7}}' FOLDER [PARTS]

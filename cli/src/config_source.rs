@@ -1,7 +1,7 @@
-//! A configuration put together from a preset, a file and single fields.
+//! Builds a configuration from a preset, a file and single fields.
 //!
-//! Each source replaces only what it names; the rules between fields are checked when all are
-//! known.
+//! Each source replaces only the fields that it names. Rules between fields are checked after the
+//! last source.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ impl From<PresetName> for Preset {
     }
 }
 
-/// Values of fields, not yet checked against each other.
+/// Values of fields that are not yet checked against each other.
 #[derive(Clone, Debug)]
 pub struct ConfigSource {
     config: Config,
@@ -50,8 +50,8 @@ impl ConfigSource {
         Self { config: *config }
     }
 
-    /// The fields that differ from another's, in the order of their declaration, each with words
-    /// that say how.
+    /// The fields that differ from those of `other`, in the order of their declaration, each with a
+    /// description of the difference.
     pub fn changes_from(&self, other: &Self) -> Vec<(&'static str, String)> {
         let shown = |value: &FieldValue| match value.is_derived() {
             true => "derived".to_owned(),
@@ -69,7 +69,8 @@ impl ConfigSource {
             .collect()
     }
 
-    /// Replaces the fields that a file names; all of them, first, if it names a preset.
+    /// Replaces the fields that a file names. If the file names a preset, its values replace all
+    /// fields first.
     pub fn overlay_file(&mut self, path: &Path) -> Result<(), CliError> {
         let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::InvalidData => CliError::file(path, "is not UTF-8 text"),
@@ -105,7 +106,7 @@ impl ConfigSource {
         Ok(())
     }
 
-    /// The configuration, with every field checked.
+    /// Returns the configuration after checking every field.
     pub fn resolve(&self) -> Result<Config, CliError> {
         self.config.validate().map_err(CliError::input)?;
         Ok(self.config)

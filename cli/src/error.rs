@@ -1,4 +1,4 @@
-//! What goes wrong, and the exit code that says so.
+//! Errors of commands, and the exit code of each.
 
 use core::fmt;
 use std::path::{Path, PathBuf};
@@ -8,23 +8,23 @@ use jcas_episode::mission::FlightError;
 use jcas_episode::trace::TraceError;
 use jcas_policy::PolicyError;
 
-/// How a command ended that did not fail.
+/// The outcome of a command that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// As asked.
+    /// The command did what it was asked to do.
     Done,
     /// A verification or comparison found a difference.
     Different,
 }
 
-/// Why a command failed.
+/// The reason why a command failed.
 #[derive(Debug)]
 pub enum CliError {
-    /// Something given is not acceptable; the message names it.
+    /// An input is not acceptable; the message names it.
     Input(String),
     /// A file could not be read or written.
     Io(PathBuf, std::io::Error),
-    /// Ctrl-C; the message says how to go on.
+    /// Ctrl-C stopped the command; the message says how to resume.
     Interrupted(String),
 }
 
@@ -42,7 +42,7 @@ const EXIT_INPUT: u8 = 2;
 const EXIT_IO: u8 = 3;
 const EXIT_INTERRUPTED: u8 = 130;
 
-/// What the process returns; an error is printed on standard error.
+/// Returns the exit code of a result; prints an error on standard error.
 pub fn exit_code(result: Result<Outcome, CliError>) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
@@ -55,23 +55,23 @@ pub fn exit_code(result: Result<Outcome, CliError>) -> ExitCode {
 }
 
 impl CliError {
-    /// An unacceptable input.
+    /// Builds the error of an unacceptable input.
     pub fn input(message: impl fmt::Display) -> Self {
         Self::Input(message.to_string())
     }
 
-    /// An unacceptable file.
+    /// Builds the error of an unacceptable file.
     pub fn file(path: &Path, message: impl fmt::Display) -> Self {
         Self::Input(format!("{}: {message}", path.display()))
     }
 
-    /// For `map_err` on file operations.
+    /// Builds the error of a file operation, for `map_err`.
     pub fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self + use<> {
         let path = path.to_owned();
         move |error| Self::Io(path, error)
     }
 
-    /// What went wrong with a trace file.
+    /// Builds the error of a trace file.
     pub fn trace(path: &Path, error: TraceError) -> Self {
         match error {
             TraceError::Io(error) => Self::Io(path.to_owned(), error),
@@ -79,7 +79,7 @@ impl CliError {
         }
     }
 
-    /// What the process returns.
+    /// The exit code of the error.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Input(_) => EXIT_INPUT,

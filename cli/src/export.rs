@@ -1,4 +1,4 @@
-//! A plan for other eyes: a picture, GeoJSON, QGroundControl plans.
+//! Exports a plan as a picture, GeoJSON, or QGroundControl plans.
 
 use std::fmt::Write;
 
@@ -10,18 +10,18 @@ use serde_json::{Value, json};
 const EARTH_RADIUS_M: f64 = 6_371_008.8;
 /// Side of a cell in the picture, in pixels.
 const CELL_PX: f64 = 44.0;
-/// Colours of the UAVs, one after the other.
+/// Colours of the UAVs, in order of their indices.
 const COLOURS: [&str; 10] = [
     "#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#bbbbbb", "#cc3311",
     "#009988", "#000000",
 ];
 
-/// Where the first depot is on earth, and how high the UAVs fly above it.
+/// The position of the first depot on earth, and the altitude of the UAVs above it.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// Degrees north.
+    /// Latitude, in degrees north.
     pub latitude: f64,
-    /// Degrees east.
+    /// Longitude, in degrees east.
     pub longitude: f64,
     /// Altitude above the depot.
     pub altitude_m: f64,
@@ -39,7 +39,7 @@ impl Place {
     }
 }
 
-/// The trajectories as lines, one feature for each UAV; one position for each step.
+/// The trajectories as GeoJSON lines: one feature for each UAV, one position for each step.
 #[must_use]
 pub fn geojson(file: &PlanFile, depot: Cell, place: Place) -> Value {
     let size_m = file.config.cell_size_m;
@@ -68,8 +68,8 @@ pub fn geojson(file: &PlanFile, depot: Cell, place: Place) -> Value {
     })
 }
 
-/// The mission of one UAV, as QGroundControl reads it: take-off, a waypoint for each cell, held as
-/// long as the UAV stays there, and the return.
+/// The mission of one UAV as a QGroundControl plan. It has a take-off, a waypoint for each cell and
+/// the return. The UAV holds each waypoint for as long as it stays in the cell.
 #[must_use]
 pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: Place) -> Value {
     const TAKE_OFF: u32 = 22;
@@ -86,7 +86,7 @@ pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: Place) -> Val
             }
             None => (0.0, 0.0, 0.0),
         };
-        // Frame 3 counts altitudes from home, frame 2 is that of commands without a place.
+        // Frame 3 counts altitudes from home; frame 2 belongs to commands without a position.
         items.push(json!({
             "type": "SimpleItem",
             "command": command,
@@ -108,7 +108,7 @@ pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: Place) -> Val
             .iter()
             .take_while(|&&cell| cell == here)
             .count();
-        // One step is the way there, where the UAV was elsewhere before.
+        // The first step in a cell is the travel to it, unless the UAV was already there.
         let moved = cells[step - 1] != here;
         let hold = stays - usize::from(moved);
         add(WAYPOINT, hold as f64 * config.step_duration_s, Some(here));
@@ -135,7 +135,7 @@ pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: Place) -> Val
     })
 }
 
-/// The trajectories over the grid, as SVG: until twice the expected time.
+/// Draws the trajectories over the grid as SVG, up to twice the expected time.
 #[must_use]
 pub fn picture(file: &PlanFile) -> String {
     let config = &file.config;
@@ -189,7 +189,7 @@ pub fn picture(file: &PlanFile) -> String {
     }
     let shown = 1 + (2.0 * file.expected_steps).ceil() as usize;
     for (uav, trajectory) in file.uavs.iter().enumerate() {
-        // Each UAV has a lane of its own, so that lines in one cell do not hide each other.
+        // Each UAV has its own lane, so that lines in one cell do not hide each other.
         let lane = (uav as f64 + 0.5) / file.uavs.len() as f64 - 0.5;
         let shift = lane * 0.6 * CELL_PX;
         let points: Vec<String> = trajectory

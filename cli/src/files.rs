@@ -1,4 +1,4 @@
-//! Files appear whole or not at all.
+//! File output that is complete or absent.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::error::CliError;
 
-/// Writes a file under a temporary name in its folder and renames it, so that a reader, a crash or
-/// a full disk never meets half a file.
+/// Writes a file under a temporary name in its folder and renames it. A reader, a crash or a full
+/// disk therefore never leaves a partial file under the final name.
 pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<T, CliError>,
@@ -18,7 +18,7 @@ pub fn write_atomically<T>(
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".jcas-").suffix(".part");
-    // The default is private to the user; results are ordinary files, as far as the umask allows.
+    // A temporary file is private to the user by default; results are as open as the umask allows.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(CliError::io(path))?;
@@ -32,20 +32,19 @@ pub fn write_atomically<T>(
     Ok(result)
 }
 
-/// Writes bytes as a whole file.
+/// Writes bytes as a complete file.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     write_atomically(path, |out| out.write_all(bytes).map_err(CliError::io(path)))
 }
 
-/// Creates a folder with its parents and makes sure that it can be written to, before hours of
-/// work.
+/// Creates a folder with its parents, and checks before hours of work that it is writable.
 pub fn prepare_folder(path: &Path) -> Result<(), CliError> {
     fs::create_dir_all(path).map_err(CliError::io(path))?;
     tempfile::tempfile_in(path).map_err(CliError::io(path))?;
     Ok(())
 }
 
-/// Prints to standard output; a reader that has gone away (`| head`) is no error.
+/// Prints to standard output. A closed pipe (`| head`) is no error.
 pub fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

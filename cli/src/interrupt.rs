@@ -1,15 +1,15 @@
-//! Ctrl-C: the first asks the command to stop where its results are whole, the second ends the
-//! process.
+//! Ctrl-C handling. The first Ctrl-C asks the command to stop where its results are complete; the
+//! second ends the process.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Exit code of a process ended by Ctrl-C, as shells report it.
+/// Exit code that shells report for a process ended by Ctrl-C.
 const EXIT_SIGINT: i32 = 130;
 
-/// Listens for Ctrl-C. Where that is not possible Ctrl-C ends the process at once, as ever.
+/// Listens for Ctrl-C. Where listening is not possible, Ctrl-C ends the process at once.
 pub fn listen() {
     let _ = ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
@@ -24,7 +24,7 @@ pub fn requested() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)
 }
 
-/// For progress callbacks.
+/// Tells a progress callback whether to continue.
 pub fn check() -> ControlFlow<()> {
     if requested() {
         ControlFlow::Break(())

@@ -1,4 +1,4 @@
-//! Trained policies wherever a baseline can be named: a folder with a `policy.json`.
+//! Trained policies, which are named by a folder with a `policy.json` in place of a baseline.
 
 use std::path::Path;
 
@@ -10,15 +10,15 @@ use jcas_policy::{PilotMode, Policy};
 use crate::error::CliError;
 use crate::planned;
 
-/// Makes policies for one model; one for each worker.
+/// A function that makes one policy for each worker.
 pub type PolicyFactory = Box<dyn Fn() -> Box<dyn Policy> + Sync>;
 
-/// Whether what was typed names a folder with a trained policy.
+/// Whether a name is a folder with a trained policy.
 pub fn is_policy(name: &str) -> bool {
     Path::new(name).join(CARD).is_file()
 }
 
-/// The pilot rule that a report names: a trained policy that may adapt follows its own.
+/// The pilot rule that a report names; an adaptive trained policy follows its own.
 pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
     if planned::is_plan(policy) {
         return "planned";
@@ -29,19 +29,19 @@ pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
     }
 }
 
-/// Reads a trained policy and makes sure that it fits the mission.
+/// Reads a trained policy and checks that it fits the model.
 pub fn open(folder: &Path, model: &Model<'_>) -> Result<StoredPolicy, CliError> {
     let stored = load(folder)?;
     stored.check(model)?;
     Ok(stored)
 }
 
-/// What a trained policy says of itself.
+/// The description of a trained policy on its card.
 pub fn card(folder: &Path) -> Result<Card, CliError> {
     Ok(load_card(folder)?)
 }
 
-/// Says on standard error where a mission differs from what a policy was trained on.
+/// Prints on standard error where a configuration differs from the one of a policy's training.
 pub fn say_changes(policy: &str, changes: &[(&str, String)]) {
     if !changes.is_empty() {
         let words: Vec<&str> = changes.iter().map(|(_, words)| words.as_str()).collect();
@@ -52,8 +52,8 @@ pub fn say_changes(policy: &str, changes: &[(&str, String)]) {
     }
 }
 
-/// Makes a trained policy for each worker; `mode` absent: as its card says. Its pilot density is
-/// its own where it may adapt, otherwise held.
+/// Makes a trained policy for each worker. Without `mode`, the card's mode applies. An adaptive
+/// pilot density is the policy's own; otherwise it is fixed.
 pub fn factory(
     folder: &Path,
     pilot: &str,

@@ -1,4 +1,4 @@
-//! The command `jcas`, and what the laboratory's command shares with it: options, errors, files.
+//! The command `jcas`, and the options, errors and files that the laboratory's command shares.
 
 #![forbid(unsafe_code)]
 

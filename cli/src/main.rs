@@ -14,8 +14,8 @@ Examples:
   jcas replay -o page.html               watch an episode in a browser
   jcas config show                       every field with its unit and legal range";
 
-/// Fleets of UAVs that sense and communicate with one OFDM waveform: fly them, sweep over fleets
-/// and settings, record and verify episodes, watch them.
+/// Simulate fleets of UAVs that sense and communicate with one OFDM waveform. Sweep over fleets and
+/// settings, record and verify episodes, play them back.
 #[derive(Parser)]
 #[command(name = "jcas", version, after_help = format!("{}\n\n{EXAMPLES}", error::EXIT_CODES), propagate_version = true)]
 struct Cli {

@@ -12,28 +12,28 @@ use crate::error::CliError;
 use crate::learned::{self, PolicyFactory};
 use crate::planned;
 
-/// Where the configuration comes from.
+/// Sources of the configuration.
 #[derive(Args, Clone, Debug)]
 pub struct ConfigOptions {
-    /// Values to start from, where the file names no preset of its own [default: what a trained
-    /// policy's card says, or mission]
+    /// Preset to start from; a preset that the file names replaces it [default: the configuration
+    /// on a trained policy's card, or mission]
     #[arg(long, value_enum, help_heading = "Configuration")]
     pub preset: Option<PresetName>,
     /// TOML or JSON file whose fields replace those of the preset
     #[arg(long, value_name = "FILE", help_heading = "Configuration")]
     pub config: Option<PathBuf>,
-    /// One field; may be repeated; comes after the file (`jcas config show` lists the fields)
+    /// One field; may be repeated; overrides the file (`jcas config show` lists the fields)
     #[arg(long, value_name = "FIELD=VALUE", help_heading = "Configuration")]
     pub set: Vec<String>,
 }
 
 impl ConfigOptions {
-    /// The values before they are checked.
+    /// The values before the check of rules between fields.
     pub fn source(&self) -> Result<ConfigSource, CliError> {
         self.source_over(ConfigSource::preset(PresetName::Mission))
     }
 
-    /// The same over a configuration that holds where neither preset nor file is given.
+    /// The values over a configuration that applies where neither preset nor file is given.
     fn source_over(&self, unless_given: ConfigSource) -> Result<ConfigSource, CliError> {
         let mut source = match (self.preset, &self.config) {
             (Some(preset), _) => ConfigSource::preset(preset),
@@ -50,10 +50,10 @@ impl ConfigOptions {
     }
 }
 
-/// A configuration with the two sizes that are changed most.
+/// Options for a configuration and the two sizes that change most often.
 #[derive(Args, Clone, Debug)]
 pub struct MissionOptions {
-    /// The configuration.
+    /// Sources of the configuration.
     #[command(flatten)]
     pub config: ConfigOptions,
     /// UAVs in the fleet [default: as configured]
@@ -65,13 +65,13 @@ pub struct MissionOptions {
 }
 
 impl MissionOptions {
-    /// The configuration, checked.
+    /// Returns the checked configuration.
     pub fn load(&self) -> Result<Config, CliError> {
         self.over(self.config.source()?)
     }
 
-    /// The configuration for a policy. What a trained one was trained on holds, unless the options
-    /// say otherwise; what they change is said on standard error.
+    /// The configuration for a policy. A trained policy keeps the configuration of its training
+    /// unless the options change it; standard error lists the changes.
     pub fn load_for(&self, policy: &str) -> Result<Config, CliError> {
         if let Some(path) = planned::file_of(policy) {
             let planned_for = planned::read(path)?.config;
@@ -98,25 +98,26 @@ impl MissionOptions {
     }
 }
 
-/// Who flies.
+/// Options for the policy and its pilot density.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
     /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, plan, replan,
     /// plan:FILE for a file of `jcas plan`, or the folder of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive (max near an unconfirmed
-    /// hotspot, min elsewhere; of a trained policy, its own)
+    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive. With adaptive, a baseline
+    /// takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its own
+    /// density
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }
 
 /// The best baseline over the paper's grid of fleets and hotspots.
 pub const DEFAULT_POLICY: &str = "teams";
-/// Senses as well as `max` and communicates better.
+/// This density senses as well as `max` and communicates better.
 pub const DEFAULT_PILOT: &str = "adaptive";
 
-/// Finds a policy by what was typed.
+/// Finds a policy by its name on the command line.
 pub fn policy_factory(
     policy: &str,
     pilot: &str,
@@ -130,25 +131,25 @@ pub fn policy_factory(
     }
     let kind = BaselineKind::named(policy)?;
     let pilot = PilotMode::named(pilot)?;
-    // Refused here, once, where the model withholds what the baseline reads.
+    // A baseline that reads what the model withholds is refused here, once.
     kind.build(model, pilot)?;
     Ok(Box::new(move || Box::new(kind.build_privileged(pilot))))
 }
 
 impl PolicyOptions {
-    /// The policies that were asked for.
+    /// The requested policies.
     pub fn factory(&self, model: &Model<'_>) -> Result<PolicyFactory, CliError> {
         policy_factory(&self.policy, &self.pilot, model)
     }
 }
 
-/// One episode out of a campaign.
+/// Options that select one episode of a campaign.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct EpisodeOptions {
     /// Seed of the campaign, as in `jcas simulate`
     #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Episode")]
     pub seed: u64,
-    /// Which of its episodes, from 0
+    /// Index of the episode in the campaign, from 0
     #[arg(long, value_name = "K", default_value_t = 0, help_heading = "Episode")]
     pub episode: u64,
     /// Seed of the episode itself, as in a trace's header (0x and hexadecimal digits, or decimal)
@@ -172,7 +173,7 @@ fn parse_seed(text: &str) -> Result<u64, String> {
     .map_err(|_| "must be 0x and up to sixteen hexadecimal digits, or a decimal number".to_owned())
 }
 
-/// How many threads.
+/// Option for the number of threads.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ThreadOptions {
     /// Threads; 0 for one on each core. Results do not depend on it
@@ -181,7 +182,7 @@ pub struct ThreadOptions {
 }
 
 impl ThreadOptions {
-    /// Runs something in a pool of that many threads.
+    /// Runs a function in a pool of that number of threads.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, CliError> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)

@@ -1,4 +1,4 @@
-//! Plans wherever a baseline can be named: `plan`, `replan`, or `plan:` and a file.
+//! Planning policies, which are named `plan`, `replan`, or `plan:` and a file.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use jcas_episode::planned::{Planned, PlannedTour, Replanned, checked};
 use crate::error::CliError;
 use crate::learned::PolicyFactory;
 
-/// What a policy that is read from a plan begins with.
+/// Prefix of the name of a policy that is read from a plan.
 const FILE: &str = "plan:";
 
 /// The file of a policy `plan:FILE`.
@@ -18,7 +18,7 @@ pub fn file_of(policy: &str) -> Option<&Path> {
     policy.strip_prefix(FILE).map(Path::new)
 }
 
-/// Whether a policy of this name flies plans.
+/// Whether a policy of this name follows plans.
 #[must_use]
 pub fn is_plan(policy: &str) -> bool {
     policy == "plan" || policy == "replan" || file_of(policy).is_some()
@@ -27,16 +27,16 @@ pub fn is_plan(policy: &str) -> bool {
 /// Reads a plan.
 ///
 /// # Errors
-/// Where the file cannot be read or is no plan.
+/// The file cannot be read or is no plan.
 pub fn read(path: &Path) -> Result<PlanFile, CliError> {
     let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
     PlanFile::parse(&text).map_err(|error| CliError::file(path, error))
 }
 
-/// Makes the policy of this name, where it is one that plans.
+/// Makes the policy of this name; `None` if the name is not that of a planning policy.
 ///
 /// # Errors
-/// Where a plan cannot be made, or its file does not fit the model.
+/// A plan cannot be made, or its file does not fit the model.
 pub fn factory(policy: &str, model: &Model<'_>) -> Result<Option<PolicyFactory>, CliError> {
     if let Some(path) = file_of(policy) {
         let file = read(path)?;

@@ -1,8 +1,8 @@
-//! Progress on standard error, with the time left; nothing where that is not a terminal.
+//! Progress with the remaining time on standard error, shown only on a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar over `count` items.
+/// Makes a progress bar over `count` items.
 pub fn bar(count: u64, what: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(
         "{msg} [{bar:32}] {human_pos}/{human_len} {per_sec} {elapsed} elapsed, {eta} left",

@@ -1,6 +1,6 @@
-//! The playground over the loopback interface: one page, and the kernel's answers to it.
+//! The playground's server on the loopback interface: one page, and the kernel's answers to it.
 //!
-//! As much of HTTP/1.1 as one page needs, and no more: a connection carries one request.
+//! It implements only the HTTP/1.1 that one page needs: a connection carries one request.
 
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -8,23 +8,24 @@ use std::time::Duration;
 
 use jcas_web::{answer, page};
 
-/// A question holds a configuration and the deeds of a person.
+/// Maximum length of a request, which holds a configuration and a person's interventions.
 const LONGEST_QUESTION: u64 = 1 << 20;
 const LONGEST_HEAD: u64 = 1 << 14;
-/// How long a connection may stay silent, and how often the listener looks up.
+/// Time that a connection may stay silent, and interval at which the listener checks for the end.
 const PATIENCE: Duration = Duration::from_secs(5);
 const TICK: Duration = Duration::from_millis(20);
 
-/// Serves until `done` says so.
+/// Serves until `done` returns true.
 ///
 /// # Errors
-/// Where the listener fails. A connection that fails is dropped.
+/// The listener fails. A connection that fails is dropped.
 pub fn until(listener: &TcpListener, done: impl Fn() -> bool) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let port = listener.local_addr()?.port();
     while !done() {
         match listener.accept() {
-            // Browsers open connections ahead of their requests, so that none may hold up another.
+            // Browsers open connections ahead of their requests, so each connection has its own
+            // thread.
             Ok((stream, _)) => drop(std::thread::spawn(move || reply(stream, port))),
             Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(TICK),
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
@@ -42,7 +43,7 @@ fn reply(stream: TcpStream, port: u16) -> io::Result<()> {
     (&stream).write_all(&response)
 }
 
-/// What a request says before its body.
+/// The head of a request: what precedes its body.
 struct Head {
     method: String,
     path: String,
@@ -50,7 +51,7 @@ struct Head {
     length: u64,
 }
 
-/// The whole response to a request.
+/// Builds the whole response to a request.
 fn respond(input: &mut impl BufRead, port: u16) -> io::Result<Vec<u8>> {
     let Some(head) = read_head(input)? else {
         return Ok(response(
@@ -59,8 +60,8 @@ fn respond(input: &mut impl BufRead, port: u16) -> io::Result<Vec<u8>> {
             b"not a request\n",
         ));
     };
-    // A page from elsewhere that has this machine's address in its name server must not reach the
-    // kernel.
+    // A foreign page may use a DNS name that resolves to this machine (DNS rebinding). It must not
+    // reach the kernel.
     if ![format!("127.0.0.1:{port}"), format!("localhost:{port}")].contains(&head.host) {
         return Ok(response(
             "403 Forbidden",

@@ -1,5 +1,5 @@
-//! Whatever is wrong is named, with its value and what is allowed, and the exit code tells its
-//! kind.
+//! Every wrong input gives a message that names it, its value and the allowed ones, and an exit
+//! code for its kind.
 
 mod support;
 
@@ -11,7 +11,7 @@ use support::{jcas, succeed};
 const INPUT: i32 = 2;
 const IO: i32 = 3;
 
-/// Runs `jcas`, which has to fail with a code and a message that holds every part.
+/// Runs `jcas` and checks that it fails with a code and a message that holds every part.
 fn refuses(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
     let output = jcas(folder, arguments);
     let message = String::from_utf8_lossy(&output.stderr);
@@ -254,7 +254,7 @@ fn traces() {
 #[test]
 fn folders_that_cannot_be_written() {
     let folder = tempfile::tempdir().unwrap();
-    // A file where a folder is wanted: cannot be written even by root.
+    // A file stands where a folder is needed, so that even root cannot write there.
     fs::write(folder.path().join("file"), "").unwrap();
     refuses(
         folder.path(),

@@ -1,4 +1,4 @@
-//! A trained policy flies what its card says, and the command says what the options change of that.
+//! A trained policy runs as its card says, and the command reports what the options change.
 
 mod support;
 
@@ -151,7 +151,7 @@ fn a_sweep_says_where_its_missions_are_not_those_of_a_card() {
     assert!(output.status.success(), "{told}");
 }
 
-/// Other trainers know neither our settings nor our evaluations, and tell more of their own.
+/// Cards of other trainers lack our settings and evaluations, and have fields of their own.
 #[test]
 fn a_card_of_another_trainer_is_read() {
     let folder = tempfile::tempdir().unwrap();

@@ -129,8 +129,8 @@ fn a_sweep_goes_on_where_it_was_stopped() {
     let whole = fs::read_to_string(&table).unwrap();
     assert_eq!(whole.lines().count(), 1 + 4);
 
-    // As Ctrl-C leaves it: some cells are there, others are not. A value that no flight gives shows
-    // that the rows on file are kept and not flown again.
+    // Ctrl-C leaves some cells on file and others not. A value that no run gives shows that the
+    // rows on file are kept and not run again.
     let lines: Vec<&str> = whole.lines().collect();
     let success = lines[0]
         .split(',')
@@ -174,7 +174,8 @@ fn a_sweep_draws_and_plays() {
         .iter()
         .map(|path| path.as_str().unwrap())
         .collect();
-    // Four quantities over two lists of numbers, twice each; the table; the page.
+    // The folder holds four quantities over two numeric lists in two formats, the table and the
+    // page.
     assert_eq!(written.len(), 4 * 2 * 2 + 2);
     for path in written {
         assert!(
@@ -294,8 +295,8 @@ fn every_command_has_help_with_examples_or_commands() {
     assert!(succeed(folder.path(), &["--help"]).contains("Exit codes:"));
 }
 
-/// Ctrl-C: the finished cells are on file, the message says how to go on, the exit code is a
-/// shell's.
+/// After Ctrl-C the finished cells are on file, the message says how to resume, and the exit code
+/// is that of a shell.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_keeps_its_finished_cells() {

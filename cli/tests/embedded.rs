@@ -1,4 +1,4 @@
-//! What a C program flies with a policy is what the command flies with it, to the last bit.
+//! A C program and the command run a policy with the same results, bit for bit.
 
 mod support;
 
@@ -23,7 +23,7 @@ fn printed(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// `examples/c/fly_policy.c`, compiled against the library.
+/// Compiles `examples/c/fly_policy.c` against the library.
 fn example(folder: &Path) -> PathBuf {
     let built = printed(Command::new(env!("CARGO")).current_dir(root()).args([
         "build",

@@ -1,4 +1,4 @@
-//! `jcas plan` writes plans that fly as they say.
+//! `jcas plan` writes plans whose episodes match their stated expectation.
 
 mod support;
 

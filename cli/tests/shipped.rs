@@ -1,4 +1,4 @@
-//! Every policy that comes along can be read and flown as its card says.
+//! Every shipped policy can be read and run as its card says.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-// The kernel behind the page: WebAssembly inside it, or the program that serves it.
+// The kernel behind the page: WebAssembly inside the page, or the program that serves it.
 
 async function openKernel() {
   const code = $('kernel')?.textContent.trim();

@@ -1,4 +1,5 @@
-// What is flown, and what the person does to it. A mission is a pure function of `mission`; every change flies it anew.
+// The mission that runs, and the person's interventions. A mission is a pure function of `mission`;
+// every change runs it anew.
 
 const ask = await openKernel();
 const about = await ask({ ask: 'about' });
@@ -22,7 +23,7 @@ addEventListener('hashchange', () => {
 });
 const opening = location.hash;
 await fly(0);
-// Showing the mission wrote the address anew; the step and the selection that were asked for are in the old one.
+// Showing the mission replaced the address; the old address has the requested step and selection.
 history.replaceState(null, '', opening || location.pathname);
 readAddress();
 
@@ -240,7 +241,7 @@ function beginDrag(event) {
     stage.removeEventListener('pointermove', move);
     if (!cell || `${cell}` === from) { group.classList.remove('dragged'); return; }
     change({ moved: [...mission.moved.filter(([id]) => id !== hotspot), [hotspot, cell]] }).then(() => {
-      // A cell that is taken is refused: the mission stays as it was.
+      // A move to an occupied cell is refused, and the mission stays as it was.
       if (!$('problem').hidden) mission = { ...mission, moved: mission.moved.filter(([id]) => id !== hotspot) };
     });
   };

@@ -1,4 +1,4 @@
-//! What a mission on the page can be made of.
+//! The fields, presets and policies that a page offers.
 
 use crate::mission::SHIPPED;
 use jcas_core::{Config, Preset};
@@ -6,7 +6,7 @@ use jcas_policy::BaselineKind;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-/// One field of the configuration, as a form needs it.
+/// One field of the configuration, with the data that a form needs.
 #[derive(Serialize)]
 struct Field {
     name: &'static str,
@@ -16,7 +16,7 @@ struct Field {
     doc: &'static str,
 }
 
-/// Fields with unit and range, the values of each preset, and the names of all policies, in JSON.
+/// Returns the fields with unit and range, each preset's values, and all policies' names, in JSON.
 pub(crate) fn about() -> String {
     let fields: Vec<Field> = Config::FIELDS
         .iter()

@@ -1,14 +1,13 @@
-//! The playground: a page on which a person changes a mission while it flies.
+//! The playground: a page on which a person changes a mission while it runs.
 //!
-//! A mission is a pure function of what was asked: configuration, policy, seed, and the deeds of
-//! the person (a hotspot dragged, a UAV grounded or steered, each at a step). After every change
-//! the whole mission is flown again, which takes milliseconds, and the page plays it as it plays
-//! any recorded episode. So the address of the page can hold the question, and whoever opens it
-//! sees the same mission, bit for bit.
+//! A mission is a pure function of the request: configuration, policy, seed and interventions. An
+//! intervention drags a hotspot, or grounds or steers a UAV, each at a step. After every change the
+//! whole mission runs again within milliseconds, and the page plays the recorded episode. The
+//! address of the page holds the request, so every reader of an address sees the same mission, bit
+//! for bit.
 //!
-//! [`answer`] is the one door, text in and text out. In a browser it is WebAssembly (`wasm.rs`);
-//! behind
-//! `jcas play` the same function answers over the loopback interface.
+//! [`answer`] is the only entry point; it maps a text to a text. In a browser it is WebAssembly
+//! (`wasm.rs`). Behind `jcas play` the same function answers over the loopback interface.
 
 pub mod about;
 pub mod mission;
@@ -18,17 +17,17 @@ mod wasm;
 
 use serde::Deserialize;
 
-/// What a page asks.
+/// A request of a page.
 #[derive(Deserialize)]
 #[serde(tag = "ask", rename_all = "snake_case", deny_unknown_fields)]
 enum Question {
-    /// What can be asked: fields, presets, policies.
+    /// Asks for the fields, presets and policies.
     About,
-    /// A whole mission.
+    /// Asks for a whole mission.
     Fly(mission::Mission),
 }
 
-/// Answers a question in JSON with JSON: `{"error": "..."}` where it cannot be answered.
+/// Answers a JSON request with JSON: `{"error": "..."}` where the request is not valid.
 #[must_use]
 pub fn answer(question: &str) -> String {
     let answered = serde_json::from_str(question)

@@ -1,4 +1,4 @@
-//! A mission and the deeds of the person who watches it.
+//! A mission with the interventions of a person.
 
 use jcas_core::host::Call;
 use jcas_core::rng::derive_seed;
@@ -9,14 +9,14 @@ use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-/// The largest fleet, and the most hotspots, that the page flies.
+/// The largest number of UAVs, and of hotspots, that the page accepts.
 pub const MOST_UAVS: u32 = 400;
-/// The largest grid that it draws.
+/// The largest grid that the page draws.
 pub const MOST_CELLS: u64 = 64 * 64;
-/// The longest mission, in steps of single UAVs.
+/// The longest mission, in steps times UAVs.
 const MOST_AGENT_STEPS: u64 = 200_000;
 
-/// The trained policies that the page brings along.
+/// The trained policies that the page contains.
 pub const SHIPPED: [(&str, &[u8]); 3] = [
     (
         "fleet",
@@ -32,7 +32,7 @@ pub const SHIPPED: [(&str, &[u8]); 3] = [
     ),
 ];
 
-/// What to fly.
+/// A mission to run.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mission {
@@ -45,33 +45,33 @@ pub struct Mission {
     pilot: String,
     /// Seed of the episode.
     seed: u32,
-    /// Where hotspots lie that the person has moved, in place of the drawn cells.
+    /// Cells of the hotspots that the person has moved, in place of the drawn cells.
     #[serde(default)]
     moved: Vec<(usize, Cell)>,
-    /// What the person does during the mission, in any order.
+    /// Interventions during the mission, in any order.
     #[serde(default)]
     deeds: Vec<Deed>,
 }
 
-/// One interference; `t` is the step that it changes, from 1.
+/// One intervention; `t` is the step that it changes, from 1.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 enum Deed {
-    /// The UAV makes this motion, whatever its policy says.
+    /// The UAV makes this motion in place of its policy's.
     Steer { t: u32, uav: usize, motion: usize },
     /// The UAV's battery is emptied before the step.
     Ground { t: u32, uav: usize },
 }
 
-/// Records the mission into a text.
+/// A recorder that writes the mission into a text.
 type Recorder<'m, 't> = EpisodeRecorder<'m, &'t mut Vec<u8>>;
 
 impl Mission {
-    /// Flies it: the episode as the replay page reads it, the chances of detection over distance,
-    /// and the hash of the last state.
+    /// Runs the mission. Returns the episode in the replay page's form, the detection probability
+    /// over distance, and the hash of the last state.
     ///
     /// # Errors
-    /// A sentence that names the field, the value and what is allowed.
+    /// A message names the field, the value and the allowed values.
     pub(crate) fn fly(&self) -> Result<String, String> {
         let config = Config::from_json(&Value::from(self.config.clone()).to_string())
             .map_err(|error| error.to_string())?;
@@ -82,7 +82,7 @@ impl Mission {
         let last = trace.steps.last().map(|step| step.state_hash);
         let data = replay::data_of(&trace).map_err(|error| error.to_string())?;
         let hash = last.unwrap_or(trace.header.initial.state_hash);
-        // The episode is JSON already, and long: it is not parsed to be written again.
+        // The episode is long and already JSON, so it is not parsed to be written again.
         Ok(format!(
             r#"{{"state_hash":"{hash}","radar":{},"episode":{data}}}"#,
             radar(&model)
@@ -189,7 +189,7 @@ impl Deed {
         }
     }
 
-    /// What changes the state before a step.
+    /// Applies the interventions that change the state before a step.
     fn change(self, episode: &mut Recorder<'_, '_>) -> Result<(), TraceError> {
         match self {
             Self::Steer { .. } => Ok(()),
@@ -197,7 +197,7 @@ impl Deed {
         }
     }
 
-    /// What changes the actions of a step.
+    /// Applies the interventions that change the actions of a step.
     fn steer(self, actions: &mut [f32]) {
         if let Self::Steer { uav, motion, .. } = self {
             actions[2 * uav] = Motion::ALL[motion].to_action();
@@ -205,7 +205,7 @@ impl Deed {
     }
 }
 
-/// A page that a person waits for flies no mission of minutes.
+/// Refuses a mission that would take minutes, since a person waits for the page.
 fn check_size(config: &Config) -> Result<(), String> {
     let agent_steps = u64::from(config.uav_count) * u64::from(config.horizon_steps);
     for (field, value, most) in [
@@ -233,8 +233,9 @@ fn check_size(config: &Config) -> Result<(), String> {
     Ok(())
 }
 
-/// For each distance in cells along a row: the chance that one UAV detects, at the least and at the
-/// greatest pilot density, and that as many as the quorum do in the same step, all of them there.
+/// Radar and link over distance along a row, in cells. `low` and `high` are the probabilities that
+/// one UAV detects, at the lowest and the highest pilot density. `quorum` is the probability at the
+/// highest density that as many UAVs as the quorum, all at this distance, detect in one step.
 fn radar(model: &Model<'_>) -> Value {
     let config = model.config();
     let quorum = f64::from(config.quorum);

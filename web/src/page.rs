@@ -1,4 +1,4 @@
-//! The playground's page: the player of recorded episodes, with controls, and a kernel inside or
+//! The playground's page: the player of recorded episodes with controls, and a kernel inside or
 //! behind it.
 
 use jcas_episode::replay::{Parts, assemble};
@@ -10,13 +10,13 @@ const SCRIPTS: [&str; 2] = [
     include_str!("../page/playground.js"),
 ];
 
-/// The page that asks the program which served it.
+/// The page that sends its requests to the program which served it.
 #[must_use]
 pub fn served() -> String {
     page("script-src 'unsafe-inline'; connect-src 'self'", CONTROLS)
 }
 
-/// The page that has the kernel inside, as WebAssembly in base64: one file for any host.
+/// The page with the kernel inside, as WebAssembly in base64: one file for any host.
 #[must_use]
 pub fn whole(wasm_base64: &str) -> String {
     let kernel = format!(

@@ -1,12 +1,12 @@
-//! What the page calls in WebAssembly: it writes a question into memory that it is given, and reads
-//! the answer.
+//! The functions that the page calls in WebAssembly. The page writes a request into the memory that
+//! [`question`] returns, and reads the answer at the address that [`answer`] returns.
 
 use std::sync::{Mutex, PoisonError};
 
 static QUESTION: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 static ANSWER: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 
-/// Memory for a question of `length` bytes; it stays there until the next call.
+/// Returns memory for a request of `length` bytes, valid until the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn question(length: usize) -> *mut u8 {
     let mut question = QUESTION.lock().unwrap_or_else(PoisonError::into_inner);
@@ -15,7 +15,7 @@ pub extern "C" fn question(length: usize) -> *mut u8 {
     question.as_mut_ptr()
 }
 
-/// Answers the question. Returns where the answer begins; it stays there until the next call.
+/// Answers the request. Returns the address of the answer, valid until the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> *const u8 {
     let question = QUESTION.lock().unwrap_or_else(PoisonError::into_inner);
@@ -24,7 +24,7 @@ pub extern "C" fn answer() -> *const u8 {
     answer.as_ptr()
 }
 
-/// Bytes of the answer.
+/// Length of the answer in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer_length() -> usize {
     ANSWER.lock().unwrap_or_else(PoisonError::into_inner).len()

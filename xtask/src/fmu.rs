@@ -58,7 +58,7 @@ fn pack(library: &[u8]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     Ok(zip.finish()?.into_inner())
 }
 
-/// The standard's name of this machine.
+/// The platform name of this machine in the FMI standard.
 fn platform() -> String {
     let system = match std::env::consts::OS {
         "macos" => "darwin",
@@ -67,7 +67,7 @@ fn platform() -> String {
     format!("{}-{system}", std::env::consts::ARCH)
 }
 
-/// Of a library, as the standard has it.
+/// The file name extension of a library in the FMI standard.
 fn extension() -> &'static str {
     match std::env::consts::OS {
         "macos" => "dylib",

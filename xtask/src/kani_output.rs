@@ -1,8 +1,8 @@
 //! Reads what `cargo kani` prints (regular output format).
 //!
-//! Kani's own verdict is not enough: it also says SUCCESSFUL when a cover property
-//! is unsatisfiable or when every assertion is unreachable. So the verdict here is
-//! drawn from the single checks.
+//! Kani's own verdict is not enough: it also says SUCCESSFUL when a cover property is unsatisfiable
+//! or when every assertion is unreachable. This module therefore derives the verdict from the
+//! single checks.
 
 /// One `Check n: name` entry.
 #[derive(Debug, PartialEq)]
@@ -19,12 +19,12 @@ impl Check {
         self.class() == "cover"
     }
 
-    /// The second part from the end of the name.
+    /// The second part of the name, counted from its end.
     fn class(&self) -> &str {
         self.name.rsplit('.').nth(1).unwrap_or("")
     }
 
-    /// An assertion written in a harness or in a property that it checks.
+    /// Whether this is an assertion in a harness or in a property that it checks.
     fn is_claim(&self) -> bool {
         self.class() == "assertion"
             && self.description.starts_with("assertion failed")
@@ -32,7 +32,7 @@ impl Check {
     }
 }
 
-/// What Kani printed of one harness.
+/// Kani's output for one harness.
 #[derive(Debug, Default)]
 pub struct HarnessReport {
     /// Full path of the harness within its crate.
@@ -48,7 +48,7 @@ pub struct HarnessReport {
     pub solver: Option<String>,
 }
 
-/// What a run amounts to.
+/// The verdict of a run.
 #[derive(Debug, PartialEq)]
 pub struct Proven {
     pub checks: usize,
@@ -162,7 +162,7 @@ impl HarnessReport {
         })
     }
 
-    /// Whether Kani came to an end with one verdict, and that of success.
+    /// Whether Kani finished with exactly one verdict, and that verdict is success.
     fn is_one_success(&self) -> Result<(), String> {
         if self.timed_out {
             return Err("CBMC timed out".to_owned());
@@ -212,7 +212,7 @@ fn without_colour(text: &str) -> String {
 pub mod tests {
     use super::*;
 
-    /// What Kani prints of a harness that is proven.
+    /// Kani's output for a proven harness.
     pub const PROVEN: &str = r#"
 Kani Rust Verifier 0.67.0 (cargo plugin)
    Compiling jcas-core v0.1.0
@@ -258,7 +258,7 @@ Manual Harness Summary:
 Complete - 1 successfully verified harnesses, 0 failures, 1 total.
 "#;
 
-    /// What Kani prints of a harness that its limit ends.
+    /// Kani's output for a harness that reached its time limit.
     pub const TIMED_OUT: &str = "
 Checking harness proofs::energy::the_ledger_balances...
 CBMC failed
@@ -271,7 +271,7 @@ Verification failed for - proofs::energy::the_ledger_balances
 Complete - 0 successfully verified harnesses, 1 failures, 1 total.
 ";
 
-    /// Catches a phrase of Kani's that the reader no longer knows.
+    /// Catches a phrase of Kani's output that the reader no longer recognises.
     #[test]
     fn the_phrases_of_kani_are_read() {
         let proven = &HarnessReport::parse_all(PROVEN)[0];

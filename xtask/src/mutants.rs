@@ -76,7 +76,7 @@ struct Copy {
 enum Twin {
     Passed,
     Failed,
-    /// Did not compile, or there is no such test.
+    /// The mutant did not compile, or there is no such test.
     Broken,
 }
 
@@ -94,8 +94,8 @@ impl Copy {
         Ok(Copy { root })
     }
 
-    /// What the twin, and if asked Kani, say to the mutant; `before` is what the twin says without
-    /// it.
+    /// The result of the twin, and if requested of Kani, for the mutant; `before` is the twin's
+    /// result without it.
     fn verdicts(
         &self,
         proof: &Proof,
@@ -120,7 +120,7 @@ impl Copy {
         Ok((twin_verdict(before, after?).to_owned(), kani?))
     }
 
-    /// What Kani says of the harness in the copy as it stands.
+    /// Kani's result for the harness in the unchanged copy.
     fn prove(&self, proof: &Proof) -> Result<Result<Proven, String>, String> {
         let (judged, _) = prove::prove(&[proof], &self.root)?;
         let mut verdicts = judged.into_iter().map(|one| one.verdict);
@@ -159,7 +159,7 @@ impl Copy {
     }
 }
 
-/// What Kani says of a harness that it proved without the mutant.
+/// Kani's result for a harness that it proved without the mutant.
 fn kani_verdict(with_the_mutant: Result<Proven, String>) -> String {
     match with_the_mutant {
         Err(why) if why.starts_with("FAILURE") => "caught".to_owned(),
@@ -168,7 +168,7 @@ fn kani_verdict(with_the_mutant: Result<Proven, String>) -> String {
     }
 }
 
-/// A harness that is not proven as it stands catches nothing.
+/// A harness that is not proven without the mutant catches nothing.
 fn not_proven(why: &str) -> String {
     format!("NOT PROVEN WITHOUT THE MUTANT: {}", why.replace('|', "/"))
 }
@@ -183,7 +183,7 @@ fn twin_verdict(before: Twin, after: Twin) -> &'static str {
     }
 }
 
-/// The text with the one edit of a mutant.
+/// The text after the one edit of a mutant.
 fn apply(mutant: &Mutant, text: &str) -> Result<String, String> {
     match text.matches(&mutant.find).count() {
         1 => Ok(text.replace(&mutant.find, &mutant.replace)),
@@ -213,7 +213,7 @@ fn with_members(manifest: &str) -> Result<String, String> {
     }
 }
 
-/// Copies what has changed, so that Cargo builds again only what it must.
+/// Copies only the files that have changed, so that Cargo rebuilds only what depends on them.
 fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
     let explain = |error: std::io::Error| format!("{}: {error}", from.display());
     for entry in std::fs::read_dir(from).map_err(explain)? {

@@ -1,4 +1,4 @@
-//! Runs a command with a time limit and keeps what it says.
+//! Runs a command with a time limit and keeps its output.
 
 use std::io::Read;
 use std::os::unix::process::CommandExt;
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What a command left behind.
+/// The result of a command.
 pub struct Finished {
     /// Standard output and standard error, one after the other.
     pub output: String,
@@ -64,7 +64,7 @@ pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, String> {
 fn collect(mut pipe: impl Read + Send + 'static) -> thread::JoinHandle<String> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
-        // A pipe that breaks ends the text; the exit status tells why.
+        // A broken pipe ends the text; the exit status gives the reason.
         let _ = pipe.read_to_end(&mut bytes);
         String::from_utf8_lossy(&bytes).into_owned()
     })

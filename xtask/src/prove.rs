@@ -1,4 +1,4 @@
-//! Runs the harnesses under Kani and records what it says of each.
+//! Runs the harnesses under Kani and records its verdict on each.
 
 use crate::kani_output::{self, HarnessReport, Proven};
 use crate::process;
@@ -7,18 +7,18 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Seconds that building a crate for Kani may add to the limits of its harnesses.
+/// Seconds that building a crate for Kani may add to the time limits of its harnesses.
 const BUILD_S: u64 = 600;
 
-/// What became of one harness.
+/// The result of one harness.
 pub struct Judged {
     pub proof: Proof,
     pub verdict: Result<Proven, String>,
-    /// The solver that ran, by its own words.
+    /// The name of the solver that ran, from its own output.
     pub solver: Option<String>,
 }
 
-/// Proves what `names` select, and records it; true if everything was proven.
+/// Proves the harnesses that `names` select and records the verdicts; true if all were proven.
 pub fn run(names: &[String]) -> Result<bool, String> {
     let ledger = Ledger::read()?;
     let proofs = ledger.select(names)?;
@@ -42,7 +42,7 @@ pub fn run(names: &[String]) -> Result<bool, String> {
             proven += usize::from(one.verdict.is_ok());
             solver_s += one.verdict.as_ref().map_or(0.0, |proven| proven.seconds);
         }
-        // After each group, so that a run that is cut short keeps what it has.
+        // The verdicts are recorded after each group, so that an interrupted run keeps them.
         if let Some(commit) = &commit {
             let run = Run {
                 commit: commit.clone(),
@@ -84,7 +84,8 @@ pub fn groups(proofs: &[Proof]) -> Vec<Vec<&Proof>> {
     groups
 }
 
-/// The ledger's limit, rounded up to a minute times a power of two, so that few limits occur.
+/// The ledger's limit, rounded up to a minute times a power of two, so that few distinct limits
+/// occur.
 fn limit_s(proof: &Proof) -> u64 {
     60 * proof.time_limit_s().div_ceil(60).next_power_of_two()
 }
@@ -123,7 +124,7 @@ pub fn prove(group: &[&Proof], root: &Path) -> Result<(Vec<Judged>, Option<Strin
     let mut command = Command::new("cargo");
     command
         .current_dir(root)
-        // Kani brings a compiler of its own; the one that runs this task is not to be passed on.
+        // Kani brings its own compiler, so the toolchain of this task is not passed on.
         .env_remove("RUSTUP_TOOLCHAIN")
         .env_remove("RUSTC")
         .args(arguments(group));
@@ -136,7 +137,8 @@ pub fn prove(group: &[&Proof], root: &Path) -> Result<(Vec<Judged>, Option<Strin
     ))
 }
 
-/// What the output of one call says of each proof; `stopped_s` where the call itself was stopped.
+/// The result of each proof in the output of one call; `stopped_s` is set where the call was
+/// stopped.
 fn judge(group: &[&Proof], output: &str, stopped_s: Option<u64>) -> Vec<Judged> {
     let reports = HarnessReport::parse_all(output);
     let mut judged = Vec::new();
@@ -158,7 +160,7 @@ fn judge(group: &[&Proof], output: &str, stopped_s: Option<u64>) -> Vec<Judged> 
     judged
 }
 
-/// Why a harness was not run: the compiler's first error.
+/// The reason why a harness was not run: the compiler's first error.
 fn explain(output: &str) -> String {
     let error = output.lines().find(|line| line.starts_with("error"));
     format!(
@@ -179,7 +181,7 @@ fn line(judged: &Judged) -> String {
     }
 }
 
-/// Puts the verdicts into `results.toml` and writes the page anew.
+/// Writes the verdicts into `results.toml` and regenerates the page.
 fn record(ledger: &Ledger, run: Run, judged: Vec<Judged>) -> Result<(), String> {
     let mut results = Results::read()?;
     let now = run.sources.clone();
@@ -227,15 +229,16 @@ fn outcome(judged: Judged, commit: &str) -> Outcome {
     outcome
 }
 
-/// CBMC takes another solver without an error where it was built without the one that is asked for.
+/// A message where another solver ran than the requested one. A CBMC built without the requested
+/// solver uses another one without an error.
 fn other_solver(asked: Solver, ran: Option<&str>) -> Option<String> {
     let ran = ran?.to_lowercase();
-    // Kissat runs outside CBMC, which then says "external SAT solver".
+    // Kissat runs outside CBMC, which then prints "external SAT solver".
     let same = ran.starts_with(&asked.to_string()) || asked == Solver::Kissat;
     (!same).then(|| format!("{asked} was asked for"))
 }
 
-/// Stops early, with the way to install it, where Kani is missing; otherwise returns its version.
+/// Returns Kani's version, or an error with the installation command where Kani is missing.
 pub fn require_kani() -> Result<String, String> {
     output("cargo", &["kani", "--version"])
         .map(|version| version.trim_start_matches("cargo-kani ").to_owned())
@@ -247,7 +250,7 @@ pub fn require_kani() -> Result<String, String> {
         })
 }
 
-/// The abbreviated commit; none where the ledger or a source has changes that are not committed.
+/// The abbreviated commit, or `None` where the ledger or a source has uncommitted changes.
 fn clean_commit(root: &Path, ledger: &Ledger) -> Result<Option<String>, String> {
     let root = root.to_string_lossy();
     let mut arguments = vec!["-C", &root, "status", "--porcelain", "--"];
@@ -260,7 +263,7 @@ fn clean_commit(root: &Path, ledger: &Ledger) -> Result<Option<String>, String> 
     }
 }
 
-/// Processors, and how busy they were in the last minutes.
+/// The number of processors, and their load in the last minutes.
 fn machine() -> String {
     let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
@@ -268,7 +271,7 @@ fn machine() -> String {
     format!("{processors} processors, load {load}")
 }
 
-/// The first line of what a command prints.
+/// The first line of a command's output.
 fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
     let run = Command::new(program).args(arguments).output();
     let run = run.map_err(|error| format!("cannot start {program}: {error}"))?;
@@ -319,7 +322,7 @@ mod tests {
         assert_eq!(outcome_of(&failed, None).verdict, ProofVerdict::Failed);
     }
 
-    /// Catches a group whose harnesses are taken for each other.
+    /// Catches a group whose harnesses are confused with each other.
     #[test]
     fn each_harness_of_a_call_is_judged_by_itself() {
         let (one, other, third) = (proof("the_ledger_balances"), proof("late"), proof("never"));
@@ -360,7 +363,7 @@ mod tests {
         assert!(groups.len() < proofs.len() / 2, "{} calls", groups.len());
     }
 
-    /// Catches flags that Kani would take for CBMC's: it passes on all that follows `--cbmc-args`.
+    /// Catches flags that Kani would pass to CBMC: it passes on all that follows `--cbmc-args`.
     #[test]
     fn flags_of_cbmc_come_last() {
         for proof in Ledger::read().unwrap().proof {

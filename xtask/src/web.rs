@@ -38,7 +38,8 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
 }
 
 fn build() -> Result<PathBuf, String> {
-    // Size counts here, and the page flies a hundred UAVs well within a frame.
+    // The size of the file matters here, and even this build runs a hundred UAVs well within a
+    // frame.
     let built = Command::new("cargo")
         .args([
             "build",

@@ -1,4 +1,4 @@
-//! `jcas bench`: how fast the kernel steps on one core.
+//! `jcas bench`: measures how fast the kernel steps on one core.
 
 use std::time::{Duration, Instant};
 
@@ -19,22 +19,22 @@ Examples:
   jcas bench --uavs 15 --hotspots 7 --json
   jcas bench --uavs 1000 --hotspots 50 --set grid_width=98 --set grid_height=98";
 
-/// Steps of action tables that are made before the clock starts; a power of two.
+/// Number of steps whose actions are drawn before the clock starts; a power of two.
 const ACTION_STEPS: usize = 64;
-/// Parts of the time, of which the fastest counts.
+/// Number of parts of the measured time; the fastest part gives the rate.
 const TENTHS: u32 = 10;
 /// Name of each phase of a step, in order.
 const PHASES: [&str; 5] = ["begin", "sense", "communicate", "end", "observe"];
 
 /// Measure environment steps and agent steps a second on one core
 ///
-/// Every step takes uniformly random actions and writes all observations and the reward; ended
-/// episodes begin anew within the time measured. The time is cut into tenths; the rate is that of
-/// the fastest, which other programs on the machine disturbed least, beside that of the whole. It
-/// comes from a run without clocks inside; a second run with a clock around each phase of the step
-/// divides that time up (begin: actions, return to base, move; sense: radar draws, quorum,
-/// learning; communicate: graph, throughput, consensus; end: energy, carbon, reward; observe:
-/// observations).
+/// Every step takes uniformly random actions and writes all observations and the reward. Ended
+/// episodes are reset within the measured time. The time is cut into tenths. The rate of the
+/// fastest tenth is reported beside the rate of the whole, since other programs disturbed that
+/// tenth least. A second run puts a clock around each phase of a step and divides the time among
+/// the phases. The phases are begin (actions, return to base, move), sense (radar draws, quorum,
+/// learning), communicate (graph, throughput, consensus), end (energy, carbon, reward), and observe
+/// (observations).
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Bench {
@@ -51,7 +51,7 @@ pub struct Bench {
     json: bool,
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Report {
     uavs: u32,
@@ -61,9 +61,9 @@ struct Report {
     environments: u32,
     env_steps: u64,
     seconds: f64,
-    /// Over the whole time.
+    /// Rate over the whole measured time.
     env_steps_per_s_mean: f64,
-    /// In the fastest tenth, as are the following.
+    /// Rate in the fastest tenth, as are the rates below.
     env_steps_per_s: f64,
     agent_steps_per_s: f64,
     ns_per_env_step: f64,
@@ -79,7 +79,7 @@ struct Phase {
 }
 
 impl Bench {
-    /// Measures and reports.
+    /// Measures and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         if !(0.01..=3600.0).contains(&self.seconds) {
             return Err(CliError::input(format!(
@@ -141,15 +141,15 @@ fn random_actions(model: &Model<'_>, environments: usize) -> Vec<f32> {
         .collect()
 }
 
-/// What a batch came to.
+/// The result of one measurement of a batch.
 struct Measured {
     env_steps: u64,
     seconds: f64,
-    /// Environment steps a second in the fastest tenth of the time.
+    /// Environment steps per second in the fastest tenth of the time.
     fastest_per_s: f64,
 }
 
-/// Steps a batch that resets itself until the time is up.
+/// Steps a batch with automatic resets until the time is up.
 fn measure_batch(
     model: &Model<'_>,
     environments: u32,
@@ -195,7 +195,7 @@ fn measure_batch(
         }
         Ok(())
     };
-    // Warm caches and clocks, and find how many steps to take between two looks at the clock.
+    // This warms caches and clocks, and finds how many steps to take between two clock readings.
     let started = Instant::now();
     let mut between_looks = 1;
     while started.elapsed() < time / 10 {
@@ -222,7 +222,7 @@ fn measure_batch(
     Ok(measured)
 }
 
-/// The share of each phase: a clock around each, less what the clock itself takes.
+/// The share of the time that each phase takes, without the time that the clock itself takes.
 fn measure_phases(model: &Model<'_>, actions: &[f32], time: Duration) -> Result<[f64; 5], Error> {
     let mut sim = Sim::new(model);
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
@@ -261,7 +261,7 @@ fn measure_phases(model: &Model<'_>, actions: &[f32], time: Duration) -> Result<
     Ok(corrected.map(|seconds| seconds / total.max(f64::MIN_POSITIVE)))
 }
 
-/// What one look at the clock takes.
+/// The time that one clock reading takes.
 fn clock_seconds() -> f64 {
     const LOOKS: u32 = 100_000;
     let started = Instant::now();

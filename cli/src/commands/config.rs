@@ -1,4 +1,4 @@
-//! `jcas config`: what is configured, and whether a file is right.
+//! `jcas config`: shows and checks configurations.
 
 use std::path::{Path, PathBuf};
 
@@ -59,7 +59,7 @@ pub struct Check {
     /// TOML or JSON files
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Values for the fields that a file does not name, unless it names a preset of its own
+    /// Values for the fields that a file does not name, unless the file names a preset
     #[arg(long, value_enum, default_value_t = PresetName::Mission)]
     preset: PresetName,
     /// Print JSON
@@ -67,7 +67,7 @@ pub struct Check {
     json: bool,
 }
 
-/// What `check --json` prints of each file.
+/// The result of `check --json` for one file.
 #[derive(Serialize)]
 struct Valid<'a> {
     file: &'a Path,
@@ -83,7 +83,7 @@ pub struct Presets {
 }
 
 impl ConfigCommand {
-    /// Does what was asked.
+    /// Runs the subcommand.
     pub fn run(self) -> Result<Outcome, CliError> {
         match self {
             Self::Show(command) => command.run(),
@@ -107,7 +107,7 @@ impl Show {
     }
 }
 
-/// Fields that may be derived are shown with the value that is in force.
+/// Shows the effective value of each field that may be derived from others.
 fn table(config: &Config) -> Result<String, CliError> {
     let model = Model::new(*config)?;
     let mut table = Table::new();

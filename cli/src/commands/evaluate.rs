@@ -1,4 +1,4 @@
-//! `jcas evaluate`: how good a policy or baseline is, on fixed seeds.
+//! `jcas evaluate`: runs a policy or baseline on fixed seeds.
 
 use std::path::Path;
 
@@ -19,35 +19,35 @@ Examples:
   jcas evaluate run --uavs 10 --hotspots 5 --mode sampled --json
   jcas evaluate teams --pilot adaptive --uavs 15 --hotspots 7";
 
-/// How a learned policy acts.
+/// The way in which a learned policy turns its outputs into actions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ModeName {
-    /// As the policy's card says
+    /// The mode on the policy's card
     Card,
     /// The most likely motion and the mean pilot density
     Deterministic,
     /// A draw that follows from the mission's seed
     Sampled,
-    /// Motions shared out among the UAVs of each cell, and the mean pilot density
+    /// Motions divided among the UAVs of each cell, and the mean pilot density
     Stratified,
 }
 
 /// Evaluate a trained policy or a baseline on the published seeds
 ///
-/// The missions are those of `jcas simulate` with the same seed, whose report this prints. A
-/// trained policy flies the configuration on its card; the options change single fields of it, or
-/// with --preset or --config all of them, and what they change is said on standard error. One whose
-/// dimensions do not fit is refused.
+/// The missions and the report are those of `jcas simulate` with the same seed. A trained policy
+/// runs with the configuration on its card. Options change single fields of that configuration;
+/// --preset or --config replaces all fields. Standard error lists what the options change. A policy
+/// whose dimensions do not fit is refused.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Evaluate {
     /// Folder of a trained policy, or a baseline's name
     policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive, which of a trained policy
-    /// is its own
+    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive; adaptive uses a trained
+    /// policy's own density
     #[arg(long, value_name = "MODE", default_value = crate::options::DEFAULT_PILOT)]
     pilot: String,
-    /// How a learned policy acts
+    /// How a learned policy turns its outputs into actions
     #[arg(long, value_enum, default_value_t = ModeName::Card)]
     mode: ModeName,
     #[command(flatten)]
@@ -66,7 +66,7 @@ pub struct Evaluate {
 }
 
 impl Evaluate {
-    /// Flies and reports.
+    /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let learned = learned::is_policy(&self.policy);
         let config = self.mission.load_for(&self.policy)?;

@@ -1,4 +1,4 @@
-//! One file for each command.
+//! Each command has a file of its own.
 
 mod bench;
 mod config;
@@ -15,7 +15,7 @@ use clap::Subcommand;
 
 use crate::error::{CliError, Outcome};
 
-/// The commands. The documentation of each is its help.
+/// The commands. The doc comment of each variant is its help text.
 #[allow(missing_docs)]
 #[derive(Subcommand)]
 pub enum Command {
@@ -34,7 +34,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// Does what was asked.
+    /// Runs the command.
     pub fn run(self) -> Result<Outcome, CliError> {
         match self {
             Self::Tour(command) => command.run(),

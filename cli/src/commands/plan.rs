@@ -1,4 +1,4 @@
-//! `jcas plan`: a plan of a mission, with what it is expected to take.
+//! `jcas plan`: plans a mission and states its expected duration.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -27,10 +27,10 @@ Examples:
 
 /// Plan a mission: trajectories of least expected time, by simulated annealing
 ///
-/// Hidden hotspots are searched for in all cells; known ones are those of --hotspot, or of the
-/// episode. The plan is flown without feedback until all are confirmed, then the fleet gathers. It
-/// depends on configuration, seed and iterations alone. A time limit or Ctrl-C ends the annealing
-/// early; the best plan so far is kept.
+/// The fleet searches all cells for hidden hotspots. Known hotspots are those of --hotspot, or else
+/// those of the episode. The fleet follows the plan without feedback until all hotspots are
+/// confirmed, and then gathers. The plan depends only on the configuration, the seed and the
+/// iterations. A time limit or Ctrl-C ends the annealing early and keeps the best plan so far.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plan {
@@ -45,7 +45,7 @@ pub struct Plan {
     /// Seconds after which the annealing ends early
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     time_limit: Option<f64>,
-    /// Cell of a known hotspot, x,y; once for each
+    /// Cell of a known hotspot, x,y; repeat the option for each hotspot
     #[arg(long, value_name = "X,Y", value_parser = cell)]
     hotspot: Vec<Cell>,
     #[command(flatten)]
@@ -62,19 +62,19 @@ pub struct Plan {
     /// Picture of the trajectories to write, as SVG
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     picture: Option<PathBuf>,
-    /// Page to write that plays the episode as the plan flies it, as HTML
+    /// HTML page to write that plays the episode of the plan
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     page: Option<PathBuf>,
-    /// Trajectories to write, as GeoJSON; takes --depot
+    /// Trajectories to write, as GeoJSON; requires --depot
     #[arg(long, value_name = "FILE", requires = "depot", help_heading = "Output")]
     geojson: Option<PathBuf>,
-    /// Folder for a QGroundControl plan of each UAV; takes --depot
+    /// Folder for a QGroundControl plan of each UAV; requires --depot
     #[arg(long, value_name = "DIR", requires = "depot", help_heading = "Output")]
     qgroundcontrol: Option<PathBuf>,
-    /// Where the first depot is: latitude and longitude, degrees; x points east, y north
+    /// Latitude and longitude of the first depot, in degrees; x points east, y north
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true, help_heading = "Output")]
     depot: Option<(f64, f64)>,
-    /// Altitude of the flights above the depot
+    /// Altitude of the UAVs above the depot
     #[arg(long, value_name = "M", default_value_t = 50.0, value_parser = positive, help_heading = "Output")]
     altitude_m: f64,
     /// Print JSON
@@ -107,7 +107,7 @@ fn place(text: &str) -> Result<(f64, f64), String> {
 }
 
 impl Plan {
-    /// Plans and reports.
+    /// Makes the plan, writes the files and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let model = Model::new(self.mission.load()?)?;
         let hotspots = self.hotspots(&model)?;
@@ -125,7 +125,7 @@ impl Plan {
         Ok(Outcome::Done)
     }
 
-    /// The cells of known hotspots; none where they are hidden.
+    /// The cells of known hotspots, or `None` where hotspots are hidden.
     fn hotspots(&self, model: &Model<'_>) -> Result<Option<Vec<Cell>>, CliError> {
         if !self.hotspot.is_empty() {
             if self.hotspot.len() == model.hotspot_count() {
@@ -234,7 +234,7 @@ fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
     files::write_bytes(path, format!("{value:#}\n").as_bytes())
 }
 
-/// What `--json` prints: the plan without its trajectories.
+/// The output of `--json`: the plan without its trajectories.
 #[derive(serde::Serialize)]
 struct Report<'a> {
     config_hash: &'a str,

@@ -1,4 +1,4 @@
-//! `jcas play`: the playground in a browser.
+//! `jcas play`: serves the playground to a browser.
 
 use std::net::{Ipv4Addr, TcpListener};
 
@@ -12,18 +12,18 @@ Examples:
   jcas play                        opens the playground in the browser
   jcas play --port 8080 --no-open  says where it is, and waits";
 
-/// Fly missions in the browser and change them while they fly
+/// Run missions in the browser and change them while they run
 ///
-/// Serves one page on the loopback interface, where only programs of this machine reach it, until
-/// Ctrl-C. The address of the page holds the whole mission: who opens it sees the same one, bit for
-/// bit.
+/// Serves one page on the loopback interface until Ctrl-C; only programs on this machine can reach
+/// it. The address of the page holds the whole mission: every reader of an address sees the same
+/// mission, bit for bit.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Play {
-    /// Port to serve on; 0 for any that is free
+    /// Port to serve on; 0 takes any free port
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     port: u16,
-    /// Open no browser
+    /// Do not open a browser
     #[arg(long)]
     no_open: bool,
 }

@@ -1,4 +1,4 @@
-//! `jcas replay`: watch an episode.
+//! `jcas replay`: writes a page that plays an episode.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ Examples:
 
 /// Write one self-contained HTML page that plays an episode
 ///
-/// Plays the trace that is given; without one, flies an episode with the options below.
+/// Plays the given trace. Without a trace, the command runs an episode with the options below.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Replay {
@@ -43,7 +43,8 @@ impl Replay {
     pub fn run(self) -> Result<Outcome, CliError> {
         match &self.trace {
             Some(path) => {
-                // Read strictly first, for messages that name what is wrong with the file.
+                // The strict reader runs first, since its messages name what is wrong with the
+                // file.
                 read_from(path)?;
                 let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
                 write_page(&self.out, &text)?;
@@ -59,7 +60,7 @@ impl Replay {
     }
 }
 
-/// Flies an episode and writes its page.
+/// Runs an episode and writes its page.
 pub fn fly_page(
     path: &Path,
     model: &Model<'_>,

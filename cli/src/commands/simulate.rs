@@ -1,4 +1,4 @@
-//! `jcas simulate`: many missions of one fleet.
+//! `jcas simulate`: runs many missions of one fleet.
 
 use std::path::PathBuf;
 
@@ -20,10 +20,10 @@ Examples:
   jcas simulate --set target_visibility=hidden --policy sweep --json
   jcas simulate --preset paper --config mine.toml --trace first.jsonl";
 
-/// Fly many missions of one fleet and report success, time, energy, CO2 and throughput
+/// Run many missions of one fleet and report success, time, energy, CO2 and throughput
 ///
-/// Intervals are 95 %: Wilson for the success rate, bootstrap percentiles for the means. A mission
-/// without success counts with its horizon in the mission time.
+/// Intervals cover 95 %: Wilson for the success rate, bootstrap percentiles for the means. A failed
+/// mission counts its horizon as its mission time.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Simulate {
@@ -31,7 +31,7 @@ pub struct Simulate {
     mission: MissionOptions,
     #[command(flatten)]
     policy: PolicyOptions,
-    /// Missions to fly
+    /// Missions to run
     #[arg(long, value_name = "M", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     episodes: u64,
     /// Seed; each mission's own seed follows from it
@@ -50,19 +50,19 @@ pub struct Simulate {
 /// The report of a campaign, as `--json` prints it.
 #[derive(Serialize)]
 pub struct Report<'a> {
-    /// Who flew.
+    /// Name of the policy or baseline.
     pub policy: &'a str,
-    /// How the pilot density was chosen.
+    /// Pilot mode: how the pilot density was chosen.
     pub pilot: &'a str,
-    /// UAVs.
+    /// Number of UAVs.
     pub uavs: u32,
-    /// Hotspots.
+    /// Number of hotspots.
     pub hotspots: u32,
     /// Seed of the campaign.
     pub seed: u64,
     /// Hash of the configuration.
     pub config_hash: String,
-    /// What came out.
+    /// Statistics of the campaign.
     #[serde(flatten)]
     pub summary: Summary,
     #[serde(skip)]
@@ -70,7 +70,7 @@ pub struct Report<'a> {
 }
 
 impl Simulate {
-    /// Flies and reports.
+    /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let config = self.mission.load_for(&self.policy.policy)?;
         let model = Model::new(config)?;
@@ -92,7 +92,7 @@ impl Simulate {
     }
 }
 
-/// Flies a campaign behind a progress bar.
+/// Runs a campaign behind a progress bar.
 pub fn fly(
     model: &Model<'_>,
     campaign: Campaign,
@@ -109,7 +109,7 @@ pub fn fly(
 }
 
 impl<'a> Report<'a> {
-    /// Of missions that a policy flew with a pilot rule.
+    /// Builds the report of a campaign of one policy with one pilot rule.
     pub fn new(
         (policy, pilot): (&'a str, &'a str),
         config: &Config,
@@ -128,7 +128,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Prints the report for people, or as JSON.
+    /// Prints the report as text or as JSON.
     pub fn print(&self, json: bool) -> Result<(), CliError> {
         if json {
             files::print_json(self)
@@ -158,7 +158,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// Decimals that leave about four significant digits.
+/// Number of decimals that leaves about four significant digits.
 fn decimals(value: f64) -> usize {
     match value.abs() {
         size if size >= 100.0 => 1,

@@ -1,4 +1,4 @@
-//! `jcas sweep`: missions over a grid of settings.
+//! `jcas sweep`: runs missions over a grid of settings.
 
 use std::path::{Path, PathBuf};
 
@@ -31,25 +31,25 @@ Examples:
 Every option with a list flies every combination. Ctrl-C keeps the finished cells; the same \
 command goes on with the others.";
 
-/// Fly every combination of the listed values; write a table, figures and a replay page
+/// Run every combination of the listed values; write a table, figures and a replay page
 ///
-/// Without options: the paper's grid of fleets and hotspots with the best baseline. Writes into the
-/// folder of --out: results.csv (every quantity with its 95 % interval), figures of success,
-/// mission time, energy and throughput as SVG and PNG, and replay.html, which plays one of the
-/// missions.
+/// Without options, the sweep covers the paper's grid of fleets and hotspots with the best
+/// baseline. It writes into the folder of --out. results.csv holds every quantity with its 95 %
+/// interval. Figures show success, mission time, energy and throughput, as SVG and PNG. replay.html
+/// plays one of the missions.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Sweep {
     #[command(flatten)]
     config: ConfigOptions,
-    /// Fleets
+    /// Numbers of UAVs
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5, 10, 15, 20], help_heading = "Lists")]
     uavs: Vec<u32>,
     /// Numbers of hotspots
     #[arg(long, value_name = "n,n", value_delimiter = ',', default_values_t = [3, 5, 7, 9, 11], help_heading = "Lists")]
     hotspots: Vec<u32>,
-    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. By
-    /// default teams, or, where hotspots are hidden, all that search
+    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. The
+    /// default is teams, or every searching baseline where hotspots are hidden
     #[arg(
         long,
         value_name = "POLICY,POLICY",
@@ -57,8 +57,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     policy: Vec<String>,
-    /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive, which of a trained policy
-    /// is its own
+    /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive; adaptive uses a trained
+    /// policy's own density
     #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
     pilot: Vec<String>,
     /// Values of any field; may be repeated
@@ -67,7 +67,7 @@ pub struct Sweep {
     /// Missions in each cell
     #[arg(long, value_name = "M", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
     episodes: u64,
-    /// Seed; every cell flies the same missions' seeds
+    /// Seed; every cell uses the same seeds of missions
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Folder for the results
@@ -76,7 +76,7 @@ pub struct Sweep {
     /// Replace the results of another sweep in that folder
     #[arg(long)]
     overwrite: bool,
-    /// Write the table alone
+    /// Write only the table
     #[arg(long)]
     no_figures: bool,
     #[command(flatten)]
@@ -87,7 +87,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Flies what is not on file yet and writes everything.
+    /// Runs the cells that are not on file yet and writes all outputs.
     pub fn run(self) -> Result<Outcome, CliError> {
         let base = self.config.source()?;
         let axes = self.axes(&self.policies(&base)?)?;
@@ -136,7 +136,7 @@ impl Sweep {
         Ok(Outcome::Done)
     }
 
-    /// All policies of a sweep fly the same missions, whatever trained ones were trained on.
+    /// Every policy of a sweep runs the same missions, even if it was trained on others.
     fn say_what_cards_do_not(&self, base: &ConfigSource, axes: &[Axis]) -> Result<(), CliError> {
         for policy in self.policy.iter().filter(|name| learned::is_policy(name)) {
             let trained_on = ConfigSource::of(&learned::card(Path::new(policy))?.config);
@@ -147,7 +147,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// The policies that were asked for, or those that suit the mission.
+    /// The requested policies, or by default those that suit the mission.
     fn policies(&self, base: &ConfigSource) -> Result<Vec<String>, CliError> {
         if !self.policy.is_empty() {
             return Ok(self.policy.clone());
@@ -174,7 +174,7 @@ impl Sweep {
         Ok(axes)
     }
 
-    /// Plays the first mission of the last cell, in most sweeps the largest.
+    /// Writes a page that plays the first mission of the last cell, in most sweeps the largest.
     fn replay(&self, cells: &[Cell], path: &std::path::Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
             return Ok(());
@@ -201,7 +201,7 @@ pub(super) const SHOWN: [(&str, &str, usize); 5] = [
     ("throughput_mean", "throughput", 2),
 ];
 
-/// Lists with one value stand above the table, the others are its columns.
+/// Lists with one value stand above the table; the other lists are its columns.
 pub(super) fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
     let (columns, common): (Vec<usize>, Vec<usize>) =
         (0..axes.len()).partition(|&axis| axes[axis].values.len() > 1);
@@ -236,13 +236,13 @@ pub(super) fn title(axis: &str) -> &str {
     }
 }
 
-/// A value with half the width of its interval; the file has both ends.
+/// Formats a value with half the width of its interval; the file has both ends.
 pub(super) fn shown(estimate: Estimate, digits: usize) -> String {
     let half = (estimate.high - estimate.low) / 2.0;
     format!("{:.digits$} ± {half:.digits$}", estimate.value)
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Report {
     cells: Vec<serde_json::Map<String, serde_json::Value>>,

@@ -1,4 +1,4 @@
-//! `jcas tour`: the first look at the project, in about a minute.
+//! `jcas tour`: gives a first look at the project, in about a minute.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,9 +33,9 @@ const SEED: u64 = 1;
 const UAVS: [u32; 4] = [5, 10, 15, 20];
 const HOTSPOTS: [u32; 5] = [3, 5, 7, 9, 11];
 
-/// A grid that the tour flies.
+/// A grid of fleets and hotspots that the tour runs.
 struct Grid {
-    /// Name of its files.
+    /// Stem of the names of its files.
     name: &'static str,
     heading: &'static str,
     text: &'static str,
@@ -69,10 +69,10 @@ const GRIDS: [Grid; 2] = [
     },
 ];
 
-/// Fly the shipped policies and the scripts over the paper's grid; write a report
+/// Run the shipped policies and the baselines over the paper's grid; write a report
 ///
-/// Verifies the golden traces on the way, bit for bit. Writes into the folder of --out: a table of
-/// each grid (CSV), figures (SVG and PNG), replay pages, and report.html, which shows all of it.
+/// The tour also verifies the golden traces bit for bit. It writes into the folder of --out: a
+/// table of each grid (CSV), figures (SVG and PNG) and replay pages. report.html shows all of them.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Tour {
@@ -82,14 +82,14 @@ pub struct Tour {
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "out/tour")]
     out: PathBuf,
-    /// Clone of the repository, which holds policies/ and tests/golden/
+    /// Clone of the repository, with policies/ and tests/golden/
     #[arg(long, value_name = "DIR", default_value = ".")]
     repository: PathBuf,
     #[command(flatten)]
     threads: ThreadOptions,
 }
 
-/// A grid that has been flown.
+/// The results of a grid.
 struct Flown {
     axes: Vec<Axis>,
     cells: Vec<Cell>,
@@ -97,7 +97,7 @@ struct Flown {
 }
 
 impl Tour {
-    /// Flies and reports.
+    /// Runs the grids and writes the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let started = Instant::now();
         let golden = self.golden()?;
@@ -133,7 +133,7 @@ impl Tour {
         Ok(Outcome::Done)
     }
 
-    /// The golden traces of the repository, in the order of their names.
+    /// The golden traces of the repository, in order of their names.
     fn golden(&self) -> Result<Vec<PathBuf>, CliError> {
         let folder = self.repository.join("tests/golden");
         let entries = std::fs::read_dir(&folder).map_err(|error| {
@@ -222,7 +222,7 @@ impl Tour {
     }
 }
 
-/// Flies recorded episodes again. Returns their number; none, with a message, where one differs.
+/// Replays recorded episodes. Returns their number, or `None` after a message where one differs.
 fn verify(golden: &[PathBuf]) -> Result<Option<usize>, CliError> {
     for path in golden {
         let recorded = read_from(path)?;
@@ -235,7 +235,7 @@ fn verify(golden: &[PathBuf]) -> Result<Option<usize>, CliError> {
     Ok(Some(golden.len()))
 }
 
-/// Every cell of a grid with its main quantities.
+/// A table with the main quantities of every cell of a grid.
 fn table(axes: &[Axis], cells: &[Cell], store: &Store) -> Table {
     let columns: Vec<usize> = (0..axes.len())
         .filter(|&axis| axes[axis].values.len() > 1)

@@ -1,4 +1,4 @@
-//! `jcas trace`: episodes on file.
+//! `jcas trace`: records, verifies and compares episodes on file.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -26,7 +26,7 @@ const DIFF_EXAMPLES: &str = "\
 Examples:
   jcas trace diff yesterday.jsonl today.jsonl";
 
-/// Record an episode, verify that this build flies it again bit for bit, compare two records
+/// Record an episode, verify that this build reproduces it bit for bit, compare two records
 #[derive(Subcommand)]
 pub enum Trace {
     Record(Record),
@@ -34,7 +34,7 @@ pub enum Trace {
     Diff(Diff),
 }
 
-/// Fly one episode and write it down as JSON lines
+/// Run one episode and write its trace as JSON lines
 #[derive(Args)]
 #[command(after_help = RECORD_EXAMPLES)]
 pub struct Record {
@@ -52,7 +52,7 @@ pub struct Record {
     json: bool,
 }
 
-/// Fly recorded episodes again and compare every field; exit code 1 at the first difference
+/// Replay recorded episodes and compare every field; exit code 1 at the first difference
 #[derive(Args)]
 #[command(after_help = VERIFY_EXAMPLES)]
 pub struct Verify {
@@ -78,7 +78,7 @@ pub struct Diff {
 }
 
 impl Trace {
-    /// Does what was asked.
+    /// Runs the subcommand.
     pub fn run(self) -> Result<Outcome, CliError> {
         match self {
             Self::Record(command) => command.run(),
@@ -135,7 +135,7 @@ fn describe(end: &End) -> String {
     )
 }
 
-/// What became of one trace.
+/// The outcome of verifying one trace.
 #[derive(Serialize)]
 struct Verdict {
     trace: PathBuf,
@@ -186,7 +186,7 @@ impl Verdict {
     }
 }
 
-/// What `diff --json` prints.
+/// The output of `diff --json`.
 #[derive(Serialize)]
 struct Comparison {
     equal: bool,

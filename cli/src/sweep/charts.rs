@@ -1,4 +1,4 @@
-//! Figures of a sweep: every quantity over every listed number.
+//! Figures of a sweep: each quantity over each numeric axis.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,8 @@ use super::store::Store;
 use crate::error::CliError;
 use crate::files;
 
-/// What is drawn: column of the table, name of the file, label, unit, and whether it is a share.
+/// The drawn quantities: column of the table, name of the file, label, unit, and whether it is a
+/// share.
 const QUANTITIES: [(&str, &str, &str, &str, bool); 4] = [
     ("success_rate", "success", "success rate", "", true),
     (
@@ -29,7 +30,7 @@ const QUANTITIES: [(&str, &str, &str, &str, bool); 4] = [
         false,
     ),
 ];
-/// More panels than this in one figure cannot be read.
+/// Maximum number of panels that remain readable in one figure.
 const PANELS_MAX: usize = 12;
 const PANEL_COLUMNS: usize = 3;
 
@@ -82,7 +83,7 @@ pub fn figures(
     all
 }
 
-/// What the whiskers are, and how many missions there are to a point.
+/// The note under a figure: the meaning of the whiskers, and the number of missions for each point.
 fn sampling(title: &str, episodes: u64) -> String {
     let mut note = format!("{episodes} missions a point; whiskers: 95 % intervals.");
     if title == MISSION_TIME {
@@ -115,7 +116,7 @@ fn numbers(axis: &Axis) -> Option<Vec<f64>> {
     values.filter(|values| values.len() > 1)
 }
 
-/// Which axis runs where: one from left to right, some tell series apart, the rest panels.
+/// The roles of the axes: one is horizontal, some distinguish series, the rest distinguish panels.
 struct Layout<'a> {
     axes: &'a [Axis],
     x_axis: usize,
@@ -124,7 +125,8 @@ struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    /// Policies and pilots are compared in one panel; without a choice of them, the next list is.
+    /// Policies and pilot modes are compared in one panel; without several of them, the next list
+    /// is.
     fn new(axes: &'a [Axis], x_axis: usize) -> Self {
         let others: Vec<usize> = (0..axes.len())
             .filter(|&index| index != x_axis && axes[index].values.len() > 1)
@@ -211,7 +213,7 @@ impl<'a> Layout<'a> {
         figure
     }
 
-    /// What all series have in common, and how they were sampled.
+    /// The settings that all series share, and how they were sampled.
     fn note(&self, sampling: &str) -> String {
         let common: Vec<String> = (0..self.axes.len())
             .filter(|&index| self.axes[index].values.len() == 1)
@@ -230,7 +232,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// How people call a setting with a value.
+/// The readable name of a setting with a value.
 fn name(axis: &str, value: &str) -> String {
     match axis {
         "policy" => value.to_owned(),
@@ -241,7 +243,7 @@ fn name(axis: &str, value: &str) -> String {
     }
 }
 
-/// How people call an axis, and its unit.
+/// The readable name of an axis, and its unit.
 fn label(axis: &str) -> (String, String) {
     match axis {
         "uav_count" => ("UAVs".to_owned(), String::new()),

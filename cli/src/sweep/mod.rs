@@ -1,4 +1,4 @@
-//! Campaigns over a grid of settings: its cells, their results on file, their figures.
+//! Campaigns over a grid of settings: cells, results on file, and figures.
 
 pub mod charts;
 pub mod plan;
@@ -14,8 +14,8 @@ use crate::{interrupt, progress};
 use plan::Cell;
 use store::Store;
 
-/// Flies the cells that are not in the store, one after the other, the episodes of one over all
-/// cores. Finished cells are on file when Ctrl-C stops it.
+/// Runs the cells that are not in the store, one after the other, with the episodes of a cell on
+/// all cores. After Ctrl-C, the finished cells are on file.
 pub fn fly(
     cells: &[Cell],
     store: &mut Store,

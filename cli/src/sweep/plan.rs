@@ -6,17 +6,17 @@ use crate::config_source::ConfigSource;
 use crate::error::CliError;
 use crate::options::policy_factory;
 
-/// A setting that takes several values.
+/// A setting with the list of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
     /// Column in the table: `policy`, `pilot`, or a field of the configuration.
     pub name: String,
-    /// As they were typed.
+    /// The values as they were typed.
     pub values: Vec<String>,
 }
 
 impl Axis {
-    /// An axis over values that have a text.
+    /// Builds an axis over values that have a text.
     pub fn new(name: &str, values: impl IntoIterator<Item = impl ToString>) -> Self {
         Self {
             name: name.to_owned(),
@@ -40,17 +40,18 @@ impl Axis {
 /// One combination of values.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// The value on each axis.
+    /// The value on each axis, as it was typed.
     pub values: Vec<String>,
-    /// Who flies.
+    /// The policy.
     pub policy: String,
-    /// How it sets its pilot density.
+    /// Its pilot mode.
     pub pilot: String,
     /// The configuration.
     pub config: Config,
 }
 
-/// Every cell of the grid, the last axis fastest. All are checked here, before the first is flown.
+/// Every cell of the grid, with the last axis varying fastest. All cells are checked before the
+/// first one runs.
 pub fn cells(base: &ConfigSource, axes: &[Axis]) -> Result<Vec<Cell>, CliError> {
     for (index, axis) in axes.iter().enumerate() {
         if axes[..index].iter().any(|other| other.name == axis.name) {
@@ -77,7 +78,7 @@ fn cell(base: &ConfigSource, axes: &[Axis], values: Vec<String>) -> Result<Cell,
         }
     }
     let config = source.resolve()?;
-    // Refused before the first cell is flown.
+    // An invalid cell is refused before the first one runs.
     let _ = policy_factory(&policy, &pilot, &Model::new(config)?)?;
     Ok(Cell {
         values,

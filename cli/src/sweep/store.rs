@@ -1,4 +1,4 @@
-//! The table of a sweep on file, so that a sweep goes on where it was stopped.
+//! The table of a sweep on file, so that an interrupted sweep can resume.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,14 +10,14 @@ use super::plan::{Axis, Cell};
 use crate::error::CliError;
 use crate::files;
 
-/// The file is written at most this often, and at the end.
+/// Minimum time between two writes of the file; it is also written at the end.
 const WRITE_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The table and the file that holds it.
 pub struct Store {
     path: PathBuf,
     header: Vec<String>,
-    /// Columns that say which cell a row is of.
+    /// Columns that identify the cell of a row.
     key_len: usize,
     keys: Vec<Vec<String>>,
     rows: BTreeMap<usize, Vec<String>>,
@@ -104,27 +104,27 @@ impl Store {
         Ok(())
     }
 
-    /// The file.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether a cell was flown.
+    /// Whether a cell is on file.
     pub fn has(&self, cell: usize) -> bool {
         self.rows.contains_key(&cell)
     }
 
-    /// How many cells were flown.
+    /// Number of cells on file.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Adds what a cell came to.
+    /// Adds the results of a cell.
     pub fn add(&mut self, cell: usize, summary: &Summary) -> Result<(), CliError> {
         let mut row = self.keys[cell].clone();
         for quantity in summary.quantities() {
             let Estimate { value, low, high } = quantity.estimate;
-            // The shortest text that reads back as the same number.
+            // This is the shortest text that parses to the same number.
             row.extend([value, low, high].map(|number| number.to_string()));
         }
         self.rows.insert(cell, row);
@@ -149,7 +149,7 @@ impl Store {
         Ok(())
     }
 
-    /// What a cell came to in one quantity, by its column.
+    /// The result of a cell in one quantity, by its column.
     pub fn estimate(&self, cell: usize, quantity: &str) -> Option<Estimate> {
         let row = self.rows.get(&cell)?;
         let column = self.header.iter().position(|name| name == quantity)?;

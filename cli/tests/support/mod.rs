@@ -1,4 +1,4 @@
-//! Running the command as a person would.
+//! Helpers that run the command as a user would.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -12,7 +12,7 @@ pub fn jcas(folder: &Path, arguments: &[&str]) -> Output {
         .expect("the command runs")
 }
 
-/// Runs `jcas`, which has to succeed, and returns what it printed.
+/// Runs `jcas`, checks that it succeeds, and returns its output.
 pub fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = jcas(folder, arguments);
     let errors = String::from_utf8_lossy(&output.stderr);

@@ -9,13 +9,13 @@ use std::path::Path;
 /// Findings by rule and by crate.
 pub type Counts = BTreeMap<String, BTreeMap<String, usize>>;
 
-/// The accepted counts.
+/// The numbers of accepted findings.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budget {
     /// The commit after which subjects are checked.
     pub commits_after: String,
-    /// Findings that are accepted; a crate that is missing has none.
+    /// Numbers of accepted findings; a missing crate has none.
     #[serde(default)]
     accepted: Counts,
 }
@@ -59,8 +59,8 @@ impl Budget {
         })
     }
 
-    /// Accepts the present counts, where no rule has more findings than before: a file may move
-    /// from one crate to another.
+    /// Accepts the present counts if no rule has more findings than before. The sum of a rule
+    /// decides, since a file may move from one crate to another.
     pub fn lower(&mut self, counts: &Counts) -> Result<(), String> {
         for (rule, folders) in counts {
             let now: usize = folders.values().sum();
@@ -86,7 +86,7 @@ impl Budget {
     }
 }
 
-/// Counts findings by rule and crate. A rule without findings is counted as such.
+/// Counts findings by rule and crate. A rule without findings has an empty entry.
 pub fn count(findings: &[Finding], files: &[File]) -> Counts {
     let rules = [
         "columns",
@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(budget.grown(&counts(4, 0)), [("columns", "core", 4, 3)]);
         assert!(budget.lower(&counts(4, 2)).is_err());
         assert!(budget.is_lower(&counts(4, 1)));
-        // Moved from one crate to the other.
+        // One finding has moved from one crate to the other.
         budget.lower(&counts(5, 0)).unwrap();
         assert!(!budget.is_lower(&counts(5, 0)));
         assert_eq!(budget.grown(&counts(5, 1)), [("columns", "policy", 1, 0)]);

@@ -5,7 +5,7 @@ use super::files::{File, Language};
 
 const COLUMNS_MAX: usize = 100;
 
-/// Lines that are too long; tables and addresses cannot be broken.
+/// Finds lines that are too long; tables and addresses cannot be broken.
 pub fn check(file: &File) -> Vec<Finding> {
     if file.language == Language::Other {
         return Vec::new();

@@ -6,9 +6,9 @@ use std::process::Command;
 
 const COLUMNS_MAX: usize = 72;
 
-/// Faults in the subjects of the commits after `after`, which older history does not keep to.
+/// Finds faults in the subjects of the commits after `after`; older commits follow no rule.
 ///
-/// A clone without that commit, as a shallow one, has only its newest commit checked.
+/// In a shallow clone without that commit, only the newest commit is checked.
 pub fn check(root: &Path, after: &str) -> Result<Vec<Finding>, String> {
     let range = format!("{after}..HEAD");
     let log = git_log(root, &[&range]).or_else(|_| git_log(root, &["-1"]))?;
@@ -41,7 +41,7 @@ fn git_log(root: &Path, range: &[&str]) -> Result<String, String> {
     }
 }
 
-/// What is wrong with a subject.
+/// The faults of a subject.
 fn fault(subject: &str) -> Option<&'static str> {
     if subject.chars().count() > COLUMNS_MAX {
         return Some("more than 72 columns");

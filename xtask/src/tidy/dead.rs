@@ -1,4 +1,4 @@
-//! Files that nothing names.
+//! Files that no other file names.
 
 use super::Finding;
 use super::files::{File, Language};
@@ -21,12 +21,12 @@ const FOUND_BY_NAME: [&str; 14] = [
     "_version",
 ];
 
-/// Suffixes of files that something else has to name.
+/// Suffixes of files that another file has to name.
 const NAMED: [&str; 13] = [
     "rs", "md", "sh", "py", "c", "cc", "cpp", "js", "mjs", "png", "svg", "webp", "css",
 ];
 
-/// Rust modules that no `mod` declares, and other files that no file mentions.
+/// Finds Rust modules that no `mod` declares, and other files that no file mentions.
 pub fn check(files: &[File]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for file in files {
@@ -54,7 +54,7 @@ pub fn check(files: &[File]) -> Vec<Finding> {
     findings
 }
 
-/// Whether Cargo builds the file by its place alone.
+/// Whether Cargo builds the file because of its location.
 fn is_target(path: &str) -> bool {
     let mut parts = path.rsplit('/').skip(1);
     parts
@@ -78,7 +78,7 @@ fn is_declared(file: &File, stem: &str, files: &[File]) -> bool {
         .any(|other| declared.iter().any(|text| other.text.contains(text)))
 }
 
-/// Whether another file has the name, or for a program its stem.
+/// Whether another file contains the name, or for a program its stem.
 fn is_mentioned(file: &File, folder: &str, name: &str, files: &[File]) -> bool {
     let stem = name.split('.').next().unwrap_or(name);
     let by_stem = matches!(file.language, Language::Python | Language::Braces) || folder == ".ci";
@@ -88,7 +88,7 @@ fn is_mentioned(file: &File, folder: &str, name: &str, files: &[File]) -> bool {
         .any(|other| other.text.contains(name) || by_stem && has_word(&other.text, stem))
 }
 
-/// Whether the text has the word, and not only as a part of a longer one.
+/// Whether the text contains the word as a whole word.
 fn has_word(text: &str, word: &str) -> bool {
     let inner = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(word)

@@ -26,7 +26,7 @@ pub enum Language {
     Other,
 }
 
-/// Files that a program writes; their sources are checked in their place.
+/// Generated files; their sources are checked instead.
 const GENERATED: [&str; 9] = [
     "include/jcas.h",
     "include/jcas_dl.h",
@@ -77,7 +77,7 @@ pub fn read_all(root: &Path) -> Result<Vec<File>, String> {
     }
     let mut files = Vec::new();
     for path in String::from_utf8_lossy(&listed.stdout).split_terminator('\0') {
-        // A file that git lists may be deleted already; one that is not UTF-8 has a name and no
+        // A file that git lists may already be deleted. A file that is not UTF-8 has a name and no
         // text.
         let Ok(bytes) = std::fs::read(root.join(path)) else {
             continue;

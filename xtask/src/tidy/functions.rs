@@ -5,8 +5,8 @@ use super::files::{File, Language};
 
 const LINES_MAX: usize = 70;
 
-/// Functions that are too long. A function ends at the first brace that stands under its first
-/// word.
+/// Finds functions that are too long. A function ends at the first closing brace in the column of
+/// its first word.
 pub fn check(file: &File) -> Vec<Finding> {
     if file.language != Language::Rust {
         return Vec::new();
@@ -24,7 +24,7 @@ pub fn check(file: &File) -> Vec<Finding> {
             .iter()
             .position(|line| *line == end || line.starts_with(&declaration))
             .map_or(0, |last| last + 1);
-        // One without a body ends in a semicolon before any brace.
+        // A function without a body ends in a semicolon before any brace.
         let has_body = lines[begin..begin + length]
             .iter()
             .any(|line| line.ends_with('{'));

@@ -1,7 +1,7 @@
-//! Holds sources, documents and commits against the project's rules of style.
+//! Checks sources, documents and commits against the project's rules of style.
 //!
-//! Each rule counts its findings in each crate. `xtask/tidy.toml` keeps the counts that are
-//! accepted today; a count may shrink and never grow.
+//! Each rule counts its findings in each crate. `xtask/tidy.toml` holds the accepted counts; a
+//! count may shrink and never grow.
 
 mod budget;
 mod columns;
@@ -19,7 +19,7 @@ use budget::Budget;
 use files::File;
 use jcas_ledger::workspace_root;
 
-/// One place that breaks a rule.
+/// A finding: one place that breaks a rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The rule's name, a key of `tidy.toml`.
@@ -28,7 +28,7 @@ pub struct Finding {
     pub path: String,
     /// Line number from 1; 0 for a file as a whole.
     pub line: usize,
-    /// What is wrong there.
+    /// A description of the fault.
     pub what: String,
 }
 
@@ -78,7 +78,7 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     Ok(grown.is_empty())
 }
 
-/// The findings of all rules that look at files.
+/// The findings of all rules that read files.
 fn check(files: &[File]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for file in files {

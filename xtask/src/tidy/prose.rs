@@ -2,7 +2,7 @@
 
 use super::files::{File, Language};
 
-/// Sentences that stand together.
+/// A run of sentences without a break.
 #[derive(Debug, Default, PartialEq)]
 pub struct Paragraph {
     /// Line number of its first line, from 1.
@@ -53,7 +53,7 @@ pub fn paragraphs(file: &File) -> Vec<Paragraph> {
     found
 }
 
-/// What a line says to a reader; none where it is code.
+/// The prose of a line, or `None` where it is code.
 fn prose_of<'a>(line: &'a str, language: Language, in_comment: &mut bool) -> Option<&'a str> {
     let trimmed = line.trim_start();
     match language {
@@ -90,7 +90,7 @@ fn numbered(line: &str) -> bool {
         .is_some_and(|(number, _)| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// The text with `code` as one word and links as their words.
+/// The text with each `code` span as one word and each link as its words.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     for (index, part) in text.split('`').enumerate() {

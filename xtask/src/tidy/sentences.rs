@@ -6,7 +6,7 @@ use super::prose::{paragraphs, sentences};
 
 const WORDS_MAX: usize = 25;
 
-/// Sentences of comments and documents that are too long.
+/// Finds sentences in comments and documents that are too long.
 pub fn check(file: &File) -> Vec<Finding> {
     let mut findings = Vec::new();
     for paragraph in paragraphs(file) {

@@ -1,15 +1,15 @@
-//! Tables of numbers beside the command that makes them.
+//! Tables of numbers without the command that makes them.
 
 use super::Finding;
 use super::files::{File, Language};
 
-/// Lines between a table and its command.
+/// Maximum number of lines between a table and its command.
 const DISTANCE_MAX: usize = 20;
 
-/// Cells with a digit that make a table one of numbers.
+/// Number of cells with a digit that makes a table one of numbers.
 const NUMBERS_MIN: usize = 4;
 
-/// Tables of numbers with neither a command nor a link nearby.
+/// Finds tables of numbers with neither a command nor a link nearby.
 pub fn check(file: &File) -> Vec<Finding> {
     if file.language != Language::Markdown {
         return Vec::new();

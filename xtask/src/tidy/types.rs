@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const CRATES_MAX: usize = 2;
 
-/// Every definition of a name that is defined in too many crates, tests aside.
+/// Finds every definition of a type name that too many crates define, apart from tests.
 pub fn check(files: &[File]) -> Vec<Finding> {
     let mut definitions: BTreeMap<&str, Vec<(String, &File, usize)>> = BTreeMap::new();
     for file in files {

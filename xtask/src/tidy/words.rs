@@ -1,10 +1,10 @@
-//! Words that a reader has to guess at.
+//! Vague words that a reader has to guess at.
 
 use super::Finding;
 use super::files::File;
 use super::prose::{paragraphs, sentences};
 
-/// Phrases with the reason to avoid them, in lower case.
+/// Phrases to avoid, in lower case.
 const BANNED: [&str; 9] = [
     "so many",
     "what is told",
@@ -17,7 +17,7 @@ const BANNED: [&str; 9] = [
     "be spared",
 ];
 
-/// Banned phrases in comments and documents, and a banned end of a sentence.
+/// Finds banned phrases in comments and documents, and sentences with a banned end.
 pub fn check(file: &File) -> Vec<Finding> {
     let mut findings = Vec::new();
     for paragraph in paragraphs(file) {
