@@ -29,8 +29,8 @@
  * Between steps: set_battery, move_hotspot; at t = 0 also set_starts, set_hotspots, set_batteries.
  * A trace: record in place of reset, ..., record_end.
  *
- * The rules that hold for every function stand at the end of this file: statuses, memory, pointers, structs,
- * messages, threads, numbers. docs/c.md is a tutorial.
+ * The rules that hold for every function stand at the end of this file: statuses, memory, pointers,
+ * structs, messages, threads, numbers. docs/c.md is a tutorial.
  */
 
 #ifndef JCAS_H
@@ -65,7 +65,7 @@
 /** @defgroup constants Constants
  *  @{ */
 
-/// Version of the library that this header belongs to.
+/// The version of the library that this header belongs to.
 #define JCAS_VERSION_MAJOR 0
 
 /// See JCAS_VERSION_MAJOR.
@@ -74,9 +74,9 @@
 /// See JCAS_VERSION_MAJOR.
 #define JCAS_VERSION_PATCH 0
 
-/// Version of the interface that this header declares: 16777216 * major + 65536 * minor, counted apart
-/// from the library's, as most releases do not change it. 1.0 is the first that was released. Headers
-/// from before have numbers of major version 0, which no release serves.
+/// The version of the interface that this header declares: 16777216 * major + 65536 * minor. It is
+/// counted apart from the library's version, as most releases do not change it. Version 1.0 is the
+/// first release; no release serves headers of major version 0.
 #define JCAS_ABI_VERSION 16777216
 
 /** @} */
@@ -84,7 +84,7 @@
 /** @defgroup status Statuses
  *  @{ */
 
-/// The call did what it says.
+/// The call succeeded.
 #define JCAS_OK 0
 
 /// A pointer that must not be NULL is NULL.
@@ -96,25 +96,25 @@
 /// A buffer, or memory for a handle, has the wrong size.
 #define JCAS_ERROR_LENGTH (-3)
 
-/// A `struct_size` is none that this library knows.
+/// A `struct_size` is not a size that this library knows.
 #define JCAS_ERROR_STRUCT_SIZE (-4)
 
-/// A handle is none of this kind, was closed, or was moved.
+/// A handle is not of the right kind, was freed, or was moved.
 #define JCAS_ERROR_HANDLE (-5)
 
-/// A configuration field is outside its range, or a text is no configuration.
+/// A configuration field is outside its range, or a text is not a configuration.
 #define JCAS_ERROR_CONFIG (-6)
 
 /// An argument is outside its range.
 #define JCAS_ERROR_ARGUMENT (-7)
 
-/// An action component is NaN, or a network gives no finite number.
+/// An action component is NaN, or a network output is not finite.
 #define JCAS_ERROR_NAN (-8)
 
 /// A state and a model, or two states, have different configurations.
 #define JCAS_ERROR_MODEL_MISMATCH (-9)
 
-/// A part of a step was called out of its order.
+/// A function was called in the wrong phase of a step.
 #define JCAS_ERROR_OUT_OF_ORDER (-10)
 
 /// The episode has ended: reset before the next step.
@@ -123,28 +123,29 @@
 /// The bytes are not a snapshot of this model, not a policy, or not a trace.
 #define JCAS_ERROR_CORRUPT (-12)
 
-/// The model still has simulations or batches, or memory given to ..._init holds a living handle.
+/// The model still has simulations, batches or policies, or memory given to ..._init holds a living
+/// handle.
 #define JCAS_ERROR_IN_USE (-13)
 
-/// Memory or threads could not be had from the system.
+/// The system did not provide memory or threads.
 #define JCAS_ERROR_RESOURCES (-14)
 
 /// The program was compiled for an incompatible version of this library.
 #define JCAS_ERROR_ABI (-15)
 
-/// A fault of the library itself; please report it. The handle of the call should be reset or freed.
+/// The library has a fault; please report it. Reset or free the handle of the call.
 #define JCAS_ERROR_INTERNAL (-16)
 
-/// The batch has threads, which a forked process does not have: build another one there.
+/// The batch has threads, which a forked process does not have. Build another batch there.
 #define JCAS_ERROR_FORKED (-17)
 
-/// The caller's sink has not taken all of a trace.
+/// The caller's sink refused a part of a trace.
 #define JCAS_ERROR_SINK (-18)
 
-/// A trace, flown again, is not what its file says.
+/// The library does not reproduce a trace.
 #define JCAS_ERROR_DIFFERENT (-19)
 
-/// Another call is using the object, on another thread or around this one: one thread at a time may use it.
+/// Another call is using the object, on another thread or further up the stack.
 #define JCAS_ERROR_BUSY (-20)
 
 /** @} */
@@ -152,13 +153,13 @@
 /** @defgroup values Values of fields and arguments
  *  @{ */
 
-/// Most depots of a configuration.
+/// The largest number of depots in a configuration.
 #define JCAS_MAX_DEPOTS 16
 
-/// Every hotspot's position is seen, as in the paper.
+/// UAVs observe the position of every hotspot, as in the paper.
 #define JCAS_VISIBILITY_KNOWN 0
 
-/// Only positions of hotspots that the UAV knows are seen: a search.
+/// UAVs observe the positions of the hotspots that they know, and must search for the others.
 #define JCAS_VISIBILITY_HIDDEN 1
 
 /// Charging bills what the battery accepted.
@@ -176,40 +177,40 @@
 /// UAVs keep no search maps.
 #define JCAS_MAPS_OFF 0
 
-/// Each UAV keeps a map of the cells that it knows to have been looked at; maps spread with knowledge.
+/// Each UAV keeps a map of the cells that it knows to be searched; maps spread with knowledge.
 #define JCAS_MAPS_SHARED 1
 
-/// Observations do not tell how much is unsearched in each direction.
+/// Observations do not show how much is unsearched in each direction.
 #define JCAS_DIRECTIONS_OFF 0
 
-/// Observations tell how much is unsearched in each of eight directions.
+/// Observations show how much is unsearched in each of eight directions.
 #define JCAS_DIRECTIONS_SHOWN 1
 
-/// Nothing tells UAVs in one cell apart.
+/// Observations do not distinguish UAVs in one cell.
 #define JCAS_TAG_OFF 0
 
 /// Observations end with the UAV's index over N - 1.
 #define JCAS_TAG_INDEX 1
 
-/// A step may begin, whole or by parts: jcas_sim_step, jcas_sim_step_begin.
+/// A step may begin, whole or by parts. Next: jcas_sim_step or jcas_sim_step_begin.
 #define JCAS_PHASE_READY 1
 
-/// The UAVs have acted and moved: jcas_sim_set_positions, jcas_sim_step_sense.
+/// The UAVs have acted and moved. Next: jcas_sim_set_positions or jcas_sim_step_sense.
 #define JCAS_PHASE_MOVED 2
 
-/// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_with.
+/// The UAVs have sensed. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_with.
 #define JCAS_PHASE_SENSED 3
 
-/// Knowledge has spread: jcas_sim_step_end.
+/// The UAVs have communicated. Next: jcas_sim_step_end.
 #define JCAS_PHASE_COMMUNICATED 4
 
-/// The episode has ended, every hotspot is informed: jcas_sim_reset.
+/// The episode has ended with every hotspot informed. Next: jcas_sim_reset.
 #define JCAS_PHASE_TERMINATED 5
 
-/// The horizon has ended the episode: jcas_sim_reset.
+/// The horizon has ended the episode. Next: jcas_sim_reset.
 #define JCAS_PHASE_TRUNCATED 6
 
-/// Fields of an observation; jcas_observation_field_name names them.
+/// The number of fields of an observation, which jcas_observation_field_name names.
 #define JCAS_OBSERVATION_FIELDS 21
 
 /// Motion up, +y, as the first component of an action.
@@ -227,15 +228,15 @@
 /// No motion.
 #define JCAS_MOVE_STAY 0.8f
 
-/// The most likely motion and the mean pilot density.
+/// Actions are the most likely motion and the mean pilot density.
 #define JCAS_POLICY_DETERMINISTIC 0
 
-/// Draws from the network's distribution, which follow from the mission's seed, the step and the
-/// UAV.
+/// Actions are drawn from the network's distribution; the draws follow from the seed of the
+/// episode, the step and the UAV.
 #define JCAS_POLICY_SAMPLED 1
 
-/// Motions shared out, which draws nothing: UAVs of one cell take quantiles that lie apart.
-/// The mean pilot density.
+/// Actions are stratified without random draws: UAVs of one cell take different quantiles of the
+/// motion. The pilot density is the mean.
 #define JCAS_POLICY_STRATIFIED 2
 
 /** @} */
@@ -243,23 +244,23 @@
 /** @defgroup handles Handles
  *  @{ */
 
-/// M environments of one model, with their working memory and, if wanted, threads of their own. One
-/// thread at a time may use it.
+/// M environments of one model, with their working memory and optional worker threads. One thread
+/// at a time may use a batch.
 typedef struct jcas_batch jcas_batch;
 
-/// A validated configuration with everything that can be worked out before the first step. It never
-/// changes: any number of threads may use one model at once.
+/// A validated configuration with its precomputed tables. It never changes, so any number of
+/// threads may use one model at once.
 typedef struct jcas_model jcas_model;
 
-/// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a
-/// time may use it; several policies may fly on one model at once.
+/// A controller of a fleet for one model: a trained network or a baseline. One thread at a time may
+/// use it; a model may have several policies.
 typedef struct jcas_policy jcas_policy;
 
-/// One state of a model, with its working memory. One thread at a time may use it; functions that take
-/// it as const may run at once with each other.
+/// One state of a model, with its working memory. One thread at a time may use it, except that
+/// functions that take it as const may run concurrently.
 typedef struct jcas_sim jcas_sim;
 
-/// What a call came to: JCAS_OK or a negative JCAS_ERROR_...
+/// The result of a call: JCAS_OK or a negative JCAS_ERROR_... code.
 typedef int32_t jcas_status;
 
 /** @} */
@@ -275,8 +276,9 @@ typedef struct jcas_cell {
     uint32_t y;
 } jcas_cell;
 
-/// Every decision of the model. Fill it by jcas_config_default (or one of the other functions that do),
-/// then change fields. Beside each field: [unit, legal range; default]. Symbols are those of the paper.
+/// The configuration of a model. Fill it by jcas_config_default or another function that fills it,
+/// then change fields. Each field states [unit, legal range; default]. Symbols are those of the
+/// paper.
 typedef struct jcas_config {
     /// sizeof(jcas_config).
     uint32_t struct_size;
@@ -293,8 +295,8 @@ typedef struct jcas_config {
     /// Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
     /// 100]
     uint32_t horizon_steps;
-    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1 to 4096;
-    /// default 3]
+    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1
+    /// to 4096; default 3]
     uint32_t quorum;
     /// Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
     uint32_t depot_count;
@@ -414,29 +416,30 @@ typedef struct jcas_config {
     double shaping_goal_weight;
     /// Weight of the carbon-aware charging potential (w_c). [reward, 0 to 1e6; default 0.1]
     double shaping_charge_weight;
-    /// Whether each UAV keeps a map of the cells that it knows to have been looked at: JCAS_MAPS_OFF
-    /// (default) or JCAS_MAPS_SHARED.
+    /// Whether each UAV keeps a map of the cells that it knows to have been looked at:
+    /// JCAS_MAPS_OFF (default) or JCAS_MAPS_SHARED.
     int32_t search_maps;
     /// A UAV has looked at the cells whose centre is at most this far from its own. [m, 0 to 1e6;
     /// default 100]
     double search_map_radius_m;
-    /// Observations show the map this many cells around the UAV; 0: not at all. [cells, 0 to 32; default 0]
+    /// Observations show the map this many cells around the UAV; 0: not at all. [cells, 0 to 32;
+    /// default 0]
     uint32_t map_window_radius;
     /// Whether observations show how much is unsearched in eight directions: JCAS_DIRECTIONS_OFF
     /// (default) or JCAS_DIRECTIONS_SHOWN.
     int32_t map_directions;
     /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default) or JCAS_TAG_INDEX.
     int32_t uav_tag;
-    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u);
-    /// from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
+    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid
+    /// (w_u); from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
     double shaping_unconfirmed_weight;
-    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit
-    /// detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to 1e6; default
-    /// JCAS_DERIVED]
+    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an
+    /// explicit detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to
+    /// 1e6; default JCAS_DERIVED]
     double sensing_range_m;
 } jcas_config;
 
-/// Sizes and constants of a model; buffers are sized by these.
+/// The sizes and constants of a model, which determine the lengths of all buffers.
 typedef struct jcas_model_info {
     /// sizeof(jcas_model_info); set it before the call.
     uint32_t struct_size;
@@ -452,8 +455,8 @@ typedef struct jcas_model_info {
     uint32_t grid_height;
     /// Floats of the actions of a step: 2 N.
     uint32_t action_len;
-    /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, and what map_window_radius,
-    /// map_directions and uav_tag add.
+    /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, plus the entries of
+    /// map_window_radius, map_directions and uav_tag.
     uint32_t observation_len;
     /// Floats of the global state: 6 N + 4 n + 4.
     uint32_t global_len;
@@ -469,24 +472,25 @@ typedef struct jcas_model_info {
     double detection_threshold_db;
 } jcas_model_info;
 
-/// Entries of one UAV's observation that mean the same: at offset, offset + stride and on, `count` of them.
+/// A field of one UAV's observation: `count` entries at offset, offset + stride, offset + 2 stride
+/// and so on.
 typedef struct jcas_observation_field {
-    /// The first entry.
+    /// Index of the first entry.
     uint32_t offset;
-    /// One, one for each hotspot, neighbour slot, cell or direction, or 0 where the configuration leaves
-    /// the field out.
+    /// Number of entries: one, or one for each hotspot, neighbour slot, cell or direction. It is 0
+    /// if the configuration leaves the field out.
     uint32_t count;
-    /// From one entry to the next.
+    /// Distance from one entry to the next, in floats.
     uint32_t stride;
 } jcas_observation_field;
 
-/// Radar and link between two cells.
+/// The radar and link budget between two cells.
 typedef struct jcas_radio {
     /// sizeof(jcas_radio); set it before the call.
     uint32_t struct_size;
     /// Always 0.
     uint32_t reserved;
-    /// Sensing SNR before the communication load is taken off, in dB.
+    /// Sensing SNR without the penalty of the communication load, in dB.
     double sensing_snr_db;
     /// Probability that a UAV detects a hotspot in one step.
     double detection_probability;
@@ -496,7 +500,7 @@ typedef struct jcas_radio {
     double link_throughput;
 } jcas_radio;
 
-/// What a step came to.
+/// The outcome of a step.
 typedef struct jcas_outcome {
     /// sizeof(jcas_outcome); set it before the call.
     uint32_t struct_size;
@@ -516,7 +520,7 @@ typedef struct jcas_episode {
     uint32_t struct_size;
     /// Steps begun since the reset.
     uint32_t t;
-    /// What may be called next: JCAS_PHASE_READY and so on.
+    /// The phase of the step, which decides what may be called next: JCAS_PHASE_READY and so on.
     uint32_t phase;
     /// 1 if every hotspot is informed, else 0.
     uint32_t terminated;
@@ -542,7 +546,7 @@ typedef struct jcas_episode {
     double mean_throughput;
 } jcas_episode;
 
-/// What an episode came to, so far or at its end.
+/// The metrics of an episode, so far or at its end.
 typedef struct jcas_metrics {
     /// sizeof(jcas_metrics); set it before the call.
     uint32_t struct_size;
@@ -564,7 +568,7 @@ typedef struct jcas_metrics {
     double energy_kwh;
     /// Energy accepted from chargers, in kWh.
     double accepted_kwh;
-    /// Energy asked for that was not there, in kWh.
+    /// Energy demanded beyond the charge of the batteries, in kWh.
     double shortfall_kwh;
     /// Grid energy billed, in kWh.
     double grid_kwh;
@@ -576,7 +580,7 @@ typedef struct jcas_metrics {
     double pilot_density_mean;
 } jcas_metrics;
 
-/// A UAV.
+/// The state of a UAV.
 typedef struct jcas_uav {
     /// Column of its cell.
     uint32_t x;
@@ -602,17 +606,18 @@ typedef struct jcas_uav {
     uint64_t accepted_uj;
     /// Energy spent, in microjoules.
     uint64_t spent_uj;
-    /// Energy asked for that was not there, in microjoules.
+    /// Energy demanded beyond the charge of the battery, in microjoules.
     uint64_t shortfall_uj;
     /// Pilot density, a fraction.
     double pilot_density;
     /// Mean normalised throughput toward its neighbours; 0 without any.
     double throughput;
-    /// What jcas_sim_set_battery has put into the battery, less what it has taken out, in microjoules.
+    /// Net energy that jcas_sim_set_battery has added to the battery, in microjoules; negative if
+    /// removed.
     int64_t given_uj;
 } jcas_uav;
 
-/// A hotspot.
+/// The state of a hotspot.
 typedef struct jcas_hotspot {
     /// Column of its cell.
     uint32_t x;
@@ -628,65 +633,68 @@ typedef struct jcas_hotspot {
     uint32_t informed_at;
 } jcas_hotspot;
 
-/// Takes `count` bytes of a trace, in their order; `context` is the caller's own. Returns 0; anything else
-/// says that they could not be taken, and no more are offered.
+/// A function of the caller that takes the next `count` bytes of a trace. `context` is the pointer
+/// from jcas_recorder. It returns 0, or another value if it could not take the bytes; then it is
+/// not called again.
 typedef int32_t (*jcas_write)(const char *bytes, size_t count, void *context);
 
-/// Where a recording goes, and what it works in. Everything that is pointed to, but for the names, stays
-/// the caller's and must live until the recording ends.
+/// The sink and the working memory of a recording. Everything that it points to, except the names,
+/// must stay valid until the recording ends.
 typedef struct jcas_recorder {
     /// sizeof(jcas_recorder).
     uint32_t struct_size;
     /// Set it to 0.
     uint32_t reserved;
-    /// Takes the trace; not NULL.
+    /// The function that takes the trace; not NULL.
     jcas_write write;
     /// Passed to `write`.
     void *write_context;
-    /// Who flies, UTF-8, for the reader; NULL means "host".
+    /// The name of the policy for the header of the trace, in UTF-8; NULL means "host".
     const char *policy;
-    /// How the pilot density is chosen, for the reader; NULL means "host".
+    /// The name of the pilot mode for the header of the trace, in UTF-8; NULL means "host".
     const char *pilot;
-    /// At least the size and alignment of jcas_trace_layout; not NULL.
+    /// Working memory with at least the size and alignment of jcas_trace_layout; not NULL.
     void *memory;
-    /// Its size in bytes.
+    /// The size of `memory` in bytes.
     size_t memory_size;
 } jcas_recorder;
 
-/// One task of a batch step. Run it with the context that came with it and a number below `count`.
+/// One task of a batch step. It is called with its own task_context and an index below `count`.
 typedef void (*jcas_task)(void *task_context, uint32_t index);
 
-/// The caller's way to run tasks: calls `task(task_context, index)` once for each index from 0 to count - 1,
-/// in any order and on any threads, and returns when all of these calls have. `context` is the caller's own.
-/// Tasks that it leaves out the step runs itself; where it has run none, the step is JCAS_ERROR_ARGUMENT.
+/// A function of the caller that runs the tasks of a step. It calls `task(task_context, index)`
+/// once for each index from 0 to count - 1, in any order and on any threads. It returns when all of
+/// these calls have returned. `context` is the pointer from jcas_batch_options. The step itself
+/// runs tasks that were left out; if none was run, the step returns JCAS_ERROR_ARGUMENT.
 typedef void (*jcas_run_tasks)(jcas_task task, void *task_context, uint32_t count, void *context);
 
-/// How a batch is built.
+/// The options of jcas_batch_init.
 typedef struct jcas_batch_options {
     /// sizeof(jcas_batch_options).
     uint32_t struct_size;
-    /// M, at least 1.
+    /// Number of environments (M), at least 1.
     uint32_t environments;
-    /// How many threads step at once, the caller's among them. 1: no other is started. 0: one for each
-    /// processor. With `run`: how many tasks a step has; no thread is started.
+    /// Threads that step at once, including the caller's. 1 starts no thread. 0 means one for each
+    /// processor. With `run` it is the number of tasks of a step, and no thread is started.
     uint32_t threads;
     /// Set it to 0.
     uint32_t reserved;
-    /// The caller's way to run the tasks of a step, or NULL.
+    /// The function that runs the tasks of a step, or NULL for the library's own threads.
     jcas_run_tasks run;
     /// Passed to `run`.
     void *run_context;
 } jcas_batch_options;
 
-/// Buffers that a batch step writes, for M environments; each pointer with its number of elements.
-/// Optional ones may be NULL with a count of 0. No buffer may overlap another, or the actions.
+/// The buffers that a batch step writes, for M environments. Each pointer is followed by its number
+/// of elements. Optional buffers may be NULL with a count of 0. No buffer may overlap another
+/// buffer or the actions.
 typedef struct jcas_batch_out {
     /// sizeof(jcas_batch_out).
     uint32_t struct_size;
     /// Set it to 0.
     uint32_t reserved;
-    /// M * uav_count * observation_len: what each UAV observes, after an automatic reset the new
-    /// episode's first.
+    /// M * uav_count * observation_len: the observation of each UAV. After an automatic reset it is
+    /// the first one of the new episode.
     float *observations;
     /// Elements of observations.
     size_t observation_count;
@@ -710,22 +718,23 @@ typedef struct jcas_batch_out {
     double *components;
     /// Elements of components.
     size_t component_count;
-    /// M * uav_count * observation_len: where an episode was reset, its last observation; untouched
-    /// elsewhere; optional.
+    /// M * uav_count * observation_len: the last observation of each episode that was reset; other
+    /// rows are not written; optional.
     float *final_observations;
     /// Elements of final_observations.
     size_t final_observation_count;
-    /// M * global_len: where an episode was reset, its last global state; untouched elsewhere; optional.
+    /// M * global_len: the last global state of each episode that was reset; other rows are not
+    /// written; optional.
     float *final_global;
     /// Elements of final_global.
     size_t final_global_count;
-    /// M: where an episode ended, what it came to; untouched elsewhere; optional.
+    /// M: the metrics of each episode that ended; other elements are not written; optional.
     struct jcas_metrics *final_metrics;
     /// Elements of final_metrics.
     size_t final_metrics_count;
     /// sizeof(jcas_metrics), or 0 without final_metrics.
     size_t metrics_size;
-    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team's; optional.
+    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team reward; optional.
     float *uav_rewards;
     /// Elements of uav_rewards.
     size_t uav_reward_count;
@@ -740,23 +749,25 @@ extern "C" {
 /** @defgroup version Versions and words of a status
  *  @{ */
 
-/// Version of the library that runs, such as "0.1.0". A static string, never NULL. Threads: any.
+/// Returns the version of the library that runs, such as "0.1.0", as a static string.
+/// Threads: any.
 JCAS_API const char *jcas_version(void);
 
-/// Version of the interface of the library that runs. Threads: any.
+/// Returns the version of the interface of the library that runs.
+/// Threads: any.
 JCAS_API uint32_t jcas_abi_version(void);
 
-/// Whether the library that runs serves a program compiled with this header:
-/// `jcas_abi_check(JCAS_ABI_VERSION)`. It does if the header has its major version and no later minor
-/// one. Ask before any other call, which cannot tell another version from a wrong size. Threads: any.
+/// Checks that the library that runs serves a program compiled with this header:
+/// `jcas_abi_check(JCAS_ABI_VERSION)`. It does if the major versions are equal and the header's
+/// minor version is not later. Make this call first: other calls cannot distinguish another version
+/// from a wrong size.
+/// Threads: any.
 /// Statuses: ABI.
-JCAS_API
-JCAS_NODISCARD
-jcas_status jcas_abi_check(uint32_t header_abi_version);
+JCAS_API JCAS_NODISCARD jcas_status jcas_abi_check(uint32_t header_abi_version);
 
-/// What a status means, in English.
+/// Returns the meaning of a status in English.
 ///
-/// Returns a static string, never NULL; also for values that are no status.
+/// The result is a static string and never NULL, also for values that are not a status.
 /// Threads: any.
 JCAS_API const char *jcas_status_string(jcas_status status);
 
@@ -765,18 +776,19 @@ JCAS_API const char *jcas_status_string(jcas_status status);
 /** @defgroup config Configurations
  *  @{ */
 
-/// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as `struct_size`.
+/// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as
+/// `struct_size`.
 ///
-/// `config`: not NULL. Threads: any.
+/// `config`: not NULL.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE.
-JCAS_API
-jcas_status jcas_config_default(struct jcas_config *config,
-                                size_t struct_size);
+JCAS_API jcas_status jcas_config_default(struct jcas_config *config, size_t struct_size);
 
-/// Fills `config` with a preset: "mission", "paper" (the letter of every equation of the paper) or "search"
-/// (hidden hotspots, shared search maps).
+/// Fills `config` with a preset: "mission", "paper" (every equation exactly as in the paper) or
+/// "search" (hidden hotspots, shared search maps).
 ///
-/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules below.
+/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules
+/// below.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 JCAS_API
@@ -788,11 +800,12 @@ jcas_status jcas_config_preset(const char *name,
                                char *message,
                                size_t message_capacity);
 
-/// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a field
-/// and replaces the preset's value; unknown keys are errors. The result is validated.
+/// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a
+/// field and replaces the preset's value; unknown keys are errors. The result is validated.
 ///
-/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the rules
-/// below. Threads: any.
+/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
+/// rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 JCAS_API
 JCAS_NODISCARD
@@ -803,9 +816,11 @@ jcas_status jcas_config_from_toml(const char *text,
                                   char *message,
                                   size_t message_capacity);
 
-/// As jcas_config_from_toml, from a JSON object; null takes a field that may be derived back to that.
+/// Fills `config` from a JSON object, with the rules of jcas_config_from_toml. The value null
+/// restores a field to being derived.
 ///
-/// `text`, `message`: as for jcas_config_from_toml. Threads: any.
+/// `text`, `message`: as for jcas_config_from_toml.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 JCAS_API
 JCAS_NODISCARD
@@ -816,10 +831,11 @@ jcas_status jcas_config_from_json(const char *text,
                                   char *message,
                                   size_t message_capacity);
 
-/// Whether a configuration is legal: JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the field,
-/// its value and what is allowed.
+/// Checks a configuration. It returns JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the
+/// field, its value and what is allowed.
 ///
-/// `config`: not NULL, struct_size set. `message`: see the rules below. Threads: any.
+/// `config`: not NULL, struct_size set. `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
 JCAS_API
 JCAS_NODISCARD
@@ -827,17 +843,19 @@ jcas_status jcas_config_validate(const struct jcas_config *config,
                                  char *message,
                                  size_t message_capacity);
 
-/// The fingerprint of a legal configuration; part of every state and snapshot.
+/// Writes the fingerprint of a legal configuration, which is part of every state and snapshot.
 ///
-/// `config`, `hash`: not NULL, struct_size set. Threads: any.
+/// `config`, `hash`: not NULL, struct_size set.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
 JCAS_API jcas_status jcas_config_hash(const struct jcas_config *config, uint64_t *hash);
 
-/// A legal configuration as JSON text, which jcas_config_from_json reads back; derived fields are absent.
+/// Writes a legal configuration as JSON text, which jcas_config_from_json reads back. Derived
+/// fields are absent.
 ///
-/// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not NULL;
-/// receives the length without the terminating zero, so that `capacity` must be at least one more;
-/// also where the text does not fit, with JCAS_ERROR_LENGTH.
+/// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not
+/// NULL; receives the length without the terminating zero. `capacity` must be at least one more;
+/// otherwise the call writes only the length and returns JCAS_ERROR_LENGTH.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 JCAS_API
@@ -847,9 +865,11 @@ jcas_status jcas_config_to_json(const struct jcas_config *config,
                                 size_t capacity,
                                 size_t *length);
 
-/// As jcas_config_to_json, as TOML text, which jcas_config_from_toml reads back.
+/// Writes a legal configuration as TOML text, which jcas_config_from_toml reads back. Derived
+/// fields are absent.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 JCAS_API
 JCAS_NODISCARD
@@ -858,10 +878,11 @@ jcas_status jcas_config_to_toml(const struct jcas_config *config,
                                 size_t capacity,
                                 size_t *length);
 
-/// The fields of the configuration as JSON text: a list of objects with name, unit, low, high,
-/// default (null: derived) and doc.
+/// Writes the fields of the configuration as JSON text: a list of objects with name, unit, low,
+/// high, default (null: derived) and doc.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH.
 JCAS_API JCAS_NODISCARD jcas_status jcas_config_fields(char *text, size_t capacity, size_t *length);
 
@@ -870,7 +891,7 @@ JCAS_API JCAS_NODISCARD jcas_status jcas_config_fields(char *text, size_t capaci
 /** @defgroup model Models
  *  @{ */
 
-/// How much memory a model takes, for jcas_model_init.
+/// Writes the size and alignment of the memory that jcas_model_init needs.
 ///
 /// `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the rules below.
 /// Threads: any.
@@ -883,11 +904,12 @@ jcas_status jcas_model_layout(const struct jcas_config *config,
                               char *message,
                               size_t message_capacity);
 
-/// Builds a model in the caller's memory, which holds it until jcas_model_free and may not be moved.
+/// Builds a model in the caller's memory, which must not move until jcas_model_free.
 ///
 /// `memory`: at least the size and alignment of jcas_model_layout; not NULL; the caller's.
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
-/// `message`: see the rules below. Threads: any.
+/// `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG, IN_USE, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -898,10 +920,11 @@ jcas_status jcas_model_init(void *memory,
                             char *message,
                             size_t message_capacity);
 
-/// Builds a model in memory of its own, to be ended by jcas_model_free.
+/// Builds a model in memory from the system. jcas_model_free ends it.
 ///
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
-/// `message`: see the rules below. Threads: any.
+/// `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -910,25 +933,29 @@ jcas_status jcas_model_new(const struct jcas_config *config,
                            char *message,
                            size_t message_capacity);
 
-/// Ends a model; memory of the caller is the caller's again. NULL is allowed and does nothing.
-/// JCAS_ERROR_IN_USE while simulations or batches of the model have not been freed.
+/// Ends a model. Memory of jcas_model_init belongs to the caller again. NULL is allowed and does
+/// nothing. It returns JCAS_ERROR_IN_USE until every simulation, batch and policy of the model has
+/// been freed.
 ///
 /// Threads: none may be using the model.
 /// Statuses: NULL, ALIGNMENT, HANDLE, IN_USE.
 JCAS_API jcas_status jcas_model_free(struct jcas_model *model);
 
-/// Sizes and constants of a model.
+/// Writes the sizes and constants of a model.
 ///
-/// `model`, `info`: not NULL; info->struct_size set. Threads: any.
+/// `model`, `info`: not NULL; info->struct_size set.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 JCAS_API
 jcas_status jcas_model_get_info(const struct jcas_model *model,
                                 struct jcas_model_info *info);
 
-/// Where each field of one UAV's observation lies. Together the fields name every entry once.
+/// Writes the position of each field in the observation of one UAV. Together the fields cover every
+/// entry exactly once.
 ///
 /// `model`, `fields`: not NULL. `count`: JCAS_OBSERVATION_FIELDS. `struct_size`:
-/// sizeof(jcas_observation_field). Threads: any.
+/// sizeof(jcas_observation_field).
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -937,24 +964,27 @@ jcas_status jcas_model_observation_fields(const struct jcas_model *model,
                                           size_t count,
                                           size_t struct_size);
 
-/// The name of a field of an observation, such as "soc" or "hotspot_dx": a static string, or NULL from
-/// JCAS_OBSERVATION_FIELDS on. Threads: any.
-JCAS_API
-const char *jcas_observation_field_name(uint32_t index);
+/// Returns the name of a field of an observation, such as "soc" or "hotspot_dx". It is a static
+/// string, or NULL for an index of JCAS_OBSERVATION_FIELDS or more.
+/// Threads: any.
+JCAS_API const char *jcas_observation_field_name(uint32_t index);
 
-/// The configuration of a model.
+/// Writes the configuration of a model.
 ///
-/// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config). Threads: any.
+/// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config).
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 JCAS_API
 jcas_status jcas_model_get_config(const struct jcas_model *model,
                                   struct jcas_config *config,
                                   size_t struct_size);
 
-/// Radar and link over an offset of (dx, dy) cells, at a pilot density of the sender.
+/// Writes the radar and link budget over an offset of (dx, dy) cells at a pilot density of the
+/// sender.
 ///
-/// `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density` from
-/// 0 to 1, or JCAS_ERROR_ARGUMENT. Threads: any.
+/// `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density`
+/// from 0 to 1, or JCAS_ERROR_ARGUMENT.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT.
 JCAS_API
 jcas_status jcas_model_get_radio(const struct jcas_model *model,
@@ -968,9 +998,10 @@ jcas_status jcas_model_get_radio(const struct jcas_model *model,
 /** @defgroup sim Simulations
  *  @{ */
 
-/// How much memory a simulation takes, for jcas_sim_init.
+/// Writes the size and alignment of the memory that jcas_sim_init needs.
 ///
-/// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+/// `model`, `size`, `alignment`: not NULL. `size` in bytes.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -978,11 +1009,11 @@ jcas_status jcas_sim_layout(const struct jcas_model *model,
                             size_t *size,
                             size_t *alignment);
 
-/// Builds a simulation in the caller's memory, which holds it until jcas_sim_free and may not be moved.
-/// It is at t = 0 of seed 0.
+/// Builds a simulation in the caller's memory, which must not move until jcas_sim_free. It is at t
+/// = 0 of seed 0.
 ///
-/// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's.
-/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+/// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's. `model`:
+/// not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, IN_USE, RESOURCES.
 JCAS_API
@@ -992,9 +1023,10 @@ jcas_status jcas_sim_init(void *memory,
                           const struct jcas_model *model,
                           struct jcas_sim **sim);
 
-/// Builds a simulation in memory of its own, to be ended by jcas_sim_free. It is at t = 0 of seed 0.
+/// Builds a simulation in memory from the system, at t = 0 of seed 0. jcas_sim_free ends it.
 ///
-/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the
+/// handle.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
 JCAS_API
@@ -1002,31 +1034,32 @@ JCAS_NODISCARD
 jcas_status jcas_sim_new(const struct jcas_model *model,
                          struct jcas_sim **sim);
 
-/// Ends a simulation; memory of the caller is the caller's again. NULL is allowed and does nothing.
+/// Ends a simulation. Memory of jcas_sim_init belongs to the caller again. NULL is allowed and does
+/// nothing.
 ///
 /// Threads: none may be using the simulation.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API jcas_status jcas_sim_free(struct jcas_sim *sim);
 
-/// Begins the episode of a seed; everything random in it follows from the seed.
+/// Begins the episode of a seed, which determines every random draw of the episode.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API JCAS_NODISCARD jcas_status jcas_sim_reset(struct jcas_sim *sim, uint64_t seed);
 
-/// The seed with the given index that follows from a seed: mission k of a campaign of the command line
-/// has the seed jcas_derive_seed(seed, k), and an automatic reset goes on with index 0.
+/// Derives the seed with the given index from a seed. Episode k of a campaign of the command line
+/// has the seed jcas_derive_seed(seed, k). An automatic reset uses index 0.
 ///
 /// Threads: any.
-JCAS_API
-uint64_t jcas_derive_seed(uint64_t seed,
-                          uint64_t index);
+JCAS_API uint64_t jcas_derive_seed(uint64_t seed, uint64_t index);
 
-/// One whole step.
+/// Performs one whole step.
 ///
 /// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
-/// (JCAS_MOVE_UP and so on; five equal bins of -1 to 1), the second the pilot density, from its minimum
-/// at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not NULL, struct_size set.
+/// by five equal bins of -1 to 1 (JCAS_MOVE_UP and so on). The second chooses the pilot density,
+/// from its minimum at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not
+/// NULL, struct_size set.
 /// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
@@ -1036,15 +1069,16 @@ jcas_status jcas_sim_step(struct jcas_sim *sim,
                           size_t action_count,
                           struct jcas_outcome *outcome);
 
-/// Writes what each UAV observes: uav_count rows of observation_len floats.
+/// Writes the observation of each UAV: uav_count rows of observation_len floats.
 ///
-/// Each row: itself (x/(W-1), y/(H-1), state of charge, pilot density from minimum 0 to maximum 1, mean
-/// throughput); each hotspot (dx/(W-1), dy/(H-1), confirmed, known); each neighbour slot, nearest first
-/// (present, dx/(W-1), dy/(H-1)); neighbours/(N-1); carbon intensity from 0 to 1; depot
-/// distance/(W+H-2); confirmed/n; informed/n; t/T_max.
+/// Each row begins with the UAV itself: x/(W-1), y/(H-1), state of charge, pilot density scaled to
+/// 0 to 1, mean throughput. For each hotspot follow dx/(W-1), dy/(H-1), confirmed, known. For each
+/// neighbour slot, nearest first, follow present, dx/(W-1), dy/(H-1). Then follow neighbours/(N-1),
+/// carbon intensity from 0 to 1, depot distance/(W+H-2), confirmed/n, informed/n, t/T_max. Fields
+/// that the configuration adds come last: jcas_model_observation_fields lists all of them.
 ///
-/// `sim`, `observations`: not NULL. `count`: uav_count * observation_len. Threads: only this one uses
-/// `sim`.
+/// `sim`, `observations`: not NULL. `count`: uav_count * observation_len.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -1054,11 +1088,12 @@ jcas_status jcas_sim_observe(struct jcas_sim *sim,
 
 /// Writes the global state, for a centralised critic: global_len floats.
 ///
-/// Each UAV (x/(W-1), y/(H-1), state of charge, pilot density, mean throughput, fraction of hotspots
-/// known); each hotspot (x/(W-1), y/(H-1), confirmed, fraction of UAVs that know it); carbon intensity,
-/// confirmed/n, informed/n, t/T_max.
+/// For each UAV: x/(W-1), y/(H-1), state of charge, pilot density, mean throughput, fraction of
+/// hotspots known. For each hotspot: x/(W-1), y/(H-1), confirmed, fraction of UAVs that know it.
+/// The last four are carbon intensity, confirmed/n, informed/n, t/T_max.
 ///
-/// `sim`, `global`: not NULL. Threads: none changes `sim`.
+/// `sim`, `global`: not NULL.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -1066,10 +1101,11 @@ jcas_status jcas_sim_observe_global(const struct jcas_sim *sim,
                                     float *global,
                                     size_t count);
 
-/// Why the last call that took this simulation without const was refused, in words: which value, and what
-/// is allowed. Empty if that call did what it says.
+/// Writes why the last call that took this simulation without const was refused. The text names the
+/// value and what is allowed; it is empty if that call succeeded.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `sim`.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_sim_message(const struct jcas_sim *sim,
@@ -1085,7 +1121,8 @@ jcas_status jcas_sim_message(const struct jcas_sim *sim,
 /// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
 /// jcas_sim_step_sense.
 ///
-/// `sim`, `actions`: as for jcas_sim_step. Threads: only this one uses `sim`.
+/// `sim`, `actions`: as for jcas_sim_step.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1093,10 +1130,11 @@ jcas_status jcas_sim_step_begin(struct jcas_sim *sim,
                                 const float *actions,
                                 size_t action_count);
 
-/// Puts the UAVs where the host has moved them, in place of the kernel's own motion. A UAV whose cell
-/// differs from the one before the step has moved, however far.
+/// Sets the positions of the UAVs, in place of the kernel's own motion. A UAV has moved if its cell
+/// differs from the one before the step, at any distance.
 ///
-/// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// `sim`, `cells`: not NULL. `count`: uav_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1104,30 +1142,29 @@ jcas_status jcas_sim_set_positions(struct jcas_sim *sim,
                                    const struct jcas_cell *cells,
                                    size_t count);
 
-/// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_with.
+/// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or
+/// jcas_sim_step_communicate_with.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
-JCAS_API
-JCAS_NODISCARD
-jcas_status jcas_sim_step_sense(struct jcas_sim *sim);
+JCAS_API JCAS_NODISCARD jcas_status jcas_sim_step_sense(struct jcas_sim *sim);
 
-/// Keeps a UAV from flying, sensing and communicating in this step, whatever its battery holds. It stays
-/// where it was before the step and asks its battery for nothing. Between jcas_sim_step_begin and
-/// jcas_sim_step_sense, after jcas_sim_set_positions if that is called too.
+/// Keeps a UAV from flying, sensing and communicating in this step, at any charge of its battery.
+/// It stays in its cell of before the step and uses no energy. Call it between jcas_sim_step_begin
+/// and jcas_sim_step_sense; if jcas_sim_set_positions is called too, call that first.
 ///
-/// `sim`: not NULL. `uav`: below uav_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+/// `sim`: not NULL. `uav`: below uav_count, or JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
-JCAS_API
-JCAS_NODISCARD
-jcas_status jcas_sim_ground(struct jcas_sim *sim,
-                            uint32_t uav);
+JCAS_API JCAS_NODISCARD jcas_status jcas_sim_ground(struct jcas_sim *sim, uint32_t uav);
 
-/// Confirms a hotspot in this step, whatever was detected. Between jcas_sim_step_begin and
-/// jcas_sim_step_sense: UAVs that then detect it learn it. Nothing changes if it is confirmed already.
+/// Confirms a hotspot in this step without a quorum of detections. Call it between
+/// jcas_sim_step_begin and jcas_sim_step_sense. UAVs that then detect the hotspot know it. Nothing
+/// changes if it was already confirmed.
 ///
-/// `sim`: not NULL. `hotspot`: below hotspot_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
-/// `sim`.
+/// `sim`: not NULL. `hotspot`: below hotspot_count, or JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1136,9 +1173,10 @@ jcas_status jcas_sim_confirm_hotspot(struct jcas_sim *sim,
 
 /// Part 2 of a step with the host's detections, in place of jcas_sim_step_sense.
 ///
-/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value but 0 is
-/// a detection. Those of grounded UAVs and of hotspots that the UAV knows are ignored, as no draw is made
-/// there. Threads: only this one uses `sim`.
+/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value
+/// but 0 is a detection. Detections by grounded UAVs and of hotspots that the UAV knows are
+/// ignored, as the kernel makes no draw for them.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1146,20 +1184,22 @@ jcas_status jcas_sim_step_sense_with(struct jcas_sim *sim,
                                      const uint8_t *detections,
                                      size_t count);
 
-/// Part 3 of a step: communicate over the graph that the kernel's link budget gives. Next:
+/// Part 3 of a step: communicate over the graph of the kernel's link budget. Next:
 /// jcas_sim_step_end.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API JCAS_NODISCARD jcas_status jcas_sim_step_communicate(struct jcas_sim *sim);
 
 /// Part 3 of a step over the host's graph, in place of jcas_sim_step_communicate.
 ///
-/// `links`: a uav_count * uav_count matrix, row by row, any value but 0 is a link; not NULL. It must be
-/// symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: the mean normalised
-/// throughput of each UAV toward its neighbours as the host measured it, uav_count numbers from 0 to 1e9;
-/// or NULL with a count of 0 to take it from the kernel's link budget. A UAV without neighbours has 0 in
-/// either case. Threads: only this one uses `sim`.
+/// `links`: a uav_count * uav_count matrix, row by row; any value but 0 is a link; not NULL. It
+/// must be symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: uav_count
+/// numbers from 0 to 1e9, the mean normalised throughput of each UAV toward its neighbours. NULL
+/// with a count of 0 takes it from the kernel's link budget. A UAV without neighbours has 0 in
+/// either case.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1169,18 +1209,22 @@ jcas_status jcas_sim_step_communicate_with(struct jcas_sim *sim,
                                            const double *throughput,
                                            size_t throughput_count);
 
-/// Part 4 of a step: energy, charge, carbon, reward, termination.
+/// Part 4 of a step: account for energy, charge, carbon and reward, and end the episode if it is
+/// over.
 ///
-/// `sim`, `outcome`: not NULL, struct_size set. Threads: only this one uses `sim`.
+/// `sim`, `outcome`: not NULL, struct_size set.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
 jcas_status jcas_sim_step_end(struct jcas_sim *sim,
                               struct jcas_outcome *outcome);
 
-/// Places the hotspots, in place of the drawn ones: distinct cells without a depot. At t = 0 only.
+/// Sets the cells of the hotspots, in place of the drawn ones. The cells must be distinct and
+/// without a depot. Allowed at t = 0 only.
 ///
-/// `sim`, `cells`: not NULL. `count`: hotspot_count. Threads: only this one uses `sim`.
+/// `sim`, `cells`: not NULL. `count`: hotspot_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1188,10 +1232,11 @@ jcas_status jcas_sim_set_hotspots(struct jcas_sim *sim,
                                   const struct jcas_cell *cells,
                                   size_t count);
 
-/// Moves a hotspot. Between steps; whether it is confirmed and who knows it stays.
+/// Moves a hotspot between steps. Its confirmation and the UAVs that know it do not change.
 ///
-/// `sim`: not NULL. `hotspot`: below hotspot_count. `x`, `y`: a cell of the grid without a depot or another
-/// hotspot. JCAS_ERROR_ARGUMENT for anything else. Threads: only this one uses `sim`.
+/// `sim`: not NULL. `hotspot`: below hotspot_count. `x`, `y`: a cell of the grid without a depot or
+/// another hotspot. Anything else is JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1200,9 +1245,10 @@ jcas_status jcas_sim_move_hotspot(struct jcas_sim *sim,
                                   uint32_t x,
                                   uint32_t y);
 
-/// Puts the UAVs where they start, in place of the first depot. At t = 0 only.
+/// Sets the cells in which the UAVs start, in place of the first depot. Allowed at t = 0 only.
 ///
-/// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// `sim`, `cells`: not NULL. `count`: uav_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1210,11 +1256,12 @@ jcas_status jcas_sim_set_starts(struct jcas_sim *sim,
                                 const struct jcas_cell *cells,
                                 size_t count);
 
-/// Sets what a battery holds now, in microjoules. Between steps; 0 grounds the UAV from the next step on.
-/// The difference enters the ledger as given_uj of jcas_uav.
+/// Sets the present charge of a battery, in microjoules, between steps. 0 grounds the UAV from the
+/// next step on. The difference is added to given_uj of jcas_uav.
 ///
 /// `sim`: not NULL. `uav`: below uav_count, `charge_uj`: at most battery_capacity_uj, or
-/// JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+/// JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1222,9 +1269,11 @@ jcas_status jcas_sim_set_battery(struct jcas_sim *sim,
                                  uint32_t uav,
                                  uint64_t charge_uj);
 
-/// Sets what each battery holds at the start, in microjoules, in place of the drawn charge. At t = 0 only.
+/// Sets the initial charge of each battery, in microjoules, in place of the drawn one. Allowed at t
+/// = 0 only.
 ///
-/// `sim`, `charges_uj`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// `sim`, `charges_uj`: not NULL. `count`: uav_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API
 JCAS_NODISCARD
@@ -1237,32 +1286,37 @@ jcas_status jcas_sim_set_batteries(struct jcas_sim *sim,
 /** @defgroup queries Queries of a simulation
  *  @{ */
 
-/// Time, phase and the fleet's ledgers.
+/// Writes the time, the phase and the totals of the episode.
 ///
-/// `sim`, `episode`: not NULL; episode->struct_size set. Threads: none changes `sim`.
+/// `sim`, `episode`: not NULL; episode->struct_size set.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 JCAS_API jcas_status jcas_sim_get_episode(const struct jcas_sim *sim, struct jcas_episode *episode);
 
-/// What the episode came to, so far.
+/// Writes the metrics of the episode so far.
 ///
-/// `sim`, `metrics`: not NULL; metrics->struct_size set. Threads: none changes `sim`.
+/// `sim`, `metrics`: not NULL; metrics->struct_size set.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 JCAS_API jcas_status jcas_sim_get_metrics(const struct jcas_sim *sim, struct jcas_metrics *metrics);
 
-/// The components of the last reward. The reward is their sum, from the first to the last.
+/// Writes the components of the last reward. The reward is their sum, from the first to the last.
 ///
-/// `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
+/// `sim`, `components`: not NULL. `count`: reward_len.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_rewards(const struct jcas_sim *sim,
                                  double *components,
                                  size_t count);
 
-/// The reward of each UAV in the last step, 0 before the first. Their mean is the team's: detections,
-/// informing, completion, truncation and the spread of knowledge are shared; coverage, energy, carbon and
-/// revisits are the UAV's own, times N; so are, in place of their means, its throughput and its potentials.
+/// Writes the reward of each UAV in the last step, or 0 before the first. The mean of these rewards
+/// is the team reward. Detections, informing, completion, truncation and the spread of knowledge
+/// are shared. Coverage, energy, carbon and revisits are the UAV's own, times N. Throughput and
+/// potentials are the UAV's own in place of the fleet's means.
 ///
-/// `sim`, `rewards`: not NULL. `count`: uav_count. Threads: none changes `sim`.
+/// `sim`, `rewards`: not NULL. `count`: uav_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -1270,10 +1324,11 @@ jcas_status jcas_sim_uav_rewards(const struct jcas_sim *sim,
                                  double *rewards,
                                  size_t count);
 
-/// The components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by jcas_reward_name, whose
-/// sum, left to right, is the UAV's reward.
+/// Writes the components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by
+/// jcas_reward_name. The sum of a row, from left to right, is the UAV's reward.
 ///
-/// `sim`, `components`: not NULL. `count`: uav_count * reward_len. Threads: none changes `sim`.
+/// `sim`, `components`: not NULL. `count`: uav_count * reward_len.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -1281,14 +1336,15 @@ jcas_status jcas_sim_uav_reward_components(const struct jcas_sim *sim,
                                            double *components,
                                            size_t count);
 
-/// The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
-JCAS_API
-const char *jcas_reward_name(uint32_t index);
+/// Returns the name of a component of the reward: a static string, or NULL for an index of
+/// reward_len or more.
+/// Threads: any.
+JCAS_API const char *jcas_reward_name(uint32_t index);
 
-/// Every UAV.
+/// Writes the state of every UAV.
 ///
-/// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav). Threads: none changes
-/// `sim`.
+/// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav).
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_uavs(const struct jcas_sim *sim,
@@ -1296,10 +1352,10 @@ jcas_status jcas_sim_get_uavs(const struct jcas_sim *sim,
                               size_t count,
                               size_t struct_size);
 
-/// Every hotspot.
+/// Writes the state of every hotspot.
 ///
-/// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot). Threads:
-/// none changes `sim`.
+/// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot).
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_hotspots(const struct jcas_sim *sim,
@@ -1307,54 +1363,61 @@ jcas_status jcas_sim_get_hotspots(const struct jcas_sim *sim,
                                   size_t count,
                                   size_t struct_size);
 
-/// The radio graph: 1 where two UAVs are neighbours, else 0; a symmetric matrix, row by row.
+/// Writes the radio graph as a symmetric matrix, row by row: 1 where two UAVs are neighbours, else
+/// 0.
 ///
-/// `sim`, `links`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+/// `sim`, `links`: not NULL. `count`: uav_count * uav_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API jcas_status jcas_sim_get_links(const struct jcas_sim *sim, uint8_t *links, size_t count);
 
-/// Who knows what: 1 where a UAV (row) knows a hotspot (column), else 0.
+/// Writes the knowledge matrix: 1 where a UAV (row) knows a hotspot (column), else 0.
 ///
-/// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+/// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_knowledge(const struct jcas_sim *sim,
                                    uint8_t *knowledge,
                                    size_t count);
 
-/// Who detected what when the UAVs last sensed: 1 where a UAV (row) detected a hotspot (column), else 0.
-/// Hotspots that a UAV knew are not sensed by it.
+/// Writes the detections of the last sensing: 1 where a UAV (row) detected a hotspot (column), else
+/// 0. A UAV does not sense hotspots that it already knows.
 ///
-/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_detections(const struct jcas_sim *sim,
                                     uint8_t *detections,
                                     size_t count);
 
-/// Normalised throughput of each pair by the kernel's link budget: from a UAV (row) toward another (column),
-/// 0 where they are no neighbours.
+/// Writes the normalised throughput of each pair by the kernel's link budget: from a UAV (row)
+/// toward another (column). It is 0 where the two are not neighbours.
 ///
-/// `sim`, `throughputs`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+/// `sim`, `throughputs`: not NULL. `count`: uav_count * uav_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_throughputs(const struct jcas_sim *sim,
                                      double *throughputs,
                                      size_t count);
 
-/// The cells that any UAV has been in: 1 or 0, row (y) by row.
+/// Writes the visited cells, row (y) by row: 1 where any UAV has been, else 0.
 ///
-/// `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
+/// `sim`, `visited`: not NULL. `count`: grid_width * grid_height.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_sim_get_visited(const struct jcas_sim *sim,
                                  uint8_t *visited,
                                  size_t count);
 
-/// The search maps: 1 where a UAV knows a cell to have been looked at, else 0; a grid, row (y) by row, for
-/// each UAV after the other. Without search maps there is nothing to read.
+/// Writes the search maps: 1 where a UAV knows a cell to be searched, else 0. There is one grid for
+/// each UAV in turn, row (y) by row.
 ///
-/// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search maps.
+/// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search
+/// maps.
 /// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
@@ -1367,9 +1430,10 @@ jcas_status jcas_sim_get_search_maps(const struct jcas_sim *sim,
 /** @defgroup snapshot Snapshots
  *  @{ */
 
-/// Saves a simulation as bytes that mean the same on every platform.
+/// Saves a simulation as bytes that are portable across platforms.
 ///
-/// `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes. Threads: none changes `sim`.
+/// `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -1377,10 +1441,12 @@ jcas_status jcas_sim_save(const struct jcas_sim *sim,
                           void *snapshot,
                           size_t size);
 
-/// Takes up a saved simulation of an equal configuration; it goes on exactly as the saved one would have.
-/// JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH for anything else, and nothing has changed then.
+/// Loads a saved simulation of an equal configuration, which continues exactly as the saved one
+/// would have. Anything else is JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH and changes
+/// nothing.
 ///
-/// `sim`, `snapshot`: not NULL. `size`: in bytes, any. Threads: only this one uses `sim`.
+/// `sim`, `snapshot`: not NULL. `size`: in bytes, any.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
 JCAS_API
 JCAS_NODISCARD
@@ -1388,15 +1454,19 @@ jcas_status jcas_sim_load(struct jcas_sim *sim,
                           const void *snapshot,
                           size_t size);
 
-/// Makes `to` an independent twin of `from`, whose configuration must be equal.
+/// Copies the state of `from` to `to`, whose configuration must be equal. The two are then
+/// independent.
 ///
-/// `from`, `to`: not NULL; may be the same. Threads: none changes `from`, only this one uses `to`.
+/// `from`, `to`: not NULL; may be the same.
+/// Threads: none changes `from`, only this one uses `to`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, MODEL_MISMATCH.
 JCAS_API JCAS_NODISCARD jcas_status jcas_sim_fork(const struct jcas_sim *from, struct jcas_sim *to);
 
-/// The fingerprint of a state: equal for equal states, on every platform (FNV-1a, 64 bits).
+/// Writes the fingerprint of a state, which is equal for equal states on every platform (FNV-1a, 64
+/// bits).
 ///
-/// `sim`, `state_hash`: not NULL. Threads: none changes `sim`.
+/// `sim`, `state_hash`: not NULL.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API jcas_status jcas_sim_hash(const struct jcas_sim *sim, uint64_t *state_hash);
 
@@ -1405,9 +1475,10 @@ JCAS_API jcas_status jcas_sim_hash(const struct jcas_sim *sim, uint64_t *state_h
 /** @defgroup trace Traces
  *  @{ */
 
-/// How much memory recording and verifying take.
+/// Writes the size and alignment of the memory that recording and verification need.
 ///
-/// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+/// `model`, `size`, `alignment`: not NULL. `size` in bytes.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1415,17 +1486,19 @@ jcas_status jcas_trace_layout(const struct jcas_model *model,
                               size_t *size,
                               size_t *alignment);
 
-/// Begins the episode of a seed, as jcas_sim_reset does, and records it: from here on every step, and
-/// every call by which the host owns something, goes to the recorder as a line of the trace. `jcas trace
-/// verify` flies such a file again bit for bit, `jcas replay` shows it.
+/// Begins the episode of a seed, as jcas_sim_reset does, and records it. Every step, and every call
+/// that replaces a part of the kernel's step or state, becomes a line of the trace. `jcas trace
+/// verify` repeats such a file bit for bit, and `jcas replay` shows it.
 ///
-/// Whatever puts another state into the simulation (jcas_sim_reset, _load, _free, a fork into it,
-/// jcas_batch_get, jcas_trace_verify) leaves the recording as it is, without its end, which readers say.
-/// If the sink refuses the first line, nothing has changed: JCAS_ERROR_SINK. If it refuses a later one,
-/// the simulation goes on, and jcas_sim_record_end says so.
+/// Calls that replace the state end the recording without its last line, which readers report.
+/// These are jcas_sim_reset, _load, _free, a fork into the simulation, jcas_batch_get and
+/// jcas_trace_verify. If the sink refuses the first line, the call returns JCAS_ERROR_SINK and
+/// changes nothing. If it refuses a later one, the simulation goes on and jcas_sim_record_end
+/// returns JCAS_ERROR_SINK.
 ///
-/// `sim`, `recorder`: not NULL; recorder->struct_size set; not needed after the call, but for what it
-/// points to. Threads: only this one uses `sim`.
+/// `sim`, `recorder`: not NULL; recorder->struct_size set; the struct itself is not needed after
+/// the call.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, SINK.
 JCAS_API
 JCAS_NODISCARD
@@ -1433,20 +1506,20 @@ jcas_status jcas_sim_record(struct jcas_sim *sim,
                             uint64_t seed,
                             const struct jcas_recorder *recorder);
 
-/// Ends a recording, between steps: the last line goes to the recorder. JCAS_ERROR_OUT_OF_ORDER in the
-/// middle of a step, or where nothing is recorded. JCAS_ERROR_SINK if the sink has not taken all of the
-/// trace; the recording has ended then too.
+/// Ends a recording between steps and writes its last line. It returns JCAS_ERROR_OUT_OF_ORDER in
+/// the middle of a step or without a recording. It returns JCAS_ERROR_SINK if the sink has refused
+/// any part of the trace; the recording has then ended too.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, SINK.
-JCAS_API
-JCAS_NODISCARD
-jcas_status jcas_sim_record_end(struct jcas_sim *sim);
+JCAS_API JCAS_NODISCARD jcas_status jcas_sim_record_end(struct jcas_sim *sim);
 
-/// Fills `config` with the configuration that a trace was flown with.
+/// Fills `config` with the configuration of a trace.
 ///
-/// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL. `config`: not
-/// NULL. `struct_size`: sizeof(jcas_config). `message`: see the rules below. Threads: any.
+/// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL.
+/// `config`: not NULL. `struct_size`: sizeof(jcas_config). `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CORRUPT.
 JCAS_API
 JCAS_NODISCARD
@@ -1457,15 +1530,16 @@ jcas_status jcas_trace_config(const char *trace,
                               char *message,
                               size_t message_capacity);
 
-/// Flies a trace again and compares every line, byte by byte. JCAS_OK: this library does what the file
-/// says. JCAS_ERROR_DIFFERENT: it does not; the message names the line and the field. JCAS_ERROR_CORRUPT:
-/// the file was cut, changed, or is none. The simulation is left where the trace ends, or where it
-/// differs.
+/// Repeats a trace and compares every line byte by byte. JCAS_OK means that this library reproduces
+/// the file. JCAS_ERROR_DIFFERENT means that it does not; the message names the line and the field.
+/// JCAS_ERROR_CORRUPT means that the file is cut, changed or no trace. The simulation is left where
+/// the trace ends or differs.
 ///
 /// `sim`: not NULL; of the trace's configuration (jcas_trace_config), or JCAS_ERROR_MODEL_MISMATCH.
-/// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again after the
-/// call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the rules below. Threads:
-/// only this one uses `sim`.
+/// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again
+/// after the call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the rules
+/// below.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
 JCAS_API
 JCAS_NODISCARD
@@ -1477,11 +1551,12 @@ jcas_status jcas_trace_verify(struct jcas_sim *sim,
                               char *message,
                               size_t message_capacity);
 
-/// Flies a trace again to the end of its next step, and compares these lines as jcas_trace_verify does.
+/// Repeats a trace to the end of its next step, and compares these lines as jcas_trace_verify does.
 ///
-/// `offset`: where the lines begin, in bytes; not NULL. Set it to 0 to begin: that checks the whole file,
-/// resets the simulation and compares the first line. Each call then moves it to the end of the next step,
-/// the last one to `length`. Between calls the simulation may be read. The others as for jcas_trace_verify.
+/// `offset`: where the lines begin, in bytes; not NULL. Set it to 0 for the first call, which
+/// checks the whole file, resets the simulation and compares the first line. Each call moves it to
+/// the end of the next step; the last call moves it to `length`. Between calls the simulation may
+/// be read. The other arguments are as for jcas_trace_verify.
 /// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
 JCAS_API
@@ -1502,11 +1577,11 @@ jcas_status jcas_trace_step(struct jcas_sim *sim,
 
 /// Builds M environments in memory of their own, each at t = 0 of seed 0.
 ///
-/// `model`: not NULL; must not be freed before the batch. `environments`: M, at least 1. `threads`: how
-/// many step at once; 1: the caller's own, no other is started; 0: one for each processor. Results do not
-/// depend on it. Where there are as many processors, the others look for the next step for up to some
-/// tens of microseconds before they sleep. `batch`: not NULL; receives the handle, to be ended by
-/// jcas_batch_free.
+/// `model`: not NULL; must not be freed before the batch. `environments`: Number of environments
+/// (M), at least 1. `threads`: threads that step at once, including the caller's; 1 starts none, 0
+/// means one for each processor. Results do not depend on it. If the machine has enough processors,
+/// workers spin for some tens of microseconds after a step before they sleep. `batch`: not NULL;
+/// receives the handle, which jcas_batch_free ends.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API
@@ -1516,10 +1591,10 @@ jcas_status jcas_batch_new(const struct jcas_model *model,
                            uint32_t threads,
                            struct jcas_batch **batch);
 
-/// How much memory a batch takes, for jcas_batch_init.
+/// Writes the size and alignment of the memory that jcas_batch_init needs.
 ///
-/// `model`, `options`, `size`, `alignment`: not NULL; options->struct_size set. `size` in bytes. Threads:
-/// any.
+/// `model`, `options`, `size`, `alignment`: not NULL; options->struct_size set. `size` in bytes.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1528,12 +1603,13 @@ jcas_status jcas_batch_layout(const struct jcas_model *model,
                               size_t *size,
                               size_t *alignment);
 
-/// Builds a batch in the caller's memory, which holds it until jcas_batch_free and may not be moved. Each
+/// Builds a batch in the caller's memory, which must not move until jcas_batch_free. Each
 /// environment is at t = 0 of seed 0.
 ///
-/// `memory`: at least the size and alignment of jcas_batch_layout; not NULL; the caller's. `model`: not
-/// NULL; must not be freed before the batch. `options`: not NULL, struct_size set; not needed after the
-/// call. `batch`: not NULL; receives the handle. Threads: any.
+/// `memory`: at least the size and alignment of jcas_batch_layout; not NULL; the caller's. `model`:
+/// not NULL; must not be freed before the batch. `options`: not NULL, struct_size set; not needed
+/// after the call. `batch`: not NULL; receives the handle.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, IN_USE, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1543,24 +1619,23 @@ jcas_status jcas_batch_init(void *memory,
                             const struct jcas_batch_options *options,
                             struct jcas_batch **batch);
 
-/// Ends a batch and its threads, which have ended when the call returns; memory of the caller is the
-/// caller's again. NULL is allowed and does nothing.
+/// Ends a batch and joins its threads. Memory of jcas_batch_init belongs to the caller again. NULL
+/// is allowed and does nothing.
 ///
 /// Threads: none may be using the batch.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
-JCAS_API
-jcas_status jcas_batch_free(struct jcas_batch *batch);
+JCAS_API jcas_status jcas_batch_free(struct jcas_batch *batch);
 
 /** @} */
 
 /** @defgroup batch_step Steps of a batch
  *  @{ */
 
-/// Begins an episode in each environment and observes.
+/// Begins an episode in each environment and writes the first observations.
 ///
 /// `seeds`: M; not NULL. `observations`: M * uav_count * observation_len; not NULL. `global`: M *
-/// global_len, or NULL with a count of 0. No buffer may overlap another. Threads: only this one uses
-/// `batch`.
+/// global_len, or NULL with a count of 0. No buffer may overlap another.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
 JCAS_API
 JCAS_NODISCARD
@@ -1572,11 +1647,12 @@ jcas_status jcas_batch_reset(struct jcas_batch *batch,
                              float *global,
                              size_t global_count);
 
-/// Begins an episode in some environments, those where `mask` is not 0, and observes these. The others,
-/// and their rows of the buffers, stay as they are.
+/// Begins an episode in each environment whose `mask` is not 0 and writes its observations. The
+/// other environments, and their rows of the buffers, do not change.
 ///
-/// `mask`: M; not NULL. The others as for jcas_batch_reset; seeds of the others are not used. Threads: only
-/// this one uses `batch`.
+/// `mask`: M; not NULL. The other arguments are as for jcas_batch_reset. Seeds of environments
+/// whose mask is 0 are not used.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
 JCAS_API
 JCAS_NODISCARD
@@ -1590,17 +1666,18 @@ jcas_status jcas_batch_reset_some(struct jcas_batch *batch,
                                   float *global,
                                   size_t global_count);
 
-/// Steps every environment once and observes.
+/// Steps every environment once and writes rewards and observations.
 ///
-/// With `auto_reset` = 1 an episode that ends is followed at once by the next, whose seed derives from
-/// the ended one's. With 0 an environment whose episode has ended refuses the step, and so the batch does.
-/// All is checked before any environment steps, so nothing has changed after an error.
+/// With `auto_reset` = 1 the next episode follows at once; its seed is jcas_derive_seed(seed, 0).
+/// With 0 the batch refuses the step while any environment's episode has ended. Everything is
+/// checked before any environment steps, so an error changes nothing.
 ///
-/// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out. Threads: only
-/// this one uses `batch`. A batch with threads of its own steps only in the process that built it; after a
-/// fork the child gets JCAS_ERROR_FORKED, may read and free the batch, and builds one of its own.
-/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER, EPISODE_OVER,
-/// FORKED.
+/// `actions`: M * action_len, one row as for jcas_sim_step for each environment; not NULL. `out`:
+/// not NULL; see jcas_batch_out.
+/// Threads: only this one uses `batch`. A batch with worker threads steps only in the process that
+/// built it. After a fork the child gets JCAS_ERROR_FORKED; it may read and free the batch.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER,
+/// EPISODE_OVER, FORKED.
 JCAS_API
 JCAS_NODISCARD
 jcas_status jcas_batch_step(struct jcas_batch *batch,
@@ -1609,10 +1686,11 @@ jcas_status jcas_batch_step(struct jcas_batch *batch,
                             int32_t auto_reset,
                             const struct jcas_batch_out *out);
 
-/// Writes what the environments observe now.
+/// Writes the present observations and global states of all environments.
 ///
-/// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL with a
-/// count of 0. No buffer may overlap another. Threads: only this one uses `batch`.
+/// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL
+/// with a count of 0. No buffer may overlap another.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
 JCAS_API
 JCAS_NODISCARD
@@ -1622,9 +1700,10 @@ jcas_status jcas_batch_observe(struct jcas_batch *batch,
                                float *global,
                                size_t global_count);
 
-/// Saves every environment: M snapshots, one after the other, each as jcas_sim_save writes it.
+/// Saves every environment as M consecutive snapshots in the format of jcas_sim_save.
 ///
-/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: none changes `batch`.
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes.
+/// Threads: none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 JCAS_NODISCARD
@@ -1632,10 +1711,12 @@ jcas_status jcas_batch_save(const struct jcas_batch *batch,
                             void *snapshots,
                             size_t size);
 
-/// Takes up what jcas_batch_save saved, of a batch of equal size and configuration. JCAS_ERROR_CORRUPT or
-/// JCAS_ERROR_MODEL_MISMATCH if any snapshot is not right, and nothing has changed then.
+/// Loads the snapshots that jcas_batch_save wrote for a batch of equal size and configuration. If
+/// any snapshot is invalid, it returns JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH and changes
+/// nothing.
 ///
-/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: only this one uses `batch`.
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
 JCAS_API
 JCAS_NODISCARD
@@ -1643,28 +1724,29 @@ jcas_status jcas_batch_load(struct jcas_batch *batch,
                             const void *snapshots,
                             size_t size);
 
-/// The fingerprint of all states of a batch, in their order (FNV-1a, 64 bits).
+/// Writes the fingerprint of all states of a batch in their order (FNV-1a, 64 bits).
 ///
-/// `batch`, `states_hash`: not NULL. Threads: none changes `batch`.
+/// `batch`, `states_hash`: not NULL.
+/// Threads: none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API jcas_status jcas_batch_hash(const struct jcas_batch *batch, uint64_t *states_hash);
 
-/// Copies an environment of a batch into a simulation of an equal configuration, to read every quantity
-/// or to save it.
+/// Copies an environment of a batch into a simulation of an equal configuration. The simulation can
+/// then read or save the state.
 ///
-/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: none changes `batch`,
-/// only this one uses `sim`.
+/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT.
+/// Threads: none changes `batch`, only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
 JCAS_API
 jcas_status jcas_batch_get(const struct jcas_batch *batch,
                            uint32_t index,
                            struct jcas_sim *sim);
 
-/// Copies a simulation of an equal configuration into an environment of a batch. It should be between
-/// steps: one in the middle of a step by parts makes jcas_batch_step refuse.
+/// Copies a simulation of an equal configuration into an environment of a batch. The simulation
+/// should be between steps: jcas_batch_step refuses a state in the middle of a step by parts.
 ///
-/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
-/// `batch`, none changes `sim`.
+/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `batch`, none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
 JCAS_API
 JCAS_NODISCARD
@@ -1672,10 +1754,12 @@ jcas_status jcas_batch_set(struct jcas_batch *batch,
                            uint32_t index,
                            const struct jcas_sim *sim);
 
-/// Why the last call that took this batch without const was refused, in words: which value, and what is
-/// allowed. Empty if that call did what it says. UAVs are counted over the whole batch.
+/// Writes why the last call that took this batch without const was refused. The text names the
+/// value and what is allowed; it is empty if that call succeeded. UAVs are counted over the whole
+/// batch.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `batch`.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 JCAS_API
 jcas_status jcas_batch_message(const struct jcas_batch *batch,
@@ -1688,11 +1772,12 @@ jcas_status jcas_batch_message(const struct jcas_batch *batch,
 /** @defgroup policy Policies
  *  @{ */
 
-/// How much memory a trained policy takes, for jcas_policy_init.
+/// Writes the size and alignment of the memory that jcas_policy_init needs.
 ///
 /// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors.
-/// `size` in bytes. `message`: see the rules below. JCAS_ERROR_CORRUPT where the bytes are no
-/// policy, JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
+/// `size` in bytes. `message`: see the rules below. JCAS_ERROR_CORRUPT means that the bytes are no
+/// policy. JCAS_ERROR_MODEL_MISMATCH means that the policy reads observations of another shape.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1704,8 +1789,7 @@ jcas_status jcas_policy_layout(const struct jcas_model *model,
                                char *message,
                                size_t message_capacity);
 
-/// Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may
-/// not be moved.
+/// Builds a trained policy in the caller's memory, which must not move until jcas_policy_free.
 ///
 /// `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
 /// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not
@@ -1723,15 +1807,16 @@ jcas_status jcas_policy_init(void *memory,
                              char *message,
                              size_t message_capacity);
 
-/// Builds a trained policy in memory of its own, to be ended by jcas_policy_free.
+/// Builds a trained policy in memory from the system. jcas_policy_free ends it.
 ///
-/// It flies as its file says (`mode`, `pilot_density`), deterministically where the file says
-/// nothing.
+/// It acts in the `mode` and with the `pilot_density` of its file. The mode is deterministic if the
+/// file has none.
 ///
 /// `model`: not NULL; must not be freed before the policy. `file`: the bytes of a
 /// policy.safetensors; not needed after the call. `policy`: not NULL; receives the handle.
-/// `message`: see the rules below. JCAS_ERROR_CORRUPT where the bytes are no policy,
-/// JCAS_ERROR_MODEL_MISMATCH where it reads other observations than the model has. Threads: any.
+/// `message`: see the rules below. JCAS_ERROR_CORRUPT means that the bytes are no policy.
+/// JCAS_ERROR_MODEL_MISMATCH means that the policy reads observations of another shape.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1742,15 +1827,16 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
                              char *message,
                              size_t message_capacity);
 
-/// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams,
-/// sweep, line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It
-/// plans on the heap: jcas_policy_act asks for memory in the first step of an episode and whenever
-/// it plans.
+/// Builds a baseline by its name. jcas_policy_free ends it. The names are random, greedy, swarm,
+/// teams, sweep, line, frontier, relay, charging and clean, as for `jcas simulate --policy`. Plans
+/// are on the heap: jcas_policy_act allocates in the first step of an episode and in each step that
+/// plans.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
 /// max, adaptive or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the
-/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT where there is none of that name,
-/// or where it steers by positions that the model hides. Threads: any.
+/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the name is unknown, or
+/// that the baseline needs positions that the model hides.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1761,7 +1847,7 @@ jcas_status jcas_policy_baseline(const struct jcas_model *model,
                                  char *message,
                                  size_t message_capacity);
 
-/// Chooses how a trained policy's actions follow from its network. Baselines are not affected.
+/// Sets how a trained policy derives actions from its network. Baselines are not affected.
 ///
 /// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or
 /// JCAS_POLICY_STRATIFIED.
@@ -1769,14 +1855,16 @@ jcas_status jcas_policy_baseline(const struct jcas_model *model,
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
 JCAS_API JCAS_NODISCARD jcas_status jcas_policy_set_mode(struct jcas_policy *policy, int32_t mode);
 
-/// Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
+/// Writes the actions of the policy for the present state of a simulation, as jcas_sim_step takes
+/// them.
 ///
-/// The same bits on every platform. `sim` may be of another model with the same configuration; it
-/// is not changed. A baseline that plans over several steps begins anew at t = 0 and with another
-/// seed. Where it finds no memory for its plan (RESOURCES), the same call may be made again.
+/// The bits are the same on every platform. `sim` may belong to another model with the same
+/// configuration; it does not change. A baseline that plans over several steps starts a new plan at
+/// t = 0 and when the seed changes. After RESOURCES, which means no memory for a plan, the same
+/// call may be repeated.
 ///
-/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses
-/// `policy`, none changes `sim`.
+/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len.
+/// Threads: only this one uses `policy`, none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1785,12 +1873,12 @@ jcas_status jcas_policy_act(struct jcas_policy *policy,
                             float *actions,
                             size_t action_count);
 
-/// As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where
-/// the outputs of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that
-/// simulation are written.
+/// Writes the actions for every environment of a batch, as jcas_policy_act does for one simulation.
+/// Environments are processed in order on this thread. After JCAS_ERROR_NAN (a network output is
+/// not finite), the actions of the environments before are written.
 ///
-/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this
-/// one uses `policy`, none changes `batch`.
+/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len.
+/// Threads: only this one uses `policy`, none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
@@ -1799,7 +1887,8 @@ jcas_status jcas_policy_act_batch(struct jcas_policy *policy,
                                   float *actions,
                                   size_t action_count);
 
-/// Ends a policy; memory of the caller is the caller's again. NULL is allowed and does nothing.
+/// Ends a policy. Memory of jcas_policy_init belongs to the caller again. NULL is allowed and does
+/// nothing.
 ///
 /// Threads: none may be using the policy.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
@@ -1815,37 +1904,41 @@ JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
 
 /* The rules of every function
  *
- * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative JCAS_ERROR_...
- *   After an error every output, buffer and handle is as it was, with two exceptions: the length of a text
- *   that did not fit, and the actions of jcas_policy_act_batch where a network gives no finite number.
- *   `Statuses:` at a declaration lists what it can return, without JCAS_ERROR_. INTERNAL is always possible,
- *   and BUSY where a jcas_sim, jcas_batch or jcas_policy is passed.
+ * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative
+ *   JCAS_ERROR_... After an error every output, buffer and handle is as it was, with two
+ *   exceptions: the length of a text that did not fit, and the actions of jcas_policy_act_batch
+ *   where a network gives no finite number. `Statuses:` at a declaration lists what it can return,
+ *   without JCAS_ERROR_. INTERNAL is always possible, and BUSY where a jcas_sim, jcas_batch or
+ *   jcas_policy is passed.
  * Memory. ..._new takes memory from the system. ..._init builds in memory of the caller, whose size
- *   ..._layout gives. Both end with ..._free; every other object ends before its model. Pointers that are
- *   passed in are not kept, with three exceptions: the memory of ..._init, the model of an object, and what a
- *   jcas_recorder points to.
- *   Only ..._new and jcas_policy_load allocate, in one piece for each object. So a program with an allocator
- *   of its own gives it to everything by ..._layout and ..._init. Baselines plan on the heap
- *   (jcas_policy_baseline). Threads of a batch have stacks from the system.
- *   Where memory or threads cannot be had, the status is RESOURCES; nothing aborts.
- * Pointers. Not NULL unless the function says so. A pointer that is NULL or misaligned gives a status. So do
- *   a handle of the wrong kind, closed or copied elsewhere, and a wrong number of elements. Beyond that the
- *   caller promises that the memory is there, and that outputs overlap nothing.
- * Structs that may grow begin with struct_size. Set it to the sizeof of the struct before the call, unless
- *   the function takes it as an argument. A struct grows at its end and with the minor version of the
- *   interface. The library accepts every size that the struct has had since the last major version. Today
- *   that is exactly its sizeof; any other size is STRUCT_SIZE.
- * Messages. `message`, where a function has one, receives the reason why a configuration, a policy or a trace
- *   was refused: a C string, cut to message_capacity bytes. It is untouched otherwise, and may be NULL.
- *   A legal configuration may still be hopeless: with a quorum above N nothing is ever confirmed.
- * Threads. Any number of threads may use a const jcas_model at once. One thread at a time may use a jcas_sim,
- *   jcas_batch or jcas_policy; functions that take it as const may run at once with each other. A call that
- *   finds the object in use otherwise returns BUSY and has done nothing. That holds for other threads, for
- *   calls from within a jcas_run_tasks or jcas_write of a call on the same object, and for ..._free.
- *   BUSY cannot guard memory: once ..._free has returned OK, no call may use the object or be about to.
- *   As others may have called since, ..._message says nothing about a call that was BUSY.
- *   The library has no global state; a batch's threads are its own and end with it. A batch with threads
- *   steps only in the process that built it: after a fork the child gets FORKED and builds its own.
- * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of elements,
- *   sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
+ *   ..._layout gives. Both end with ..._free; every other object ends before its model. Pointers
+ *   that are passed in are not kept, with three exceptions: the memory of ..._init, the model of an
+ *   object, and what a jcas_recorder points to. Only ..._new and jcas_policy_load allocate, in one
+ *   piece for each object. So a program with an allocator of its own gives it to everything by
+ *   ..._layout and ..._init. Baselines plan on the heap (jcas_policy_baseline). Threads of a batch
+ *   have stacks from the system. Where memory or threads cannot be had, the status is RESOURCES;
+ *   nothing aborts.
+ * Pointers. Not NULL unless the function says so. A pointer that is NULL or misaligned gives a
+ *   status. So do a handle of the wrong kind, closed or copied elsewhere, and a wrong number of
+ *   elements. Beyond that the caller promises that the memory is there, and that outputs overlap
+ *   nothing.
+ * Structs that may grow begin with struct_size. Set it to the sizeof of the struct before the call,
+ *   unless the function takes it as an argument. A struct grows at its end and with the minor
+ *   version of the interface. The library accepts every size that the struct has had since the last
+ *   major version. Today that is exactly its sizeof; any other size is STRUCT_SIZE.
+ * Messages. `message`, where a function has one, receives the reason why a configuration, a policy
+ *   or a trace was refused: a C string, cut to message_capacity bytes. It is untouched otherwise,
+ *   and may be NULL. A legal configuration may still be hopeless: with a quorum above N nothing is
+ *   ever confirmed.
+ * Threads. Any number of threads may use a const jcas_model at once. One thread at a time may use a
+ *   jcas_sim, jcas_batch or jcas_policy; functions that take it as const may run at once with each
+ *   other. A call that finds the object in use otherwise returns BUSY and has done nothing. That
+ *   holds for other threads, for calls from within a jcas_run_tasks or jcas_write of a call on the
+ *   same object, and for ..._free. BUSY cannot guard memory: once ..._free has returned OK, no call
+ *   may use the object or be about to. As others may have called since, ..._message says nothing
+ *   about a call that was BUSY. The library has no global state; a batch's threads are its own and
+ *   end with it. A batch with threads steps only in the process that built it: after a fork the
+ *   child gets FORKED and builds its own.
+ * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
+ *   elements, sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
  */

@@ -3,8 +3,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //
 // Functions that can fail return jcas::status, or jcas::result<T>, which holds a value if it is ok.
-// Define JCAS_EXCEPTIONS before including this header and result<T>::take() and status::check() throw
-// jcas::error instead of ending the program; each file of a program may choose for itself.
+// Define JCAS_EXCEPTIONS before including this header and result<T>::take() and status::check()
+// throw jcas::error instead of ending the program; each file of a program may choose for itself.
 //
 //     auto model = jcas::model::create(jcas::configuration());
 //     if (!model) { std::puts(model.message().c_str()); return 1; }
@@ -37,7 +37,8 @@
 
 namespace jcas {
 
-// Files with and without exceptions may be linked into one program: what they compile has other names.
+// Files with and without exceptions may be linked into one program: what they compile has other
+// names.
 #ifdef JCAS_EXCEPTIONS
 inline namespace throwing {
 #else
@@ -95,7 +96,8 @@ namespace detail {
 #endif
 }
 
-/// A call with a living handle and sizes of our own. Only JCAS_ERROR_BUSY can refuse it: the object is in use.
+/// A call with a living handle and sizes of our own. Only JCAS_ERROR_BUSY can refuse it: the object
+/// is in use.
 inline void certain(std::int32_t code)
 {
     if (code != JCAS_OK)
@@ -251,8 +253,8 @@ private:
     jcas_model_info info_;
 };
 
-/// A jcas_sim of its own. One thread at a time may use it: a call that finds it in use gives JCAS_ERROR_BUSY, and
-/// a query, which has no status, fails as status::check() does.
+/// A jcas_sim of its own. One thread at a time may use it: a call that finds it in use gives
+/// JCAS_ERROR_BUSY, and a query, which has no status, fails as status::check() does.
 class sim {
 public:
     static result<sim> create(const model &model)
@@ -422,8 +424,8 @@ public:
         detail::certain(jcas_sim_hash(get(), &hash));
         return hash;
     }
-    /// Begins the episode of a seed, as reset does, and records it: `write` takes each piece of the trace and
-    /// returns whether it could. It must not throw.
+    /// Begins the episode of a seed, as reset does, and records it: `write` takes each piece of the
+    /// trace and returns whether it could. It must not throw.
     status record(std::uint64_t seed, std::function<bool(std::string_view)> write,
                   const std::string &policy = "host", const std::string &pilot = "host")
     {
@@ -468,7 +470,8 @@ private:
     struct end {
         void operator()(jcas_sim *handle) const noexcept { jcas_sim_free(handle); }
     };
-    /// Why a call was refused; of one that found the simulation in use, the simulation knows nothing.
+    /// Why a call was refused; of one that found the simulation in use, the simulation knows
+    /// nothing.
     std::string message(std::int32_t code) const
     {
         return code == JCAS_ERROR_BUSY ? jcas_status_string(code) : message();

@@ -1,9 +1,9 @@
-//! What the C ABI costs: the same missions stepped by the kernel's own interface and through the exported
-//! functions, in one run. `cargo bench -p jcas-ffi`.
+//! What the C ABI costs: the same missions stepped by the kernel's own interface and through the
+//! exported functions, in one run. `cargo bench -p jcas-ffi`.
 //!
-//! Both paths take turns in short blocks, so that whatever else the machine does strikes both alike; each
-//! is told by the tenth of its blocks that was disturbed least. Exported functions are called through pointers that the compiler
-//! cannot see through, as a C program calls them.
+//! Both paths take turns in short blocks, so that whatever else the machine does strikes both
+//! alike; each is told by the tenth of its blocks that was disturbed least. Exported functions are
+//! called through pointers that the compiler cannot see through, as a C program calls them.
 
 use std::hint::black_box;
 use std::ptr;

@@ -1,4 +1,4 @@
-//! Batches: many environments of one model, and who steps them; their life.
+//! Batches: how they are built, sized and freed, and which threads step them.
 
 use std::ffi::c_void;
 
@@ -9,16 +9,17 @@ use crate::memory::{Plain, Record, place, put_layout, read_record};
 use crate::model::jcas_model;
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_OK, guard, jcas_status};
 
-/// M environments of one model, with their working memory and, if wanted, threads of their own. One
-/// thread at a time may use it.
+/// M environments of one model, with their working memory and optional worker threads. One thread
+/// at a time may use a batch.
 pub struct jcas_batch(());
 
-/// One task of a batch step. Run it with the context that came with it and a number below `count`.
+/// One task of a batch step. It is called with its own task_context and an index below `count`.
 pub type jcas_task = Option<unsafe extern "C" fn(task_context: *mut c_void, index: u32)>;
 
-/// The caller's way to run tasks: calls `task(task_context, index)` once for each index from 0 to count - 1,
-/// in any order and on any threads, and returns when all of these calls have. `context` is the caller's own.
-/// Tasks that it leaves out the step runs itself; where it has run none, the step is JCAS_ERROR_ARGUMENT.
+/// A function of the caller that runs the tasks of a step. It calls `task(task_context, index)`
+/// once for each index from 0 to count - 1, in any order and on any threads. It returns when all of
+/// these calls have returned. `context` is the pointer from jcas_batch_options. The step itself
+/// runs tasks that were left out; if none was run, the step returns JCAS_ERROR_ARGUMENT.
 pub type jcas_run_tasks = Option<
     unsafe extern "C" fn(
         task: jcas_task,
@@ -28,27 +29,27 @@ pub type jcas_run_tasks = Option<
     ),
 >;
 
-/// How a batch is built.
+/// The options of jcas_batch_init.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_batch_options {
     /// sizeof(jcas_batch_options).
     pub struct_size: u32,
-    /// M, at least 1.
+    /// Number of environments (M), at least 1.
     pub environments: u32,
-    /// How many threads step at once, the caller's among them. 1: no other is started. 0: one for each
-    /// processor. With `run`: how many tasks a step has; no thread is started.
+    /// Threads that step at once, including the caller's. 1 starts no thread. 0 means one for each
+    /// processor. With `run` it is the number of tasks of a step, and no thread is started.
     pub threads: u32,
     /// Set it to 0.
     pub reserved: u32,
-    /// The caller's way to run the tasks of a step, or NULL.
+    /// The function that runs the tasks of a step, or NULL for the library's own threads.
     pub run: jcas_run_tasks,
     /// Passed to `run`.
     pub run_context: *mut c_void,
 }
 
-// SAFETY: integers, a raw pointer and a function pointer that may be null; what a caller puts there is the
-// caller's promise.
+// SAFETY: the fields are integers, a raw pointer and a nullable function pointer, whose validity
+// the caller promises.
 unsafe impl Plain for jcas_batch_options {}
 // SAFETY: `struct_size` comes first.
 unsafe impl Record for jcas_batch_options {}
@@ -68,11 +69,11 @@ impl jcas_batch_options {
 
 /// Builds M environments in memory of their own, each at t = 0 of seed 0.
 ///
-/// `model`: not NULL; must not be freed before the batch. `environments`: M, at least 1. `threads`: how
-/// many step at once; 1: the caller's own, no other is started; 0: one for each processor. Results do not
-/// depend on it. Where there are as many processors, the others look for the next step for up to some
-/// tens of microseconds before they sleep. `batch`: not NULL; receives the handle, to be ended by
-/// jcas_batch_free.
+/// `model`: not NULL; must not be freed before the batch. `environments`: Number of environments
+/// (M), at least 1. `threads`: threads that step at once, including the caller's; 1 starts none, 0
+/// means one for each processor. Results do not depend on it. If the machine has enough processors,
+/// workers spin for some tens of microseconds after a step before they sleep. `batch`: not NULL;
+/// receives the handle, which jcas_batch_free ends.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]
@@ -97,10 +98,10 @@ pub unsafe extern "C" fn jcas_batch_new(
     })
 }
 
-/// How much memory a batch takes, for jcas_batch_init.
+/// Writes the size and alignment of the memory that jcas_batch_init needs.
 ///
-/// `model`, `options`, `size`, `alignment`: not NULL; options->struct_size set. `size` in bytes. Threads:
-/// any.
+/// `model`, `options`, `size`, `alignment`: not NULL; options->struct_size set. `size` in bytes.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -121,12 +122,13 @@ pub unsafe extern "C" fn jcas_batch_layout(
     })
 }
 
-/// Builds a batch in the caller's memory, which holds it until jcas_batch_free and may not be moved. Each
+/// Builds a batch in the caller's memory, which must not move until jcas_batch_free. Each
 /// environment is at t = 0 of seed 0.
 ///
-/// `memory`: at least the size and alignment of jcas_batch_layout; not NULL; the caller's. `model`: not
-/// NULL; must not be freed before the batch. `options`: not NULL, struct_size set; not needed after the
-/// call. `batch`: not NULL; receives the handle. Threads: any.
+/// `memory`: at least the size and alignment of jcas_batch_layout; not NULL; the caller's. `model`:
+/// not NULL; must not be freed before the batch. `options`: not NULL, struct_size set; not needed
+/// after the call. `batch`: not NULL; receives the handle.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, IN_USE, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -153,8 +155,8 @@ pub unsafe extern "C" fn jcas_batch_init(
     })
 }
 
-/// Ends a batch and its threads, which have ended when the call returns; memory of the caller is the
-/// caller's again. NULL is allowed and does nothing.
+/// Ends a batch and joins its threads. Memory of jcas_batch_init belongs to the caller again. NULL
+/// is allowed and does nothing.
 ///
 /// Threads: none may be using the batch.
 /// Statuses: NULL, ALIGNMENT, HANDLE.

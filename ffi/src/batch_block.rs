@@ -42,8 +42,8 @@ pub(crate) struct Batch {
     parts: Parts,
     /// The process that started the threads: they are in no other.
     process: u32,
-    /// Every environment is known to be ready for a step. They are in the caches of the threads that stepped them,
-    /// so that looking at each of them takes a tenth of a step.
+    /// Every environment is known to be ready for a step. They are in the caches of the threads
+    /// that stepped them, so that looking at each of them takes a tenth of a step.
     ready: bool,
     pub(crate) refusal: Option<Fault>,
 }
@@ -158,7 +158,8 @@ impl BatchBlock {
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
         let parts = plan.parts(model.get())?.1;
-        // SAFETY: the layout has room for all parts; all zero is a value of words, metrics and flags.
+        // SAFETY: the layout has room for all parts; all zero is a value of words, metrics and
+        // flags.
         unsafe { at.write_bytes(0, memory.size()) };
         let value = Self {
             seal: Self::seal(block),
@@ -299,7 +300,8 @@ impl Batch {
     }
 
     pub(crate) fn model(&self) -> &'static Model<'static> {
-        // SAFETY: a model cannot be freed while it has batches, and the reference is not kept in one.
+        // SAFETY: a model cannot be freed while it has batches, and the reference is not kept in
+        // one.
         unsafe { &*self.model }.get()
     }
 
@@ -407,7 +409,8 @@ impl Batch {
         Ok(())
     }
 
-    /// Steps every environment and, where wanted, hands the metrics of each ended episode to `ended`.
+    /// Steps every environment and, where wanted, hands the metrics of each ended episode to
+    /// `ended`.
     pub(crate) fn step(
         &mut self,
         actions: &[f32],

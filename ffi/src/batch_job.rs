@@ -92,7 +92,8 @@ impl<'a> Shares<'a> {
         self.taken.iter().any(|share| share.load(Ordering::Relaxed))
     }
 
-    /// Does the work of a share, unless another thread has taken it. A panic or an error is a failure of the job.
+    /// Does the work of a share, unless another thread has taken it. A panic or an error is a
+    /// failure of the job.
     pub(crate) fn take(&self, index: usize, work: impl FnOnce() -> Result<(), Error>) {
         let Some(share) = self.taken.get(index) else {
             return;
@@ -188,7 +189,8 @@ impl<'a> BatchJob<'a> {
         }
     }
 
-    /// Steps every environment: on the threads of a pool, by the caller's runner, or on this thread alone.
+    /// Steps every environment: on the threads of a pool, by the caller's runner, or on this thread
+    /// alone.
     pub(crate) fn run(
         &self,
         pool: Option<&ThreadPool>,

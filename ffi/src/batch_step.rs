@@ -1,4 +1,5 @@
-//! What is done with a batch: reset, step, observe, save, load, into the caller's contiguous buffers.
+//! The operations of a batch: reset, step, observe, save and load, with the caller's contiguous
+//! buffers.
 
 use std::ffi::{c_char, c_void};
 
@@ -18,8 +19,9 @@ use crate::status::{
     jcas_status,
 };
 
-/// Buffers that a batch step writes, for M environments; each pointer with its number of elements.
-/// Optional ones may be NULL with a count of 0. No buffer may overlap another, or the actions.
+/// The buffers that a batch step writes, for M environments. Each pointer is followed by its number
+/// of elements. Optional buffers may be NULL with a count of 0. No buffer may overlap another
+/// buffer or the actions.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_batch_out {
@@ -27,8 +29,8 @@ pub struct jcas_batch_out {
     pub struct_size: u32,
     /// Set it to 0.
     pub reserved: u32,
-    /// M * uav_count * observation_len: what each UAV observes, after an automatic reset the new
-    /// episode's first.
+    /// M * uav_count * observation_len: the observation of each UAV. After an automatic reset it is
+    /// the first one of the new episode.
     pub observations: *mut f32,
     /// Elements of observations.
     pub observation_count: usize,
@@ -52,33 +54,34 @@ pub struct jcas_batch_out {
     pub components: *mut f64,
     /// Elements of components.
     pub component_count: usize,
-    /// M * uav_count * observation_len: where an episode was reset, its last observation; untouched
-    /// elsewhere; optional.
+    /// M * uav_count * observation_len: the last observation of each episode that was reset; other
+    /// rows are not written; optional.
     pub final_observations: *mut f32,
     /// Elements of final_observations.
     pub final_observation_count: usize,
-    /// M * global_len: where an episode was reset, its last global state; untouched elsewhere; optional.
+    /// M * global_len: the last global state of each episode that was reset; other rows are not
+    /// written; optional.
     pub final_global: *mut f32,
     /// Elements of final_global.
     pub final_global_count: usize,
-    /// M: where an episode ended, what it came to; untouched elsewhere; optional.
+    /// M: the metrics of each episode that ended; other elements are not written; optional.
     pub final_metrics: *mut jcas_metrics,
     /// Elements of final_metrics.
     pub final_metrics_count: usize,
     /// sizeof(jcas_metrics), or 0 without final_metrics.
     pub metrics_size: usize,
-    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team's; optional.
+    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team reward; optional.
     pub uav_rewards: *mut f32,
     /// Elements of uav_rewards.
     pub uav_reward_count: usize,
 }
 
-// SAFETY: any bits are a raw pointer; none is followed unchecked.
+// SAFETY: every bit pattern is a valid raw pointer, and no pointer is followed unchecked.
 unsafe impl Plain for jcas_batch_out {}
 // SAFETY: `struct_size` comes first.
 unsafe impl Record for jcas_batch_out {}
 
-/// Opens a batch for change, and keeps why what is done with it is refused.
+/// Opens a batch for change, and keeps the reason if the operation is refused.
 ///
 /// # Safety
 /// As [`BatchBlock::open`].
@@ -92,11 +95,11 @@ unsafe fn change(batch: *mut jcas_batch, act: impl FnOnce(&mut Batch) -> Result<
     })
 }
 
-/// Begins an episode in each environment and observes.
+/// Begins an episode in each environment and writes the first observations.
 ///
 /// `seeds`: M; not NULL. `observations`: M * uav_count * observation_len; not NULL. `global`: M *
-/// global_len, or NULL with a count of 0. No buffer may overlap another. Threads: only this one uses
-/// `batch`.
+/// global_len, or NULL with a count of 0. No buffer may overlap another.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -114,11 +117,12 @@ pub unsafe extern "C" fn jcas_batch_reset(
     unsafe { reset(batch, None, (seeds, seed_count), observations, global) }
 }
 
-/// Begins an episode in some environments, those where `mask` is not 0, and observes these. The others,
-/// and their rows of the buffers, stay as they are.
+/// Begins an episode in each environment whose `mask` is not 0 and writes its observations. The
+/// other environments, and their rows of the buffers, do not change.
 ///
-/// `mask`: M; not NULL. The others as for jcas_batch_reset; seeds of the others are not used. Threads: only
-/// this one uses `batch`.
+/// `mask`: M; not NULL. The other arguments are as for jcas_batch_reset. Seeds of environments
+/// whose mask is 0 are not used.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -146,8 +150,8 @@ pub unsafe extern "C" fn jcas_batch_reset_some(
     }
 }
 
-/// Begins an episode in each environment, or in those where a mask is not 0. Each buffer is a pointer with
-/// its count of elements.
+/// Begins an episode in each environment, or in those where a mask is not 0. Each buffer is a
+/// pointer with its count of elements.
 ///
 /// # Safety
 /// As [`jcas_batch_reset_some`].
@@ -185,17 +189,18 @@ unsafe fn reset(
     unsafe { change(batch, act) }
 }
 
-/// Steps every environment once and observes.
+/// Steps every environment once and writes rewards and observations.
 ///
-/// With `auto_reset` = 1 an episode that ends is followed at once by the next, whose seed derives from
-/// the ended one's. With 0 an environment whose episode has ended refuses the step, and so the batch does.
-/// All is checked before any environment steps, so nothing has changed after an error.
+/// With `auto_reset` = 1 the next episode follows at once; its seed is jcas_derive_seed(seed, 0).
+/// With 0 the batch refuses the step while any environment's episode has ended. Everything is
+/// checked before any environment steps, so an error changes nothing.
 ///
-/// `actions`: M times those of jcas_sim_step; not NULL. `out`: not NULL; see jcas_batch_out. Threads: only
-/// this one uses `batch`. A batch with threads of its own steps only in the process that built it; after a
-/// fork the child gets JCAS_ERROR_FORKED, may read and free the batch, and builds one of its own.
-/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER, EPISODE_OVER,
-/// FORKED.
+/// `actions`: M * action_len, one row as for jcas_sim_step for each environment; not NULL. `out`:
+/// not NULL; see jcas_batch_out.
+/// Threads: only this one uses `batch`. A batch with worker threads steps only in the process that
+/// built it. After a fork the child gets JCAS_ERROR_FORKED; it may read and free the batch.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, NAN, OUT_OF_ORDER,
+/// EPISODE_OVER, FORKED.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_step(
@@ -313,10 +318,11 @@ fn observe(
     Ok(())
 }
 
-/// Writes what the environments observe now.
+/// Writes the present observations and global states of all environments.
 ///
-/// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL with a
-/// count of 0. No buffer may overlap another. Threads: only this one uses `batch`.
+/// `observations`: M * uav_count * observation_len; not NULL. `global`: M * global_len, or NULL
+/// with a count of 0. No buffer may overlap another.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -343,9 +349,10 @@ pub unsafe extern "C" fn jcas_batch_observe(
     unsafe { change(batch, act) }
 }
 
-/// Saves every environment: M snapshots, one after the other, each as jcas_sim_save writes it.
+/// Saves every environment as M consecutive snapshots in the format of jcas_sim_save.
 ///
-/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: none changes `batch`.
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes.
+/// Threads: none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -363,10 +370,12 @@ pub unsafe extern "C" fn jcas_batch_save(
     })
 }
 
-/// Takes up what jcas_batch_save saved, of a batch of equal size and configuration. JCAS_ERROR_CORRUPT or
-/// JCAS_ERROR_MODEL_MISMATCH if any snapshot is not right, and nothing has changed then.
+/// Loads the snapshots that jcas_batch_save wrote for a batch of equal size and configuration. If
+/// any snapshot is invalid, it returns JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH and changes
+/// nothing.
 ///
-/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes. Threads: only this one uses `batch`.
+/// `batch`, `snapshots`: not NULL. `size`: M * snapshot_size bytes.
+/// Threads: only this one uses `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -384,9 +393,10 @@ pub unsafe extern "C" fn jcas_batch_load(
     unsafe { change(batch, act) }
 }
 
-/// The fingerprint of all states of a batch, in their order (FNV-1a, 64 bits).
+/// Writes the fingerprint of all states of a batch in their order (FNV-1a, 64 bits).
 ///
-/// `batch`, `states_hash`: not NULL. Threads: none changes `batch`.
+/// `batch`, `states_hash`: not NULL.
+/// Threads: none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_hash(
@@ -403,11 +413,11 @@ pub unsafe extern "C" fn jcas_batch_hash(
     })
 }
 
-/// Copies an environment of a batch into a simulation of an equal configuration, to read every quantity
-/// or to save it.
+/// Copies an environment of a batch into a simulation of an equal configuration. The simulation can
+/// then read or save the state.
 ///
-/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: none changes `batch`,
-/// only this one uses `sim`.
+/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT.
+/// Threads: none changes `batch`, only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_get(
@@ -433,11 +443,11 @@ pub unsafe extern "C" fn jcas_batch_get(
     })
 }
 
-/// Copies a simulation of an equal configuration into an environment of a batch. It should be between
-/// steps: one in the middle of a step by parts makes jcas_batch_step refuse.
+/// Copies a simulation of an equal configuration into an environment of a batch. The simulation
+/// should be between steps: jcas_batch_step refuses a state in the middle of a step by parts.
 ///
-/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
-/// `batch`, none changes `sim`.
+/// `batch`, `sim`: not NULL. `index`: below M, or JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `batch`, none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, MODEL_MISMATCH.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -459,10 +469,12 @@ pub unsafe extern "C" fn jcas_batch_set(
     unsafe { change(batch, act) }
 }
 
-/// Why the last call that took this batch without const was refused, in words: which value, and what is
-/// allowed. Empty if that call did what it says. UAVs are counted over the whole batch.
+/// Writes why the last call that took this batch without const was refused. The text names the
+/// value and what is allowed; it is empty if that call succeeded. UAVs are counted over the whole
+/// batch.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `batch`.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_batch_message(

@@ -8,11 +8,11 @@ use jcas_core::{
 
 use crate::memory::{Plain, Record};
 
-/// Most depots of a configuration.
+/// The largest number of depots in a configuration.
 pub const JCAS_MAX_DEPOTS: usize = 16;
-/// Every hotspot's position is seen, as in the paper.
+/// UAVs observe the position of every hotspot, as in the paper.
 pub const JCAS_VISIBILITY_KNOWN: i32 = 0;
-/// Only positions of hotspots that the UAV knows are seen: a search.
+/// UAVs observe the positions of the hotspots that they know, and must search for the others.
 pub const JCAS_VISIBILITY_HIDDEN: i32 = 1;
 /// Charging bills what the battery accepted.
 pub const JCAS_BILLING_ACCEPTED: i32 = 0;
@@ -24,13 +24,13 @@ pub const JCAS_PAYMENT_ONCE: i32 = 0;
 pub const JCAS_PAYMENT_EVERY_STEP: i32 = 1;
 /// UAVs keep no search maps.
 pub const JCAS_MAPS_OFF: i32 = 0;
-/// Each UAV keeps a map of the cells that it knows to have been looked at; maps spread with knowledge.
+/// Each UAV keeps a map of the cells that it knows to be searched; maps spread with knowledge.
 pub const JCAS_MAPS_SHARED: i32 = 1;
-/// Observations do not tell how much is unsearched in each direction.
+/// Observations do not show how much is unsearched in each direction.
 pub const JCAS_DIRECTIONS_OFF: i32 = 0;
-/// Observations tell how much is unsearched in each of eight directions.
+/// Observations show how much is unsearched in each of eight directions.
 pub const JCAS_DIRECTIONS_SHOWN: i32 = 1;
-/// Nothing tells UAVs in one cell apart.
+/// Observations do not distinguish UAVs in one cell.
 pub const JCAS_TAG_OFF: i32 = 0;
 /// Observations end with the UAV's index over N - 1.
 pub const JCAS_TAG_INDEX: i32 = 1;
@@ -50,8 +50,9 @@ pub struct jcas_cell {
 // SAFETY: two integers.
 unsafe impl Plain for jcas_cell {}
 
-/// Every decision of the model. Fill it by jcas_config_default (or one of the other functions that do),
-/// then change fields. Beside each field: [unit, legal range; default]. Symbols are those of the paper.
+/// The configuration of a model. Fill it by jcas_config_default or another function that fills it,
+/// then change fields. Each field states [unit, legal range; default]. Symbols are those of the
+/// paper.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_config {
@@ -70,8 +71,8 @@ pub struct jcas_config {
     /// Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
     /// 100]
     pub horizon_steps: u32,
-    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1 to 4096;
-    /// default 3]
+    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1
+    /// to 4096; default 3]
     pub quorum: u32,
     /// Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
     pub depot_count: u32,
@@ -191,25 +192,26 @@ pub struct jcas_config {
     pub shaping_goal_weight: f64,
     /// Weight of the carbon-aware charging potential (w_c). [reward, 0 to 1e6; default 0.1]
     pub shaping_charge_weight: f64,
-    /// Whether each UAV keeps a map of the cells that it knows to have been looked at: JCAS_MAPS_OFF
-    /// (default) or JCAS_MAPS_SHARED.
+    /// Whether each UAV keeps a map of the cells that it knows to have been looked at:
+    /// JCAS_MAPS_OFF (default) or JCAS_MAPS_SHARED.
     pub search_maps: i32,
     /// A UAV has looked at the cells whose centre is at most this far from its own. [m, 0 to 1e6;
     /// default 100]
     pub search_map_radius_m: f64,
-    /// Observations show the map this many cells around the UAV; 0: not at all. [cells, 0 to 32; default 0]
+    /// Observations show the map this many cells around the UAV; 0: not at all. [cells, 0 to 32;
+    /// default 0]
     pub map_window_radius: u32,
     /// Whether observations show how much is unsearched in eight directions: JCAS_DIRECTIONS_OFF
     /// (default) or JCAS_DIRECTIONS_SHOWN.
     pub map_directions: i32,
     /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default) or JCAS_TAG_INDEX.
     pub uav_tag: i32,
-    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u);
-    /// from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
+    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid
+    /// (w_u); from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
     pub shaping_unconfirmed_weight: f64,
-    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit
-    /// detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to 1e6; default
-    /// JCAS_DERIVED]
+    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an
+    /// explicit detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to
+    /// 1e6; default JCAS_DERIVED]
     pub sensing_range_m: f64,
 }
 
@@ -218,8 +220,8 @@ unsafe impl Plain for jcas_config {}
 // SAFETY: `struct_size` comes first.
 unsafe impl Record for jcas_config {}
 
-/// Converts every field of the kernel's record, by its name. A field that only one of the two structs has
-/// does not compile.
+/// Converts every field of the kernel's record, by its name. A field that only one of the two
+/// structs has does not compile.
 macro_rules! conversions {
     ($( $name:ident: $type:ty; )+) => {
         impl jcas_config {

@@ -20,7 +20,7 @@ pub(crate) unsafe fn refuse(error: impl Display, buffer: *mut c_char, capacity: 
     Fault::Status(JCAS_ERROR_CONFIG)
 }
 
-/// Reads and validates a configuration; says why not.
+/// Reads and validates a configuration, and writes the reason for a refusal.
 ///
 /// # Safety
 /// `config` as for `read_record`, the buffer as for [`message`].
@@ -38,9 +38,11 @@ pub(crate) unsafe fn legal(
     checked.map_err(|error| unsafe { refuse(error, buffer, capacity) })
 }
 
-/// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as `struct_size`.
+/// Fills `config` with the default, the preset "mission". Pass sizeof(jcas_config) as
+/// `struct_size`.
 ///
-/// `config`: not NULL. Threads: any.
+/// `config`: not NULL.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_default(
@@ -55,10 +57,11 @@ pub unsafe extern "C" fn jcas_config_default(
     })
 }
 
-/// Fills `config` with a preset: "mission", "paper" (the letter of every equation of the paper) or "search"
-/// (hidden hotspots, shared search maps).
+/// Fills `config` with a preset: "mission", "paper" (every equation exactly as in the paper) or
+/// "search" (hidden hotspots, shared search maps).
 ///
-/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules below.
+/// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules
+/// below.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
@@ -89,11 +92,12 @@ pub unsafe extern "C" fn jcas_config_preset(
     })
 }
 
-/// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a field
-/// and replaces the preset's value; unknown keys are errors. The result is validated.
+/// Fills `config` from a TOML text. It may name a `preset` (else "mission"); every other key is a
+/// field and replaces the preset's value; unknown keys are errors. The result is validated.
 ///
-/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the rules
-/// below. Threads: any.
+/// `text`: `text_length` bytes of UTF-8, not NULL, no terminating zero needed. `message`: see the
+/// rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -119,9 +123,11 @@ pub unsafe extern "C" fn jcas_config_from_toml(
     })
 }
 
-/// As jcas_config_from_toml, from a JSON object; null takes a field that may be derived back to that.
+/// Fills `config` from a JSON object, with the rules of jcas_config_from_toml. The value null
+/// restores a field to being derived.
 ///
-/// `text`, `message`: as for jcas_config_from_toml. Threads: any.
+/// `text`, `message`: as for jcas_config_from_toml.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -147,10 +153,11 @@ pub unsafe extern "C" fn jcas_config_from_json(
     })
 }
 
-/// Whether a configuration is legal: JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the field,
-/// its value and what is allowed.
+/// Checks a configuration. It returns JCAS_OK or JCAS_ERROR_CONFIG, with a message that names the
+/// field, its value and what is allowed.
 ///
-/// `config`: not NULL, struct_size set. `message`: see the rules below. Threads: any.
+/// `config`: not NULL, struct_size set. `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -163,9 +170,10 @@ pub unsafe extern "C" fn jcas_config_validate(
     guard(|| unsafe { legal(config, message, message_capacity) }.map(|_| ()))
 }
 
-/// The fingerprint of a legal configuration; part of every state and snapshot.
+/// Writes the fingerprint of a legal configuration, which is part of every state and snapshot.
 ///
-/// `config`, `hash`: not NULL, struct_size set. Threads: any.
+/// `config`, `hash`: not NULL, struct_size set.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_config_hash(
@@ -182,11 +190,12 @@ pub unsafe extern "C" fn jcas_config_hash(
     })
 }
 
-/// A legal configuration as JSON text, which jcas_config_from_json reads back; derived fields are absent.
+/// Writes a legal configuration as JSON text, which jcas_config_from_json reads back. Derived
+/// fields are absent.
 ///
-/// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not NULL;
-/// receives the length without the terminating zero, so that `capacity` must be at least one more;
-/// also where the text does not fit, with JCAS_ERROR_LENGTH.
+/// `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length. `length`: not
+/// NULL; receives the length without the terminating zero. `capacity` must be at least one more;
+/// otherwise the call writes only the length and returns JCAS_ERROR_LENGTH.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
@@ -205,9 +214,11 @@ pub unsafe extern "C" fn jcas_config_to_json(
     })
 }
 
-/// As jcas_config_to_json, as TOML text, which jcas_config_from_toml reads back.
+/// Writes a legal configuration as TOML text, which jcas_config_from_toml reads back. Derived
+/// fields are absent.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -225,10 +236,11 @@ pub unsafe extern "C" fn jcas_config_to_toml(
     })
 }
 
-/// The fields of the configuration as JSON text: a list of objects with name, unit, low, high,
-/// default (null: derived) and doc.
+/// Writes the fields of the configuration as JSON text: a list of objects with name, unit, low,
+/// high, default (null: derived) and doc.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: any.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH.
 #[must_use]
 #[unsafe(no_mangle)]

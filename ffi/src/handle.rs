@@ -1,8 +1,8 @@
 //! Handles: blocks of memory that begin with a seal.
 //!
-//! A seal mixes a constant of the handle's kind with the block's own address. Whatever is not a living
-//! handle of that kind, also a copy of one, therefore shows. In a block that changes, a mark follows that says which
-//! calls use it ([`InUse`]).
+//! A seal mixes a constant of the handle's kind with the block's own address. Whatever is not a
+//! living handle of that kind, also a copy of one, therefore shows. In a block that changes, a mark
+//! follows that says which calls use it ([`InUse`]).
 //!
 //! | block | content |
 //! | --- | --- |
@@ -135,7 +135,8 @@ impl Memory {
     /// Gives memory of ours back.
     ///
     /// # Safety
-    /// `at` came with this value from [`Memory::allocate`] or [`Memory::lent`], and nothing uses it.
+    /// `at` came with this value from [`Memory::allocate`] or [`Memory::lent`], and nothing uses
+    /// it.
     pub(crate) unsafe fn release(self, at: *mut u8) {
         if self.ours {
             // SAFETY: allocated with this very layout.
@@ -196,8 +197,8 @@ pub(crate) unsafe fn words_after<'a, B>(at: *mut B, count: usize) -> &'a mut [u6
 /// Checks a handle.
 ///
 /// # Safety
-/// If `at` is neither null nor misaligned, eight bytes can be read there; if they are a seal, the block
-/// is a living one.
+/// If `at` is neither null nor misaligned, eight bytes can be read there; if they are a seal, the
+/// block is a living one.
 pub(crate) unsafe fn check<B: Block>(at: *const B) -> Result<(), Fault> {
     if at.is_null() {
         return Err(Fault::Status(JCAS_ERROR_NULL));
@@ -240,7 +241,8 @@ impl ModelBlock {
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
         let count = Model::table_words(&config).map_err(Error::from)?;
-        // SAFETY: the layout has room for the block and the words; all zero is a value of each word.
+        // SAFETY: the layout has room for the block and the words; all zero is a value of each
+        // word.
         unsafe { at.write_bytes(0, memory.layout.size()) };
         // SAFETY: just initialised; the tables stay with the model for as long as the block lives.
         let words = unsafe { words_after(block, count) };
@@ -392,7 +394,8 @@ impl SimBlock {
         (at, memory): (*mut u8, Memory),
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
-        // SAFETY: the layout has room for the block and the words; all zero is a value of each word.
+        // SAFETY: the layout has room for the block and the words; all zero is a value of each
+        // word.
         unsafe { at.write_bytes(0, memory.layout.size()) };
         let value = Self {
             seal: Self::seal(block),

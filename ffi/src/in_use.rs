@@ -1,6 +1,7 @@
 //! The mark of an object that calls are using: any number that read it, or one that changes it.
 //!
-//! A call that finds the object in use otherwise is refused before it has looked at anything but the mark.
+//! A call that finds the object in use otherwise is refused before it has looked at anything but
+//! the mark.
 
 use crate::status::{Fault, JCAS_ERROR_BUSY};
 use crate::sync::{AtomicU32, Ordering};

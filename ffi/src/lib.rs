@@ -1,8 +1,8 @@
-//! The C ABI of the kernel. What a C programmer reads is `include/jcas.h`, generated from this crate: the
-//! comments of exported items are therefore written in the terms of C.
+//! The C ABI of the kernel. `include/jcas.h` is generated from this crate, so the comments of
+//! exported items use the terms of C.
 //!
-//! Exported functions are thin: they check pointers, lengths and handles, then call the safe kernel.
-//! Each `unsafe` block says why it is sound.
+//! Exported functions are thin: they check pointers, lengths and handles, then call the safe
+//! kernel. Each `unsafe` block says why it is sound.
 #![deny(clippy::undocumented_unsafe_blocks)]
 // C programmers read the safety conditions in the header's introduction, once.
 #![allow(clippy::missing_safety_doc)]

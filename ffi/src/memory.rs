@@ -1,4 +1,5 @@
-//! Pointers from C become slices and records, once checked. Every raw pointer of a caller passes here.
+//! Pointers from C become slices and records, once checked. Every raw pointer of a caller passes
+//! here.
 
 use std::alloc::Layout;
 use std::ffi::c_char;
@@ -81,7 +82,8 @@ pub(crate) fn check_apart(spans: &[Span]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A caller's buffer, checked for itself. It becomes a slice once all buffers of the call have been checked.
+/// A caller's buffer, checked for itself. It becomes a slice once all buffers of the call have been
+/// checked.
 pub(crate) struct Buffer<T> {
     pointer: *mut T,
     count: usize,
@@ -128,18 +130,19 @@ impl<T: Plain> Buffer<T> {
     /// The elements, to read.
     ///
     /// # Safety
-    /// The pointer was invalid only by being null or misaligned. Otherwise the elements can be read, and stay as
-    /// they are for as long as the slice lives.
+    /// The pointer was invalid only by being null or misaligned. Otherwise the elements can be
+    /// read, and stay as they are for as long as the slice lives.
     pub(crate) unsafe fn read<'a>(&self) -> &'a [T] {
-        // SAFETY: not null, aligned, and readable by the caller's promise. The count comes from a validated model, so
-        // that the bytes fit an isize.
+        // SAFETY: not null, aligned, and readable by the caller's promise. The count comes from a
+        // validated model, so that the bytes fit an isize.
         unsafe { slice::from_raw_parts(self.pointer, self.count) }
     }
 
     /// The elements, to write.
     ///
     /// # Safety
-    /// As [`Buffer::read`]; the elements can be written, and [`check_apart`] has seen every buffer of the call.
+    /// As [`Buffer::read`]; the elements can be written, and [`check_apart`] has seen every buffer
+    /// of the call.
     pub(crate) unsafe fn write<'a>(&self) -> &'a mut [T] {
         // SAFETY: as in `read`; no other buffer of the call has these elements.
         unsafe { slice::from_raw_parts_mut(self.pointer, self.count) }
@@ -149,8 +152,8 @@ impl<T: Plain> Buffer<T> {
 /// A caller's buffer that must have exactly `expected` elements, to read.
 ///
 /// # Safety
-/// `pointer` is invalid only by being null or misaligned; otherwise `count` elements can be read there
-/// and stay as they are for as long as the slice lives.
+/// `pointer` is invalid only by being null or misaligned; otherwise `count` elements can be read
+/// there and stay as they are for as long as the slice lives.
 pub(crate) unsafe fn input<'a, T: Plain>(
     pointer: *const T,
     count: usize,
@@ -158,8 +161,8 @@ pub(crate) unsafe fn input<'a, T: Plain>(
 ) -> Result<&'a [T], Fault> {
     check(pointer)?;
     check_count("a buffer", count, expected)?;
-    // SAFETY: not null, aligned, and readable for `count` elements by the caller's promise; `expected`
-    // comes from a validated model, so that the bytes fit an isize.
+    // SAFETY: not null, aligned, and readable for `count` elements by the caller's promise;
+    // `expected` comes from a validated model, so that the bytes fit an isize.
     Ok(unsafe { slice::from_raw_parts(pointer, count) })
 }
 
@@ -200,8 +203,8 @@ pub(crate) unsafe fn place<'a, T>(pointer: *mut T) -> Result<Place<'a, T>, Fault
     Ok(Place(pointer, std::marker::PhantomData))
 }
 
-/// A checked place of the caller that is written at most once, at the end of a call. What is in it may
-/// be uninitialised, so that no reference to it is made.
+/// A checked place of the caller that is written at most once, at the end of a call. What is in it
+/// may be uninitialised, so that no reference to it is made.
 pub(crate) struct Place<'a, T>(*mut T, std::marker::PhantomData<&'a mut T>);
 
 impl<T> Place<'_, T> {
@@ -211,7 +214,8 @@ impl<T> Place<'_, T> {
     }
 }
 
-/// Writes the size and alignment of a block, which is laid out once both places are seen to be there.
+/// Writes the size and alignment of a block, which is laid out once both places are seen to be
+/// there.
 ///
 /// # Safety
 /// As [`place`], for both.
@@ -270,7 +274,8 @@ pub(crate) unsafe fn read_record<T: Record>(pointer: *const T) -> Result<T, Faul
     Ok(unsafe { pointer.read() })
 }
 
-/// Something that says itself in words, without a detour through formatting where it is a plain text.
+/// Something that says itself in words, without a detour through formatting where it is a plain
+/// text.
 pub(crate) trait Text {
     fn write_to(&self, out: &mut impl Write) -> fmt::Result;
 }
@@ -347,8 +352,8 @@ impl Text for Words {
     }
 }
 
-/// Gives a text out: its length always, the text with a terminating zero if there is a buffer. A buffer
-/// that is too short takes nothing but the length.
+/// Gives a text out: its length always, the text with a terminating zero if there is a buffer. A
+/// buffer that is too short takes nothing but the length.
 ///
 /// # Safety
 /// `capacity` bytes can be written at `buffer` if it is not null; `length` as for [`place`].

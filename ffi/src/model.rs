@@ -1,4 +1,4 @@
-//! Models: built in the caller's memory or in memory of ours, then only read.
+//! Models: built in the caller's memory or in memory of the library, then only read.
 
 use std::ffi::{c_char, c_void};
 use std::ptr;
@@ -14,11 +14,11 @@ use crate::records::{
 };
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_STRUCT_SIZE, guard, jcas_status};
 
-/// A validated configuration with everything that can be worked out before the first step. It never
-/// changes: any number of threads may use one model at once.
+/// A validated configuration with its precomputed tables. It never changes, so any number of
+/// threads may use one model at once.
 pub struct jcas_model(());
 
-/// How much memory a model takes, for jcas_model_init.
+/// Writes the size and alignment of the memory that jcas_model_init needs.
 ///
 /// `config`, `size`, `alignment`: not NULL. `size` in bytes. `message`: see the rules below.
 /// Threads: any.
@@ -41,11 +41,12 @@ pub unsafe extern "C" fn jcas_model_layout(
     })
 }
 
-/// Builds a model in the caller's memory, which holds it until jcas_model_free and may not be moved.
+/// Builds a model in the caller's memory, which must not move until jcas_model_free.
 ///
 /// `memory`: at least the size and alignment of jcas_model_layout; not NULL; the caller's.
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
-/// `message`: see the rules below. Threads: any.
+/// `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CONFIG, IN_USE, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -67,10 +68,11 @@ pub unsafe extern "C" fn jcas_model_init(
     })
 }
 
-/// Builds a model in memory of its own, to be ended by jcas_model_free.
+/// Builds a model in memory from the system. jcas_model_free ends it.
 ///
 /// `config`: not NULL; not needed after the call. `model`: not NULL; receives the handle.
-/// `message`: see the rules below. Threads: any.
+/// `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, CONFIG, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -91,8 +93,9 @@ pub unsafe extern "C" fn jcas_model_new(
     })
 }
 
-/// Ends a model; memory of the caller is the caller's again. NULL is allowed and does nothing.
-/// JCAS_ERROR_IN_USE while simulations or batches of the model have not been freed.
+/// Ends a model. Memory of jcas_model_init belongs to the caller again. NULL is allowed and does
+/// nothing. It returns JCAS_ERROR_IN_USE until every simulation, batch and policy of the model has
+/// been freed.
 ///
 /// Threads: none may be using the model.
 /// Statuses: NULL, ALIGNMENT, HANDLE, IN_USE.
@@ -105,9 +108,10 @@ pub unsafe extern "C" fn jcas_model_free(model: *mut jcas_model) -> jcas_status 
     guard(|| unsafe { ModelBlock::free(model.cast()) })
 }
 
-/// Sizes and constants of a model.
+/// Writes the sizes and constants of a model.
 ///
-/// `model`, `info`: not NULL; info->struct_size set. Threads: any.
+/// `model`, `info`: not NULL; info->struct_size set.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_get_info(
@@ -124,10 +128,12 @@ pub unsafe extern "C" fn jcas_model_get_info(
     })
 }
 
-/// Where each field of one UAV's observation lies. Together the fields name every entry once.
+/// Writes the position of each field in the observation of one UAV. Together the fields cover every
+/// entry exactly once.
 ///
 /// `model`, `fields`: not NULL. `count`: JCAS_OBSERVATION_FIELDS. `struct_size`:
-/// sizeof(jcas_observation_field). Threads: any.
+/// sizeof(jcas_observation_field).
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -157,8 +163,9 @@ pub unsafe extern "C" fn jcas_model_observation_fields(
     })
 }
 
-/// The name of a field of an observation, such as "soc" or "hotspot_dx": a static string, or NULL from
-/// JCAS_OBSERVATION_FIELDS on. Threads: any.
+/// Returns the name of a field of an observation, such as "soc" or "hotspot_dx". It is a static
+/// string, or NULL for an index of JCAS_OBSERVATION_FIELDS or more.
+/// Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_observation_field_name(index: u32) -> *const c_char {
     const NAMES: [&std::ffi::CStr; JCAS_OBSERVATION_FIELDS] = [
@@ -189,9 +196,10 @@ pub extern "C" fn jcas_observation_field_name(index: u32) -> *const c_char {
         .map_or(ptr::null(), |name| name.as_ptr())
 }
 
-/// The configuration of a model.
+/// Writes the configuration of a model.
 ///
-/// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config). Threads: any.
+/// `model`, `config`: not NULL. `struct_size`: sizeof(jcas_config).
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_get_config(
@@ -209,10 +217,12 @@ pub unsafe extern "C" fn jcas_model_get_config(
     })
 }
 
-/// Radar and link over an offset of (dx, dy) cells, at a pilot density of the sender.
+/// Writes the radar and link budget over an offset of (dx, dy) cells at a pilot density of the
+/// sender.
 ///
-/// `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density` from
-/// 0 to 1, or JCAS_ERROR_ARGUMENT. Threads: any.
+/// `model`, `radio`: not NULL; radio->struct_size set. `dx` below W, `dy` below H, `pilot_density`
+/// from 0 to 1, or JCAS_ERROR_ARGUMENT.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_model_get_radio(
@@ -244,7 +254,7 @@ pub unsafe extern "C" fn jcas_model_get_radio(
     })
 }
 
-/// Builds the model and hands it out.
+/// Builds the model and writes its handle.
 ///
 /// # Safety
 /// As [`ModelBlock::build`]; `out` as for [`place`].

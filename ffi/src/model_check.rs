@@ -1,8 +1,8 @@
-//! The pool of a batch and the mark of an object under loom, which runs every interleaving of a few threads that the
-//! memory model allows, up to a number of preemptions.
+//! The pool of a batch and the mark of an object under loom, which runs every interleaving of a few
+//! threads that the memory model allows, up to a number of preemptions.
 //!
-//! `.ci/loom.sh` runs these tests. A lost wake-up shows as a deadlock, and a data race or a broken claim as a failure
-//! with the interleaving that leads there.
+//! `.ci/loom.sh` runs these tests. A lost wake-up shows as a deadlock, and a data race or a broken
+//! claim as a failure with the interleaving that leads there.
 
 use std::ffi::c_void;
 use std::panic::resume_unwind;

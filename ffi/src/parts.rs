@@ -1,4 +1,5 @@
-//! Stepping by parts, and what a host simulator may own: positions, detections, links, hotspots, batteries.
+//! Stepping by parts, and what a host simulator may own: positions, detections, links, hotspots,
+//! batteries.
 
 use std::mem::offset_of;
 use std::slice;
@@ -16,7 +17,8 @@ use crate::status::jcas_status;
 /// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then
 /// jcas_sim_step_sense.
 ///
-/// `sim`, `actions`: as for jcas_sim_step. Threads: only this one uses `sim`.
+/// `sim`, `actions`: as for jcas_sim_step.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -36,10 +38,11 @@ pub unsafe extern "C" fn jcas_sim_step_begin(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Puts the UAVs where the host has moved them, in place of the kernel's own motion. A UAV whose cell
-/// differs from the one before the step has moved, however far.
+/// Sets the positions of the UAVs, in place of the kernel's own motion. A UAV has moved if its cell
+/// differs from the one before the step, at any distance.
 ///
-/// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// `sim`, `cells`: not NULL. `count`: uav_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -58,9 +61,11 @@ pub unsafe extern "C" fn jcas_sim_set_positions(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_with.
+/// Part 2 of a step: sense and learn. Next: jcas_sim_step_communicate or
+/// jcas_sim_step_communicate_with.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -71,11 +76,12 @@ pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> jcas_status 
     unsafe { change(sim.cast(), act) }
 }
 
-/// Keeps a UAV from flying, sensing and communicating in this step, whatever its battery holds. It stays
-/// where it was before the step and asks its battery for nothing. Between jcas_sim_step_begin and
-/// jcas_sim_step_sense, after jcas_sim_set_positions if that is called too.
+/// Keeps a UAV from flying, sensing and communicating in this step, at any charge of its battery.
+/// It stays in its cell of before the step and uses no energy. Call it between jcas_sim_step_begin
+/// and jcas_sim_step_sense; if jcas_sim_set_positions is called too, call that first.
 ///
-/// `sim`: not NULL. `uav`: below uav_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+/// `sim`: not NULL. `uav`: below uav_count, or JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -86,11 +92,12 @@ pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_s
     unsafe { change(sim.cast(), act) }
 }
 
-/// Confirms a hotspot in this step, whatever was detected. Between jcas_sim_step_begin and
-/// jcas_sim_step_sense: UAVs that then detect it learn it. Nothing changes if it is confirmed already.
+/// Confirms a hotspot in this step without a quorum of detections. Call it between
+/// jcas_sim_step_begin and jcas_sim_step_sense. UAVs that then detect the hotspot know it. Nothing
+/// changes if it was already confirmed.
 ///
-/// `sim`: not NULL. `hotspot`: below hotspot_count, or JCAS_ERROR_ARGUMENT. Threads: only this one uses
-/// `sim`.
+/// `sim`: not NULL. `hotspot`: below hotspot_count, or JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -103,9 +110,10 @@ pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u
 
 /// Part 2 of a step with the host's detections, in place of jcas_sim_step_sense.
 ///
-/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value but 0 is
-/// a detection. Those of grounded UAVs and of hotspots that the UAV knows are ignored, as no draw is made
-/// there. Threads: only this one uses `sim`.
+/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value
+/// but 0 is a detection. Detections by grounded UAVs and of hotspots that the UAV knows are
+/// ignored, as the kernel makes no draw for them.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -124,10 +132,11 @@ pub unsafe extern "C" fn jcas_sim_step_sense_with(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Part 3 of a step: communicate over the graph that the kernel's link budget gives. Next:
+/// Part 3 of a step: communicate over the graph of the kernel's link budget. Next:
 /// jcas_sim_step_end.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -141,11 +150,12 @@ pub unsafe extern "C" fn jcas_sim_step_communicate(sim: *mut jcas_sim) -> jcas_s
 
 /// Part 3 of a step over the host's graph, in place of jcas_sim_step_communicate.
 ///
-/// `links`: a uav_count * uav_count matrix, row by row, any value but 0 is a link; not NULL. It must be
-/// symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: the mean normalised
-/// throughput of each UAV toward its neighbours as the host measured it, uav_count numbers from 0 to 1e9;
-/// or NULL with a count of 0 to take it from the kernel's link budget. A UAV without neighbours has 0 in
-/// either case. Threads: only this one uses `sim`.
+/// `links`: a uav_count * uav_count matrix, row by row; any value but 0 is a link; not NULL. It
+/// must be symmetric; the diagonal and links of grounded UAVs are ignored. `throughput`: uav_count
+/// numbers from 0 to 1e9, the mean normalised throughput of each UAV toward its neighbours. NULL
+/// with a count of 0 takes it from the kernel's link budget. A UAV without neighbours has 0 in
+/// either case.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -172,9 +182,11 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_with(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Part 4 of a step: energy, charge, carbon, reward, termination.
+/// Part 4 of a step: account for energy, charge, carbon and reward, and end the episode if it is
+/// over.
 ///
-/// `sim`, `outcome`: not NULL, struct_size set. Threads: only this one uses `sim`.
+/// `sim`, `outcome`: not NULL, struct_size set.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -194,9 +206,11 @@ pub unsafe extern "C" fn jcas_sim_step_end(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Places the hotspots, in place of the drawn ones: distinct cells without a depot. At t = 0 only.
+/// Sets the cells of the hotspots, in place of the drawn ones. The cells must be distinct and
+/// without a depot. Allowed at t = 0 only.
 ///
-/// `sim`, `cells`: not NULL. `count`: hotspot_count. Threads: only this one uses `sim`.
+/// `sim`, `cells`: not NULL. `count`: hotspot_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -215,10 +229,11 @@ pub unsafe extern "C" fn jcas_sim_set_hotspots(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Moves a hotspot. Between steps; whether it is confirmed and who knows it stays.
+/// Moves a hotspot between steps. Its confirmation and the UAVs that know it do not change.
 ///
-/// `sim`: not NULL. `hotspot`: below hotspot_count. `x`, `y`: a cell of the grid without a depot or another
-/// hotspot. JCAS_ERROR_ARGUMENT for anything else. Threads: only this one uses `sim`.
+/// `sim`: not NULL. `hotspot`: below hotspot_count. `x`, `y`: a cell of the grid without a depot or
+/// another hotspot. Anything else is JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -234,9 +249,10 @@ pub unsafe extern "C" fn jcas_sim_move_hotspot(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Puts the UAVs where they start, in place of the first depot. At t = 0 only.
+/// Sets the cells in which the UAVs start, in place of the first depot. Allowed at t = 0 only.
 ///
-/// `sim`, `cells`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// `sim`, `cells`: not NULL. `count`: uav_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -255,11 +271,12 @@ pub unsafe extern "C" fn jcas_sim_set_starts(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Sets what a battery holds now, in microjoules. Between steps; 0 grounds the UAV from the next step on.
-/// The difference enters the ledger as given_uj of jcas_uav.
+/// Sets the present charge of a battery, in microjoules, between steps. 0 grounds the UAV from the
+/// next step on. The difference is added to given_uj of jcas_uav.
 ///
 /// `sim`: not NULL. `uav`: below uav_count, `charge_uj`: at most battery_capacity_uj, or
-/// JCAS_ERROR_ARGUMENT. Threads: only this one uses `sim`.
+/// JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -274,9 +291,11 @@ pub unsafe extern "C" fn jcas_sim_set_battery(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Sets what each battery holds at the start, in microjoules, in place of the drawn charge. At t = 0 only.
+/// Sets the initial charge of each battery, in microjoules, in place of the drawn one. Allowed at t
+/// = 0 only.
 ///
-/// `sim`, `charges_uj`: not NULL. `count`: uav_count. Threads: only this one uses `sim`.
+/// `sim`, `charges_uj`: not NULL. `count`: uav_count.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -299,7 +318,7 @@ const _: () = assert!(align_of::<jcas_cell>() == align_of::<Cell>());
 const _: () = assert!(offset_of!(jcas_cell, x) == offset_of!(Cell, x));
 const _: () = assert!(offset_of!(jcas_cell, y) == offset_of!(Cell, y));
 
-/// The same cells as the kernel's type, without a copy.
+/// Views C cells as the kernel's cells, without a copy.
 fn kernel_cells(cells: &[jcas_cell]) -> &[Cell] {
     // SAFETY: both types are two integers at the same places, as asserted above.
     unsafe { slice::from_raw_parts(cells.as_ptr().cast(), cells.len()) }

@@ -18,20 +18,21 @@ use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard, jcas_status,
 };
 
-/// What flies a fleet: a trained network or a baseline, for missions of one model. One thread at a
-/// time may use it; several policies may fly on one model at once.
+/// A controller of a fleet for one model: a trained network or a baseline. One thread at a time may
+/// use it; a model may have several policies.
 pub struct jcas_policy(());
 
-/// The most likely motion and the mean pilot density.
+/// Actions are the most likely motion and the mean pilot density.
 pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
-/// Draws from the network's distribution, which follow from the mission's seed, the step and the
-/// UAV.
+/// Actions are drawn from the network's distribution; the draws follow from the seed of the
+/// episode, the step and the UAV.
 pub const JCAS_POLICY_SAMPLED: i32 = 1;
-/// Motions shared out, which draws nothing: UAVs of one cell take quantiles that lie apart.
-/// The mean pilot density.
+/// Actions are stratified without random draws: UAVs of one cell take different quantiles of the
+/// motion. The pilot density is the mean.
 pub const JCAS_POLICY_STRATIFIED: i32 = 2;
 
-/// The network of a file, seen to fit the model; why not goes to the caller's buffer.
+/// Reads the network of a file and checks that it fits the model. The reason for a refusal goes to
+/// the caller's buffer.
 ///
 /// # Safety
 /// As [`bytes`] and [`message`].
@@ -57,11 +58,12 @@ unsafe fn network(
     Ok((network, file))
 }
 
-/// How much memory a trained policy takes, for jcas_policy_init.
+/// Writes the size and alignment of the memory that jcas_policy_init needs.
 ///
 /// `model`, `file`, `size`, `alignment`: not NULL. `file`: the bytes of a policy.safetensors.
-/// `size` in bytes. `message`: see the rules below. JCAS_ERROR_CORRUPT where the bytes are no
-/// policy, JCAS_ERROR_MODEL_MISMATCH where it reads other observations. Threads: any.
+/// `size` in bytes. `message`: see the rules below. JCAS_ERROR_CORRUPT means that the bytes are no
+/// policy. JCAS_ERROR_MODEL_MISMATCH means that the policy reads observations of another shape.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -88,8 +90,7 @@ pub unsafe extern "C" fn jcas_policy_layout(
     })
 }
 
-/// Builds a trained policy in the caller's memory, which holds it until jcas_policy_free and may
-/// not be moved.
+/// Builds a trained policy in the caller's memory, which must not move until jcas_policy_free.
 ///
 /// `memory`: at least the size and alignment of jcas_policy_layout; not NULL; the caller's.
 /// `model`: not NULL; must not be freed before the policy. `file`: as for jcas_policy_layout; not
@@ -126,15 +127,16 @@ pub unsafe extern "C" fn jcas_policy_init(
     })
 }
 
-/// Builds a trained policy in memory of its own, to be ended by jcas_policy_free.
+/// Builds a trained policy in memory from the system. jcas_policy_free ends it.
 ///
-/// It flies as its file says (`mode`, `pilot_density`), deterministically where the file says
-/// nothing.
+/// It acts in the `mode` and with the `pilot_density` of its file. The mode is deterministic if the
+/// file has none.
 ///
 /// `model`: not NULL; must not be freed before the policy. `file`: the bytes of a
 /// policy.safetensors; not needed after the call. `policy`: not NULL; receives the handle.
-/// `message`: see the rules below. JCAS_ERROR_CORRUPT where the bytes are no policy,
-/// JCAS_ERROR_MODEL_MISMATCH where it reads other observations than the model has. Threads: any.
+/// `message`: see the rules below. JCAS_ERROR_CORRUPT means that the bytes are no policy.
+/// JCAS_ERROR_MODEL_MISMATCH means that the policy reads observations of another shape.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -162,15 +164,16 @@ pub unsafe extern "C" fn jcas_policy_load(
     })
 }
 
-/// Builds a baseline by its name, to be ended by jcas_policy_free: random, greedy, swarm, teams,
-/// sweep, line, frontier, relay, charging or clean, as `jcas simulate --policy` knows them. It
-/// plans on the heap: jcas_policy_act asks for memory in the first step of an episode and whenever
-/// it plans.
+/// Builds a baseline by its name. jcas_policy_free ends it. The names are random, greedy, swarm,
+/// teams, sweep, line, frontier, relay, charging and clean, as for `jcas simulate --policy`. Plans
+/// are on the heap: jcas_policy_act allocates in the first step of an episode and in each step that
+/// plans.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
 /// max, adaptive or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the
-/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT where there is none of that name,
-/// or where it steers by positions that the model hides. Threads: any.
+/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the name is unknown, or
+/// that the baseline needs positions that the model hides.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -198,7 +201,7 @@ pub unsafe extern "C" fn jcas_policy_baseline(
             // SAFETY: the caller's promise for `pilot`.
             unsafe { CStr::from_ptr(pilot) }
         };
-        // What is no UTF-8 is no name either.
+        // A text that is not UTF-8 is no name.
         let text = |words: &'static CStr| words.to_str().unwrap_or("?");
         let chosen = BaselineKind::named(text(name)).and_then(|kind| {
             let mode = PilotMode::named(text(pilot))?;
@@ -218,7 +221,7 @@ pub unsafe extern "C" fn jcas_policy_baseline(
     })
 }
 
-/// Chooses how a trained policy's actions follow from its network. Baselines are not affected.
+/// Sets how a trained policy derives actions from its network. Baselines are not affected.
 ///
 /// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or
 /// JCAS_POLICY_STRATIFIED.
@@ -242,14 +245,16 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
     })
 }
 
-/// Writes the actions that the policy takes in a simulation's present state, for jcas_sim_step.
+/// Writes the actions of the policy for the present state of a simulation, as jcas_sim_step takes
+/// them.
 ///
-/// The same bits on every platform. `sim` may be of another model with the same configuration; it
-/// is not changed. A baseline that plans over several steps begins anew at t = 0 and with another
-/// seed. Where it finds no memory for its plan (RESOURCES), the same call may be made again.
+/// The bits are the same on every platform. `sim` may belong to another model with the same
+/// configuration; it does not change. A baseline that plans over several steps starts a new plan at
+/// t = 0 and when the seed changes. After RESOURCES, which means no memory for a plan, the same
+/// call may be repeated.
 ///
-/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len. Threads: only this one uses
-/// `policy`, none changes `sim`.
+/// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len.
+/// Threads: only this one uses `policy`, none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -273,12 +278,12 @@ pub unsafe extern "C" fn jcas_policy_act(
     })
 }
 
-/// As jcas_policy_act for every simulation of a batch, one after the other on this thread. Where
-/// the outputs of a network are no finite numbers (JCAS_ERROR_NAN), the actions before that
-/// simulation are written.
+/// Writes the actions for every environment of a batch, as jcas_policy_act does for one simulation.
+/// Environments are processed in order on this thread. After JCAS_ERROR_NAN (a network output is
+/// not finite), the actions of the environments before are written.
 ///
-/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len. Threads: only this
-/// one uses `policy`, none changes `batch`.
+/// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len.
+/// Threads: only this one uses `policy`, none changes `batch`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -310,7 +315,8 @@ pub unsafe extern "C" fn jcas_policy_act_batch(
     })
 }
 
-/// Ends a policy; memory of the caller is the caller's again. NULL is allowed and does nothing.
+/// Ends a policy. Memory of jcas_policy_init belongs to the caller again. NULL is allowed and does
+/// nothing.
 ///
 /// Threads: none may be using the policy.
 /// Statuses: NULL, ALIGNMENT, HANDLE.

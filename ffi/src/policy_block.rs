@@ -1,8 +1,9 @@
 //! A policy behind its handle.
 //!
-//! A network's block is followed by the words of its kernel working memory, then, from a line of the caches on, by
-//! its weights, its own working memory, the observations and the actions: flying it allocates nothing. A baseline asks
-//! the heap for room for its plans, one for each simulation of a batch.
+//! A network's block is followed by the words of its kernel working memory, then, from a line of
+//! the caches on, by its weights, its own working memory, the observations and the actions: flying
+//! it allocates nothing. A baseline asks the heap for room for its plans, one for each simulation
+//! of a batch.
 
 use std::alloc::Layout;
 use std::slice;
@@ -95,13 +96,14 @@ struct Parts<'a> {
 }
 
 /// # Safety
-/// `at` has the layout of [`PolicyBlock::layout`] for these lengths, initialised, and nothing else uses the
-/// words after it for `'a`.
+/// `at` has the layout of [`PolicyBlock::layout`] for these lengths, initialised, and nothing else
+/// uses the words after it for `'a`.
 unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
     // SAFETY: passed on.
     let words = unsafe { words_after(at, lengths.words()) };
     let (kernel, rest) = words.split_at_mut(lengths.kernel_words);
-    // SAFETY: every pattern of bits is two floats, of half the alignment; the words are not used otherwise.
+    // SAFETY: every pattern of bits is two floats, of half the alignment; the words are not used
+    // otherwise.
     let floats = unsafe { slice::from_raw_parts_mut(rest.as_mut_ptr().cast(), 2 * rest.len()) };
     let line = line_offset(floats);
     let (weights, rest) = floats[line..].split_at_mut(lengths.weights);
@@ -138,10 +140,12 @@ impl PolicyBlock {
         block_layout::<Self>(words)
     }
 
-    /// Builds a network's policy in memory that has its layout. The weights have been seen to be whole.
+    /// Builds a network's policy in memory that has its layout. The weights have been seen to be
+    /// whole.
     ///
     /// # Safety
-    /// `at` and `memory` come from [`Memory`] with [`PolicyBlock::layout`] of this model and network.
+    /// `at` and `memory` come from [`Memory`] with [`PolicyBlock::layout`] of this model and
+    /// network.
     pub(crate) unsafe fn build_network(
         model: &ModelBlock,
         network: &Network,
@@ -212,7 +216,8 @@ impl PolicyBlock {
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { Self::hold(at) }?.keep();
-        // SAFETY: by the mark, only this call uses the block, which is read out whole and not used again.
+        // SAFETY: by the mark, only this call uses the block, which is read out whole and not used
+        // again.
         let block = unsafe { at.read() };
         // SAFETY: as above; a later call finds no seal.
         unsafe { (&raw mut (*at).seal).write(0) };
@@ -245,8 +250,8 @@ impl PolicyBlock {
         }
     }
 
-    /// What acting in one state of a model with this policy's configuration needs memory for. `place` is the
-    /// simulation's in its batch.
+    /// What acting in one state of a model with this policy's configuration needs memory for.
+    /// `place` is the simulation's in its batch.
     ///
     /// # Safety
     /// The caller [holds](PolicyBlock::hold) the policy.

@@ -1,4 +1,4 @@
-//! Reading every quantity of a state, by copy.
+//! Queries that copy each quantity of a state into the caller's buffers.
 
 use std::ffi::c_char;
 use std::ptr;
@@ -17,9 +17,10 @@ impl Seen<'_> {
     }
 }
 
-/// Time, phase and the fleet's ledgers.
+/// Writes the time, the phase and the totals of the episode.
 ///
-/// `sim`, `episode`: not NULL; episode->struct_size set. Threads: none changes `sim`.
+/// `sim`, `episode`: not NULL; episode->struct_size set.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_episode(
@@ -36,9 +37,10 @@ pub unsafe extern "C" fn jcas_sim_get_episode(
     })
 }
 
-/// What the episode came to, so far.
+/// Writes the metrics of the episode so far.
 ///
-/// `sim`, `metrics`: not NULL; metrics->struct_size set. Threads: none changes `sim`.
+/// `sim`, `metrics`: not NULL; metrics->struct_size set.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_metrics(
@@ -55,9 +57,10 @@ pub unsafe extern "C" fn jcas_sim_get_metrics(
     })
 }
 
-/// The components of the last reward. The reward is their sum, from the first to the last.
+/// Writes the components of the last reward. The reward is their sum, from the first to the last.
 ///
-/// `sim`, `components`: not NULL. `count`: reward_len. Threads: none changes `sim`.
+/// `sim`, `components`: not NULL. `count`: reward_len.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_rewards(
@@ -75,11 +78,13 @@ pub unsafe extern "C" fn jcas_sim_get_rewards(
     })
 }
 
-/// The reward of each UAV in the last step, 0 before the first. Their mean is the team's: detections,
-/// informing, completion, truncation and the spread of knowledge are shared; coverage, energy, carbon and
-/// revisits are the UAV's own, times N; so are, in place of their means, its throughput and its potentials.
+/// Writes the reward of each UAV in the last step, or 0 before the first. The mean of these rewards
+/// is the team reward. Detections, informing, completion, truncation and the spread of knowledge
+/// are shared. Coverage, energy, carbon and revisits are the UAV's own, times N. Throughput and
+/// potentials are the UAV's own in place of the fleet's means.
 ///
-/// `sim`, `rewards`: not NULL. `count`: uav_count. Threads: none changes `sim`.
+/// `sim`, `rewards`: not NULL. `count`: uav_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -101,10 +106,11 @@ pub unsafe extern "C" fn jcas_sim_uav_rewards(
     })
 }
 
-/// The components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by jcas_reward_name, whose
-/// sum, left to right, is the UAV's reward.
+/// Writes the components of jcas_sim_uav_rewards: a row of reward_len for each UAV, named by
+/// jcas_reward_name. The sum of a row, from left to right, is the UAV's reward.
 ///
-/// `sim`, `components`: not NULL. `count`: uav_count * reward_len. Threads: none changes `sim`.
+/// `sim`, `components`: not NULL. `count`: uav_count * reward_len.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -127,7 +133,9 @@ pub unsafe extern "C" fn jcas_sim_uav_reward_components(
     })
 }
 
-/// The name of a component of the reward: a static string, or NULL from reward_len on. Threads: any.
+/// Returns the name of a component of the reward: a static string, or NULL for an index of
+/// reward_len or more.
+/// Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_reward_name(index: u32) -> *const c_char {
     const NAMES: [&std::ffi::CStr; reward::COMPONENTS] = [
@@ -149,10 +157,10 @@ pub extern "C" fn jcas_reward_name(index: u32) -> *const c_char {
         .map_or(ptr::null(), |name| name.as_ptr())
 }
 
-/// Every UAV.
+/// Writes the state of every UAV.
 ///
-/// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav). Threads: none changes
-/// `sim`.
+/// `sim`, `uavs`: not NULL. `count`: uav_count. `struct_size`: sizeof(jcas_uav).
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_uavs(
@@ -175,10 +183,10 @@ pub unsafe extern "C" fn jcas_sim_get_uavs(
     })
 }
 
-/// Every hotspot.
+/// Writes the state of every hotspot.
 ///
-/// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot). Threads:
-/// none changes `sim`.
+/// `sim`, `hotspots`: not NULL. `count`: hotspot_count. `struct_size`: sizeof(jcas_hotspot).
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_hotspots(
@@ -201,9 +209,11 @@ pub unsafe extern "C" fn jcas_sim_get_hotspots(
     })
 }
 
-/// The radio graph: 1 where two UAVs are neighbours, else 0; a symmetric matrix, row by row.
+/// Writes the radio graph as a symmetric matrix, row by row: 1 where two UAVs are neighbours, else
+/// 0.
 ///
-/// `sim`, `links`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+/// `sim`, `links`: not NULL. `count`: uav_count * uav_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_links(
@@ -223,9 +233,10 @@ pub unsafe extern "C" fn jcas_sim_get_links(
     })
 }
 
-/// Who knows what: 1 where a UAV (row) knows a hotspot (column), else 0.
+/// Writes the knowledge matrix: 1 where a UAV (row) knows a hotspot (column), else 0.
 ///
-/// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+/// `sim`, `knowledge`: not NULL. `count`: uav_count * hotspot_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_knowledge(
@@ -245,10 +256,11 @@ pub unsafe extern "C" fn jcas_sim_get_knowledge(
     })
 }
 
-/// Who detected what when the UAVs last sensed: 1 where a UAV (row) detected a hotspot (column), else 0.
-/// Hotspots that a UAV knew are not sensed by it.
+/// Writes the detections of the last sensing: 1 where a UAV (row) detected a hotspot (column), else
+/// 0. A UAV does not sense hotspots that it already knows.
 ///
-/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count. Threads: none changes `sim`.
+/// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_detections(
@@ -268,10 +280,11 @@ pub unsafe extern "C" fn jcas_sim_get_detections(
     })
 }
 
-/// Normalised throughput of each pair by the kernel's link budget: from a UAV (row) toward another (column),
-/// 0 where they are no neighbours.
+/// Writes the normalised throughput of each pair by the kernel's link budget: from a UAV (row)
+/// toward another (column). It is 0 where the two are not neighbours.
 ///
-/// `sim`, `throughputs`: not NULL. `count`: uav_count * uav_count. Threads: none changes `sim`.
+/// `sim`, `throughputs`: not NULL. `count`: uav_count * uav_count.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_throughputs(
@@ -295,9 +308,10 @@ pub unsafe extern "C" fn jcas_sim_get_throughputs(
     })
 }
 
-/// The cells that any UAV has been in: 1 or 0, row (y) by row.
+/// Writes the visited cells, row (y) by row: 1 where any UAV has been, else 0.
 ///
-/// `sim`, `visited`: not NULL. `count`: grid_width * grid_height. Threads: none changes `sim`.
+/// `sim`, `visited`: not NULL. `count`: grid_width * grid_height.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_get_visited(
@@ -317,10 +331,11 @@ pub unsafe extern "C" fn jcas_sim_get_visited(
     })
 }
 
-/// The search maps: 1 where a UAV knows a cell to have been looked at, else 0; a grid, row (y) by row, for
-/// each UAV after the other. Without search maps there is nothing to read.
+/// Writes the search maps: 1 where a UAV knows a cell to be searched, else 0. There is one grid for
+/// each UAV in turn, row (y) by row.
 ///
-/// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search maps.
+/// `sim`, `maps`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without search
+/// maps.
 /// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]

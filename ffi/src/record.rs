@@ -1,4 +1,4 @@
-//! Recording and verifying: the files of `jcas trace`.
+//! Recording and verification of the files of `jcas trace`.
 
 use std::ffi::{CStr, c_char, c_void};
 
@@ -18,13 +18,14 @@ use crate::status::{
     JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NULL, JCAS_ERROR_OUT_OF_ORDER, guard, jcas_status,
 };
 
-/// Takes `count` bytes of a trace, in their order; `context` is the caller's own. Returns 0; anything else
-/// says that they could not be taken, and no more are offered.
+/// A function of the caller that takes the next `count` bytes of a trace. `context` is the pointer
+/// from jcas_recorder. It returns 0, or another value if it could not take the bytes; then it is
+/// not called again.
 pub type jcas_write =
     Option<unsafe extern "C" fn(bytes: *const c_char, count: usize, context: *mut c_void) -> i32>;
 
-/// Where a recording goes, and what it works in. Everything that is pointed to, but for the names, stays
-/// the caller's and must live until the recording ends.
+/// The sink and the working memory of a recording. Everything that it points to, except the names,
+/// must stay valid until the recording ends.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_recorder {
@@ -32,29 +33,30 @@ pub struct jcas_recorder {
     pub struct_size: u32,
     /// Set it to 0.
     pub reserved: u32,
-    /// Takes the trace; not NULL.
+    /// The function that takes the trace; not NULL.
     pub write: jcas_write,
     /// Passed to `write`.
     pub write_context: *mut c_void,
-    /// Who flies, UTF-8, for the reader; NULL means "host".
+    /// The name of the policy for the header of the trace, in UTF-8; NULL means "host".
     pub policy: *const c_char,
-    /// How the pilot density is chosen, for the reader; NULL means "host".
+    /// The name of the pilot mode for the header of the trace, in UTF-8; NULL means "host".
     pub pilot: *const c_char,
-    /// At least the size and alignment of jcas_trace_layout; not NULL.
+    /// Working memory with at least the size and alignment of jcas_trace_layout; not NULL.
     pub memory: *mut c_void,
-    /// Its size in bytes.
+    /// The size of `memory` in bytes.
     pub memory_size: usize,
 }
 
-// SAFETY: integers, raw pointers and a function pointer that may be null; what a caller puts there is the
-// caller's promise.
+// SAFETY: the fields are integers, raw pointers and a nullable function pointer, whose validity the
+// caller promises.
 unsafe impl Plain for jcas_recorder {}
 // SAFETY: `struct_size` comes first.
 unsafe impl Record for jcas_recorder {}
 
-/// How much memory recording and verifying take.
+/// Writes the size and alignment of the memory that recording and verification need.
 ///
-/// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+/// `model`, `size`, `alignment`: not NULL. `size` in bytes.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -72,17 +74,19 @@ pub unsafe extern "C" fn jcas_trace_layout(
     })
 }
 
-/// Begins the episode of a seed, as jcas_sim_reset does, and records it: from here on every step, and
-/// every call by which the host owns something, goes to the recorder as a line of the trace. `jcas trace
-/// verify` flies such a file again bit for bit, `jcas replay` shows it.
+/// Begins the episode of a seed, as jcas_sim_reset does, and records it. Every step, and every call
+/// that replaces a part of the kernel's step or state, becomes a line of the trace. `jcas trace
+/// verify` repeats such a file bit for bit, and `jcas replay` shows it.
 ///
-/// Whatever puts another state into the simulation (jcas_sim_reset, _load, _free, a fork into it,
-/// jcas_batch_get, jcas_trace_verify) leaves the recording as it is, without its end, which readers say.
-/// If the sink refuses the first line, nothing has changed: JCAS_ERROR_SINK. If it refuses a later one,
-/// the simulation goes on, and jcas_sim_record_end says so.
+/// Calls that replace the state end the recording without its last line, which readers report.
+/// These are jcas_sim_reset, _load, _free, a fork into the simulation, jcas_batch_get and
+/// jcas_trace_verify. If the sink refuses the first line, the call returns JCAS_ERROR_SINK and
+/// changes nothing. If it refuses a later one, the simulation goes on and jcas_sim_record_end
+/// returns JCAS_ERROR_SINK.
 ///
-/// `sim`, `recorder`: not NULL; recorder->struct_size set; not needed after the call, but for what it
-/// points to. Threads: only this one uses `sim`.
+/// `sim`, `recorder`: not NULL; recorder->struct_size set; the struct itself is not needed after
+/// the call.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, SINK.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -115,11 +119,12 @@ pub unsafe extern "C" fn jcas_sim_record(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Ends a recording, between steps: the last line goes to the recorder. JCAS_ERROR_OUT_OF_ORDER in the
-/// middle of a step, or where nothing is recorded. JCAS_ERROR_SINK if the sink has not taken all of the
-/// trace; the recording has ended then too.
+/// Ends a recording between steps and writes its last line. It returns JCAS_ERROR_OUT_OF_ORDER in
+/// the middle of a step or without a recording. It returns JCAS_ERROR_SINK if the sink has refused
+/// any part of the trace; the recording has then ended too.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, OUT_OF_ORDER, SINK.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -141,10 +146,11 @@ pub unsafe extern "C" fn jcas_sim_record_end(sim: *mut jcas_sim) -> jcas_status 
     unsafe { change(sim.cast(), act) }
 }
 
-/// Fills `config` with the configuration that a trace was flown with.
+/// Fills `config` with the configuration of a trace.
 ///
-/// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL. `config`: not
-/// NULL. `struct_size`: sizeof(jcas_config). `message`: see the rules below. Threads: any.
+/// `trace`: `length` bytes of a file of `jcas trace record` or of jcas_sim_record; not NULL.
+/// `config`: not NULL. `struct_size`: sizeof(jcas_config). `message`: see the rules below.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, CORRUPT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -169,15 +175,16 @@ pub unsafe extern "C" fn jcas_trace_config(
     })
 }
 
-/// Flies a trace again and compares every line, byte by byte. JCAS_OK: this library does what the file
-/// says. JCAS_ERROR_DIFFERENT: it does not; the message names the line and the field. JCAS_ERROR_CORRUPT:
-/// the file was cut, changed, or is none. The simulation is left where the trace ends, or where it
-/// differs.
+/// Repeats a trace and compares every line byte by byte. JCAS_OK means that this library reproduces
+/// the file. JCAS_ERROR_DIFFERENT means that it does not; the message names the line and the field.
+/// JCAS_ERROR_CORRUPT means that the file is cut, changed or no trace. The simulation is left where
+/// the trace ends or differs.
 ///
 /// `sim`: not NULL; of the trace's configuration (jcas_trace_config), or JCAS_ERROR_MODEL_MISMATCH.
-/// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again after the
-/// call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the rules below. Threads:
-/// only this one uses `sim`.
+/// `memory`: at least the size and alignment of jcas_trace_layout; not NULL; the caller's again
+/// after the call. `trace`: `length` bytes, as jcas writes them; not NULL. `message`: see the rules
+/// below.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -195,11 +202,12 @@ pub unsafe extern "C" fn jcas_trace_verify(
     unsafe { replay(sim, (memory, size), (trace, length), None, message) }
 }
 
-/// Flies a trace again to the end of its next step, and compares these lines as jcas_trace_verify does.
+/// Repeats a trace to the end of its next step, and compares these lines as jcas_trace_verify does.
 ///
-/// `offset`: where the lines begin, in bytes; not NULL. Set it to 0 to begin: that checks the whole file,
-/// resets the simulation and compares the first line. Each call then moves it to the end of the next step,
-/// the last one to `length`. Between calls the simulation may be read. The others as for jcas_trace_verify.
+/// `offset`: where the lines begin, in bytes; not NULL. Set it to 0 for the first call, which
+/// checks the whole file, resets the simulation and compares the first line. Each call moves it to
+/// the end of the next step; the last call moves it to `length`. Between calls the simulation may
+/// be read. The other arguments are as for jcas_trace_verify.
 /// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, DIFFERENT.
 #[must_use]
@@ -219,7 +227,7 @@ pub unsafe extern "C" fn jcas_trace_step(
     unsafe { replay(sim, (memory, size), (trace, length), Some(offset), message) }
 }
 
-/// Flies a trace again: all of it, or a step from an offset on.
+/// Repeats a whole trace, or one step from an offset on.
 ///
 /// # Safety
 /// As [`jcas_trace_step`]; each pair is a pointer and the size of what it points to.
@@ -255,7 +263,7 @@ unsafe fn replay(
     })
 }
 
-/// A name for the reader of a trace.
+/// Reads a name for the header of a trace.
 ///
 /// # Safety
 /// A C string, or null; it does not change during the call.
@@ -269,7 +277,7 @@ unsafe fn name<'a>(name: *const c_char) -> Result<&'a str, Fault> {
         .map_err(|_| Fault::Status(JCAS_ERROR_ARGUMENT))
 }
 
-/// The text of a trace.
+/// Reads the text of a trace.
 ///
 /// # Safety
 /// As [`bytes`] and [`message`].

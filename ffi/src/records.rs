@@ -1,4 +1,4 @@
-//! What is read from models and simulations, as C structs.
+//! The C structs in which models and simulations report their quantities.
 
 use jcas_core::header::Phase;
 use jcas_core::observation::fields;
@@ -6,17 +6,17 @@ use jcas_core::{Metrics, Model, StateRef, StepOutcome};
 
 use crate::memory::{Plain, Record};
 
-/// A step may begin, whole or by parts: jcas_sim_step, jcas_sim_step_begin.
+/// A step may begin, whole or by parts. Next: jcas_sim_step or jcas_sim_step_begin.
 pub const JCAS_PHASE_READY: u32 = 1;
-/// The UAVs have acted and moved: jcas_sim_set_positions, jcas_sim_step_sense.
+/// The UAVs have acted and moved. Next: jcas_sim_set_positions or jcas_sim_step_sense.
 pub const JCAS_PHASE_MOVED: u32 = 2;
-/// The UAVs have sensed and learnt: jcas_sim_step_communicate, jcas_sim_step_communicate_with.
+/// The UAVs have sensed. Next: jcas_sim_step_communicate or jcas_sim_step_communicate_with.
 pub const JCAS_PHASE_SENSED: u32 = 3;
-/// Knowledge has spread: jcas_sim_step_end.
+/// The UAVs have communicated. Next: jcas_sim_step_end.
 pub const JCAS_PHASE_COMMUNICATED: u32 = 4;
-/// The episode has ended, every hotspot is informed: jcas_sim_reset.
+/// The episode has ended with every hotspot informed. Next: jcas_sim_reset.
 pub const JCAS_PHASE_TERMINATED: u32 = 5;
-/// The horizon has ended the episode: jcas_sim_reset.
+/// The horizon has ended the episode. Next: jcas_sim_reset.
 pub const JCAS_PHASE_TRUNCATED: u32 = 6;
 
 const _: () = assert!(JCAS_PHASE_READY == Phase::Ready as u32);
@@ -25,7 +25,7 @@ const _: () = assert!(JCAS_PHASE_TRUNCATED == Phase::Truncated as u32);
 /// Declares the structs whose first field is their size.
 macro_rules! records {
     ($($name:ident),+) => { $(
-        // SAFETY: integers and floats only.
+        // SAFETY: the struct has only integers and floats.
         unsafe impl Plain for $name {}
         // SAFETY: `struct_size` comes first.
         unsafe impl Record for $name {}
@@ -39,19 +39,19 @@ records!(
     jcas_metrics
 );
 
-// SAFETY: integers and floats only.
+// SAFETY: the struct has only integers and floats.
 unsafe impl Plain for jcas_uav {}
-// SAFETY: integers and floats only.
+// SAFETY: the struct has only integers and floats.
 unsafe impl Plain for jcas_hotspot {}
 // SAFETY: integers only.
 unsafe impl Plain for jcas_observation_field {}
 
-/// Fields of an observation; jcas_observation_field_name names them.
+/// The number of fields of an observation, which jcas_observation_field_name names.
 pub const JCAS_OBSERVATION_FIELDS: usize = 21;
 
 const _: () = assert!(JCAS_OBSERVATION_FIELDS == fields::FIELDS);
 
-/// Sizes and constants of a model; buffers are sized by these.
+/// The sizes and constants of a model, which determine the lengths of all buffers.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_model_info {
@@ -69,8 +69,8 @@ pub struct jcas_model_info {
     pub grid_height: u32,
     /// Floats of the actions of a step: 2 N.
     pub action_len: u32,
-    /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, and what map_window_radius,
-    /// map_directions and uav_tag add.
+    /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, plus the entries of
+    /// map_window_radius, map_directions and uav_tag.
     pub observation_len: u32,
     /// Floats of the global state: 6 N + 4 n + 4.
     pub global_len: u32,
@@ -86,20 +86,21 @@ pub struct jcas_model_info {
     pub detection_threshold_db: f64,
 }
 
-/// Entries of one UAV's observation that mean the same: at offset, offset + stride and on, `count` of them.
+/// A field of one UAV's observation: `count` entries at offset, offset + stride, offset + 2 stride
+/// and so on.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct jcas_observation_field {
-    /// The first entry.
+    /// Index of the first entry.
     pub offset: u32,
-    /// One, one for each hotspot, neighbour slot, cell or direction, or 0 where the configuration leaves
-    /// the field out.
+    /// Number of entries: one, or one for each hotspot, neighbour slot, cell or direction. It is 0
+    /// if the configuration leaves the field out.
     pub count: u32,
-    /// From one entry to the next.
+    /// Distance from one entry to the next, in floats.
     pub stride: u32,
 }
 
-/// Radar and link between two cells.
+/// The radar and link budget between two cells.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_radio {
@@ -107,7 +108,7 @@ pub struct jcas_radio {
     pub struct_size: u32,
     /// Always 0.
     pub reserved: u32,
-    /// Sensing SNR before the communication load is taken off, in dB.
+    /// Sensing SNR without the penalty of the communication load, in dB.
     pub sensing_snr_db: f64,
     /// Probability that a UAV detects a hotspot in one step.
     pub detection_probability: f64,
@@ -117,7 +118,7 @@ pub struct jcas_radio {
     pub link_throughput: f64,
 }
 
-/// What a step came to.
+/// The outcome of a step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_outcome {
@@ -141,7 +142,7 @@ pub struct jcas_episode {
     pub struct_size: u32,
     /// Steps begun since the reset.
     pub t: u32,
-    /// What may be called next: JCAS_PHASE_READY and so on.
+    /// The phase of the step, which decides what may be called next: JCAS_PHASE_READY and so on.
     pub phase: u32,
     /// 1 if every hotspot is informed, else 0.
     pub terminated: u32,
@@ -167,7 +168,7 @@ pub struct jcas_episode {
     pub mean_throughput: f64,
 }
 
-/// A UAV.
+/// The state of a UAV.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_uav {
@@ -195,17 +196,18 @@ pub struct jcas_uav {
     pub accepted_uj: u64,
     /// Energy spent, in microjoules.
     pub spent_uj: u64,
-    /// Energy asked for that was not there, in microjoules.
+    /// Energy demanded beyond the charge of the battery, in microjoules.
     pub shortfall_uj: u64,
     /// Pilot density, a fraction.
     pub pilot_density: f64,
     /// Mean normalised throughput toward its neighbours; 0 without any.
     pub throughput: f64,
-    /// What jcas_sim_set_battery has put into the battery, less what it has taken out, in microjoules.
+    /// Net energy that jcas_sim_set_battery has added to the battery, in microjoules; negative if
+    /// removed.
     pub given_uj: i64,
 }
 
-/// A hotspot.
+/// The state of a hotspot.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_hotspot {
@@ -223,7 +225,7 @@ pub struct jcas_hotspot {
     pub informed_at: u32,
 }
 
-/// What an episode came to, so far or at its end.
+/// The metrics of an episode, so far or at its end.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct jcas_metrics {
@@ -247,7 +249,7 @@ pub struct jcas_metrics {
     pub energy_kwh: f64,
     /// Energy accepted from chargers, in kWh.
     pub accepted_kwh: f64,
-    /// Energy asked for that was not there, in kWh.
+    /// Energy demanded beyond the charge of the batteries, in kWh.
     pub shortfall_kwh: f64,
     /// Grid energy billed, in kWh.
     pub grid_kwh: f64,

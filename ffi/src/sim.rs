@@ -11,8 +11,8 @@ use crate::model::jcas_model;
 use crate::records::jcas_outcome;
 use crate::status::{JCAS_OK, guard, jcas_status};
 
-/// One state of a model, with its working memory. One thread at a time may use it; functions that take
-/// it as const may run at once with each other.
+/// One state of a model, with its working memory. One thread at a time may use it, except that
+/// functions that take it as const may run concurrently.
 pub struct jcas_sim(());
 
 /// Motion up, +y, as the first component of an action.
@@ -26,9 +26,10 @@ pub const JCAS_MOVE_RIGHT: f32 = 0.4;
 /// No motion.
 pub const JCAS_MOVE_STAY: f32 = 0.8;
 
-/// How much memory a simulation takes, for jcas_sim_init.
+/// Writes the size and alignment of the memory that jcas_sim_init needs.
 ///
-/// `model`, `size`, `alignment`: not NULL. `size` in bytes. Threads: any.
+/// `model`, `size`, `alignment`: not NULL. `size` in bytes.
+/// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -46,11 +47,11 @@ pub unsafe extern "C" fn jcas_sim_layout(
     })
 }
 
-/// Builds a simulation in the caller's memory, which holds it until jcas_sim_free and may not be moved.
-/// It is at t = 0 of seed 0.
+/// Builds a simulation in the caller's memory, which must not move until jcas_sim_free. It is at t
+/// = 0 of seed 0.
 ///
-/// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's.
-/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+/// `memory`: at least the size and alignment of jcas_sim_layout; not NULL; the caller's. `model`:
+/// not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, IN_USE, RESOURCES.
 #[must_use]
@@ -75,9 +76,10 @@ pub unsafe extern "C" fn jcas_sim_init(
     })
 }
 
-/// Builds a simulation in memory of its own, to be ended by jcas_sim_free. It is at t = 0 of seed 0.
+/// Builds a simulation in memory from the system, at t = 0 of seed 0. jcas_sim_free ends it.
 ///
-/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the handle.
+/// `model`: not NULL; must not be freed before the simulation. `sim`: not NULL; receives the
+/// handle.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, RESOURCES.
 #[must_use]
@@ -99,7 +101,8 @@ pub unsafe extern "C" fn jcas_sim_new(
     })
 }
 
-/// Ends a simulation; memory of the caller is the caller's again. NULL is allowed and does nothing.
+/// Ends a simulation. Memory of jcas_sim_init belongs to the caller again. NULL is allowed and does
+/// nothing.
 ///
 /// Threads: none may be using the simulation.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
@@ -112,9 +115,10 @@ pub unsafe extern "C" fn jcas_sim_free(sim: *mut jcas_sim) -> jcas_status {
     guard(|| unsafe { SimBlock::free(sim.cast()) })
 }
 
-/// Begins the episode of a seed; everything random in it follows from the seed.
+/// Begins the episode of a seed, which determines every random draw of the episode.
 ///
-/// `sim`: not NULL. Threads: only this one uses `sim`.
+/// `sim`: not NULL.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -123,8 +127,8 @@ pub unsafe extern "C" fn jcas_sim_reset(sim: *mut jcas_sim, seed: u64) -> jcas_s
     unsafe { change(sim.cast(), |sim| sim.reset(seed)) }
 }
 
-/// The seed with the given index that follows from a seed: mission k of a campaign of the command line
-/// has the seed jcas_derive_seed(seed, k), and an automatic reset goes on with index 0.
+/// Derives the seed with the given index from a seed. Episode k of a campaign of the command line
+/// has the seed jcas_derive_seed(seed, k). An automatic reset uses index 0.
 ///
 /// Threads: any.
 #[unsafe(no_mangle)]
@@ -132,11 +136,12 @@ pub extern "C" fn jcas_derive_seed(seed: u64, index: u64) -> u64 {
     jcas_core::rng::derive_seed(seed, index)
 }
 
-/// One whole step.
+/// Performs one whole step.
 ///
 /// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
-/// (JCAS_MOVE_UP and so on; five equal bins of -1 to 1), the second the pilot density, from its minimum
-/// at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not NULL, struct_size set.
+/// by five equal bins of -1 to 1 (JCAS_MOVE_UP and so on). The second chooses the pilot density,
+/// from its minimum at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not
+/// NULL, struct_size set.
 /// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, NAN, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]
@@ -162,15 +167,16 @@ pub unsafe extern "C" fn jcas_sim_step(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Writes what each UAV observes: uav_count rows of observation_len floats.
+/// Writes the observation of each UAV: uav_count rows of observation_len floats.
 ///
-/// Each row: itself (x/(W-1), y/(H-1), state of charge, pilot density from minimum 0 to maximum 1, mean
-/// throughput); each hotspot (dx/(W-1), dy/(H-1), confirmed, known); each neighbour slot, nearest first
-/// (present, dx/(W-1), dy/(H-1)); neighbours/(N-1); carbon intensity from 0 to 1; depot
-/// distance/(W+H-2); confirmed/n; informed/n; t/T_max.
+/// Each row begins with the UAV itself: x/(W-1), y/(H-1), state of charge, pilot density scaled to
+/// 0 to 1, mean throughput. For each hotspot follow dx/(W-1), dy/(H-1), confirmed, known. For each
+/// neighbour slot, nearest first, follow present, dx/(W-1), dy/(H-1). Then follow neighbours/(N-1),
+/// carbon intensity from 0 to 1, depot distance/(W+H-2), confirmed/n, informed/n, t/T_max. Fields
+/// that the configuration adds come last: jcas_model_observation_fields lists all of them.
 ///
-/// `sim`, `observations`: not NULL. `count`: uav_count * observation_len. Threads: only this one uses
-/// `sim`.
+/// `sim`, `observations`: not NULL. `count`: uav_count * observation_len.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -193,11 +199,12 @@ pub unsafe extern "C" fn jcas_sim_observe(
 
 /// Writes the global state, for a centralised critic: global_len floats.
 ///
-/// Each UAV (x/(W-1), y/(H-1), state of charge, pilot density, mean throughput, fraction of hotspots
-/// known); each hotspot (x/(W-1), y/(H-1), confirmed, fraction of UAVs that know it); carbon intensity,
-/// confirmed/n, informed/n, t/T_max.
+/// For each UAV: x/(W-1), y/(H-1), state of charge, pilot density, mean throughput, fraction of
+/// hotspots known. For each hotspot: x/(W-1), y/(H-1), confirmed, fraction of UAVs that know it.
+/// The last four are carbon intensity, confirmed/n, informed/n, t/T_max.
 ///
-/// `sim`, `global`: not NULL. Threads: none changes `sim`.
+/// `sim`, `global`: not NULL.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -219,10 +226,11 @@ pub unsafe extern "C" fn jcas_sim_observe_global(
     })
 }
 
-/// Why the last call that took this simulation without const was refused, in words: which value, and what
-/// is allowed. Empty if that call did what it says.
+/// Writes why the last call that took this simulation without const was refused. The text names the
+/// value and what is allowed; it is empty if that call succeeded.
 ///
-/// `text`, `capacity`, `length`: as for jcas_config_to_json. Threads: none changes `sim`.
+/// `text`, `capacity`, `length`: as for jcas_config_to_json.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_message(

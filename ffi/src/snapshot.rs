@@ -10,9 +10,10 @@ use crate::memory::{bytes, output, place};
 use crate::sim::jcas_sim;
 use crate::status::{Fault, JCAS_OK, guard, jcas_status};
 
-/// Saves a simulation as bytes that mean the same on every platform.
+/// Saves a simulation as bytes that are portable across platforms.
 ///
-/// `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes. Threads: none changes `sim`.
+/// `sim`, `snapshot`: not NULL. `size`: snapshot_size bytes.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -30,10 +31,12 @@ pub unsafe extern "C" fn jcas_sim_save(
     })
 }
 
-/// Takes up a saved simulation of an equal configuration; it goes on exactly as the saved one would have.
-/// JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH for anything else, and nothing has changed then.
+/// Loads a saved simulation of an equal configuration, which continues exactly as the saved one
+/// would have. Anything else is JCAS_ERROR_CORRUPT or JCAS_ERROR_MODEL_MISMATCH and changes
+/// nothing.
 ///
-/// `sim`, `snapshot`: not NULL. `size`: in bytes, any. Threads: only this one uses `sim`.
+/// `sim`, `snapshot`: not NULL. `size`: in bytes, any.
+/// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -53,9 +56,11 @@ pub unsafe extern "C" fn jcas_sim_load(
     unsafe { change(sim.cast(), act) }
 }
 
-/// Makes `to` an independent twin of `from`, whose configuration must be equal.
+/// Copies the state of `from` to `to`, whose configuration must be equal. The two are then
+/// independent.
 ///
-/// `from`, `to`: not NULL; may be the same. Threads: none changes `from`, only this one uses `to`.
+/// `from`, `to`: not NULL; may be the same.
+/// Threads: none changes `from`, only this one uses `to`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, MODEL_MISMATCH.
 #[must_use]
 #[unsafe(no_mangle)]
@@ -81,9 +86,11 @@ pub unsafe extern "C" fn jcas_sim_fork(from: *const jcas_sim, to: *mut jcas_sim)
     })
 }
 
-/// The fingerprint of a state: equal for equal states, on every platform (FNV-1a, 64 bits).
+/// Writes the fingerprint of a state, which is equal for equal states on every platform (FNV-1a, 64
+/// bits).
 ///
-/// `sim`, `state_hash`: not NULL. Threads: none changes `sim`.
+/// `sim`, `state_hash`: not NULL.
+/// Threads: none changes `sim`.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_hash(sim: *const jcas_sim, state_hash: *mut u64) -> jcas_status {

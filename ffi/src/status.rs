@@ -6,10 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jcas_core::Error;
 
-/// What a call came to: JCAS_OK or a negative JCAS_ERROR_...
+/// The result of a call: JCAS_OK or a negative JCAS_ERROR_... code.
 pub type jcas_status = i32;
 
-/// The call did what it says.
+/// The call succeeded.
 pub const JCAS_OK: i32 = 0;
 /// A pointer that must not be NULL is NULL.
 pub const JCAS_ERROR_NULL: i32 = -1;
@@ -17,45 +17,46 @@ pub const JCAS_ERROR_NULL: i32 = -1;
 pub const JCAS_ERROR_ALIGNMENT: i32 = -2;
 /// A buffer, or memory for a handle, has the wrong size.
 pub const JCAS_ERROR_LENGTH: i32 = -3;
-/// A `struct_size` is none that this library knows.
+/// A `struct_size` is not a size that this library knows.
 pub const JCAS_ERROR_STRUCT_SIZE: i32 = -4;
-/// A handle is none of this kind, was closed, or was moved.
+/// A handle is not of the right kind, was freed, or was moved.
 pub const JCAS_ERROR_HANDLE: i32 = -5;
-/// A configuration field is outside its range, or a text is no configuration.
+/// A configuration field is outside its range, or a text is not a configuration.
 pub const JCAS_ERROR_CONFIG: i32 = -6;
 /// An argument is outside its range.
 pub const JCAS_ERROR_ARGUMENT: i32 = -7;
-/// An action component is NaN, or a network gives no finite number.
+/// An action component is NaN, or a network output is not finite.
 pub const JCAS_ERROR_NAN: i32 = -8;
 /// A state and a model, or two states, have different configurations.
 pub const JCAS_ERROR_MODEL_MISMATCH: i32 = -9;
-/// A part of a step was called out of its order.
+/// A function was called in the wrong phase of a step.
 pub const JCAS_ERROR_OUT_OF_ORDER: i32 = -10;
 /// The episode has ended: reset before the next step.
 pub const JCAS_ERROR_EPISODE_OVER: i32 = -11;
 /// The bytes are not a snapshot of this model, not a policy, or not a trace.
 pub const JCAS_ERROR_CORRUPT: i32 = -12;
-/// The model still has simulations or batches, or memory given to ..._init holds a living handle.
+/// The model still has simulations, batches or policies, or memory given to ..._init holds a living
+/// handle.
 pub const JCAS_ERROR_IN_USE: i32 = -13;
-/// Memory or threads could not be had from the system.
+/// The system did not provide memory or threads.
 pub const JCAS_ERROR_RESOURCES: i32 = -14;
 /// The program was compiled for an incompatible version of this library.
 pub const JCAS_ERROR_ABI: i32 = -15;
-/// A fault of the library itself; please report it. The handle of the call should be reset or freed.
+/// The library has a fault; please report it. Reset or free the handle of the call.
 pub const JCAS_ERROR_INTERNAL: i32 = -16;
 
-/// The batch has threads, which a forked process does not have: build another one there.
+/// The batch has threads, which a forked process does not have. Build another batch there.
 pub const JCAS_ERROR_FORKED: i32 = -17;
-/// The caller's sink has not taken all of a trace.
+/// The caller's sink refused a part of a trace.
 pub const JCAS_ERROR_SINK: i32 = -18;
-/// A trace, flown again, is not what its file says.
+/// The library does not reproduce a trace.
 pub const JCAS_ERROR_DIFFERENT: i32 = -19;
-/// Another call is using the object, on another thread or around this one: one thread at a time may use it.
+/// Another call is using the object, on another thread or further up the stack.
 pub const JCAS_ERROR_BUSY: i32 = -20;
 
-/// What a status means, in English.
+/// Returns the meaning of a status in English.
 ///
-/// Returns a static string, never NULL; also for values that are no status.
+/// The result is a static string and never NULL, also for values that are not a status.
 /// Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
@@ -87,7 +88,7 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
     text.as_ptr().cast()
 }
 
-/// Why a call is refused.
+/// The reason why a call is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fault {
     /// A status of the ABI itself.

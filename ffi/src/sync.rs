@@ -1,4 +1,5 @@
-//! Atomics, locks and waiting: those of the standard library, or under `cfg(loom)` those of the model checker.
+//! Atomics, locks and waiting: those of the standard library, or under `cfg(loom)` those of the
+//! model checker.
 
 #[cfg(loom)]
 mod chosen {

@@ -1,4 +1,5 @@
-//! The threads of a batch: started when it is built, joined when it ends. Handing out work allocates nothing.
+//! The threads of a batch: started when it is built, joined when it ends. Handing out work
+//! allocates nothing.
 //!
 //! `ffi/src/model_check.rs` runs all interleavings of a small pool.
 
@@ -7,8 +8,9 @@ use std::sync::PoisonError;
 
 use crate::sync::{AtomicU32, Condvar, Mutex, MutexGuard, Ordering, spin_loop};
 
-/// How often a thread tests whether it may go on before it sleeps: some tens of microseconds on present x86
-/// processors, less on others. Waking it takes as long, and a caller in a loop is back by then.
+/// How often a thread tests whether it may go on before it sleeps: some tens of microseconds on
+/// present x86 processors, less on others. Waking it takes as long, and a caller in a loop is back
+/// by then.
 const SPINS: u32 = 1000;
 
 pub(crate) type Task = unsafe extern "C" fn(*mut c_void, u32);
@@ -35,7 +37,8 @@ pub(crate) struct ThreadPool {
     orders: Mutex<Orders>,
     /// Threads that have begun to work.
     started: AtomicU32,
-    /// Rises by one with each job. As `working`, it is written under the lock of `orders` and read without it.
+    /// Rises by one with each job. As `working`, it is written under the lock of `orders` and read
+    /// without it.
     jobs: AtomicU32,
     /// Threads that have not finished the present job.
     working: AtomicU32,
@@ -48,8 +51,8 @@ pub(crate) struct ThreadPool {
 }
 
 impl ThreadPool {
-    /// A pool for `threads` threads beside the caller's. Where the machine has no more processors than that, a thread
-    /// that spins would keep another from its work, so that none does.
+    /// A pool for `threads` threads beside the caller's. Where the machine has no more processors
+    /// than that, a thread that spins would keep another from its work, so that none does.
     pub(crate) fn new(threads: u32) -> Self {
         let spins = if (threads as usize) < processors() {
             SPINS
@@ -108,8 +111,9 @@ impl ThreadPool {
         }
     }
 
-    /// Runs every task of a job, from a first one on that differs between threads: the data that a thread wrote in the
-    /// last step is in its cache. A task that another thread has taken returns at once.
+    /// Runs every task of a job, from a first one on that differs between threads: the data that a
+    /// thread wrote in the last step is in its cache. A task that another thread has taken returns
+    /// at once.
     fn run_tasks(&self, job: Job, place: u32) {
         let first = u64::from(job.count) * u64::from(place) / (u64::from(self.threads) + 1);
         let first = first as u32;
@@ -163,7 +167,8 @@ extern "C" fn work(pool: *mut c_void) -> *mut c_void {
 
 pub(crate) use system::{Thread, join, processors, start};
 
-/// POSIX threads themselves: the standard library's allocate on the way, and abort where they cannot.
+/// POSIX threads themselves: the standard library's allocate on the way, and abort where they
+/// cannot.
 #[cfg(unix)]
 mod system {
     use std::mem::MaybeUninit;

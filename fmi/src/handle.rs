@@ -1,5 +1,5 @@
-//! An instance behind the importer's pointer, and the importer's other pointers, once checked for null. No panic
-//! crosses: a caught one is `fmi3Fatal`.
+//! An instance behind the importer's pointer, and the importer's other pointers, once checked for
+//! null. No panic crosses: a caught one is `fmi3Fatal`.
 
 use std::ffi::{CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -43,7 +43,8 @@ impl Handle {
             return;
         }
         let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
-        // The importer's own function, with its own environment and two texts that outlive the call.
+        // The importer's own function, with its own environment and two texts that outlive the
+        // call.
         unsafe {
             log(
                 self.environment,

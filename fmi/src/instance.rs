@@ -1,4 +1,5 @@
-//! The life of an instance: parameters, initialization, steps, and the values of all variables at each moment.
+//! The life of an instance: parameters, initialization, steps, and the values of all variables at
+//! each moment.
 
 use std::path::PathBuf;
 
@@ -152,11 +153,12 @@ impl Instance {
         Ok(())
     }
 
-    /// Flies from `from_s` for `length_s`, which must be whole steps of Δt. Once the mission is over it stays as
-    /// it ended.
+    /// Flies from `from_s` for `length_s`, which must be whole steps of Δt. Once the mission is
+    /// over it stays as it ended.
     ///
     /// # Errors
-    /// Where the times do not fit, or the kernel refuses an input. The time then says how far it came.
+    /// Where the times do not fit, or the kernel refuses an input. The time then says how far it
+    /// came.
     pub fn do_step(&mut self, from_s: f64, length_s: f64) -> Result<f64, String> {
         if self.mode != Mode::Step {
             return Err(format!(

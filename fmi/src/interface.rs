@@ -29,8 +29,8 @@ pub extern "C" fn fmi3SetDebugLogging(
     })
 }
 
-/// An instance, or null: where the token is that of another description, or event mode or intermediate updates are
-/// asked for.
+/// An instance, or null: where the token is that of another description, or event mode or
+/// intermediate updates are asked for.
 ///
 /// # Safety
 /// Texts are null or end in 0.

@@ -1,11 +1,13 @@
-//! jcas as a Functional Mock-up Unit, by the FMI 3.0 standard for Co-Simulation (Modelica Association, 2022).
+//! jcas as a Functional Mock-up Unit, by the FMI 3.0 standard for Co-Simulation (Modelica
+//! Association, 2022).
 //!
 //! - [`variables`]: what an importer sees, one table for the description and for every get and set;
 //! - [`description`]: that table as `modelDescription.xml`;
 //! - [`setup`]: the parameters; [`mission`]: the flight that they make;
 //! - [`instance`]: the life of an instance, from instantiation to termination;
-//! - [`handle`]: an instance behind the importer's pointer; the functions of the standard, with it the only `unsafe`:
-//!   [`interface`] (an instance and its steps), [`exchange`] (variables), [`states`], [`refused`] (what is not offered).
+//! - [`handle`]: an instance behind the importer's pointer; the functions of the standard, with it
+//!   the only `unsafe`: [`interface`] (an instance and its steps), [`exchange`] (variables),
+//!   [`states`], [`refused`] (what is not offered).
 //!
 //! `cargo xtask fmu` packs it all into `jcas.fmu`.
 

@@ -177,7 +177,8 @@ impl Mission {
     /// The kernel's snapshot of the state.
     ///
     /// # Errors
-    /// Where a baseline flies over positions or links of the importer: its plans depend on all of them.
+    /// Where a baseline flies over positions or links of the importer: its plans depend on all of
+    /// them.
     pub fn save(&self) -> Result<Vec<u8>, String> {
         if self.pilot.is_some() && (self.setup.own_positions || self.setup.own_links) {
             return Err("the state of a baseline that flies over the importer's positions or links cannot be saved; fly by actions".to_owned());
@@ -187,8 +188,8 @@ impl Mission {
         Ok(bytes)
     }
 
-    /// The mission of a setup at a saved state. Where a baseline flies it is flown there again from its start, so that
-    /// the baseline's plans are what they were.
+    /// The mission of a setup at a saved state. Where a baseline flies it is flown there again from
+    /// its start, so that the baseline's plans are what they were.
     ///
     /// # Errors
     /// Where the snapshot is not of this setup.

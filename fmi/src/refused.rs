@@ -1,4 +1,5 @@
-//! What the standard names and this unit does not offer: Model Exchange, Scheduled Execution, clocks, derivatives.
+//! What the standard names and this unit does not offer: Model Exchange, Scheduled Execution,
+//! clocks, derivatives.
 
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;

@@ -17,7 +17,8 @@ pub struct Setup {
     pub fields: Map<String, Value>,
     /// Seed of the episode.
     pub seed: u64,
-    /// Name of a baseline or of a trained policy in the unit's resources; empty where the importer flies.
+    /// Name of a baseline or of a trained policy in the unit's resources; empty where the importer
+    /// flies.
     pub policy: String,
     /// Its pilot mode.
     pub pilot: String,

@@ -4,9 +4,10 @@
 //! $ cargo run --release -p jcas-simd --example rate -- 15 7 12 256
 //! ```
 //!
-//! UAVs, hotspots, side of the grid, missions of the batch. Random actions, observations and rewards written, ended
-//! missions begun anew; told by the least disturbed tenth of the steps, and what a mission takes in memory. With `count SET STEPS` behind, nothing but
-//! that many steps, for a profiler that counts instructions.
+//! UAVs, hotspots, side of the grid, missions of the batch. Random actions, observations and
+//! rewards written, ended missions begun anew; told by the least disturbed tenth of the steps, and
+//! what a mission takes in memory. With `count SET STEPS` behind, nothing but that many steps, for
+//! a profiler that counts instructions.
 
 use std::time::Instant;
 

@@ -1,9 +1,9 @@
-//! The batch step of the kernel and the products of policies' networks, compiled once for each instruction set that is
-//! worth it, and chosen when they run.
+//! The batch step of the kernel and the products of policies' networks, compiled once for each
+//! instruction set that is worth it, and chosen when they run.
 //!
-//! Both have one source and give the same bits on every instruction set; only their speed differs. They must be
-//! compiled into a function that has an instruction set's features, which is `unsafe` to call where a processor may
-//! lack them: those calls are all that this crate does.
+//! Both have one source and give the same bits on every instruction set; only their speed differs.
+//! They must be compiled into a function that has an instruction set's features, which is `unsafe`
+//! to call where a processor may lack them: those calls are all that this crate does.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 use jcas_core::batch::BatchOut;
@@ -18,7 +18,8 @@ pub struct InstructionSet(Set);
 enum Set {
     /// What the whole program is compiled for.
     Baseline,
-    /// x86-64-v3 of the psABI: 256-bit vectors. Without fused multiply-add, which no result may depend on.
+    /// x86-64-v3 of the psABI: 256-bit vectors. Without fused multiply-add, which no result may
+    /// depend on.
     #[cfg(target_arch = "x86_64")]
     V3,
     /// x86-64-v4 of the psABI: 512-bit vectors, likewise.

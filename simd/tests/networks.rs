@@ -1,4 +1,5 @@
-//! Every instruction set gives the outputs of networks that the plain formula gives, to the last bit.
+//! Every instruction set gives the outputs of networks that the plain formula gives, to the last
+//! bit.
 
 #[path = "../../policy/tests/mission/mod.rs"]
 mod mission;
