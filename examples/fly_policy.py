@@ -13,7 +13,9 @@ from jcas.evaluation import evaluate
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("policy", type=Path, help="a folder that a trainer wrote")
     parser.add_argument("--uavs", type=int, help="default: as trained")
     parser.add_argument("--hotspots", type=int, help="the same")

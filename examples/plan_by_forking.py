@@ -1,4 +1,4 @@
-"""Plans without learning: tries joint moves on forks of the mission and takes the one that pays best.
+"""Plans without learning: forks the episode, tries joint moves and takes the best-paid one.
 
 pip install ./python
 python examples/plan_by_forking.py
@@ -12,7 +12,7 @@ import jcas
 
 
 def gather(sim: jcas.Sim, hotspot: int) -> np.ndarray:
-    """Actions that bring the whole fleet one cell closer to a hotspot, at the highest pilot density."""
+    """Return actions that move the fleet one cell closer to a hotspot, at full pilot density."""
     motion = {(0, 1): 0, (0, -1): 1, (-1, 0): 2, (1, 0): 3, (0, 0): 4}
     away = sim.hotspot_cells()[hotspot].astype(int) - sim.cells().astype(int)
     step = np.sign(away)
@@ -33,7 +33,9 @@ def worth(sim: jcas.Sim, hotspot: int, lookahead: int) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--lookahead", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()

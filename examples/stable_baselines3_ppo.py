@@ -15,8 +15,12 @@ from jcas.sb3 import FleetVecEnv
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=250_000, help="steps of a mission, summed over missions")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--steps", type=int, default=250_000, help="steps of a mission, summed over missions"
+    )
     parser.add_argument("--missions", type=int, default=32, help="missions side by side")
     parser.add_argument("--uavs", type=int, default=10)
     parser.add_argument("--hotspots", type=int, default=5)
@@ -45,7 +49,9 @@ def main() -> None:
         actions, _ = model.predict(observations.reshape(-1, width), deterministic=True)
         return actions.reshape(missions, uavs, 2)
 
-    print(evaluate(act, jcas.Model(config), episodes=options.episodes, policy="stable-baselines3 PPO"))
+    print(
+        evaluate(act, jcas.Model(config), episodes=options.episodes, policy="stable-baselines3 PPO")
+    )
 
 
 if __name__ == "__main__":

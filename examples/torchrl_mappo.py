@@ -27,7 +27,9 @@ def make_env(uavs: int, hotspots: int) -> PettingZooWrapper:
     )
 
 
-def make_networks(env: PettingZooWrapper, uavs: int, width: int) -> tuple[ProbabilisticActor, ValueOperator]:
+def make_networks(
+    env: PettingZooWrapper, uavs: int, width: int
+) -> tuple[ProbabilisticActor, ValueOperator]:
     inputs = env.observation_spec[GROUP, "observation"].shape[-1]
 
     def network(outputs: int, centralised: bool) -> MultiAgentMLP:
@@ -63,7 +65,9 @@ def make_networks(env: PettingZooWrapper, uavs: int, width: int) -> tuple[Probab
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--iterations", type=int, default=40)
     parser.add_argument("--steps", type=int, default=1000, help="environment steps of an iteration")
     parser.add_argument("--uavs", type=int, default=6)
@@ -74,7 +78,9 @@ def main() -> None:
 
     env = make_env(options.uavs, options.hotspots)
     actor, critic = make_networks(env, options.uavs, options.width)
-    loss = ClipPPOLoss(actor, critic, clip_epsilon=0.2, entropy_coeff=1e-3, normalize_advantage=True)
+    loss = ClipPPOLoss(
+        actor, critic, clip_epsilon=0.2, entropy_coeff=1e-3, normalize_advantage=True
+    )
     loss.set_keys(
         reward=(GROUP, "reward"),
         action=(GROUP, "action"),
@@ -90,7 +96,9 @@ def main() -> None:
         with torch.no_grad():
             data = env.rollout(options.steps, policy=actor, break_when_any_done=False)
             loss.value_estimator(
-                data, params=loss.critic_network_params, target_params=loss.target_critic_network_params
+                data,
+                params=loss.critic_network_params,
+                target_params=loss.target_critic_network_params,
             )
         for _ in range(10):
             for rows in torch.randperm(data.shape[0]).split(250):

@@ -1,7 +1,7 @@
 """Builds the kernel's shared library with Cargo and puts it into the wheel.
 
-The library is loaded at run time by its C interface, so it depends on no version of Python: one wheel
-serves them all, and its tag names the platform alone.
+The library is loaded at run time by its C interface, so it depends on no version of Python: one
+wheel serves them all, and its tag names the platform alone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ class CargoBuildHook(BuildHookInterface):
         workspace = Path(self.root).parent
         if not (workspace / "ffi" / "Cargo.toml").is_file():
             raise RuntimeError(
-                f"{workspace} holds no ffi/Cargo.toml: jcas for Python is built inside a clone of the whole "
+                f"{workspace} holds no ffi/Cargo.toml: "
+                "jcas for Python is built inside a clone of the whole "
                 "project (pip install ./python)"
             )
         library = build_library(workspace)
@@ -50,7 +51,9 @@ def build_library(workspace: Path) -> Path:
     """Build the release library and return the file that Cargo says it wrote."""
     cargo = shutil.which("cargo")
     if cargo is None:
-        raise RuntimeError("cargo is not on the PATH: install Rust (https://rustup.rs) to build jcas from source")
+        raise RuntimeError(
+            "cargo is not on the PATH: install Rust (https://rustup.rs) to build jcas from source"
+        )
     command = [
         cargo,
         "build",
@@ -60,10 +63,15 @@ def build_library(workspace: Path) -> Path:
         "--message-format",
         "json-render-diagnostics",
     ]
-    output = subprocess.run(command, cwd=workspace, check=True, stdout=subprocess.PIPE, text=True).stdout
+    output = subprocess.run(
+        command, cwd=workspace, check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
     for line in output.splitlines():
         message = json.loads(line)
-        if message.get("reason") == "compiler-artifact" and "cdylib" in message["target"]["crate_types"]:
+        if (
+            message.get("reason") == "compiler-artifact"
+            and "cdylib" in message["target"]["crate_types"]
+        ):
             for name in message["filenames"]:
                 if name.endswith(SHARED_LIBRARY_SUFFIXES):
                     return Path(name)

@@ -16,12 +16,16 @@ from nbclient import NotebookClient
 
 def main() -> None:
     """Execute the notebook that the command line names."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("notebook", type=Path)
     parser.add_argument("--save", action="store_true", help="write the outputs into the notebook")
     options = parser.parse_args()
     notebook = nbformat.read(options.notebook, as_version=4)
-    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(options.notebook.parent)}}).execute()
+    NotebookClient(
+        notebook, timeout=300, resources={"metadata": {"path": str(options.notebook.parent)}}
+    ).execute()
     if options.save:
         nbformat.write(notebook, options.notebook)
     cells = sum(cell.cell_type == "code" for cell in notebook.cells)

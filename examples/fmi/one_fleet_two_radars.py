@@ -1,8 +1,8 @@
 """Two units in one co-simulation: one flies the fleet, the other sees with a second radar from the same UAVs.
 
-The first unit is flown by a baseline. At every communication point its cells become the second unit's positions and its
-radio graph the second unit's links, so that both missions are those of one fleet, once with the paper's radar
-and once with one that reaches half as far.
+The first unit is flown by a baseline. At every communication point its cells become the second
+unit's positions and its radio graph the second unit's links, so that both missions are those of one
+fleet, once with the paper's radar and once with one that reaches half as far.
 
     cargo xtask fmu
     python examples/fmi/one_fleet_two_radars.py target/fmu/jcas.fmu [PLOT.png]

@@ -3,10 +3,10 @@
     pip install "./python[benchmark]"
     python python/benchmarks/compare.py --agents 10 --targets 5
 
-Every case runs in a process of its own, with one thread or as many as there are cores, in interleaved rounds;
-the table gives the median. A case whose package is missing says so. PufferLib builds only in an environment
-of their own (`pip install pufferlib==1.0.1 filelock psutil`): give its interpreter with
---pufferlib-python.
+Every case runs in a process of its own, with one thread or as many as there are cores, in
+interleaved rounds; the table gives the median. A case whose package is missing says so. PufferLib
+builds only in an environment of their own (`pip install pufferlib==1.0.1 filelock psutil`): give
+its interpreter with --pufferlib-python.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "MPE under PufferLib": (
         "run_pufferlib",
-        "the same MPE with discrete actions, under PufferLib's wrapper, whose rate is the Python's beneath",
+        "the same MPE with discrete actions, under PufferLib's wrapper, "
+        "whose rate is the Python's beneath",
     ),
 }
 
@@ -67,15 +68,21 @@ def run_jcas_batch(options: argparse.Namespace) -> float:
         copy=False,
     )
     envs.reset(seed=1)
-    actions = np.random.default_rng(0).uniform(-1, 1, (8, *envs.action_space.shape)).astype(np.float32)
+    actions = (
+        np.random.default_rng(0).uniform(-1, 1, (8, *envs.action_space.shape)).astype(np.float32)
+    )
     turn = iter(range(10**9))
-    return rate(lambda: envs.step(actions[next(turn) % 8]), options.envs * options.agents, options.seconds)
+    return rate(
+        lambda: envs.step(actions[next(turn) % 8]), options.envs * options.agents, options.seconds
+    )
 
 
 def run_jcas_pettingzoo(options: argparse.Namespace) -> float:
     import jcas
 
-    return rate_of_parallel_env(jcas.parallel_env(uav_count=options.agents, hotspot_count=options.targets), options)
+    return rate_of_parallel_env(
+        jcas.parallel_env(uav_count=options.agents, hotspot_count=options.targets), options
+    )
 
 
 def rate_of_parallel_env(env: Any, options: argparse.Namespace) -> float:
@@ -114,7 +121,8 @@ def run_mpe(options: argparse.Namespace) -> float:
     from mpe2 import simple_spread_v3
 
     return rate_of_parallel_env(
-        simple_spread_v3.parallel_env(N=options.agents, continuous_actions=True, max_cycles=100), options
+        simple_spread_v3.parallel_env(N=options.agents, continuous_actions=True, max_cycles=100),
+        options,
     )
 
 
@@ -124,7 +132,9 @@ def run_pufferlib(options: argparse.Namespace) -> float:
     from pettingzoo.mpe import simple_spread_v3
 
     def make() -> Any:
-        env = simple_spread_v3.parallel_env(N=options.agents, continuous_actions=False, max_cycles=100)
+        env = simple_spread_v3.parallel_env(
+            N=options.agents, continuous_actions=False, max_cycles=100
+        )
         return pufferlib.emulation.PettingZooPufferEnv(env=env)
 
     envs = pufferlib.vector.make(make, num_envs=4, backend=pufferlib.vector.Serial)
@@ -138,7 +148,7 @@ PROCESSES_FOR_ALL_CORES = ("jcas PettingZoo", "MPE simple_spread", "MPE under Pu
 
 
 def measure(case: str, cores: int, options: argparse.Namespace) -> float | str:
-    """Run a case in a process of its own (or several), and return its rate, or why there is none."""
+    """Run a case in one or more processes, and return its rate, or the reason why there is none."""
     python = options.pufferlib_python if case == "MPE under PufferLib" else sys.executable
     if python is None:
         return "no --pufferlib-python"
@@ -152,17 +162,24 @@ def measure(case: str, cores: int, options: argparse.Namespace) -> float | str:
     }
     command = [
         python, __file__, "--case", case, "--cores", threads, "--agents", str(options.agents),
-        "--targets", str(options.targets), "--envs", str(options.envs), "--seconds", str(options.seconds),
+        "--targets", str(options.targets), "--envs", str(options.envs), "--seconds",
+        str(options.seconds),
     ]  # fmt: skip
     running = [
-        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        subprocess.Popen(
+            command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
         for _ in range(copies)
     ]
     total = 0.0
     for process in running:
         output, complaint = process.communicate()
         if process.returncode:
-            return complaint.strip().splitlines()[-1] if complaint.strip() else f"exit {process.returncode}"
+            return (
+                complaint.strip().splitlines()[-1]
+                if complaint.strip()
+                else f"exit {process.returncode}"
+            )
         total += float(json.loads(output.splitlines()[-1]))
     return total
 
@@ -173,7 +190,9 @@ def run_case(options: argparse.Namespace) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--agents", type=int, default=10)
     parser.add_argument("--targets", type=int, default=5)
     parser.add_argument("--envs", type=int, default=1024, help="environments of a batch")
@@ -188,7 +207,9 @@ def main() -> None:
         run_case(options)
         return
 
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    cores = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
     rates: dict[tuple[str, int], list[float | str]] = {}
     for _ in range(options.rounds):
         for count in sorted({1, cores}):
@@ -199,13 +220,26 @@ def main() -> None:
         for (case, count), values in rates.items()
     ]
     if options.json:
-        print(json.dumps({"agents": options.agents, "targets": options.targets, "envs": options.envs, "rows": rows}))
+        print(
+            json.dumps(
+                {
+                    "agents": options.agents,
+                    "targets": options.targets,
+                    "envs": options.envs,
+                    "rows": rows,
+                }
+            )
+        )
         return
     print(
-        f"{options.agents} agents, {options.targets} targets, batches of {options.envs}, random actions; "
+        f"{options.agents} agents, {options.targets} targets, batches of {options.envs}, "
+        "random actions; "
         f"median of {options.rounds} rounds of {options.seconds:g} s\n"
     )
-    print(f"{'environment':26}{'cores':>6}{'agent-steps/s':>16}{'jcas batch is':>15}  what a step computes")
+    print(
+        f"{'environment':26}{'cores':>6}{'agent-steps/s':>16}{'jcas batch is':>15}  what a "
+        "step computes"
+    )
     for row in rows:
         own = row["agent_steps_per_s"]
         best = next(
@@ -214,9 +248,15 @@ def main() -> None:
             if other["case"] == "jcas batch" and other["cores"] == row["cores"]
         )
         if isinstance(own, str) or isinstance(best, str):
-            print(f"{row['case']:26}{row['cores']:>6}  not measured: {own if isinstance(own, str) else best}")
+            print(
+                f"{row['case']:26}{row['cores']:>6}  not measured: "
+                f"{own if isinstance(own, str) else best}"
+            )
         else:
-            print(f"{row['case']:26}{row['cores']:>6}{own:>16,.0f}{best / own:>13.1f} x  {row['what']}")
+            print(
+                f"{row['case']:26}{row['cores']:>6}{own:>16,.0f}{best / own:>13.1f} "
+                f"x  {row['what']}"
+            )
 
 
 def middle(values: list[float | str]) -> float | str:

@@ -2,8 +2,9 @@
 
     python python/benchmarks/frame_time.py
 
-Fleets fly at random; each frame is that of `env.render()`, from the state of the simulation to an array. Processor
-time of one core, median and least of the frames after the first ten, which fill the stock of kept pieces.
+Fleets fly at random; each frame is that of `env.render()`, from the state of the simulation to an
+array. Processor time of one core, median and least of the frames after the first ten, which fill
+the stock of kept pieces.
 """
 
 from __future__ import annotations
@@ -17,13 +18,26 @@ import jcas
 CASES = {
     "one cell": {"uav_count": 10, "hotspot_count": 5, "move": False},
     "paper's largest": {"uav_count": 20, "hotspot_count": 11, "move": True},
-    "long sensing range": {"uav_count": 10, "hotspot_count": 5, "detection_threshold_db": -23.8, "move": True},
-    "fleet of 100": {"uav_count": 100, "hotspot_count": 50, "grid_width": 40, "grid_height": 40, "move": True},
+    "long sensing range": {
+        "uav_count": 10,
+        "hotspot_count": 5,
+        "detection_threshold_db": -23.8,
+        "move": True,
+    },
+    "fleet of 100": {
+        "uav_count": 100,
+        "hotspot_count": 50,
+        "grid_width": 40,
+        "grid_height": 40,
+        "move": True,
+    },
 }
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--frames", type=int, default=90)
     options = parser.parse_args()
     for name, case in CASES.items():

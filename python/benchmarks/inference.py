@@ -4,9 +4,10 @@
     cargo lab export POLICY --uavs 15 --hotspots 7 -o POLICY/policy.onnx
     python python/benchmarks/inference.py --command lab/target/release/examples/inference POLICY...
 
-POLICY: folders of trained policies, each with an ONNX graph for the N and n given. A batch is a number of missions
-whose UAVs' observations are handed over at once: N rows each. All three compute the same rows, and are seen to agree.
-One core, one thread each, in turns; processor time, the least disturbed tenth of the turns and their median.
+POLICY: folders of trained policies, each with an ONNX graph for the N and n given. A batch is a
+number of missions whose UAVs' observations are handed over at once: N rows each. All three compute
+the same rows, and are seen to agree. One core, one thread each, in turns; processor time, the least
+disturbed tenth of the turns and their median.
 """
 
 from __future__ import annotations
@@ -57,7 +58,9 @@ class Library:
 def session(policy: Path) -> onnxruntime.InferenceSession:
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
-    return onnxruntime.InferenceSession(policy / "policy.onnx", options, providers=["CPUExecutionProvider"])
+    return onnxruntime.InferenceSession(
+        policy / "policy.onnx", options, providers=["CPUExecutionProvider"]
+    )
 
 
 def onnx(of: onnxruntime.InferenceSession, rows: np.ndarray) -> Run:
@@ -93,16 +96,23 @@ def measure(ways: dict[str, tuple[Run, int]], turns: int, turn_s: float) -> dict
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("policies", metavar="POLICY", nargs="+", type=Path)
-    parser.add_argument("--command", type=Path, required=True, help="the example `inference` of jcas-train")
+    parser.add_argument(
+        "--command", type=Path, required=True, help="the example `inference` of jcas-train"
+    )
     parser.add_argument("--uavs", type=int, default=15)
     parser.add_argument("--hotspots", type=int, default=7)
     parser.add_argument("--turns", type=int, default=60)
     parser.add_argument("--turn-ms", type=float, default=20)
     options = parser.parse_args()
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    print(f"onnxruntime {onnxruntime.__version__}, N = {options.uavs}, n = {options.hotspots}, us a call")
+    print(
+        f"onnxruntime {onnxruntime.__version__}, N = {options.uavs}, n = {options.hotspots}, "
+        "us a call"
+    )
     for policy in options.policies:
         with tempfile.TemporaryDirectory() as folder:
             seen = Path(folder) / "observations"
@@ -110,21 +120,31 @@ def main() -> None:
             of = session(policy)
             fields = of.get_inputs()[0].shape[1]
             observations = np.fromfile(seen, np.float32).reshape(-1, fields)
-        for what, rows in (("1 row", 1), ("1 mission", options.uavs), ("64 missions", 64 * options.uavs)):
+        for what, rows in (
+            ("1 row", 1),
+            ("1 mission", options.uavs),
+            ("64 missions", 64 * options.uavs),
+        ):
             runs = {
                 "ours": (library.run("ours", rows), library.clock),
-                "onnxruntime": (onnx(of, observations[:rows].copy()), time.CLOCK_PROCESS_CPUTIME_ID),
+                "onnxruntime": (
+                    onnx(of, observations[:rows].copy()),
+                    time.CLOCK_PROCESS_CPUTIME_ID,
+                ),
                 "trainer": (library.run("trainer", rows), library.clock),
             }
             outputs = {name: run(1) for name, (run, _) in runs.items()}
             for name, got in outputs.items():
                 np.testing.assert_allclose(got, outputs["ours"], rtol=1e-3, atol=1e-4, err_msg=name)
             times = measure(runs, options.turns, options.turn_ms / 1000)
-            least = {name: sorted(of_one)[len(of_one) // 10] * 1e6 for name, of_one in times.items()}
+            least = {
+                name: sorted(of_one)[len(of_one) // 10] * 1e6 for name, of_one in times.items()
+            }
             middle = {name: statistics.median(of_one) * 1e6 for name, of_one in times.items()}
             told = ", ".join(f"{name} {us:.1f} ({middle[name]:.1f})" for name, us in least.items())
             ratios = ", ".join(
-                f"ours / {name} {least['ours'] / least[name]:.2f}" for name in ("onnxruntime", "trainer")
+                f"ours / {name} {least['ours'] / least[name]:.2f}"
+                for name in ("onnxruntime", "trainer")
             )
             print(f"{policy.name:12} {what:11} {told}; {ratios}", flush=True)
         library.process.kill()

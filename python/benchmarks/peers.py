@@ -1,12 +1,12 @@
-"""Steps of jcas beside those of other libraries, in one run, by processor time: the table of README.md.
+"""Measures steps of jcas and of other libraries by processor time, for the table of README.md.
 
     python3 python/benchmarks/peers.py
 
-Builds the C library, compiles two C programs and makes an environment under `target/peers` with the peers, all run on
-the CPU (some 5 GB with PyTorch; a peer that cannot be had is left out with a word). Needs cargo, cc and Python 3.11.
-Every case runs in a process of its own on one thread, in interleaved rounds, and tells agent-steps per second of
-processor time, user and system; the table gives the median. They do not compute the same: the last column says what
-each does.
+Builds the C library, compiles two C programs and makes an environment under `target/peers` with the
+peers, all run on the CPU (some 5 GB with PyTorch; a peer that cannot be had is left out with a
+word). Needs cargo, cc and Python 3.11. Every case runs in a process of its own on one thread, in
+interleaved rounds, and tells agent-steps per second of processor time, user and system; the table
+gives the median. They do not compute the same: the last column says what each does.
 """
 
 from __future__ import annotations
@@ -29,10 +29,14 @@ TARGET = BUILT / "peers"
 PACKAGES = ["vmas==1.5.2", "jaxmarl==0.2.0", "envpool==1.2.5"]
 
 CASES = {
-    "jcas, C batch": "the whole model: radar, links, consensus, energy, carbon, rewards; 81 entries observed",
+    "jcas, C batch": (
+        "the whole model: radar, links, consensus, energy, carbon, rewards; 81 entries observed"
+    ),
     "target, told again in C": "kinematics and distances; 48 entries observed",
     "EnvPool CartPole-v1": "one pole on a cart; 4 entries observed",
-    "JaxMARL MPE simple_spread": "continuous 2-D physics, collisions, no sensing, no links; compiled by XLA",
+    "JaxMARL MPE simple_spread": (
+        "continuous 2-D physics, collisions, no sensing, no links; compiled by XLA"
+    ),
     "VMAS discovery": "continuous 2-D physics in PyTorch, lidar, no links, no energy",
 }
 
@@ -67,25 +71,36 @@ def run_jaxmarl(options: argparse.Namespace) -> float:
     import jax
     import jaxmarl
 
-    env = jaxmarl.make("MPE_simple_spread_v3", num_agents=options.agents, num_landmarks=options.targets)
+    env = jaxmarl.make(
+        "MPE_simple_spread_v3", num_agents=options.agents, num_landmarks=options.targets
+    )
     keys = jax.random.split(jax.random.PRNGKey(0), options.envs)
     _, states = jax.jit(jax.vmap(env.reset))(keys)
 
     def one(key: Any, state: Any) -> Any:
         choose, go = jax.random.split(key)
         picks = jax.random.split(choose, env.num_agents)
-        actions = {agent: env.action_space(agent).sample(pick) for agent, pick in zip(env.agents, picks, strict=True)}
+        actions = {
+            agent: env.action_space(agent).sample(pick)
+            for agent, pick in zip(env.agents, picks, strict=True)
+        }
         return env.step(go, state, actions)
 
     @jax.jit
     def ten(states: Any) -> Any:
         def turn(states: Any, key: Any) -> Any:
-            observed, states, rewards, done, _ = jax.vmap(one)(jax.random.split(key, options.envs), states)
+            observed, states, rewards, done, _ = jax.vmap(one)(
+                jax.random.split(key, options.envs), states
+            )
             return states, (observed, rewards, done)
 
         return jax.lax.scan(turn, states, jax.random.split(jax.random.PRNGKey(1), 10))
 
-    return rate(lambda: jax.block_until_ready(ten(states)), 10 * options.envs * options.agents, options.seconds)
+    return rate(
+        lambda: jax.block_until_ready(ten(states)),
+        10 * options.envs * options.agents,
+        options.seconds,
+    )
 
 
 def run_vmas(options: argparse.Namespace) -> float:
@@ -117,14 +132,16 @@ def prepare() -> dict[str, list[str]]:
     run("cargo", "build", "--release", "--locked", "--package", "jcas-ffi")
     sources = REPOSITORY / "python/benchmarks/peers"
     library = BUILT / "release/libjcas.a"
-    run("cc", "-O2", "-I", "include", str(sources / "jcas_batch.c"), str(library), "-lm", "-lpthread", "-ldl",
+    run("cc", "-O2", "-I", "include", str(sources / "jcas_batch.c"), str(library), "-lm",
+    "-lpthread", "-ldl",
         "-o", str(TARGET / "jcas_batch"))  # fmt: skip
     run("cc", "-O2", str(sources / "target.c"), "-lm", "-o", str(TARGET / "target"))
     python = TARGET / "venv/bin/python"
     if not python.exists():
         run(sys.executable, "-m", "venv", str(TARGET / "venv"))
         run(str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "uv")
-    # PyTorch's compiler for GPUs can stay away; its CUDA libraries, without which it does not load, cannot.
+    # PyTorch's compiler for GPUs can stay away; its CUDA libraries, without which it does not load,
+    # cannot.
     overrides = TARGET / "overrides.txt"
     overrides.write_text('triton; sys_platform == "never"\n')
     for package in PACKAGES:
@@ -138,27 +155,40 @@ def prepare() -> dict[str, list[str]]:
 
 
 def measure(case: str, command: list[str], options: argparse.Namespace) -> float | str:
-    """Run a case in a process of its own on one thread, and return its rate, or why there is none."""
+    """Run a case in a process on one thread, and return its rate, or the reason for no rate."""
     threads = {"OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "JAX_PLATFORMS": "cpu"}
     threads["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
     if case in PYTHON_CASES:
-        arguments = ["--seconds", str(options.seconds), "--envs", str(options.envs), "--agents", str(options.agents)]
+        arguments = [
+            "--seconds",
+            str(options.seconds),
+            "--envs",
+            str(options.envs),
+            "--agents",
+            str(options.agents),
+        ]
         arguments += ["--targets", str(options.targets)]
     else:
         arguments = [str(options.seconds), str(options.envs)]
         arguments += [str(options.agents), str(options.targets)] if case == "jcas, C batch" else []
-    done = subprocess.run([*command, *arguments], env={**os.environ, **threads}, capture_output=True, text=True)
+    done = subprocess.run(
+        [*command, *arguments], env={**os.environ, **threads}, capture_output=True, text=True
+    )
     if done.returncode:
         return (done.stderr.strip() or f"exit {done.returncode}").splitlines()[-1]
     return float(json.loads(done.stdout.splitlines()[-1]))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--agents", type=int, default=15)
     parser.add_argument("--targets", type=int, default=7)
     parser.add_argument("--envs", type=int, default=256, help="environments of a batch")
-    parser.add_argument("--seconds", type=float, default=2, help="of processor time, each measurement")
+    parser.add_argument(
+        "--seconds", type=float, default=2, help="of processor time, each measurement"
+    )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--case", choices=PYTHON_CASES, help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -171,10 +201,13 @@ def main() -> None:
     for _ in range(options.rounds):
         for case in CASES:
             rates[case].append(measure(case, commands[case], options))
-    numbers = {case: [rate for rate in own if not isinstance(rate, str)] for case, own in rates.items()}
+    numbers = {
+        case: [rate for rate in own if not isinstance(rate, str)] for case, own in rates.items()
+    }
     best = statistics.median(numbers["jcas, C batch"])
     print(
-        f"{options.agents} agents, {options.targets} targets, batches of {options.envs}, random actions, one thread; "
+        f"{options.agents} agents, {options.targets} targets, batches of {options.envs}, "
+        "random actions, one thread; "
         f"median of {options.rounds} rounds of {options.seconds:g} s of processor time\n"
     )
     print("| | million agent-steps per processor-second | jcas is | what a step computes |")

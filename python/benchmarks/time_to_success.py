@@ -1,19 +1,20 @@
-"""Trains the same mission with `jcas-lab train`, RLlib and Stable-Baselines3, and prints the time to equal success.
+"""Trains with `jcas-lab train`, RLlib and Stable-Baselines3, and prints the times to success.
 
     python python/benchmarks/time_to_success.py --command target/release/jcas
 
-The paper's preset at N = 10, n = 5 unless told otherwise; three seeds, the trainers in turns. Time is processor time,
-user and system, of a trainer's whole tree of processes (read from /proc, so on Linux), which other programs on the
-machine do not lengthen; each run ends at the last of the shares of success, after the paper's 2.5e5 environment steps,
-or when its processor time is up.
-Success is what a trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the hundredth
-on: the first to end are those that went well.
+The paper's preset at N = 10, n = 5 unless told otherwise; three seeds, the trainers in turns. Time
+is processor time, user and system, of a trainer's whole tree of processes (read from /proc, so on
+Linux), which other programs on the machine do not lengthen; each run ends at the last of the shares
+of success, after the paper's 2.5e5 environment steps, or when its processor time is up. Success is
+what a trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the
+hundredth on: the first to end are those that went well.
 
-`jcas` is `jcas-lab train` as it comes: the set network of the training `tuned`, a categorical motion and a Beta pilot
-density. The others train an MLP of 512-256-128 with normal actions by PPO with the paper's rate, discount, clip and
-epochs, on batches of 4096 environment steps: `jcas-paper` is `jcas-lab train --train-preset paper`; it and RLlib have
-one actor for all UAVs beside a critic of the global state, while Stable-Baselines3 sees every UAV as a mission of its
-own, and its critic reads one observation.
+`jcas` is `jcas-lab train` as it comes: the set network of the training `tuned`, a categorical
+motion and a Beta pilot density. The others train an MLP of 512-256-128 with normal actions by PPO
+with the paper's rate, discount, clip and epochs, on batches of 4096 environment steps: `jcas-paper`
+is `jcas-lab train --train-preset paper`; it and RLlib have one actor for all UAVs beside a critic
+of the global state, while Stable-Baselines3 sees every UAV as a mission of its own, and its critic
+reads one observation.
 """
 
 from __future__ import annotations
@@ -37,14 +38,22 @@ STEPS = "250000"
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--command", help="the jcas-lab binary")
     parser.add_argument("--preset", default="paper")
     parser.add_argument("--uavs", type=int, default=10)
     parser.add_argument("--hotspots", type=int, default=5)
-    parser.add_argument("--set", action="append", default=[], metavar="FIELD=NUMBER", help="more of the mission")
-    parser.add_argument("--success", default="0.73,0.9", help="shares of missions to reach (%(default)s)")
-    parser.add_argument("--seconds", type=float, default=600, help="of processor time, each run (%(default)s)")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="FIELD=NUMBER", help="more of the mission"
+    )
+    parser.add_argument(
+        "--success", default="0.73,0.9", help="shares of missions to reach (%(default)s)"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=600, help="of processor time, each run (%(default)s)"
+    )
     parser.add_argument("--seeds", default="1,2,3")
     parser.add_argument("--trainers", default="jcas,jcas-paper,rllib,sb3")
     parser.add_argument("--credit", choices=("team", "uav"), default="uav", help="of all but jcas")
@@ -67,16 +76,22 @@ def main() -> None:
             times[trainer].append(reached)
             told = ", ".join(shown(seconds, options.seconds) for seconds in reached)
             print(
-                f"{trainer}, seed {seed}: {told}; at last {last[1]} environment steps, {last[2]:.2f}", file=sys.stderr
+                f"{trainer}, seed {seed}: {told}; at last {last[1]} environment steps, "
+                f"{last[2]:.2f}",
+                file=sys.stderr,
             )
     print(
-        f"{options.preset}, N = {options.uavs}, n = {options.hotspots}, credit of the {options.credit} but for jcas: "
+        f"{options.preset}, N = {options.uavs}, n = {options.hotspots}, "
+        f"credit of the {options.credit} but for jcas: "
         "processor seconds to a success of\n"
     )
     print("| | " + " | ".join(f"{share:g}" for share in shares) + " |")
     print("| --- |" + " --- |" * len(shares))
     for trainer, runs in times.items():
-        cells = (", ".join(shown(run[place], options.seconds) for run in runs) for place in range(len(shares)))
+        cells = (
+            ", ".join(shown(run[place], options.seconds) for run in runs)
+            for place in range(len(shares))
+        )
         print(f"| {trainer} | " + " | ".join(cells) + " |")
     for trainer, runs in times.items():
         first = [run[0] for run in runs if run[0] is not None]
@@ -103,8 +118,10 @@ def watch(
         out = Path(folder) / "run"
         threads = {name: "1" for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS")}
         process = subprocess.Popen(
-            start(out, seed, options), env={**os.environ, **threads, "RAY_USAGE_STATS_ENABLED": "0"},
-            stdout=subprocess.DEVNULL, stderr=(Path(folder) / "errors").open("w"), start_new_session=True,
+            start(out, seed, options), env={**os.environ, **threads,
+            "RAY_USAGE_STATS_ENABLED": "0"},
+            stdout=subprocess.DEVNULL, stderr=(Path(folder) / "errors").open("w"),
+            start_new_session=True,
         )  # fmt: skip
         try:
             while None in reached:
@@ -116,7 +133,9 @@ def watch(
                         if reached[place] is None and point[1] >= share:
                             reached[place] = spent
                 if ended and process.returncode:
-                    raise RuntimeError(f"{trainer}: {(Path(folder) / 'errors').read_text()[-2000:]}")
+                    raise RuntimeError(
+                        f"{trainer}: {(Path(folder) / 'errors').read_text()[-2000:]}"
+                    )
                 if ended or spent > options.seconds:
                     break
                 time.sleep(0.5)
@@ -126,7 +145,7 @@ def watch(
 
 
 def tree(root: int) -> list[tuple[int, float]]:
-    """Every process below `root` and itself, with its processor seconds and those of its children that have ended."""
+    """Return the processor seconds of `root` and its descendants, with their ended children."""
     tick = os.sysconf("SC_CLK_TCK")
     parents: dict[int, list[int]] = {}
     spent: dict[int, float] = {}
@@ -178,13 +197,20 @@ def rows(file: Path) -> list[dict[str, str]]:
 def jcas_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
     """With a checkpoint after each batch, because that is when progress goes on file."""
     return [
-        options.command, "train", "--preset", options.preset, *mission(options), "--steps", STEPS, "--seed", str(seed),
+        options.command, "train", "--preset", options.preset, *mission(options), "--steps", STEPS,
+        "--seed", str(seed),
         "--threads", "1", "--out", str(out), "--train-set", "checkpoint_every=1",
     ]  # fmt: skip
 
 
 def jcas_paper_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
-    return [*jcas_command(out, seed, options), "--train-preset", "paper", "--train-set", f"credit={options.credit}"]
+    return [
+        *jcas_command(out, seed, options),
+        "--train-preset",
+        "paper",
+        "--train-set",
+        f"credit={options.credit}",
+    ]
 
 
 def jcas_progress(out: Path) -> tuple[int, float] | None:
@@ -195,12 +221,17 @@ def jcas_progress(out: Path) -> tuple[int, float] | None:
         if flown < 100 and row["success_rate"]:
             flown += int(row["missions"])
             succeeded += int(row["missions"]) * float(row["success_rate"])
-    return (int(batches[-1]["environment_steps"]), succeeded / flown if flown >= 100 else 0.0) if batches else None
+    return (
+        (int(batches[-1]["environment_steps"]), succeeded / flown if flown >= 100 else 0.0)
+        if batches
+        else None
+    )
 
 
 def rllib_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
     return [
-        sys.executable, "-m", "jcas.rllib", "train", "--config", options.preset, *mission(options), "--steps",
+        sys.executable, "-m", "jcas.rllib", "train", "--config", options.preset, *mission(options),
+        "--steps",
         STEPS, "--seed", str(seed), "--runners", "1", "--credit", options.credit, "--out", str(out),
     ]  # fmt: skip
 
@@ -216,7 +247,8 @@ def rllib_progress(out: Path) -> tuple[int, float] | None:
 
 def sb3_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
     return [
-        sys.executable, __file__, "--sb3", str(out), "--seeds", str(seed), "--preset", options.preset,
+        sys.executable, __file__, "--sb3", str(out), "--seeds", str(seed), "--preset",
+        options.preset,
         "--credit", options.credit, *mission(options),
     ]  # fmt: skip
 
@@ -259,7 +291,9 @@ def train_sb3(options: argparse.Namespace) -> None:
 
         def _on_step(self) -> bool:
             self.last.extend(
-                info["is_success"] for info in self.locals["infos"][:: options.uavs] if "is_success" in info
+                info["is_success"]
+                for info in self.locals["infos"][:: options.uavs]
+                if "is_success" in info
             )
             return True
 
@@ -267,11 +301,16 @@ def train_sb3(options: argparse.Namespace) -> None:
             share = sum(self.last) / 100 if len(self.last) == 100 else 0.0
             self.progress.write(f"{self.num_timesteps // options.uavs},{share}\n")
 
-    fields: dict[str, Any] = {name: float(value) for name, value in (pair.split("=", 1) for pair in options.set)}
-    config = jcas.Config(options.preset, uav_count=options.uavs, hotspot_count=options.hotspots, **fields)
+    fields: dict[str, Any] = {
+        name: float(value) for name, value in (pair.split("=", 1) for pair in options.set)
+    }
+    config = jcas.Config(
+        options.preset, uav_count=options.uavs, hotspot_count=options.hotspots, **fields
+    )
     envs: Any = FleetVecEnv(config, missions, credit=options.credit)
     PPO(
-        "MlpPolicy", envs, learning_rate=3e-4, n_steps=batch // missions, batch_size=batch, n_epochs=10, gamma=0.95,
+        "MlpPolicy", envs, learning_rate=3e-4, n_steps=batch // missions, batch_size=batch,
+        n_epochs=10, gamma=0.95,
         clip_range=0.2, policy_kwargs={"net_arch": [512, 256, 128], "activation_fn": torch.nn.ReLU},
         seed=int(options.seeds),
     ).learn(int(STEPS) * options.uavs, callback=Watch())  # fmt: skip

@@ -8,7 +8,8 @@ import pytest
 # Windows open on no screen, and Ray reports to nobody.
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-# Ray's workers run at a nice value of 15 by themselves: on a busy machine the tests would hardly go on.
+# Ray's workers run at a nice value of 15 by themselves: on a busy machine the tests would hardly go
+# on.
 os.environ.setdefault("RAY_worker_niceness", "0")
 # Ray reads this when it is imported: who does not know the word cannot join the test's cluster.
 os.environ.setdefault("RAY_AUTH_MODE", "token")
@@ -16,7 +17,9 @@ os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
 
 
 def pytest_addoption(parser):
-    parser.addoption("--run-heavy", action="store_true", help="also run tests that need RLlib, torch and minutes")
+    parser.addoption(
+        "--run-heavy", action="store_true", help="also run tests that need RLlib, torch and minutes"
+    )
 
 
 def pytest_collection_modifyitems(config, items):

@@ -41,8 +41,14 @@ def test_a_configuration_survives_replace_pickle_and_numpy_values():
     [
         ({"uav_count": 0}, "uav_count = 0: must be a whole number from 1 to 4096"),
         ({"uav_cuont": 5}, "uav_cuont: no such field; did you mean uav_count?"),
-        ({"pilot_density_min": 0.4}, "pilot_density_min = 0.4: must be at most 0.3 (pilot_density_max)"),
-        ({"cell_size_m": float("nan")}, "cell_size_m = NaN: must be a number from 0.001 to 1000000"),
+        (
+            {"pilot_density_min": 0.4},
+            "pilot_density_min = 0.4: must be at most 0.3 (pilot_density_max)",
+        ),
+        (
+            {"cell_size_m": float("nan")},
+            "cell_size_m = NaN: must be a number from 0.001 to 1000000",
+        ),
         ({"target_visibility": "seen"}, "target_visibility"),
         ({"preset": "best"}, "must be `mission`, `paper`"),
     ],

@@ -1,4 +1,4 @@
-"""What all environments promise alike: seeds, order of calls, snapshots, forks, pickling, words about themselves."""
+"""Tests of every environment: seeds, order of calls, snapshots, forks, pickling and `repr`."""
 
 import contextlib
 import inspect
@@ -48,7 +48,9 @@ class Vector(Parallel):
     state = staticmethod(lambda env: [env.batch.member(member).state_hash() for member in range(2)])
 
 
-KINDS = pytest.mark.parametrize("kind", [Parallel, Turns, Fleet, Vector], ids=lambda kind: kind.__name__)
+KINDS = pytest.mark.parametrize(
+    "kind", [Parallel, Turns, Fleet, Vector], ids=lambda kind: kind.__name__
+)
 
 
 def actions(step):
@@ -109,7 +111,9 @@ def test_a_saved_state_comes_back(kind):
 
 
 @KINDS
-@pytest.mark.parametrize("twin_of", [lambda env: env.fork(), lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize(
+    "twin_of", [lambda env: env.fork(), lambda env: pickle.loads(pickle.dumps(env))]
+)
 def test_twins_go_their_own_way_and_meet_the_same_episodes(kind, twin_of):
     env = flown(kind)
     twin = twin_of(env)
@@ -181,7 +185,8 @@ def test_a_batch_takes_what_numpy_users_give():
     odd[:] = wanted
     assert not odd.flags.aligned
     forms = [
-        wanted, wanted.astype(np.float64), wanted.tolist(), np.asfortranarray(wanted), wanted[::-1].copy()[::-1],
+        wanted, wanted.astype(np.float64), wanted.tolist(), np.asfortranarray(wanted),
+        wanted[::-1].copy()[::-1],
         wanted.astype(">f4"), odd, np.repeat(wanted, 2, axis=1)[:, ::2],
     ]  # fmt: skip
     hashes = []
@@ -200,7 +205,10 @@ def test_agents_infos_are_their_own():
     while env.agents:
         infos = env.step(dict.fromkeys(env.agents, np.zeros(2)))[-1]
     infos["uav_0"]["metrics"]["steps"] = infos["uav_0"]["reward_components"]["detect"] = -1
-    assert infos["uav_1"]["metrics"]["steps"] == 12 and infos["uav_1"]["reward_components"]["detect"] >= 0
+    assert (
+        infos["uav_1"]["metrics"]["steps"] == 12
+        and infos["uav_1"]["reward_components"]["detect"] >= 0
+    )
 
 
 def test_after_the_end_nothing_happens_without_actions():
@@ -210,7 +218,9 @@ def test_after_the_end_nothing_happens_without_actions():
         env.step(dict.fromkeys(env.possible_agents, np.zeros(2)))
 
 
-@pytest.mark.parametrize("make", [jcas.Config, jcas.Model, jcas.parallel_env, jcas.env, jcas.FleetEnv, jcas.make_vec])
+@pytest.mark.parametrize(
+    "make", [jcas.Config, jcas.Model, jcas.parallel_env, jcas.env, jcas.FleetEnv, jcas.make_vec]
+)
 def test_help_lists_the_fields(make):
     keywords = inspect.signature(make).parameters
     assert {field["name"] for field in jcas.Config.fields()} <= set(keywords)
@@ -240,7 +250,8 @@ def test_type_checkers_know_fields_and_simulations(tmp_path):
     )
     config = Path(__file__).parents[1] / "pyproject.toml"
     said = subprocess.run(
-        [sys.executable, "-m", "mypy", "--config-file", config, "--cache-dir", tmp_path / "cache", program],
+        [sys.executable, "-m", "mypy", "--config-file", config, "--cache-dir", tmp_path / "cache",
+        program],
         capture_output=True, text=True,
     ).stdout  # fmt: skip
     lines = said.splitlines()
@@ -269,7 +280,9 @@ def test_supersuits_wrappers_fly():
             wrapped.reset(seed=3)
             steps = 0
             while wrapped.agents:
-                wrapped.step({agent: wrapped.action_space(agent).sample() for agent in wrapped.agents})
+                wrapped.step(
+                    {agent: wrapped.action_space(agent).sample() for agent in wrapped.agents}
+                )
                 steps += 1
             assert 4 <= steps <= 13
     env = supersuit.frame_skip_v0(jcas.FleetEnv(**FIELDS), 3)
@@ -310,7 +323,9 @@ def test_rllibs_environment_flies_the_episodes_of_the_others():
     env, other = JcasMultiAgentEnv(FIELDS), jcas.parallel_env(**FIELDS)
     for seed in (5, None, np.int64(8), None):
         rows, expected = env.reset(seed=seed)[0], other.reset(seed=seed)[0]
-        assert all(np.array_equal(rows[agent]["observation"], expected[agent]) for agent in other.agents)
+        assert all(
+            np.array_equal(rows[agent]["observation"], expected[agent]) for agent in other.agents
+        )
     with pytest.raises(jcas.ResetNeededError):
         JcasMultiAgentEnv(FIELDS).step({})
     with pytest.raises(jcas.ActionError, match="uav_1"):
@@ -320,7 +335,9 @@ def test_rllibs_environment_flies_the_episodes_of_the_others():
         infos = env.step(dict.fromkeys(env.possible_agents, np.zeros(2)))[-1]
     infos["uav_0"]["metrics"]["steps"] = -1
     assert infos["uav_1"]["metrics"]["steps"] == 12
-    assert twin.sim.t == 0 and np.array_equal(twin.reset()[0]["uav_0"]["state"], env.reset()[0]["uav_0"]["state"])
+    assert twin.sim.t == 0 and np.array_equal(
+        twin.reset()[0]["uav_0"]["state"], env.reset()[0]["uav_0"]["state"]
+    )
     assert env.load(twin.save())["uav_0"]["state"].shape == (env.model.global_len,)
 
 
@@ -332,9 +349,14 @@ def test_an_agent_specific_critic_tells_uavs_apart():
 
     env = JcasMultiAgentEnv(FIELDS)
     rows = env.reset(seed=2)[0]
-    env.step({agent: np.array([0.8 * uav - 0.8, 1.0]) for uav, agent in enumerate(env.possible_agents)})
+    env.step(
+        {agent: np.array([0.8 * uav - 0.8, 1.0]) for uav, agent in enumerate(env.possible_agents)}
+    )
     rows = env._observations()
-    seen = {name: torch.tensor(np.stack([row[name] for row in rows.values()])) for name in ("observation", "state")}
+    seen = {
+        name: torch.tensor(np.stack([row[name] for row in rows.values()]))
+        for name in ("observation", "state")
+    }
     values = {}
     for critic in ("state", "agent"):
         module = CentralCriticModule(
@@ -392,14 +414,19 @@ def test_credit_in_stable_baselines():
     rewards = envs.step(np.concatenate([actions(1), actions(2)]))[1]
     for member, sim in enumerate(sims):
         sim.step(actions(1 + member))
-        np.testing.assert_allclose(rewards[3 * member : 3 * member + 3], sim.uav_rewards(), rtol=1e-6)
+        np.testing.assert_allclose(
+            rewards[3 * member : 3 * member + 3], sim.uav_rewards(), rtol=1e-6
+        )
 
 
 def test_credit_in_rllib():
     pytest.importorskip("ray.rllib")
     from jcas.rllib import JcasMultiAgentEnv
 
-    env, other = JcasMultiAgentEnv({**FIELDS, "credit": "uav"}), jcas.parallel_env(credit="uav", **FIELDS)
+    env, other = (
+        JcasMultiAgentEnv({**FIELDS, "credit": "uav"}),
+        jcas.parallel_env(credit="uav", **FIELDS),
+    )
     env.reset(seed=5)
     other.reset(seed=5)
     each = dict(zip(other.possible_agents, actions(1), strict=True))

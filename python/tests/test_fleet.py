@@ -27,7 +27,9 @@ def test_gymnasium_makes_the_vector_environment():
     assert envs.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
     observations, _ = envs.reset(seed=1)
     assert observations in envs.observation_space
-    synchronous = gymnasium.make_vec("jcas/Fleet-v0", num_envs=2, vectorization_mode="sync", uav_count=4)
+    synchronous = gymnasium.make_vec(
+        "jcas/Fleet-v0", num_envs=2, vectorization_mode="sync", uav_count=4
+    )
     assert synchronous.reset(seed=1)[0][0].tobytes() == observations[0].tobytes()
 
 
@@ -35,7 +37,9 @@ def test_gymnasium_makes_the_vector_environment():
 @pytest.mark.parametrize("kind", ["box", "dict", "tuple"])
 def test_members_fly_as_single_fleets_do(kind, threads):
     fields = {"uav_count": 4, "horizon_steps": 15, "action_space": kind}
-    envs = jcas.make_vec(num_envs=5, threads=threads, global_state=True, autoreset_mode="SameStep", **fields)
+    envs = jcas.make_vec(
+        num_envs=5, threads=threads, global_state=True, autoreset_mode="SameStep", **fields
+    )
     singles = [jcas.FleetEnv(**fields) for _ in range(5)]
     envs.action_space.seed(3)
     observations, infos = envs.reset(seed=40)
@@ -57,7 +61,10 @@ def test_members_fly_as_single_fleets_do(kind, threads):
             if over or cut:
                 assert np.array_equal(infos["final_obs"][member], observation)
                 assert np.array_equal(infos["final_global_state"][member], single.state())
-                assert infos["final_info"]["metrics"]["return_sum"][member] == info["metrics"]["return_sum"]
+                assert (
+                    infos["final_info"]["metrics"]["return_sum"][member]
+                    == info["metrics"]["return_sum"]
+                )
             else:
                 assert np.array_equal(observations[member], observation)
                 assert np.array_equal(infos["global_state"][member], single.state())
@@ -75,7 +82,9 @@ def part_of(kind, actions, member):
 
 
 def test_arrays_are_the_callers_own_unless_views_are_asked_for():
-    envs = jcas.make_vec(num_envs=2, uav_count=3, global_state=True, horizon_steps=3, autoreset_mode="SameStep")
+    envs = jcas.make_vec(
+        num_envs=2, uav_count=3, global_state=True, horizon_steps=3, autoreset_mode="SameStep"
+    )
     actions = np.zeros(envs.action_space.shape, np.float32)
     seen = [arrays_of(*envs.reset(seed=1))]
     kept = [[array.copy() for array in seen[0]]]
@@ -92,7 +101,11 @@ def test_arrays_are_the_callers_own_unless_views_are_asked_for():
 def arrays_of(observations, infos):
     nested = [part for part in infos.values() if isinstance(part, dict)]
     own = [part for part in infos.values() if isinstance(part, np.ndarray)]
-    return [observations, *own, *(array for part in nested for array in part.values() if isinstance(array, np.ndarray))]
+    return [
+        observations,
+        *own,
+        *(array for part in nested for array in part.values() if isinstance(array, np.ndarray)),
+    ]
 
 
 def test_views_are_the_kernels_own_and_last_one_step_more():
@@ -115,14 +128,24 @@ def test_with_one_set_of_buffers_each_step_writes_over_the_last():
     for _ in range(3):
         second, rewards, *_ = envs.step(actions)
         theirs, paid, *_ = twin.step(actions)
-        assert np.shares_memory(first, second) and np.array_equal(second, theirs) and np.array_equal(rewards, paid)
+        assert (
+            np.shares_memory(first, second)
+            and np.array_equal(second, theirs)
+            and np.array_equal(rewards, paid)
+        )
     with pytest.raises(jcas.ArgumentError, match="buffer_sets = 3: "):
         jcas.make_vec(**shape, copy=False, buffer_sets=3)
 
 
 @pytest.mark.parametrize("copy", [True, False])
 def test_next_step_autoreset_is_gymnasiums(copy):
-    fields = {"uav_count": 3, "hotspot_count": 1, "radar_cross_section_dbsm": 8.0, "quorum": 1, "horizon_steps": 12}
+    fields = {
+        "uav_count": 3,
+        "hotspot_count": 1,
+        "radar_cross_section_dbsm": 8.0,
+        "quorum": 1,
+        "horizon_steps": 12,
+    }
     envs = jcas.make_vec(num_envs=4, global_state=True, copy=copy, **fields)
     rng = np.random.default_rng(1)
     envs.reset(seed=5)
@@ -146,13 +169,18 @@ def test_next_step_autoreset_is_gymnasiums(copy):
         waiting = terminated | truncated
         ended_apart += waiting.any() and not waiting.all()
         assert ("final_info" in infos) == bool(waiting.any()) and "final_obs" not in infos
-        next_seeds = {member: derive_seed(twins[member].seed, 0) for member in np.flatnonzero(waiting)}
+        next_seeds = {
+            member: derive_seed(twins[member].seed, 0) for member in np.flatnonzero(waiting)
+        }
     assert ended_apart > 3
 
 
 def test_next_step_and_same_step_fly_the_same_episodes():
     fields = {"uav_count": 3, "horizon_steps": 4}
-    waits, goes_on = (jcas.make_vec(num_envs=2, autoreset_mode=mode, **fields) for mode in ("NextStep", "SameStep"))
+    waits, goes_on = (
+        jcas.make_vec(num_envs=2, autoreset_mode=mode, **fields)
+        for mode in ("NextStep", "SameStep")
+    )
     starts = [waits.reset(seed=9)[0]], [goes_on.reset(seed=9)[0]]
     actions = np.zeros(waits.action_space.shape, np.float32)
     for step in range(1, 16):
@@ -176,11 +204,15 @@ def test_gymnasiums_vector_wrappers_count_right():
     for _ in range(11):
         infos = normalised.step(actions)[-1]
     assert infos["episode"]["l"].tolist() == [5, 5, 5] and counted.episode_count == 6
-    np.testing.assert_allclose(infos["episode"]["r"], infos["final_info"]["metrics"]["return_sum"], rtol=1e-6)
+    np.testing.assert_allclose(
+        infos["episode"]["r"], infos["final_info"]["metrics"]["return_sum"], rtol=1e-6
+    )
 
 
 def test_without_autoreset_an_ended_member_waits_for_its_reset():
-    envs = jcas.make_vec(num_envs=3, uav_count=3, horizon_steps=2, autoreset_mode=AutoresetMode.DISABLED)
+    envs = jcas.make_vec(
+        num_envs=3, uav_count=3, horizon_steps=2, autoreset_mode=AutoresetMode.DISABLED
+    )
     envs.reset(seed=1)
     actions = np.zeros(envs.action_space.shape, np.float32)
     envs.step(actions)
@@ -189,9 +221,13 @@ def test_without_autoreset_an_ended_member_waits_for_its_reset():
     assert infos["final_info"]["metrics"]["steps"].tolist() == [2, 2, 2]
     with pytest.raises(jcas.EpisodeOverError):
         envs.step(actions)
-    observations, _ = envs.reset(seed=[4, 5, 6], options={"reset_mask": np.array([True, False, True])})
+    observations, _ = envs.reset(
+        seed=[4, 5, 6], options={"reset_mask": np.array([True, False, True])}
+    )
     assert np.array_equal(observations[1], ended[1])
-    assert np.array_equal(observations[2], jcas.FleetEnv(uav_count=3, horizon_steps=2).reset(seed=6)[0])
+    assert np.array_equal(
+        observations[2], jcas.FleetEnv(uav_count=3, horizon_steps=2).reset(seed=6)[0]
+    )
 
 
 def test_episodes_of_a_member_differ_and_repeat_with_the_seed():

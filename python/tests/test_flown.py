@@ -1,4 +1,4 @@
-"""Policies flown by the library: every baseline and the shipped network, over any fleet, with equal bits."""
+"""Tests of library policies: every baseline and the shipped network give equal bits everywhere."""
 
 from pathlib import Path
 
@@ -20,7 +20,9 @@ def fly(policy: jcas.Policy, model: jcas.Model, seed: int) -> int:
 @pytest.mark.parametrize(("uavs", "hotspots"), [(5, 3), (15, 7)])
 def test_the_shipped_policy_flies_any_fleet_and_repeats(uavs: int, hotspots: int) -> None:
     model = jcas.Model(uav_count=uavs, hotspot_count=hotspots)
-    first, second = (jcas.Policy.load(path, model) for path in (FLEET, FLEET / "policy.safetensors"))
+    first, second = (
+        jcas.Policy.load(path, model) for path in (FLEET, FLEET / "policy.safetensors")
+    )
     assert first.name == second.name == "fleet"
     assert fly(first, model, 3) == fly(second, model, 3)
 
@@ -50,7 +52,19 @@ def test_each_mode_flies_its_own_way() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["random", "greedy", "swarm", "teams", "sweep", "line", "frontier", "relay", "charging", "clean"]
+    "name",
+    [
+        "random",
+        "greedy",
+        "swarm",
+        "teams",
+        "sweep",
+        "line",
+        "frontier",
+        "relay",
+        "charging",
+        "clean",
+    ],
 )
 def test_every_baseline_flies(name: str) -> None:
     model = jcas.Model(uav_count=6, hotspot_count=2, sensing_range_m=150.0)

@@ -1,4 +1,4 @@
-"""A batch with threads in a forked process: an error, never a hang. The threads are the parent's alone."""
+"""Tests of batches in a forked process: a batch with threads raises an error and never hangs."""
 
 import os
 import signal

@@ -21,7 +21,9 @@ def test_the_declarations_are_fresh():
 def test_the_generator_sees_every_function_of_the_header():
     header = (PYTHON.parent / "include" / "jcas.h").read_text()
     declared = re.findall(
-        r"^(?:JCAS_API |JCAS_NODISCARD )*(?:jcas_status |const char \*|uint\d+_t )(jcas_\w+)\(", header, re.MULTILINE
+        r"^(?:JCAS_API |JCAS_NODISCARD )*(?:jcas_status |const char \*|uint\d+_t )(jcas_\w+)\(",
+        header,
+        re.MULTILINE,
     )
     written = (PYTHON / "src" / "jcas" / "_abi.py").read_text().count(".argtypes")
     assert written == len(declared) > 50
@@ -30,7 +32,10 @@ def test_the_generator_sees_every_function_of_the_header():
 def test_the_library_knows_every_struct_size():
     config = _abi.jcas_config()
     assert lib.jcas_config_default(ctypes.byref(config), ctypes.sizeof(config)) == _abi.JCAS_OK
-    assert lib.jcas_config_default(ctypes.byref(config), ctypes.sizeof(config) - 8) == _abi.JCAS_ERROR_STRUCT_SIZE
+    assert (
+        lib.jcas_config_default(ctypes.byref(config), ctypes.sizeof(config) - 8)
+        == _abi.JCAS_ERROR_STRUCT_SIZE
+    )
     assert (config.uav_count, config.grid_height, config.shaping_charge_weight) == (10, 12, 0.1)
 
 
@@ -38,7 +43,9 @@ def test_versions_agree():
     from importlib.metadata import PackageNotFoundError, version
 
     library = lib.jcas_version().decode()
-    assert library == f"{_abi.JCAS_VERSION_MAJOR}.{_abi.JCAS_VERSION_MINOR}.{_abi.JCAS_VERSION_PATCH}"
+    assert (
+        library == f"{_abi.JCAS_VERSION_MAJOR}.{_abi.JCAS_VERSION_MINOR}.{_abi.JCAS_VERSION_PATCH}"
+    )
     try:
         assert version("jcas") == library
     except PackageNotFoundError:
@@ -52,13 +59,16 @@ def test_models_sims_and_batches_are_freed_in_any_order():
         "class Knot: pass\n"
         "for _ in range(200):\n"
         "    model = jcas.Model(uav_count=3); sim = jcas.Sim(model); batch = jcas.Batch(model, 2)\n"
-        "    knot = Knot(); knot.self = knot; knot.all = (model, sim, batch, sim.fork(), batch.member(1))\n"
+        "    knot = Knot(); knot.self = knot; knot.all = (model, sim, batch, sim.fork(), "
+        "batch.member(1))\n"
         "    del model, sim, batch, knot\n"
         "gc.collect()\n"
         "left = jcas.Sim(jcas.Model())\n"
         "print('alive', left.step(np.zeros((10, 2), np.float32)).reward)\n"
     )
-    output = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    output = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    ).stdout
     assert output.startswith("alive")
 
 

@@ -26,7 +26,11 @@ def sampled_episode(env, seed, steps=200):
             {agent: env.action_space(agent).sample() for agent in env.agents}
         )
         record.append(np.stack(list(observations.values())))
-        record.append(np.array([*rewards.values(), *terminated.values(), *truncated.values()], dtype=np.float64))
+        record.append(
+            np.array(
+                [*rewards.values(), *terminated.values(), *truncated.values()], dtype=np.float64
+            )
+        )
     return record
 
 
@@ -35,7 +39,9 @@ def test_pettingzoo_accepts_the_parallel_form(kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         parallel_api_test(jcas.parallel_env(action_space=kind, uav_count=4), num_cycles=500)
-        parallel_seed_test(lambda: jcas.parallel_env(action_space=kind, uav_count=4), num_cycles=500)
+        parallel_seed_test(
+            lambda: jcas.parallel_env(action_space=kind, uav_count=4), num_cycles=500
+        )
 
 
 def test_pettingzoo_accepts_the_turn_based_form():
@@ -45,7 +51,9 @@ def test_pettingzoo_accepts_the_turn_based_form():
 def test_max_cycles():
     # Targets too faint to find: no episode ends before its horizon.
     class Module:
-        parallel_env = staticmethod(lambda **options: jcas.parallel_env(radar_cross_section_dbsm=-90, **options))
+        parallel_env = staticmethod(
+            lambda **options: jcas.parallel_env(radar_cross_section_dbsm=-90, **options)
+        )
         env = staticmethod(lambda **options: jcas.env(radar_cross_section_dbsm=-90, **options))
 
     max_cycles_test(Module)
@@ -74,16 +82,24 @@ def test_episodes_without_a_seed_differ_and_follow_the_last_seed():
         starts.append([env.reset()[0]["uav_0"] for _ in range(3)])
     assert all(np.array_equal(a, b) for a, b in zip(*starts, strict=True))
     assert not np.array_equal(starts[0][0], starts[0][1])
-    assert not np.array_equal(jcas.parallel_env().reset()[0]["uav_0"], jcas.parallel_env().reset()[0]["uav_0"])
+    assert not np.array_equal(
+        jcas.parallel_env().reset()[0]["uav_0"], jcas.parallel_env().reset()[0]["uav_0"]
+    )
 
 
 def test_observations_and_state_lie_in_their_spaces_to_the_end():
-    env = jcas.parallel_env(uav_count=6, quorum=1, radar_cross_section_dbsm=30, battery_capacity_kwh=0.05)
+    env = jcas.parallel_env(
+        uav_count=6, quorum=1, radar_cross_section_dbsm=30, battery_capacity_kwh=0.05
+    )
     observations, _ = env.reset(seed=2)
     while env.agents:
-        assert all(env.observation_space(agent).contains(row) for agent, row in observations.items())
+        assert all(
+            env.observation_space(agent).contains(row) for agent, row in observations.items()
+        )
         assert env.state_space.contains(env.state())
-        observations, *_ = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
+        observations, *_ = env.step(
+            {agent: env.action_space(agent).sample() for agent in env.agents}
+        )
 
 
 def test_infos_hold_reward_components_and_at_the_end_metrics():
@@ -107,10 +123,17 @@ def test_infos_hold_reward_components_and_at_the_end_metrics():
 
 def test_success_terminates_and_does_not_truncate():
     env = jcas.parallel_env(
-        uav_count=3, hotspot_count=1, quorum=1, grid_width=3, grid_height=3, radar_cross_section_dbsm=60
+        uav_count=3,
+        hotspot_count=1,
+        quorum=1,
+        grid_width=3,
+        grid_height=3,
+        radar_cross_section_dbsm=60,
     )
     env.reset(seed=1)
-    _, _, terminated, truncated, _ = env.step({agent: np.array([0.8, 1.0], np.float32) for agent in env.agents})
+    _, _, terminated, truncated, _ = env.step(
+        {agent: np.array([0.8, 1.0], np.float32) for agent in env.agents}
+    )
     assert all(terminated.values()) and not any(truncated.values()) and env.agents == []
 
 

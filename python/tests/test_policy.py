@@ -20,7 +20,9 @@ def made(model, head="gaussian", hidden=16, seed=0, **options):
     outputs = {"gaussian": 4, "hybrid": 7}[head]
     widths = [model.observation_len, hidden, outputs]
     layers = [
-        Layer(rng.normal(0, 0.5, (i, o)).astype(np.float32), rng.normal(0, 0.5, o).astype(np.float32))
+        Layer(
+            rng.normal(0, 0.5, (i, o)).astype(np.float32), rng.normal(0, 0.5, o).astype(np.float32)
+        )
         for i, o in pairwise(widths)
     ]
     return jcas.MlpPolicy(layers, head, **options)
@@ -31,7 +33,10 @@ def test_a_written_policy_flies_as_its_layers_say(tmp_path, head):
     """The most likely motion and the mean pilot density, worked out here by hand."""
     pytest.importorskip("safetensors")
     model = jcas.Model(uav_count=4)
-    inputs = (np.full(model.observation_len, 0.5, np.float32), np.full(model.observation_len, 2, np.float32))
+    inputs = (
+        np.full(model.observation_len, 0.5, np.float32),
+        np.full(model.observation_len, 2, np.float32),
+    )
     policy = made(model, head, inputs=inputs)
     policy.save(tmp_path / "p", "test", model.config, {"seed": 3})
     assert json.loads((tmp_path / "p" / "policy.json").read_text())["seed"] == 3
@@ -47,7 +52,9 @@ def test_a_written_policy_flies_as_its_layers_say(tmp_path, head):
         else:
             concentration = 1 + np.logaddexp(0, outputs[:, 5:])
             motion = -0.8 + 0.4 * outputs[:, :5].argmax(axis=1)
-            expected = np.stack([motion, 2 * concentration[:, 0] / concentration.sum(axis=1) - 1], axis=1)
+            expected = np.stack(
+                [motion, 2 * concentration[:, 0] / concentration.sum(axis=1) - 1], axis=1
+            )
         actions = flown.act(sim)
         np.testing.assert_allclose(actions, expected, atol=1e-4)
         sim.step(actions)
@@ -81,7 +88,9 @@ def test_bootstrap_intervals_are_near_those_of_the_central_limit():
 
 
 def test_a_report_counts_what_single_missions_give():
-    model = jcas.Model(uav_count=4, hotspot_count=1, quorum=1, radar_cross_section_dbsm=10, horizon_steps=30)
+    model = jcas.Model(
+        uav_count=4, hotspot_count=1, quorum=1, radar_cross_section_dbsm=10, horizon_steps=30
+    )
     policy = jcas.Policy.baseline("random", model, pilot="mid")
     report = evaluate(policy, model, episodes=40, seed=7, policy="random", threads=2)
     steps, successes, returns = [], 0, []
@@ -103,7 +112,9 @@ def test_a_report_counts_what_single_missions_give():
 
 def test_a_function_of_observations_is_evaluated_as_a_policy():
     model = jcas.Model(uav_count=4, hotspot_count=1, quorum=1, horizon_steps=20)
-    report = evaluate(lambda rows: np.full((*rows.shape[:-1], 2), 0.8, np.float32), model, episodes=3)
+    report = evaluate(
+        lambda rows: np.full((*rows.shape[:-1], 2), 0.8, np.float32), model, episodes=3
+    )
     assert report["pilot_density_mean"].value == pytest.approx(0.271)
 
 
@@ -131,8 +142,19 @@ SHIPPED = Path(__file__).parents[2] / "policies" / "fleet"
 def test_the_example_flies_the_shipped_policy(tmp_path):
     pytest.importorskip("PIL")
     example = Path(__file__).parents[2] / "examples" / "fly_policy.py"
-    options = ["--uavs", "15", "--hotspots", "7", "--episodes", "4", "--picture", tmp_path / "end.png"]
-    told = subprocess.run([sys.executable, example, SHIPPED, *options], check=True, capture_output=True, text=True)
+    options = [
+        "--uavs",
+        "15",
+        "--hotspots",
+        "7",
+        "--episodes",
+        "4",
+        "--picture",
+        tmp_path / "end.png",
+    ]
+    told = subprocess.run(
+        [sys.executable, example, SHIPPED, *options], check=True, capture_output=True, text=True
+    )
     assert "15 UAVs, 7 hotspots" in told.stdout and (tmp_path / "end.png").stat().st_size > 10_000
 
 
@@ -142,8 +164,19 @@ def test_the_shipped_policy_flies_here_as_from_the_command():
         pytest.skip("JCAS_COMMAND names no jcas command")
     model = jcas.Model(jcas.trained_on(SHIPPED), uav_count=15, hotspot_count=7)
     ours = evaluate(jcas.Policy.load(SHIPPED, model), model, episodes=40, seed=1).to_dict()
-    evaluation = [command, "evaluate", SHIPPED, "--uavs=15", "--hotspots=7", "--episodes=40", "--seed=1", "--json"]
-    theirs = json.loads(subprocess.run(evaluation, check=True, capture_output=True, text=True).stdout)
+    evaluation = [
+        command,
+        "evaluate",
+        SHIPPED,
+        "--uavs=15",
+        "--hotspots=7",
+        "--episodes=40",
+        "--seed=1",
+        "--json",
+    ]
+    theirs = json.loads(
+        subprocess.run(evaluation, check=True, capture_output=True, text=True).stdout
+    )
     for name in ("success_rate", "mission_steps_mean", "energy_kwh_mean", "return_mean"):
         assert ours[name] == pytest.approx(theirs[name], rel=1e-12), name
 

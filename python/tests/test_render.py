@@ -53,8 +53,12 @@ def test_equal_scenes_give_equal_pictures():
     ids=lambda change: next(iter(change)),
 )
 def test_each_quantity_shows(change):
-    before = dataclasses.replace(scene(), cells=np.tile([[3, 3], [8, 8]], (5, 1)), links=np.eye(10, k=1) > 0)
-    assert not np.array_equal(render.draw(before), render.draw(dataclasses.replace(before, **change)))
+    before = dataclasses.replace(
+        scene(), cells=np.tile([[3, 3], [8, 8]], (5, 1)), links=np.eye(10, k=1) > 0
+    )
+    assert not np.array_equal(
+        render.draw(before), render.draw(dataclasses.replace(before, **change))
+    )
 
 
 def test_informed_hotspots_are_green_and_undetected_ones_are_red():
@@ -93,7 +97,11 @@ def test_every_uav_of_a_crowded_cell_is_seen(fleet):
         sensing_range=np.zeros(fleet),
     )
     picture, plan = render.draw(crowd), render._Plan(crowd)
-    apart = [np.hypot(*np.subtract(a, b)) for i, a in enumerate(plan.positions) for b in plan.positions[:i]]
+    apart = [
+        np.hypot(*np.subtract(a, b))
+        for i, a in enumerate(plan.positions)
+        for b in plan.positions[:i]
+    ]
     assert min(apart, default=99) > 2.6 * max(plan.radii) and min(plan.radii) >= 3
     for (x, y), radius, pilot in zip(plan.positions, plan.radii, pilots, strict=True):
         seen = picture[round(y - 0.7 * radius), round(x)].astype(int)
@@ -105,7 +113,9 @@ def test_more_than_a_cell_has_room_for_are_counted():
     crowd = dataclasses.replace(scene(uav_count=40), cells=np.tile([[5, 6]], (40, 1)))
     assert len(set(render._Plan(crowd).positions)) == 1
     thinner = dataclasses.replace(crowd, cells=np.concatenate([crowd.cells[:39], [[0, 0]]]))
-    assert not np.array_equal(render.draw(crowd)[300:400, 300:400], render.draw(thinner)[300:400, 300:400])
+    assert not np.array_equal(
+        render.draw(crowd)[300:400, 300:400], render.draw(thinner)[300:400, 300:400]
+    )
 
 
 def test_searched_cells_and_sensing_range_are_where_they_belong():
@@ -113,7 +123,12 @@ def test_searched_cells_and_sensing_range_are_where_they_belong():
     searched[0, 11] = True  # x = 11, y = 0: bottom right.
     cells = np.tile([[2, 2]], (10, 1))
     empty = dataclasses.replace(
-        scene(), cells=cells, searched=searched, hotspots=np.full((5, 2), 9), links=np.zeros((10, 10), bool), trail=()
+        scene(),
+        cells=cells,
+        searched=searched,
+        hotspots=np.full((5, 2), 9),
+        links=np.zeros((10, 10), bool),
+        trail=(),
     )
     picture = render.draw(dataclasses.replace(empty, sensing_range=np.r_[np.zeros(9), 1.9]))
     side, middle = 56, lambda cell: 24 + round((cell + 0.5) * 56)
@@ -122,20 +137,25 @@ def test_searched_cells_and_sensing_range_are_where_they_belong():
     # 1.9 cells: the next cell but one still lies half inside, the third does not.
     tinted = picture[middle(9), middle(3)]
     assert tinted[0] > tinted[2] + 10
-    assert tuple(picture[middle(9), middle(4)]) == sprites.WHITE and side == render.cell_side_px(12, 12)
+    assert tuple(picture[middle(9), middle(4)]) == sprites.WHITE and side == render.cell_side_px(
+        12, 12
+    )
 
 
 def test_the_legend_names_everything_that_is_drawn(monkeypatch):
     written = []
     kept = sprites.write
     monkeypatch.setattr(
-        sprites, "write", lambda image, place, text, *rest: (written.append(text), kept(image, place, text, *rest))
+        sprites,
+        "write",
+        lambda image, place, text, *rest: (written.append(text), kept(image, place, text, *rest)),
     )
     render._background.cache_clear()
     render.draw(scene())
     told = " ".join(written)
     for word in (
-        "communicates", "senses", "undetected", "confirmed", "informed", "share that knows", "battery", "returning",
+        "communicates", "senses", "undetected", "confirmed", "informed", "share that knows",
+        "battery", "returning",
         "grounded", "depot", "link", "moves", "detects", "visited cells",
     ):  # fmt: skip
         assert word in told, word
@@ -144,7 +164,12 @@ def test_the_legend_names_everything_that_is_drawn(monkeypatch):
 def test_the_sensing_range_is_where_a_tenth_is_detected():
     model = jcas.Model("paper", detection_threshold_db=-23.8)
     far = model.sensing_range(0.30)
-    inside, outside = (model.radio(cells, 0, 0.30).detection_probability for cells in (int(far), int(far) + 1))
+    inside, outside = (
+        model.radio(cells, 0, 0.30).detection_probability for cells in (int(far), int(far) + 1)
+    )
     assert inside >= 0.1 > outside and model.sensing_range(0.01) < far
-    assert jcas.Model().sensing_range(0.30) < 2 and jcas.Model(radar_cross_section_dbsm=-90).sensing_range(0.3) == 0
+    assert (
+        jcas.Model().sensing_range(0.30) < 2
+        and jcas.Model(radar_cross_section_dbsm=-90).sensing_range(0.3) == 0
+    )
     assert jcas.Model(detection_threshold_db=-300).sensing_range(0.3) == 12

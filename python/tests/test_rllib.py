@@ -17,7 +17,8 @@ pytestmark = pytest.mark.heavy
 
 # Small enough to learn within a minute: one of two UAVs has to go to the hotspot and stay there.
 MISSION = {
-    "grid_width": 5, "grid_height": 5, "uav_count": 2, "hotspot_count": 1, "quorum": 1, "horizon_steps": 20,
+    "grid_width": 5, "grid_height": 5, "uav_count": 2, "hotspot_count": 1, "quorum": 1,
+    "horizon_steps": 20,
     "radar_cross_section_dbsm": 8, "reward_throughput": 0,
 }  # fmt: skip
 NODE_SECONDS = 90
@@ -32,7 +33,7 @@ def free_port():
 
 
 def start_node(log, *options):
-    """A Ray node in the foreground of a process of its own; it ends when that process is terminated."""
+    """Start a Ray node as a foreground process, which ends when it is terminated."""
     ray = Path(sys.executable).with_name("ray")
     command = [
         str(ray), "start", "--block", "--num-cpus", "1", "--object-store-memory", "100000000",
@@ -47,7 +48,9 @@ def wait_for(condition, seconds, what, log=None):
         if condition():
             return
         time.sleep(0.5)
-    raise AssertionError(f"{what} took more than {seconds} s" + (f":\n{log.read_text()[-2000:]}" if log else ""))
+    raise AssertionError(
+        f"{what} took more than {seconds} s" + (f":\n{log.read_text()[-2000:]}" if log else "")
+    )
 
 
 def listening(port):
@@ -86,7 +89,12 @@ def cluster(tmp_path_factory):
         log = node("joined", "--address", address, "--node-ip-address", "127.0.0.2")
         ray.init(address=address, logging_level="error")
         nodes.callback(ray.shutdown)
-        wait_for(lambda: sum(node["Alive"] for node in ray.nodes()) == 2, NODE_SECONDS, "the second node", log)
+        wait_for(
+            lambda: sum(node["Alive"] for node in ray.nodes()) == 2,
+            NODE_SECONDS,
+            "the second node",
+            log,
+        )
         yield address
 
 
@@ -104,7 +112,9 @@ def where(algorithm):
 def test_an_iteration_without_samples_is_a_row():
     from jcas.rllib.training import iteration_row
 
-    row = iteration_row({"training_iteration": 3, "fault_tolerance": {"num_healthy_workers": 0}}, 1.0)
+    row = iteration_row(
+        {"training_iteration": 3, "fault_tolerance": {"num_healthy_workers": 0}}, 1.0
+    )
     assert row["iteration"] == 3 and row["env_runners"] == 0
     assert math.isnan(row["team_return"]) and math.isnan(row["entropy"])
 
@@ -114,8 +124,12 @@ def test_two_nodes_train_and_survive_a_killed_runner(cluster):
     from jcas.rllib import Hyperparameters, ppo_config
     from jcas.rllib.training import iteration_row
 
-    settings = Hyperparameters(batch_steps=1500, minibatch_samples=500, epochs=10, learning_rate=2e-3, hidden=(64, 64))
-    algorithm = ppo_config(jcas.Config(MISSION), settings, env_runners=2, envs_per_runner=4, seed=1).build_algo()
+    settings = Hyperparameters(
+        batch_steps=1500, minibatch_samples=500, epochs=10, learning_rate=2e-3, hidden=(64, 64)
+    )
+    algorithm = ppo_config(
+        jcas.Config(MISSION), settings, env_runners=2, envs_per_runner=4, seed=1
+    ).build_algo()
     try:
         places = where(algorithm)
         # A node has room for one runner, so that there is one on each.
@@ -132,7 +146,9 @@ def test_two_nodes_train_and_survive_a_killed_runner(cluster):
             returns.append(row["team_return"])
         assert lost and healthy == 2
         after = where(algorithm)
-        assert len({node for node, _ in after}) == 2 and killed not in [process for _, process in after]
+        assert len({node for node, _ in after}) == 2 and killed not in [
+            process for _, process in after
+        ]
 
         # On a busy machine an iteration may end without samples.
         while len(measured := [value for value in returns if not math.isnan(value)]) < 14:
@@ -147,17 +163,27 @@ def test_the_commands_train_on_the_cluster_and_evaluate(cluster, tmp_path):
     run = [sys.executable, "-m", "jcas.rllib"]
     out = tmp_path / "policy"
     train = subprocess.run(
-        [*run, "train", *mission, "--address", cluster, "--out", out, "--steps", "1500", "--batch", "500",
+        [*run, "train", *mission, "--address", cluster, "--out", out, "--steps", "1500", "--batch",
+        "500",
          "--hidden", "32,32", "--runners", "1", "--epochs", "2"], capture_output=True, text=True,
     )  # fmt: skip
     assert train.returncode == 0, train.stderr[-3000:]
-    assert sorted(os.listdir(out)) == ["checkpoint", "policy.json", "policy.safetensors", "progress.csv"]
+    assert sorted(os.listdir(out)) == [
+        "checkpoint",
+        "policy.json",
+        "policy.safetensors",
+        "progress.csv",
+    ]
     assert len((out / "progress.csv").read_text().splitlines()) >= 4
-    report = subprocess.run([*run, "evaluate", out, "--episodes", "20", "--json"], capture_output=True, text=True)
+    report = subprocess.run(
+        [*run, "evaluate", out, "--episodes", "20", "--json"], capture_output=True, text=True
+    )
     assert report.returncode == 0, report.stderr[-3000:]
     values = json.loads(report.stdout)
     assert report.stderr == ""
-    changed = subprocess.run([*run, "evaluate", out, "--episodes=2", "--set=quorum=2"], capture_output=True, text=True)
+    changed = subprocess.run(
+        [*run, "evaluate", out, "--episodes=2", "--set=quorum=2"], capture_output=True, text=True
+    )
     assert "quorum = 2 (not 1)" in changed.stderr
     assert (values["episodes"], values["uavs"]) == (20, 2) and 0 <= values["success_rate"] <= 1
     refused = subprocess.run([*run, "evaluate", out, "--uavs", "7"], capture_output=True, text=True)
@@ -168,17 +194,24 @@ def test_a_run_is_stopped_killed_and_gone_on_with(tmp_path, request):
     """Alone on this machine, as a newcomer trains."""
     pytest.importorskip("ray")
     out = tmp_path / "run"
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("RAY_AUTH")}
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith("RAY_AUTH")
+    }
     environment["RAY_raylet_start_wait_time_s"] = str(RUN_SECONDS)
     mission = [f"--set={name}={value}" for name, value in MISSION.items()]
     train = [
-        sys.executable, "-m", "jcas.rllib", "train", *mission, "--out", out, "--batch", "300", "--hidden", "16",
+        sys.executable, "-m", "jcas.rllib", "train", *mission, "--out", out, "--batch", "300",
+        "--hidden", "16",
         "--runners", "1", "--epochs", "1", "--checkpoint-every", "1",
     ]  # fmt: skip
 
     def start(*options):
         process = subprocess.Popen(
-            [*train, *options], env=environment, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [*train, *options],
+            env=environment,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
         )
         request.addfinalizer(process.kill)
         return process
@@ -212,4 +245,7 @@ def test_a_run_is_stopped_killed_and_gone_on_with(tmp_path, request):
     iterations = [int(row.split(",")[0]) for row in rows()]
     assert iterations == list(range(1, len(iterations) + 1)) and len(iterations) > kept["iteration"]
     card = json.loads((out / "policy.json").read_text())
-    assert card["last_iteration"]["env_steps"] >= steps and card["last_iteration"]["seconds"] > kept["seconds"]
+    assert (
+        card["last_iteration"]["env_steps"] >= steps
+        and card["last_iteration"]["seconds"] > kept["seconds"]
+    )

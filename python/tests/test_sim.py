@@ -39,7 +39,9 @@ def test_quantities_agree_with_each_other_and_with_the_configuration():
     metrics = sim.metrics()
     capacity = 0.20
     stored = sim.soc() * capacity
-    assert metrics["energy_kwh"] == pytest.approx(7 * capacity - stored.sum() + metrics["accepted_kwh"], abs=1e-12)
+    assert metrics["energy_kwh"] == pytest.approx(
+        7 * capacity - stored.sum() + metrics["accepted_kwh"], abs=1e-12
+    )
 
 
 def test_links_follow_the_link_budget():
@@ -47,7 +49,10 @@ def test_links_follow_the_link_budget():
     assert model.radio(2, 0, 0.30).link_throughput >= 1.0 > model.radio(3, 0, 0.30).link_throughput
     assert model.radio(1, 0, 0.01).comm_snr_db == pytest.approx(32.30, abs=0.01)
     assert model.radio(0, 0, 0.30).detection_probability == pytest.approx(0.16, abs=0.03)
-    assert model.radio(0, 0, 0.30).detection_probability > model.radio(0, 0, 0.01).detection_probability
+    assert (
+        model.radio(0, 0, 0.30).detection_probability
+        > model.radio(0, 0, 0.01).detection_probability
+    )
     with pytest.raises(jcas.JcasError):
         model.radio(12, 0, 0.30)
 
@@ -81,7 +86,11 @@ def test_environments_save_load_and_fork():
         saved = env.save()
         fork = env.fork()
         action = np.zeros((4, 2), np.float32)
-        step = dict(zip(env.possible_agents, action, strict=True)) if hasattr(env, "possible_agents") else action
+        step = (
+            dict(zip(env.possible_agents, action, strict=True))
+            if hasattr(env, "possible_agents")
+            else action
+        )
         env.step(step)
         fork.step(step)
         assert env.save() == fork.save() != saved
@@ -114,18 +123,24 @@ def test_observations_can_be_written_into_a_buffer_of_the_caller():
 
 def test_a_model_outlives_its_name():
     sim = jcas.Sim(jcas.Model(uav_count=3))
-    assert sim.step(np.zeros((3, 2), np.float32)).reward == pytest.approx(sim.metrics()["return_sum"])
+    assert sim.step(np.zeros((3, 2), np.float32)).reward == pytest.approx(
+        sim.metrics()["return_sum"]
+    )
 
 
 UNSEEN = {"detection_threshold_db": 300.0}
 """Hotspots that nobody finds, so that no mission ends early."""
 
 
-@pytest.mark.parametrize("fields", [{}, {"preset": "search", **UNSEEN}, {"uav_tag": "index", "uav_count": 4}])
+@pytest.mark.parametrize(
+    "fields", [{}, {"preset": "search", **UNSEEN}, {"uav_tag": "index", "uav_count": 4}]
+)
 def test_observation_fields_name_every_entry_once(fields):
     sim = flown(**fields)
     places = sim.model.observation_fields()
-    assert sorted(np.concatenate(list(places.values())).tolist()) == list(range(sim.model.observation_len))
+    assert sorted(np.concatenate(list(places.values())).tolist()) == list(
+        range(sim.model.observation_len)
+    )
     observations = sim.observe()
     np.testing.assert_allclose(observations[:, places["soc"]][:, 0], sim.soc(), atol=1e-6)
     assert places["hotspot_dx"].size == sim.model.hotspot_count
@@ -143,5 +158,7 @@ def test_search_maps_grow_and_show_in_pictures():
     after = env.sim.search_maps()
     assert after.sum() > before.sum() and (after | before == after).all()
     scene = env.sim.scene()
-    assert np.array_equal(scene.searched, after.any(axis=0)) and scene.searched_by == "searched cells"
+    assert (
+        np.array_equal(scene.searched, after.any(axis=0)) and scene.searched_by == "searched cells"
+    )
     assert jcas.Sim(jcas.Model()).search_maps().shape == (0, 12, 12)

@@ -75,7 +75,7 @@ def test_a_trace_that_does_not_come_out_says_where(tmp_path):
 
 
 def record_hosted() -> bytes:
-    """Record, through the C interface, an episode in which the host owns something of everything."""
+    """Record, through the C interface, an episode with every kind of host control."""
     model = jcas.Model(jcas.Config(uav_count=3, hotspot_count=2, horizon_steps=20))
     sim = jcas.Sim(model)
     pieces: list[bytes] = []
@@ -130,10 +130,14 @@ def test_what_a_host_supplied_flies_the_same_again(tmp_path):
     trace = jcas.Trace.load(file)
     assert [len(calls) for calls in trace.host] == [3, 6, 6, 6, 6, 1]
     sim = jcas.replay_trace(trace)
-    assert f"0x{sim.state_hash():016x}" != trace.steps[-1]["state_hash"]  # the last call changed a battery
+    assert (
+        f"0x{sim.state_hash():016x}" != trace.steps[-1]["state_hash"]
+    )  # the last call changed a battery
     moved = file.read_bytes().split(b"\n")
     line = next(at for at, text in enumerate(moved) if b"set_positions" in text)
-    moved[line] = b'{"kind":"set_positions","cells":[[1,1],[9,9],[3,3]]}'  # the first is grounded, and stays
+    moved[line] = (
+        b'{"kind":"set_positions","cells":[[1,1],[9,9],[3,3]]}'  # the first is grounded, and stays
+    )
     file.write_bytes(sealed(b"\n".join(moved)))
     with pytest.raises(jcas.TraceError, match=r"line \d+: positions differs"):
         jcas.replay_trace(file)

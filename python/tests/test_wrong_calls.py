@@ -23,15 +23,19 @@ def things():
     sim = jcas.Sim(model, seed=1)
     batch, buffers = jcas.Batch(model, 3), jcas.BatchBuffers(model, 3)
     batch.reset([1, 2, 3], buffers)
-    parallel, fleet, turns = (make(uav_count=4) for make in (jcas.parallel_env, jcas.FleetEnv, jcas.env))
+    parallel, fleet, turns = (
+        make(uav_count=4) for make in (jcas.parallel_env, jcas.FleetEnv, jcas.env)
+    )
     hybrid = jcas.parallel_env(uav_count=4, action_space="dict")
     envs = jcas.make_vec(num_envs=3, uav_count=4)
     for env in (parallel, fleet, turns, hybrid, envs):
         env.reset(seed=1)
     return {
-        "model": model, "sim": sim, "batch": batch, "buffers": buffers, "parallel": parallel, "fleet": fleet,
+        "model": model, "sim": sim, "batch": batch, "buffers": buffers, "parallel": parallel,
+        "fleet": fleet,
         "turns": turns, "hybrid": hybrid, "envs": envs, "ok": np.zeros((3, 4, 2), F32),
-        "each": {agent: np.zeros(2, F32) for agent in parallel.possible_agents}, "jcas": jcas, "np": np,
+        "each": {agent: np.zeros(2, F32) for agent in parallel.possible_agents}, "jcas": jcas,
+        "np": np,
         "F32": F32, "HUGE": HUGE, "other": jcas.Model(uav_count=5), "evaluate": evaluate,
     }  # fmt: skip
 
@@ -149,9 +153,12 @@ CALLS = [
     ("parallel.step({**each, 'uav_2': np.zeros(3)})", "uav_2"),
     ("parallel.step({**each, 'uav_2': 'up'})", "uav_2"),
     ("parallel.action_space('uav_4')", "agent"),
-    ("hybrid.step({agent: {'motion': 7, 'pilot': [0]} for agent in hybrid.agents})", "motion of uav_0"),
-    ("hybrid.step({agent: {'motion': 1.5, 'pilot': [0]} for agent in hybrid.agents})", "motion of uav_0"),
-    ("hybrid.step({agent: {'motion': 1, 'pilot': [0, 0]} for agent in hybrid.agents})", "pilot of uav_0"),
+    ("hybrid.step({agent: {'motion': 7, 'pilot': [0]} for agent in hybrid.agents})",
+     "motion of uav_0"),
+    ("hybrid.step({agent: {'motion': 1.5, 'pilot': [0]} for agent in hybrid.agents})",
+     "motion of uav_0"),
+    ("hybrid.step({agent: {'motion': 1, 'pilot': [0, 0]} for agent in hybrid.agents})",
+     "pilot of uav_0"),
     ("hybrid.step({agent: {'motion': 1} for agent in hybrid.agents})", "pilot"),
     ("fleet.reset(seed='one')", "seed"),
     ("fleet.step(np.zeros((4, 3)))", "actions"),
@@ -178,7 +185,17 @@ CALLS = [
     ("jcas.replay_trace('absent.jsonl')", "absent.jsonl"),
 ]  # fmt: skip
 
-FOREIGN_WORDS = ("u32", "f64", "usize", "i128", "--", "jcas config", "variant", "sequence", "TOML parse")
+FOREIGN_WORDS = (
+    "u32",
+    "f64",
+    "usize",
+    "i128",
+    "--",
+    "jcas config",
+    "variant",
+    "sequence",
+    "TOML parse",
+)
 """What a message must not hold: words of other languages and commands."""
 
 

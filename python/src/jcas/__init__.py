@@ -1,4 +1,4 @@
-"""Fleets of UAVs that sense and communicate with one waveform, as environments for reinforcement learning.
+"""Reinforcement-learning environments of UAV fleets that sense and communicate with one waveform.
 
 - :func:`parallel_env`: PettingZoo, one agent for each UAV;
 - :class:`FleetEnv` (`gymnasium.make("jcas/Fleet-v0")`): one joint action for the fleet;
@@ -79,5 +79,7 @@ __version__: str = _lib.jcas_version().decode()
 """The kernel's version, which is the package's."""
 
 _gymnasium.register(
-    id="jcas/Fleet-v0", entry_point="jcas.fleet:FleetEnv", vector_entry_point="jcas.vector:FleetVectorEnv"
+    id="jcas/Fleet-v0",
+    entry_point="jcas.fleet:FleetEnv",
+    vector_entry_point="jcas.vector:FleetVectorEnv",
 )

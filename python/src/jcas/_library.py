@@ -64,7 +64,8 @@ def _bundled() -> Path:
         if file.suffix in _SUFFIXES:
             return file
     raise JcasError(
-        f"{folder} holds no library: install the package (pip install ./python), or name a library in JCAS_LIBRARY"
+        f"{folder} holds no library: install the package (pip install ./python), "
+        "or name a library in JCAS_LIBRARY"
     )
 
 

@@ -1,8 +1,9 @@
 """Checks of arguments, before any of them reaches the kernel.
 
-The kernel takes addresses and lengths on trust of their kind, and ctypes cuts numbers to their width without a
-word; so every number and every array passes through here first. NumPy users' habits hold: whole numbers of any
-integer type, arrays and lists of any real dtype and memory order are converted.
+The kernel takes addresses and lengths on trust of their kind, and ctypes cuts numbers to their
+width without a word; so every number and every array passes through here first. NumPy users' habits
+hold: whole numbers of any integer type, arrays and lists of any real dtype and memory order are
+converted.
 """
 
 from __future__ import annotations
@@ -46,10 +47,16 @@ def seeds_of(name: str, values: Any, count: int) -> npt.NDArray[np.uint64]:
     try:
         given = list(values)
     except TypeError:
-        raise ArgumentError(f"{name} = {shown(values)}: must be {count} seeds, one for each mission") from None
+        raise ArgumentError(
+            f"{name} = {shown(values)}: must be {count} seeds, one for each mission"
+        ) from None
     if len(given) != count:
-        raise ArgumentError(f"{name} has {len(given)} entries: must have one for each of {count} missions")
-    return np.array([seed_of(f"{name}[{place}]", value) for place, value in enumerate(given)], dtype=np.uint64)
+        raise ArgumentError(
+            f"{name} has {len(given)} entries: must have one for each of {count} missions"
+        )
+    return np.array(
+        [seed_of(f"{name}[{place}]", value) for place, value in enumerate(given)], dtype=np.uint64
+    )
 
 
 def real(name: str, value: Any) -> float:
@@ -64,9 +71,13 @@ def real(name: str, value: Any) -> float:
 
 
 def floats(
-    name: str, values: Any, shape: tuple[int, ...], error: type[JcasError] = ActionError, what: str = ""
+    name: str,
+    values: Any,
+    shape: tuple[int, ...],
+    error: type[JcasError] = ActionError,
+    what: str = "",
 ) -> Floats:
-    """Return numbers of a shape as aligned, contiguous float32; such an array is handed on without a copy."""
+    """Return numbers of a shape as aligned, contiguous float32, without a needless copy."""
     if (
         type(values) is np.ndarray
         and values.dtype == np.float32
@@ -88,7 +99,8 @@ def writable(name: str, out: Any, shape: tuple[int, ...]) -> Floats:
         raise ArgumentError(f"{name} = {shown(out)}: must be an array, float32 of shape {shape}")
     if out.dtype != np.float32 or out.shape != shape or not out.flags.carray:
         raise ArgumentError(
-            f"{name} is {out.dtype} of shape {out.shape}: must be writable, aligned, contiguous float32 of {shape}"
+            f"{name} is {out.dtype} of shape {out.shape}: must be writable, aligned, "
+            f"contiguous float32 of {shape}"
         )
     return out
 
@@ -97,7 +109,9 @@ def flags(name: str, values: Any, count: int) -> npt.NDArray[np.bool_]:
     """Return so many truth values as an array."""
     array = np.asarray(values) if _is_regular(values) else np.empty(0, object)
     if array.dtype != np.bool_ or array.shape != (count,):
-        raise ArgumentError(f"{name} is {array.dtype} of shape {array.shape}: must be bool of shape ({count},)")
+        raise ArgumentError(
+            f"{name} is {array.dtype} of shape {array.shape}: must be bool of shape ({count},)"
+        )
     return array
 
 
@@ -126,7 +140,9 @@ def snapshot_of(name: str, value: Any) -> bytes:
     try:
         return bytes(memoryview(value))
     except TypeError:
-        raise ArgumentError(f"{name} = {shown(value)}: must be bytes, as save() returns them") from None
+        raise ArgumentError(
+            f"{name} = {shown(value)}: must be bytes, as save() returns them"
+        ) from None
 
 
 def shown(value: Any) -> str:

@@ -26,7 +26,7 @@ THREADS_MAX = 256
 
 
 class BatchBuffers:
-    """What a step of M missions writes. The kernel writes these arrays itself, so none may be put in another's place.
+    """Output arrays of a step of M missions. The kernel writes them: they cannot be replaced.
 
     Attributes:
         observations: [M, N, observation length].
@@ -42,7 +42,9 @@ class BatchBuffers:
 
     """
 
-    def __init__(self, model: Model, num_envs: int, global_state: bool = False, uav_rewards: bool = False) -> None:
+    def __init__(
+        self, model: Model, num_envs: int, global_state: bool = False, uav_rewards: bool = False
+    ) -> None:
         check_model(model)
         missions = whole("num_envs", num_envs, 1, ENVS_MAX)
         rows = (missions, model.uav_count, model.observation_len)
@@ -96,7 +98,12 @@ class BatchBuffers:
     def observed(self) -> tuple[int | None, int, int | None, int]:
         """Addresses and lengths of what a reset writes."""
         record = self._record
-        return record.observations, record.observation_count, getattr(record, "global"), record.global_count
+        return (
+            record.observations,
+            record.observation_count,
+            getattr(record, "global"),
+            record.global_count,
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         return {"shape": self.shape, "_arrays": self._arrays}
@@ -130,7 +137,15 @@ _FIELDS = {
 }
 """Arrays, and where their address and length stand in the record."""
 
-_RENEWED = ("observations", "rewards", "uav_rewards", "terminated", "truncated", "reward_components", "global_state")
+_RENEWED = (
+    "observations",
+    "rewards",
+    "uav_rewards",
+    "terminated",
+    "truncated",
+    "reward_components",
+    "global_state",
+)
 
 
 class Batch:
@@ -152,19 +167,28 @@ class Batch:
         self.handle = handle
         weakref.finalize(self, _free, handle, model)
         self._action_shape = (self.num_envs, model.uav_count, 2)
-        self._buffers_shape = (self.num_envs, model.uav_count, model.observation_len, model.global_len)
+        self._buffers_shape = (
+            self.num_envs,
+            model.uav_count,
+            model.observation_len,
+            model.global_len,
+        )
         self.begun = False
         """Whether the environments have been reset, or a saved state taken up."""
 
     def __repr__(self) -> str:
         model = self.model
         return (
-            f"<jcas.Batch of {self.num_envs} missions: {model.uav_count} UAVs, {model.hotspot_count} hotspots, "
+            f"<jcas.Batch of {self.num_envs} missions: {model.uav_count} UAVs, "
+            f"{model.hotspot_count} hotspots, "
             f"threads={self.threads}>"
         )
 
     def __reduce__(self) -> tuple[Any, tuple[Model, int, int, bytes | None]]:
-        return (_restore, (self.model, self.num_envs, self.threads, self.save() if self.begun else None))
+        return (
+            _restore,
+            (self.model, self.num_envs, self.threads, self.save() if self.begun else None),
+        )
 
     def reset(self, seeds: npt.ArrayLike, buffers: BatchBuffers) -> None:
         """Begin the episodes of M seeds, and observe."""
@@ -172,7 +196,9 @@ class Batch:
         self._check_buffers(buffers)
         with buffers.in_use:
             observed = buffers.observed()
-            self._check(lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *observed))
+            self._check(
+                lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *observed)
+            )
         self.begun = True
 
     def step(self, actions: npt.ArrayLike, buffers: BatchBuffers, auto_reset: bool = True) -> None:
@@ -183,7 +209,9 @@ class Batch:
             raise ResetNeededError("step before the first reset: call reset first")
         with buffers.in_use:
             out = ctypes.byref(buffers.record)
-            status = lib.jcas_batch_step(self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), out)
+            status = lib.jcas_batch_step(
+                self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), out
+            )
         if status:
             self._check(status)
 
@@ -194,7 +222,7 @@ class Batch:
             self._check(lib.jcas_batch_observe(self.handle, *buffers.observed()))
 
     def member(self, index: int, sim: Sim | None = None) -> Sim:
-        """Copy an environment into a simulation, `sim` or a new one, to read every quantity or to save it."""
+        """Copy an environment into `sim` or a new simulation, to read or to save it."""
         copy = Sim(self.model) if sim is None else self._check_sim(sim)
         place = whole("index", index, 0, self.num_envs - 1)
         self._check(lib.jcas_batch_get(self.handle, place, copy.handle))
@@ -214,7 +242,8 @@ class Batch:
         saved, size = snapshot_of("snapshot", snapshot), self.model.snapshot_size
         if len(saved) != size * self.num_envs:
             raise SnapshotError(
-                f"snapshot has {len(saved)} bytes: must have {size} for each of {self.num_envs} missions"
+                f"snapshot has {len(saved)} bytes: "
+                f"must have {size} for each of {self.num_envs} missions"
             )
         sims = [Sim(self.model) for _ in range(self.num_envs)]
         for index, sim in enumerate(sims):

@@ -1,6 +1,7 @@
-"""Configurations: a preset, a dict, a TOML or JSON file, keywords, or any of them on top of another.
+"""Configurations: a preset, a mapping, or a TOML or JSON file, with keywords that replace fields.
 
-The kernel's own reader checks every configuration, so that its errors are those of the command line.
+The kernel's own reader checks every configuration, so that its errors are those of the command
+line.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from .errors import ConfigError
 from .signature import shows_fields
 
 ConfigLike = Union["Config", Mapping[str, Any], str, "os.PathLike[str]", None]
-"""What a configuration can be made of: a preset's name, a path of a TOML or JSON file, a mapping, or nothing."""
+"""A source of a configuration: a preset's name, a TOML or JSON file's path, a mapping, or None."""
 
 
 class Config(Mapping[str, Any]):
@@ -35,8 +36,8 @@ class Config(Mapping[str, Any]):
     None.
 
     Args:
-        base: what to begin with; a preset's name (`mission`, the default, or `paper`), the path of a
-            `.toml` or `.json` file, or a mapping.
+        base: what to begin with; a preset's name (`mission`, the default, or `paper`), the path of
+            a `.toml` or `.json` file, or a mapping.
         **fields: fields that replace those of `base`; None takes a field back to its derived value.
 
     Raises:
@@ -61,10 +62,14 @@ class Config(Mapping[str, Any]):
                 )
             )
         except ConfigError as error:
-            raise ConfigError(str(error).replace("`jcas config show`", "jcas.Config.fields()"), error.status) from None
+            raise ConfigError(
+                str(error).replace("`jcas config show`", "jcas.Config.fields()"), error.status
+            ) from None
         self._record = record
         self._json = read_text(
-            lambda out, capacity, length: lib.jcas_config_to_json(ctypes.byref(record), out, capacity, length)
+            lambda out, capacity, length: lib.jcas_config_to_json(
+                ctypes.byref(record), out, capacity, length
+            )
         )
         self._values: dict[str, Any] = json.loads(self._json)
 
@@ -123,7 +128,8 @@ def _given(base: ConfigLike) -> dict[str, Any]:
         return _plain(base)
     if not isinstance(base, str | os.PathLike):
         raise ConfigError(
-            f"config = {shown(base)}: must be a preset's name, the path of a TOML or JSON file, a mapping, "
+            f"config = {shown(base)}: must be a preset's name, "
+            "the path of a TOML or JSON file, a mapping, "
             "a jcas.Config or None",
             _abi.JCAS_ERROR_CONFIG,
         )
@@ -157,7 +163,9 @@ def _read_toml(path: Path) -> dict[str, Any]:
     return dict(
         json.loads(
             read_text(
-                lambda out, capacity, length: lib.jcas_config_to_json(ctypes.byref(record), out, capacity, length)
+                lambda out, capacity, length: lib.jcas_config_to_json(
+                    ctypes.byref(record), out, capacity, length
+                )
             )
         )
     )
@@ -168,7 +176,9 @@ def _plain(fields: Mapping[str, Any]) -> dict[str, Any]:
     plain = {}
     for name, value in fields.items():
         if not isinstance(name, str):
-            raise ConfigError(f"{shown(name)}: a field's name must be a text", _abi.JCAS_ERROR_CONFIG)
+            raise ConfigError(
+                f"{shown(name)}: a field's name must be a text", _abi.JCAS_ERROR_CONFIG
+            )
         plain[name] = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     return plain
 
@@ -183,7 +193,10 @@ def _check_kind(name: str, value: Any) -> None:
     if kind is int:
         fits, allowed = _is_whole(value), f"a whole number {span}"
     elif kind is float:
-        fits, allowed = isinstance(value, int | float) and not isinstance(value, bool), f"a number {span}"
+        fits, allowed = (
+            isinstance(value, int | float) and not isinstance(value, bool),
+            f"a number {span}",
+        )
     elif kind is str:
         fits, allowed = value in choices, f"one of {', '.join(choices)}"
     elif name == "depots":
@@ -200,7 +213,10 @@ def _is_whole(value: Any) -> bool:
 
 def _is_cells(value: Any) -> bool:
     return isinstance(value, list | tuple) and all(
-        isinstance(cell, list | tuple) and len(cell) == 2 and all(_is_whole(place) for place in cell) for cell in value
+        isinstance(cell, list | tuple)
+        and len(cell) == 2
+        and all(_is_whole(place) for place in cell)
+        for cell in value
     )
 
 
@@ -214,14 +230,17 @@ def _kinds() -> dict[str, type]:
     """What a field of the C struct is in Python: numbers are numbers, choices are texts."""
     python = {ctypes.c_uint32: int, ctypes.c_double: float, ctypes.c_int32: str}
     return {
-        name: python[kind] for name, kind, *_ in _abi.jcas_config._fields_ if kind in python and name in _described()
+        name: python[kind]
+        for name, kind, *_ in _abi.jcas_config._fields_
+        if kind in python and name in _described()
     }
 
 
 def _toml(fields: Mapping[str, Any]) -> str:
-    """Write fields as TOML, which unlike JSON can say NaN, so that the kernel can refuse it by name."""
+    """Write fields as TOML. Unlike JSON, TOML has NaN, which the kernel then refuses by name."""
     return "".join(
-        f"{json.dumps(name, ensure_ascii=False)} = {_toml_value(name, value)}\n" for name, value in fields.items()
+        f"{json.dumps(name, ensure_ascii=False)} = {_toml_value(name, value)}\n"
+        for name, value in fields.items()
     )
 
 
@@ -234,4 +253,6 @@ def _toml_value(name: str, value: Any) -> str:
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, list | tuple):
         return f"[{', '.join(_toml_value(name, part) for part in value)}]"
-    raise ConfigError(f"{name} = {shown(value)}: must be a number, a text or a list", _abi.JCAS_ERROR_CONFIG)
+    raise ConfigError(
+        f"{name} = {shown(value)}: must be a number, a text or a list", _abi.JCAS_ERROR_CONFIG
+    )

@@ -1,4 +1,4 @@
-"""The errors that jcas raises. Kernel errors carry the status of the C interface and its message."""
+"""Errors that jcas raises. Kernel errors carry the C interface's status code and message."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ArgumentError(JcasError, ValueError):
 
 
 class ActionError(JcasError, ValueError):
-    """An action was refused: not a number, of the wrong shape, or missing for a UAV. The state is unchanged."""
+    """An action is NaN, has the wrong shape or is missing. The state is unchanged."""
 
 
 class EpisodeOverError(JcasError, RuntimeError):

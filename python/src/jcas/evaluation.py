@@ -1,8 +1,8 @@
 """Flies a policy over many missions and reports on them in the form of `jcas evaluate`.
 
-Mission k of a campaign has the seed that the command gives it, so both fly the same missions. Success
-intervals are Wilson's and equal the command's; those of the means are bootstrap percentiles as there, but
-from NumPy's resamples, so that their last digits differ.
+Mission k of a campaign has the seed that the command gives it, so both fly the same missions.
+Success intervals are Wilson's and equal the command's; those of the means are bootstrap percentiles
+as there, but from NumPy's resamples, so that their last digits differ.
 """
 
 from __future__ import annotations
@@ -77,7 +77,8 @@ class Report:
 
     def __str__(self) -> str:
         lines = [
-            f"{self.episodes} missions: {self.uavs} UAVs, {self.hotspots} hotspots, policy {self.policy}, "
+            f"{self.episodes} missions: {self.uavs} UAVs, {self.hotspots} hotspots, "
+            f"policy {self.policy}, "
             f"seed {self.seed}",
             "",
         ]
@@ -91,18 +92,27 @@ class Report:
             [
                 *lines,
                 "",
-                f"In brackets 95 % intervals. A mission without success counts as {self.horizon_steps} steps.",
+                "In brackets 95 % intervals. A mission without success counts as "
+                f"{self.horizon_steps} steps.",
             ]
         )
 
 
 def evaluate(
-    act: Act | Policy, model: Model, *, episodes: int = 100, seed: int = 1, policy: str = "policy", threads: int = 1
+    act: Act | Policy,
+    model: Model,
+    *,
+    episodes: int = 100,
+    seed: int = 1,
+    policy: str = "policy",
+    threads: int = 1,
 ) -> Report:
-    """Fly `episodes` missions with a policy or with the actions that a function chooses, and report."""
+    """Run `episodes` episodes with a policy or with a function from observations to actions."""
     episodes, seed = whole("episodes", episodes, 1, EPISODES_MAX), seed_of("seed", seed)
     if not (callable(act) or isinstance(act, Policy)):
-        raise ArgumentError(f"act = {shown(act)}: must be a jcas.Policy or a function from observations to actions")
+        raise ArgumentError(
+            f"act = {shown(act)}: must be a jcas.Policy or a function from observations to actions"
+        )
     flown = [
         _fly(
             act,
@@ -128,7 +138,9 @@ def evaluate(
         ],
         axis=1,
     ).astype(np.float64)
-    quantities = [Quantity("success_rate", "success rate", "", *wilson(int(success.sum()), episodes))]
+    quantities = [
+        Quantity("success_rate", "success rate", "", *wilson(int(success.sum()), episodes))
+    ]
     titles = (
         ("mission_steps_mean", "mission time", "steps"),
         ("energy_kwh_mean", "energy spent", "kWh"),
@@ -140,7 +152,11 @@ def evaluate(
     )
     values, lows, highs = bootstrap_means(rows)
     for place, (name, title, unit) in enumerate(titles):
-        quantities.append(Quantity(name, title, unit, float(values[place]), float(lows[place]), float(highs[place])))
+        quantities.append(
+            Quantity(
+                name, title, unit, float(values[place]), float(lows[place]), float(highs[place])
+            )
+        )
     return Report(
         policy=policy,
         uavs=model.uav_count,
@@ -175,7 +191,11 @@ def wilson(successes: int, trials: int) -> tuple[float, float, float]:
     spread = 1 + z * z / trials
     centre = (share + z * z / (2 * trials)) / spread
     half = z / spread * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
-    return share, 0.0 if successes == 0 else centre - half, 1.0 if successes == trials else centre + half
+    return (
+        share,
+        0.0 if successes == 0 else centre - half,
+        1.0 if successes == trials else centre + half,
+    )
 
 
 def bootstrap_means(
@@ -183,7 +203,9 @@ def bootstrap_means(
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Give the mean of each column and its bootstrap percentile interval."""
     rng = np.random.default_rng(BOOTSTRAP_SEED)
-    means = np.stack([rows[rng.integers(0, len(rows), len(rows))].mean(axis=0) for _ in range(RESAMPLES)])
+    means = np.stack(
+        [rows[rng.integers(0, len(rows), len(rows))].mean(axis=0) for _ in range(RESAMPLES)]
+    )
     return rows.mean(axis=0), *np.quantile(means, (0.025, 0.975), axis=0)
 
 

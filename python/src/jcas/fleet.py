@@ -17,20 +17,29 @@ from .mission import RENDER_FPS, RENDER_MODES, Mission
 from .model import Model
 from .signature import shows_fields
 from .sim import Sim
-from .spaces import ActionSpaceKind, Credit, check_credit, check_kind, encode_fleet_action, fleet_action_space
+from .spaces import (
+    ActionSpaceKind,
+    Credit,
+    check_credit,
+    check_kind,
+    encode_fleet_action,
+    fleet_action_space,
+)
 
 Observation = npt.NDArray[np.float32]
 
 
 class FleetEnv(gymnasium.Env[Observation, Any]):
-    """One mission: observations [N, observation length], actions [N, 2] (or hybrid), one team reward.
+    """One fleet: observations [N, observation length], actions [N, 2] (or hybrid), one team reward.
 
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-        credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward, whose mean is the team's.
+        credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward, whose mean is the
+            team's.
         render_mode: `rgb_array`, `human`, or None.
-        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
+        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
+            them.
 
     """
 
@@ -81,12 +90,18 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
         return self._mission.sim.observe(), {}
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Step the fleet. `info` holds the reward's components and, at the end, the episode's metrics."""
+        """Step the fleet. `info` holds the reward components and finally the episode's metrics."""
         outcome = self._mission.step(encode_fleet_action(self._kind, action, self._shape))
         info = self._mission.step_info(outcome)
         if self._credit == "uav":
             info["uav_rewards"] = self._mission.sim.uav_rewards()
-        return self._mission.sim.observe(), outcome.reward, outcome.terminated, outcome.truncated, info
+        return (
+            self._mission.sim.observe(),
+            outcome.reward,
+            outcome.terminated,
+            outcome.truncated,
+            info,
+        )
 
     def state(self) -> Observation:
         """Return the global state, for a centralised critic."""

@@ -1,7 +1,7 @@
 """Policies flown by the library itself: trained fleets of any size, and the scripted baselines.
 
-The same code flies in C, C++, the command and the browser, with the same bits on every platform. For other runtimes
-`jcas-lab export` writes an ONNX graph.
+The same code flies in C, C++, the command and the browser, with the same bits on every platform.
+For other runtimes `jcas-lab export` writes an ONNX graph.
 """
 
 from __future__ import annotations
@@ -43,15 +43,17 @@ class Policy:
         weakref.finalize(self, _free, handle, model)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], model: Model, *, mode: Mode | None = None) -> Policy:
+    def load(
+        cls, path: str | os.PathLike[str], model: Model, *, mode: Mode | None = None
+    ) -> Policy:
         """Read a trained policy.
 
         Args:
             path: a folder with a `policy.safetensors`, or that file.
             model: what it will fly.
-            mode: `deterministic`, the most likely motion and the mean pilot density; `sampled`, draws that follow
-                from the mission's seed; `stratified`, motions shared out among the UAVs of each cell, and the mean
-                pilot density. By default as the file says.
+            mode: `deterministic`, the most likely motion and the mean pilot density; `sampled`,
+                draws that follow from the mission's seed; `stratified`, motions shared out among
+                the UAVs of each cell, and the mean pilot density. By default as the file says.
 
         Raises:
             PolicyError: the file is no policy, or reads other observations than the model has.
@@ -72,7 +74,10 @@ class Policy:
 
     @classmethod
     def baseline(cls, name: str, model: Model, *, pilot: str | float = "adaptive") -> Policy:
-        """Build a baseline: random, greedy, swarm, teams, sweep, line, frontier, relay, charging or clean.
+        """Build a scripted baseline by its name.
+
+        The names are random, greedy, swarm, teams, sweep, line, frontier, relay, charging and
+        clean.
 
         Args:
             name: which.
@@ -80,7 +85,8 @@ class Policy:
             pilot: min, mid, max, adaptive, or a density.
 
         Raises:
-            ArgumentError: there is none of that name, or it steers by positions that the model hides.
+            ArgumentError: there is none of that name, or it steers by positions that the model
+                hides.
 
         """
         fitting = check_model(model)
@@ -99,7 +105,10 @@ class Policy:
         return self._made_by
 
     def __repr__(self) -> str:
-        return f"<jcas.Policy {self.name}: {self.model.uav_count} UAVs, {self.model.hotspot_count} hotspots>"
+        return (
+            f"<jcas.Policy {self.name}: {self.model.uav_count} UAVs, "
+            f"{self.model.hotspot_count} hotspots>"
+        )
 
     def act(self, sim: Sim) -> Actions:
         """Choose the actions of a simulation's present state, [N, 2], for :meth:`jcas.Sim.step`."""
@@ -116,13 +125,16 @@ class Policy:
             raise ArgumentError(f"batch = {shown(batch)}: must be a jcas.Batch")
         self._check_model("batch", batch.model)
         actions = np.empty((batch.num_envs, self.model.uav_count, 2), np.float32)
-        check(lib.jcas_policy_act_batch(self.handle, batch.handle, actions.ctypes.data, actions.size))
+        check(
+            lib.jcas_policy_act_batch(self.handle, batch.handle, actions.ctypes.data, actions.size)
+        )
         return actions
 
     def _check_model(self, what: str, model: Model) -> None:
         if model.config_hash != self.model.config_hash:
             raise ArgumentError(
-                f"{what} has another configuration than the policy: {model!r}, the policy was made for {self.model!r}"
+                f"{what} has another configuration than the policy: {model!r}, "
+                f"the policy was made for {self.model!r}"
             )
 
     _made_by: tuple[object, tuple[object, ...]]

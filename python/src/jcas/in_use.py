@@ -1,4 +1,4 @@
-"""Marks of objects in use, for NumPy's arrays and calls in a row; the kernel has marks of its own."""
+"""Marks objects as in use across NumPy operations and several kernel calls."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ class Mark:
 
     def __enter__(self) -> None:
         if not self._lock.acquire(blocking=False):
-            raise BusyError(f"{self._name} is in use by another thread: give each thread its own, or use a lock")
+            raise BusyError(
+                f"{self._name} is in use by another thread: give each thread its own, or use a lock"
+            )
 
     def __exit__(self, *_: object) -> None:
         self._lock.release()

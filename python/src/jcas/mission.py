@@ -30,7 +30,9 @@ class Mission:
 
     def __init__(self, config: ConfigLike, fields: dict[str, Any], render_mode: str | None) -> None:
         if render_mode is not None and render_mode not in RENDER_MODES:
-            raise ConfigError(f"render_mode = {shown(render_mode)}: must be {', '.join(RENDER_MODES)} or None")
+            raise ConfigError(
+                f"render_mode = {shown(render_mode)}: must be {', '.join(RENDER_MODES)} or None"
+            )
         self.model = Model(Config(config, **fields))
         self.sim = Sim(self.model)
         self.render_mode = render_mode
@@ -95,7 +97,7 @@ class Mission:
         return self.sim.save()
 
     def fork(self) -> Mission:
-        """Return an independent twin in the same state, with the same stream of seeds, that opens no window."""
+        """Return an independent copy with the same state and stream of seeds, without a window."""
         twin = copy.copy(self)
         twin.sim = self.sim.fork()
         twin.render_mode = None if self.render_mode == "human" else self.render_mode
@@ -135,8 +137,15 @@ class Mission:
 
     def describe(self, environment: str) -> str:
         """Write an environment for `repr`."""
-        moment = f"step {self.sim.t} of {self.model.config['horizon_steps']}" if self._begun else "not yet reset"
-        return f"<{environment}: {self.model.uav_count} UAVs, {self.model.hotspot_count} hotspots, {moment}>"
+        moment = (
+            f"step {self.sim.t} of {self.model.config['horizon_steps']}"
+            if self._begun
+            else "not yet reset"
+        )
+        return (
+            f"<{environment}: {self.model.uav_count} UAVs, "
+            f"{self.model.hotspot_count} hotspots, {moment}>"
+        )
 
     def _show(self) -> None:
         if self.render_mode != "human":

@@ -41,7 +41,9 @@ class Model:
 
     @shows_fields
     def __init__(self, config: ConfigLike = None, **fields: Unpack[Fields]) -> None:
-        self.config = config if isinstance(config, Config) and not fields else Config(config, **fields)
+        self.config = (
+            config if isinstance(config, Config) and not fields else Config(config, **fields)
+        )
         handle = ctypes.c_void_p()
         check_with_message(
             lambda message, capacity: lib.jcas_model_new(
@@ -76,12 +78,16 @@ class Model:
         config = self.config
         return (
             f"<jcas.Model: {self.uav_count} UAVs, {self.hotspot_count} hotspots, "
-            f"{config['grid_width']} x {config['grid_height']} cells, hash 0x{self.config_hash:016x}>"
+            f"{config['grid_width']} x {config['grid_height']} cells, "
+            f"hash 0x{self.config_hash:016x}>"
         )
 
     def radio(self, dx: int, dy: int, pilot_density: float) -> Radio:
         """Radar and link over an offset of cells, at a pilot density of the sender."""
-        record, radio = self.config.record, _abi.jcas_radio(struct_size=ctypes.sizeof(_abi.jcas_radio))
+        record, radio = (
+            self.config.record,
+            _abi.jcas_radio(struct_size=ctypes.sizeof(_abi.jcas_radio)),
+        )
         across = whole("dx", dx, 1 - record.grid_width, record.grid_width - 1)
         along = whole("dy", dy, 1 - record.grid_height, record.grid_height - 1)
         density = real("pilot_density", pilot_density)
@@ -90,11 +96,22 @@ class Model:
                 f"pilot_density = {density!r}: must be a number from {record.pilot_density_min} "
                 f"to {record.pilot_density_max}"
             )
-        check(lib.jcas_model_get_radio(self.handle, abs(across), abs(along), density, ctypes.byref(radio)))
-        return Radio(radio.sensing_snr_db, radio.detection_probability, radio.comm_snr_db, radio.link_throughput)
+        check(
+            lib.jcas_model_get_radio(
+                self.handle, abs(across), abs(along), density, ctypes.byref(radio)
+            )
+        )
+        return Radio(
+            radio.sensing_snr_db,
+            radio.detection_probability,
+            radio.comm_snr_db,
+            radio.link_throughput,
+        )
 
     def sensing_range(self, pilot_density: float, probability: float = 0.1) -> float:
-        """How far, in cells, a radar detects a hotspot with a probability; 0 where not even in its own cell.
+        """Return the range in cells at which a radar detects a hotspot with a given probability.
+
+        The range is 0 where the probability is not reached even in the UAV's own cell.
 
         Between the middles of cells the probability is taken to fall evenly.
         """
@@ -122,16 +139,17 @@ class Model:
         return [(cell.x, cell.y) for cell in record.depots[: record.depot_count]]
 
     def observation_fields(self) -> dict[str, npt.NDArray[np.intp]]:
-        """Give the places of every field in an observation, by the field's name; together they are all places, once.
+        """Return the indices of each observation field, by name. Each index occurs once.
 
-        `observations[..., model.observation_fields()["hotspot_dx"]]` has one entry for each hotspot. Fields that the
-        configuration leaves out have no places.
+        `observations[..., model.observation_fields()["hotspot_dx"]]` has one entry for each
+        hotspot. Fields that the configuration leaves out have no places.
         """
         fields = (_abi.jcas_observation_field * _abi.JCAS_OBSERVATION_FIELDS)()
         size = ctypes.sizeof(_abi.jcas_observation_field)
         check(lib.jcas_model_observation_fields(self.handle, fields, len(fields), size))
         return {
-            lib.jcas_observation_field_name(index).decode(): field.offset + field.stride * np.arange(field.count)
+            lib.jcas_observation_field_name(index).decode(): field.offset
+            + field.stride * np.arange(field.count)
             for index, field in enumerate(fields)
         }
 
@@ -157,7 +175,7 @@ class Model:
 
 
 def derive_seed(seed: int, index: int) -> int:
-    """Return the seed with the given index that follows from a seed, as the command line derives them."""
+    """Derive the seed with the given index from a seed, as the command line does."""
     return int(lib.jcas_derive_seed(seed_of("seed", seed), whole("index", index, 0, SEED_MAX)))
 
 

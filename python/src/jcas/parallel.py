@@ -22,7 +22,14 @@ from .mission import RENDER_FPS, RENDER_MODES, Mission
 from .model import Model
 from .signature import shows_fields
 from .sim import Sim
-from .spaces import ActionSpaceKind, Credit, check_credit, check_kind, encode_uav_actions, uav_action_space
+from .spaces import (
+    ActionSpaceKind,
+    Credit,
+    check_credit,
+    check_kind,
+    encode_uav_actions,
+    uav_action_space,
+)
 
 Observation = npt.NDArray[np.float32]
 
@@ -50,7 +57,9 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
     ) -> None:
         if max_cycles is not None:
             if "horizon_steps" in fields:
-                raise ConfigError("max_cycles and horizon_steps are two names of one field: give one of them")
+                raise ConfigError(
+                    "max_cycles and horizon_steps are two names of one field: give one of them"
+                )
             fields["horizon_steps"] = max_cycles
         self._mission = Mission(config, dict(fields), render_mode)
         self._kind = check_kind(action_space)
@@ -59,7 +68,9 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents: list[str] = []
         observation_space = self.model.observation_space()
-        self.observation_spaces = {agent: copy.deepcopy(observation_space) for agent in self.possible_agents}
+        self.observation_spaces = {
+            agent: copy.deepcopy(observation_space) for agent in self.possible_agents
+        }
         self.action_spaces = {agent: uav_action_space(self._kind) for agent in self.possible_agents}
         self.state_space = self.model.global_space()
         self.np_random = np.random.default_rng()
@@ -102,12 +113,18 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
 
     def step(
         self, actions: dict[str, Any]
-    ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
+    ) -> tuple[
+        dict[str, Observation],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
         """Step every UAV at once.
 
-        The reward is the team's, the same for each agent, or with `credit="uav"` the agent's own. `infos` hold the
-        components of the team's and, at the end of the episode, its metrics. After the end, a step without actions
-        changes nothing and returns nothing.
+        The reward is the team's, the same for each agent, or with `credit="uav"` the agent's own.
+        `infos` hold the components of the team's and, at the end of the episode, its metrics. After
+        the end, a step without actions changes nothing and returns nothing.
         """
         self._mission.need_reset("step")
         if not self.agents and isinstance(actions, Mapping) and not actions:
@@ -158,11 +175,15 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
 
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
         """Give each agent its own copy, for wrappers that write into it."""
-        return {agent: {name: values.copy() for name, values in info.items()} for agent in self.agents}
+        return {
+            agent: {name: values.copy() for name, values in info.items()} for agent in self.agents
+        }
 
     def _known(self, agent: str) -> str:
         if agent not in self.action_spaces:
-            raise ArgumentError(f"agent = {shown(agent)}: must be uav_0 to uav_{len(self.possible_agents) - 1}")
+            raise ArgumentError(
+                f"agent = {shown(agent)}: must be uav_0 to uav_{len(self.possible_agents) - 1}"
+            )
         return agent
 
 
@@ -195,10 +216,13 @@ class JcasEnv(OrderEnforcingWrapper[str, Observation, Any]):
         super().reset(seed=seed, options=options)
 
     def save(self) -> bytes:
-        """Save the state of the episode. The first agent must be the next to act: a half-made round is not in it."""
+        """Save the state of the episode. The first agent must be the next to act."""
         saved = self.fleet.save()
         if self.agents and self.agent_selection != self.possible_agents[0]:
-            raise SnapshotError(f"save in the middle of a round: {self.agent_selection} is the next to act, not uav_0")
+            raise SnapshotError(
+                f"save in the middle of a round: {self.agent_selection} is the next to act, "
+                "not uav_0"
+            )
         return saved
 
     def load(self, snapshot: bytes) -> None:
@@ -231,15 +255,21 @@ def parallel_env(
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-        credit: whose reward an agent receives: the `team`'s, as in the paper, or with `uav` its own, whose mean over
-            the fleet is the team's.
+        credit: whose reward an agent receives: the `team`'s, as in the paper, or with `uav` its
+            own, whose mean over the fleet is the team's.
         render_mode: `rgb_array`, `human`, or None.
         max_cycles: another name of `horizon_steps`, PettingZoo's own.
-        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
+        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
+            them.
 
     """
     return JcasParallelEnv(
-        config, action_space=action_space, credit=credit, render_mode=render_mode, max_cycles=max_cycles, **fields
+        config,
+        action_space=action_space,
+        credit=credit,
+        render_mode=render_mode,
+        max_cycles=max_cycles,
+        **fields,
     )
 
 
@@ -253,9 +283,14 @@ def env(
     max_cycles: int | None = None,
     **fields: Unpack[Fields],
 ) -> JcasEnv:
-    """Make the same environment in PettingZoo's turn-based form; options as :func:`parallel_env`."""
+    """Make the turn-based PettingZoo environment, with the options of :func:`parallel_env`."""
     return JcasEnv(
         parallel_env(
-            config, action_space=action_space, credit=credit, render_mode=render_mode, max_cycles=max_cycles, **fields
+            config,
+            action_space=action_space,
+            credit=credit,
+            render_mode=render_mode,
+            max_cycles=max_cycles,
+            **fields,
         )
     )

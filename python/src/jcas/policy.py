@@ -1,7 +1,8 @@
 """Trained policies on disk: the card of a folder, and a writer for other trainers.
 
-A policy lies in a folder: weights (`policy.safetensors`) and a card (`policy.json`) that says what it is and what it
-was trained on. `jcas-lab train` and `jcas.rllib` write both; :class:`jcas.Policy` flies them.
+A policy lies in a folder: weights (`policy.safetensors`) and a card (`policy.json`) that says what
+it is and what it was trained on. `jcas-lab train` and `jcas.rllib` write both; :class:`jcas.Policy`
+flies them.
 """
 
 from __future__ import annotations
@@ -43,14 +44,18 @@ class MlpPolicy:
 
     Args:
         layers: from the observation to the head's outputs.
-        head: `gaussian` (two means, two log standard deviations) or `hybrid` (five motion logits, two
-            parameters of a Beta distribution of the pilot density).
+        head: `gaussian` (two means, two log standard deviations) or `hybrid` (five motion logits,
+            two parameters of a Beta distribution of the pilot density).
         inputs: mean and scale by which observations are normalised first.
 
     """
 
     def __init__(
-        self, layers: Sequence[Layer], head: Head = "gaussian", *, inputs: tuple[Array, Array] | None = None
+        self,
+        layers: Sequence[Layer],
+        head: Head = "gaussian",
+        *,
+        inputs: tuple[Array, Array] | None = None,
     ) -> None:
         if head not in HEAD_OUTPUTS:
             raise PolicyError(f"head = {head!r}: must be one of {', '.join(HEAD_OUTPUTS)}")
@@ -59,12 +64,16 @@ class MlpPolicy:
         if not widths or not chained or any(weight[1:] != bias for weight, bias in widths):
             raise PolicyError(f"layers of shapes {widths} do not follow on each other")
         if widths[-1][1] != (HEAD_OUTPUTS[head],):
-            raise PolicyError(f"{widths[-1][1][0]} outputs: a {head} head must have {HEAD_OUTPUTS[head]}")
+            raise PolicyError(
+                f"{widths[-1][1][0]} outputs: a {head} head must have {HEAD_OUTPUTS[head]}"
+            )
         self.layers = list(layers)
         self.head = head
         self.inputs = inputs
 
-    def save(self, folder: str | os.PathLike[str], name: str, config: Config, about: Mapping[str, Any]) -> None:
+    def save(
+        self, folder: str | os.PathLike[str], name: str, config: Config, about: Mapping[str, Any]
+    ) -> None:
         """Write weights and card.
 
         Args:
@@ -86,7 +95,10 @@ class MlpPolicy:
             arrays[f"{index}.bias"] = np.ascontiguousarray(layer.bias, np.float32).reshape(1, -1)
         if self.inputs is not None:
             arrays["inputs.offset"], arrays["inputs.scale"] = self.inputs
-        sizes = [int(self.layers[0].weight.shape[0]), *(int(layer.weight.shape[1]) for layer in self.layers)]
+        sizes = [
+            int(self.layers[0].weight.shape[0]),
+            *(int(layer.weight.shape[1]) for layer in self.layers),
+        ]
         card = {
             "format": CARD_FORMAT,
             "name": name,

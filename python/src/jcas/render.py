@@ -1,7 +1,8 @@
 """Draws a mission: a map of the fleet and a panel of its state, as an RGB array.
 
-What does not change during a mission is drawn once and kept (`_background`); everything that moves is put onto a
-copy of it out of kept pieces (:mod:`jcas.sprites`), so that a frame takes milliseconds.
+What does not change during a mission is drawn once and kept (`_background`); everything that moves
+is put onto a copy of it out of kept pieces (:mod:`jcas.sprites`), so that a frame takes
+milliseconds.
 """
 
 from __future__ import annotations
@@ -105,7 +106,11 @@ class _Plan:
         count = len(uavs)
         columns = math.ceil(math.sqrt(count))
         rows = math.ceil(count / columns)
-        share = 0.56 if count == 1 else max(0.94 / columns, APART_CELLS_MIN if count <= NUMBERED_COUNT_MAX else 0)
+        share = (
+            0.56
+            if count == 1
+            else max(0.94 / columns, APART_CELLS_MIN if count <= NUMBERED_COUNT_MAX else 0)
+        )
         apart = max(self.cell * share, APART_PX_MIN)
         for place, uav in enumerate(uavs):
             row, column = divmod(place, columns)
@@ -120,19 +125,33 @@ class _Plan:
 
 
 @lru_cache(8)
-def _background(width: int, height: int, depots: tuple[tuple[int, int], ...], searched_by: str) -> Any:
+def _background(
+    width: int, height: int, depots: tuple[tuple[int, int], ...], searched_by: str
+) -> Any:
     """Everything that stays as it is: paper, frame, names of readings, legend."""
     from PIL import Image, ImageDraw
 
     from . import sprites
 
     side = cell_side_px(width, height)
-    size = (side * width + 2 * MARGIN_PX + PANEL_PX, max(side * height + 2 * MARGIN_PX, HEIGHT_MIN_PX))
+    size = (
+        side * width + 2 * MARGIN_PX + PANEL_PX,
+        max(side * height + 2 * MARGIN_PX, HEIGHT_MIN_PX),
+    )
     image = Image.new("RGB", size, sprites.PAPER)
-    frame = (MARGIN_PX - 3, MARGIN_PX - 3, MARGIN_PX + side * width + 3, MARGIN_PX + side * height + 3)
-    ImageDraw.Draw(image).rounded_rectangle(frame, radius=7, fill=sprites.WHITE, outline=sprites.LINE)
+    frame = (
+        MARGIN_PX - 3,
+        MARGIN_PX - 3,
+        MARGIN_PX + side * width + 3,
+        MARGIN_PX + side * height + 3,
+    )
+    ImageDraw.Draw(image).rounded_rectangle(
+        frame, radius=7, fill=sprites.WHITE, outline=sprites.LINE
+    )
     left = MARGIN_PX + side * width + MARGIN_PX
-    _draw_legend(image, left, left + PANEL_PX - MARGIN_PX, size[1] - MARGIN_PX - LEGEND_PX, searched_by)
+    _draw_legend(
+        image, left, left + PANEL_PX - MARGIN_PX, size[1] - MARGIN_PX - LEGEND_PX, searched_by
+    )
     return image
 
 
@@ -147,16 +166,24 @@ def _shade(image: Any, plan: _Plan) -> None:
         left, top = plan.left + x * plan.cell, plan.top + y * plan.cell
         image.paste(sprites.SEARCHED, (left, top, left + length * plan.cell, top + plan.cell))
     reach = [
-        (plan.centre(*cell), float(scene.sensing_range[uavs].max()) * plan.cell) for cell, uavs in plan.members.items()
+        (plan.centre(*cell), float(scene.sensing_range[uavs].max()) * plan.cell)
+        for cell, uavs in plan.members.items()
     ]
-    ends = [(middle[0] + far, middle[1] + far) for middle, radius in reach if radius > 0 for far in (-radius, radius)]
+    ends = [
+        (middle[0] + far, middle[1] + far)
+        for middle, radius in reach
+        if radius > 0
+        for far in (-radius, radius)
+    ]
     if ends:
         left, top, right, bottom = plan.around(ends, 2)
         mask = Image.new("L", ((right - left) // 2, (bottom - top) // 2))
         canvas = ImageDraw.Draw(mask)
         for (across, down), radius in reach:
             if radius > 0:
-                _circle(canvas, ((across - left) / 2, (down - top) / 2), radius / 2, fill=SENSING_ALPHA)
+                _circle(
+                    canvas, ((across - left) / 2, (down - top) / 2), radius / 2, fill=SENSING_ALPHA
+                )
         mask = mask.resize((right - left, bottom - top), Image.Resampling.BILINEAR)
         image.paste(sprites.SENSING, (left, top, right, bottom), mask)
 
@@ -172,7 +199,9 @@ def _runs(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int, int]]:
 
 
 def _circle(canvas: Any, centre: Point, radius: float, **style: Any) -> None:
-    canvas.ellipse((centre[0] - radius, centre[1] - radius, centre[0] + radius, centre[1] + radius), **style)
+    canvas.ellipse(
+        (centre[0] - radius, centre[1] - radius, centre[0] + radius, centre[1] + radius), **style
+    )
 
 
 def _draw_ground(image: Any, plan: _Plan) -> None:
@@ -201,12 +230,17 @@ def _draw_trail(image: Any, plan: _Plan) -> None:
     canvas = ImageDraw.Draw(image, "RGBA")
     steps = [*plan.scene.trail, plan.scene.cells]
     for age in range(1, len(steps)):
-        moves = {(*before, *after) for before, after in zip(steps[age - 1].tolist(), steps[age].tolist(), strict=True)}
+        moves = {
+            (*before, *after)
+            for before, after in zip(steps[age - 1].tolist(), steps[age].tolist(), strict=True)
+        }
         alpha = round(40 + 130 * age / len(steps))
         for x, y, to_x, to_y in moves:
             if (x, y) != (to_x, to_y):
                 ends = (*plan.centre(x, y), *plan.centre(to_x, to_y))
-                canvas.line(ends, fill=(*sprites.COMMUNICATING, alpha), width=max(2, plan.cell // 18))
+                canvas.line(
+                    ends, fill=(*sprites.COMMUNICATING, alpha), width=max(2, plan.cell // 18)
+                )
 
 
 def _draw_hotspot(image: Any, plan: _Plan, number: int, centre: Point) -> None:
@@ -215,12 +249,16 @@ def _draw_hotspot(image: Any, plan: _Plan, number: int, centre: Point) -> None:
     scene = plan.scene
     informed, confirmed = bool(scene.informed[number]), bool(scene.confirmed[number])
     color = sprites.INFORMED if informed else sprites.CONFIRMED if confirmed else sprites.UNSEEN
-    knowing = round(float(scene.share_knowing[number]) * sprites.SOC_LEVELS) if confirmed and not informed else 0
+    knowing = (
+        round(float(scene.share_knowing[number]) * sprites.SOC_LEVELS)
+        if confirmed and not informed
+        else 0
+    )
     sprites.put(image, sprites.hotspot(max(plan.cell * 0.46, 4.0), color, knowing), centre)
 
 
 def _draw_links(image: Any, plan: _Plan) -> None:
-    """Lines between UAVs of different cells that hear each other, at twice the size for smooth edges."""
+    """Draw the links between UAVs of different cells, at twice the size for smooth edges."""
     from PIL import Image, ImageDraw
 
     from . import sprites
@@ -234,7 +272,9 @@ def _draw_links(image: Any, plan: _Plan) -> None:
     mask = Image.new("L", (2 * (right - left), 2 * (bottom - top)))
     canvas = ImageDraw.Draw(mask)
     for (x, y), (to_x, to_y) in lines:
-        canvas.line([2 * (x - left), 2 * (y - top), 2 * (to_x - left), 2 * (to_y - top)], fill=150, width=3)
+        canvas.line(
+            [2 * (x - left), 2 * (y - top), 2 * (to_x - left), 2 * (to_y - top)], fill=150, width=3
+        )
     image.paste(sprites.LINK, (left, top, right, bottom), mask.reduce(2))
 
 
@@ -244,17 +284,27 @@ def _draw_fleet(image: Any, plan: _Plan) -> None:
     scene = plan.scene
     span = max(scene.pilot_density_max - scene.pilot_density_min, 1e-9)
     shares = ((scene.pilot_density - scene.pilot_density_min) / span).tolist()
-    charges, grounded, returning = scene.soc.tolist(), scene.grounded.tolist(), scene.returning.tolist()
+    charges, grounded, returning = (
+        scene.soc.tolist(),
+        scene.grounded.tolist(),
+        scene.returning.tolist(),
+    )
     for uavs in plan.members.values():
         if len(uavs) > APART_COUNT_MAX:
             color = sprites.ramp(sprites.PILOT_RAMP, sum(shares[uav] for uav in uavs) / len(uavs))
-            sprites.put_crowd(image, plan.positions[uavs[0]], max(plan.cell * 0.42, 10.0), color, len(uavs))
+            sprites.put_crowd(
+                image, plan.positions[uavs[0]], max(plan.cell * 0.42, 10.0), color, len(uavs)
+            )
             continue
         for uav in uavs:
             radius = plan.radii[uav]
-            color = sprites.GROUNDED if grounded[uav] else sprites.ramp(sprites.PILOT_RAMP, shares[uav])
+            color = (
+                sprites.GROUNDED if grounded[uav] else sprites.ramp(sprites.PILOT_RAMP, shares[uav])
+            )
             label = str(uav) if radius >= 4.0 and uav < 100 else ""
-            sprites.put_uav(image, plan.positions[uav], radius, color, charges[uav], returning[uav], label)
+            sprites.put_uav(
+                image, plan.positions[uav], radius, color, charges[uav], returning[uav], label
+            )
 
 
 def _draw_panel(image: Any, plan: _Plan) -> None:
@@ -269,7 +319,9 @@ def _draw_panel(image: Any, plan: _Plan) -> None:
         color = sprites.INFORMED if scene.outcome == "success" else sprites.UNSEEN
         sprites.write(image, (right, y + 5), scene.outcome, 15, color, "ra")
     y += 33
-    _bar(image, (left, y, right, y + 6), scene.t / max(scene.horizon_steps, 1), sprites.COMMUNICATING)
+    _bar(
+        image, (left, y, right, y + 6), scene.t / max(scene.horizon_steps, 1), sprites.COMMUNICATING
+    )
     y += 20
     total = len(scene.hotspots)
     for label, marks, color in (
@@ -319,7 +371,9 @@ def _draw_batteries(image: Any, scene: Scene, left: int, right: int, y: int, bot
         middle = round(y + (row + 0.5) * pitch)
         soc = float(scene.soc[uav])
         sprites.write(image, (left + 16, middle), str(uav), 12, sprites.INK, "rm")
-        _bar(image, (left + 24, middle - 3, right - 42, middle + 4), soc, sprites.battery_color(soc))
+        _bar(
+            image, (left + 24, middle - 3, right - 42, middle + 4), soc, sprites.battery_color(soc)
+        )
         sprites.write(image, (right, middle), f"{100 * soc:.0f} %", 12, sprites.INK, "rm")
 
 
@@ -348,7 +402,10 @@ def _draw_legend(image: Any, left: int, right: int, y: int, searched_by: str) ->
         ("depot", sprites.depot(15.0)),
         ("link between cells", ("line", sprites.LINK)),
         ("last moves", ("line", sprites.COMMUNICATING)),
-        ("detects 1 in 10", ("area", sprites.ramp((sprites.WHITE, sprites.SENSING), SENSING_ALPHA / 255))),
+        (
+            "detects 1 in 10",
+            ("area", sprites.ramp((sprites.WHITE, sprites.SENSING), SENSING_ALPHA / 255)),
+        ),
         (searched_by, ("area", sprites.SEARCHED)),
     ]
     for place, (label, symbol) in enumerate(symbols):
@@ -362,5 +419,7 @@ def _draw_legend(image: Any, left: int, right: int, y: int, searched_by: str) ->
         elif symbol[0] == "line":
             canvas.line((x - 7, middle_y, x + 7, middle_y), fill=symbol[1], width=2)
         else:
-            canvas.rectangle((x - 7, middle_y - 5, x + 7, middle_y + 5), fill=symbol[1], outline=sprites.LINE)
+            canvas.rectangle(
+                (x - 7, middle_y - 5, x + 7, middle_y + 5), fill=symbol[1], outline=sprites.LINE
+            )
         sprites.write(image, (x + 14, middle_y), label, 12, sprites.INK, "lm")

@@ -1,7 +1,7 @@
 """Stable-Baselines3 over the batch call: every UAV of every mission is one of its environments.
 
-All UAVs share one policy, as in the paper; Stable-Baselines3 sees M · N environments that happen to end
-together and to be paid alike within a mission.
+All UAVs share one policy, as in the paper; Stable-Baselines3 sees M · N environments that happen to
+end together and to be paid alike within a mission.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class FleetVecEnv(VecEnv):
         credit: whose reward a member receives: its `team`'s, or with `uav` its own.
         threads: how many missions step at once, 1 to 256; None for every core.
         render_mode: `rgb_array` or None.
-        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
+        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
+            them.
 
     """
 
@@ -56,15 +57,27 @@ class FleetVecEnv(VecEnv):
         refused = {"action_space", "autoreset_mode", "copy", "global_state"} & set(fields)
         if refused:
             name = sorted(refused)[0]
-            raise ArgumentError(f"{name}: not to be chosen, because Stable-Baselines3 takes one way only")
+            raise ArgumentError(
+                f"{name}: not to be chosen, because Stable-Baselines3 takes one way only"
+            )
         mode = AutoresetMode.SAME_STEP
         self.envs = make_vec(
-            config, missions, credit=credit, threads=threads, render_mode=render_mode, autoreset_mode=mode, **fields
+            config,
+            missions,
+            credit=credit,
+            threads=threads,
+            render_mode=render_mode,
+            autoreset_mode=mode,
+            **fields,
         )
         self.uavs = self.envs.model.uav_count
         self.render_mode = render_mode
         self._actions: npt.NDArray[np.float32] | None = None
-        super().__init__(self.envs.num_envs * self.uavs, self.envs.model.observation_space(), uav_action_space("box"))
+        super().__init__(
+            self.envs.num_envs * self.uavs,
+            self.envs.model.observation_space(),
+            uav_action_space("box"),
+        )
 
     def reset(self) -> npt.NDArray[np.float32]:
         """Begin an episode in every mission."""
@@ -78,12 +91,14 @@ class FleetVecEnv(VecEnv):
         self._actions = rows.reshape(self.envs.num_envs, self.uavs, 2)
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
-        """Step every mission; ended ones begin anew, their last observations are kept in the infos."""
+        """Step every fleet. Ended episodes restart; the infos keep their last observations."""
         observations, rewards, terminated, truncated, infos = self.envs.step(self._actions)
         members: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = terminated | truncated
         for mission in np.flatnonzero(ended).tolist():
-            metrics = {name: values[mission] for name, values in infos["final_info"]["metrics"].items()}
+            metrics = {
+                name: values[mission] for name, values in infos["final_info"]["metrics"].items()
+            }
             episode = {"r": float(metrics["return_sum"]), "l": int(metrics["steps"]), "t": 0.0}
             for uav in range(self.uavs):
                 members[mission * self.uavs + uav] = {
@@ -93,7 +108,11 @@ class FleetVecEnv(VecEnv):
                     "episode": dict(episode),
                     "is_success": bool(terminated[mission]),
                 }
-        paid = infos["uav_rewards"].reshape(-1) if "uav_rewards" in infos else np.repeat(rewards, self.uavs)
+        paid = (
+            infos["uav_rewards"].reshape(-1)
+            if "uav_rewards" in infos
+            else np.repeat(rewards, self.uavs)
+        )
         return self._rows(observations), paid, np.repeat(ended, self.uavs), members
 
     def close(self) -> None:
@@ -124,9 +143,14 @@ class FleetVecEnv(VecEnv):
         """Refuse: members of a batch have no attributes of their own."""
         raise AttributeError(f"{attr_name}: the members of a batch cannot be changed one by one")
 
-    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
+    ) -> list[Any]:
         """Call a method of the missions, once for each member asked for."""
-        return [getattr(self.envs, method_name)(*method_args, **method_kwargs) for _ in self._chosen(indices)]
+        return [
+            getattr(self.envs, method_name)(*method_args, **method_kwargs)
+            for _ in self._chosen(indices)
+        ]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """Members are never wrapped."""

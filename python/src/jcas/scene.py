@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 @dataclass(frozen=True)
 class Scene:
-    """One moment of one mission. Arrays of length N belong to the UAVs, of length n to the hotspots."""
+    """One moment of an episode. Arrays have an entry for each UAV (N) or each hotspot (n)."""
 
     grid_width: int
     grid_height: int

@@ -14,7 +14,11 @@ F = TypeVar("F", bound=Callable[..., Any])
 def shows_fields(function: F) -> F:
     """Write the fields into a function's signature, in place of its `**fields`."""
     signature = inspect.signature(function)
-    own = [part for part in signature.parameters.values() if part.kind is not inspect.Parameter.VAR_KEYWORD]
+    own = [
+        part
+        for part in signature.parameters.values()
+        if part.kind is not inspect.Parameter.VAR_KEYWORD
+    ]
     taken = {part.name for part in own}
     fields = [
         inspect.Parameter(

@@ -73,7 +73,8 @@ class Sim:
 
     def __repr__(self) -> str:
         return (
-            f"<jcas.Sim: {self.model.uav_count} UAVs, {self.model.hotspot_count} hotspots, seed {self.seed}, "
+            f"<jcas.Sim: {self.model.uav_count} UAVs, {self.model.hotspot_count} hotspots, "
+            f"seed {self.seed}, "
             f"step {self.t} of {self.model.config['horizon_steps']}>"
         )
 
@@ -85,7 +86,9 @@ class Sim:
         """Take one step. `actions` is [N, 2]: (u_dir, u_pilot) of each UAV, clipped to -1 to 1."""
         pairs = floats("actions", actions, (self.model.uav_count, 2))
         outcome = self._outcome
-        status = lib.jcas_sim_step(self.handle, pairs.ctypes.data, self._action_len, ctypes.byref(outcome))
+        status = lib.jcas_sim_step(
+            self.handle, pairs.ctypes.data, self._action_len, ctypes.byref(outcome)
+        )
         if status:
             self._fail(status)
         return StepOutcome(outcome.reward, outcome.terminated != 0, outcome.truncated != 0)
@@ -143,14 +146,18 @@ class Sim:
     def uavs(self) -> npt.NDArray[np.void]:
         """Every quantity of every UAV, as a structured array with the fields of the C interface."""
         uavs = np.empty(self.model.uav_count, UAV)
-        self._check(lib.jcas_sim_get_uavs(self.handle, uavs.ctypes.data_as(_UAV), uavs.size, UAV.itemsize))
+        self._check(
+            lib.jcas_sim_get_uavs(self.handle, uavs.ctypes.data_as(_UAV), uavs.size, UAV.itemsize)
+        )
         return uavs
 
     def hotspots(self) -> npt.NDArray[np.void]:
-        """Every quantity of every hotspot, as a structured array with the fields of the C interface."""
+        """All quantities of the hotspots: a structured array with the C interface's fields."""
         hotspots = np.empty(self.model.hotspot_count, HOTSPOT)
         self._check(
-            lib.jcas_sim_get_hotspots(self.handle, hotspots.ctypes.data_as(_HOTSPOT), hotspots.size, HOTSPOT.itemsize)
+            lib.jcas_sim_get_hotspots(
+                self.handle, hotspots.ctypes.data_as(_HOTSPOT), hotspots.size, HOTSPOT.itemsize
+            )
         )
         return hotspots
 
@@ -188,7 +195,9 @@ class Sim:
 
     def knowledge(self) -> npt.NDArray[np.bool_]:
         """Which UAV knows which hotspot, [N, n]."""
-        return self._flags(lib.jcas_sim_get_knowledge, (self.model.uav_count, self.model.hotspot_count))
+        return self._flags(
+            lib.jcas_sim_get_knowledge, (self.model.uav_count, self.model.hotspot_count)
+        )
 
     def visited(self) -> npt.NDArray[np.bool_]:
         """Cells that any UAV has been in, [H, W]."""
@@ -196,10 +205,12 @@ class Sim:
         return self._flags(lib.jcas_sim_get_visited, (record.grid_height, record.grid_width))
 
     def search_maps(self) -> npt.NDArray[np.bool_]:
-        """Cells that each UAV knows to have been looked at, [N, H, W]; N is 0 without search maps."""
+        """Cells that each UAV knows to be searched, [N, H, W]; N is 0 without search maps."""
         config = self.model.config
         uavs = self.model.uav_count if config["search_maps"] == "shared" else 0
-        return self._flags(lib.jcas_sim_get_search_maps, (uavs, config["grid_height"], config["grid_width"]))
+        return self._flags(
+            lib.jcas_sim_get_search_maps, (uavs, config["grid_height"], config["grid_width"])
+        )
 
     def reward_components(self) -> dict[str, float]:
         """Give the components of the last reward by name; their sum, in order, is the reward."""
@@ -214,17 +225,25 @@ class Sim:
         return rewards
 
     def uav_reward_components(self) -> npt.NDArray[np.float64]:
-        """Give the components of each UAV's reward, [N, 12], in the order of `REWARD_NAMES`; rows sum to rewards."""
+        """Return each UAV's reward components, [N, 12], in the order of `REWARD_NAMES`."""
         components = np.empty((self.model.uav_count, len(REWARD_NAMES)))
-        self._check(lib.jcas_sim_uav_reward_components(self.handle, components.ctypes.data, components.size))
+        self._check(
+            lib.jcas_sim_uav_reward_components(self.handle, components.ctypes.data, components.size)
+        )
         return components
 
     def metrics(self) -> dict[str, Any]:
         """What the episode came to, so far."""
         metrics = _abi.jcas_metrics(struct_size=ctypes.sizeof(_abi.jcas_metrics))
         self._check(lib.jcas_sim_get_metrics(self.handle, ctypes.byref(metrics)))
-        values = {name: getattr(metrics, name) for name, *_ in metrics._fields_ if name != "struct_size"}
-        return {**values, "terminated": metrics.terminated != 0, "truncated": metrics.truncated != 0}
+        values = {
+            name: getattr(metrics, name) for name, *_ in metrics._fields_ if name != "struct_size"
+        }
+        return {
+            **values,
+            "terminated": metrics.terminated != 0,
+            "truncated": metrics.truncated != 0,
+        }
 
     # Snapshots.
 
@@ -241,7 +260,7 @@ class Sim:
         return snapshot.raw
 
     def load(self, snapshot: bytes) -> None:
-        """Take up a saved state of an equal configuration; anything else is refused and changes nothing."""
+        """Load a saved state of an equal configuration. Other bytes change nothing and raise."""
         saved = snapshot_of("snapshot", snapshot)
         self._check(lib.jcas_sim_load(self.handle, saved, len(saved)))
 
@@ -275,10 +294,14 @@ class Sim:
             confirmed=hotspots["confirmed"] != 0,
             informed=hotspots["informed"] != 0,
             share_knowing=self.knowledge().mean(axis=0),
-            searched=np.any(self.search_maps(), axis=0, out=self.visited()) if searching else self.visited(),
+            searched=np.any(self.search_maps(), axis=0, out=self.visited())
+            if searching
+            else self.visited(),
             searched_by="searched cells" if searching else "visited cells",
             sensing_range=np.where(
-                uavs["grounded"] != 0, 0, [self.model.sensing_range(float(pilot)) for pilot in uavs["pilot_density"]]
+                uavs["grounded"] != 0,
+                0,
+                [self.model.sensing_range(float(pilot)) for pilot in uavs["pilot_density"]],
             ),
             outcome=ended,
             readings=(

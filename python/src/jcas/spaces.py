@@ -1,7 +1,7 @@
-"""Action spaces, and their way into the kernel's form: a pair (u_dir, u_pilot) in [-1, 1] for each UAV.
+"""Action spaces, and their conversion to the kernel's pair (u_dir, u_pilot) in [-1, 1] per UAV.
 
-`box` is the kernel's own form (and the paper's). `dict` and `tuple` are hybrid: a choice among the five
-motions beside a continuous pilot command, for algorithms that treat the two apart.
+`box` is the kernel's own form (and the paper's). `dict` and `tuple` are hybrid: a choice among the
+five motions beside a continuous pilot command, for algorithms that treat the two apart.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .errors import ActionError, ConfigError
 ActionSpaceKind = Literal["box", "dict", "tuple"]
 
 Credit = Literal["team", "uav"]
-"""Whose reward an agent receives: the team's, as in the paper, or its own, whose mean over the fleet is the team's."""
+"""An agent's reward: the team's, as in the paper, or its own, whose mean is the team's."""
 
 MOTIONS = ("up", "down", "left", "right", "stay")
 """Motions by index: +y, -y, -x, +x, none."""
@@ -35,7 +35,9 @@ def motion_to_command(motion: Any) -> Any:
 def check_kind(kind: str) -> ActionSpaceKind:
     """Refuse the name of an action space that does not exist."""
     if kind not in get_args(ActionSpaceKind):
-        raise ConfigError(f"action_space = {shown(kind)}: must be one of {', '.join(get_args(ActionSpaceKind))}")
+        raise ConfigError(
+            f"action_space = {shown(kind)}: must be one of {', '.join(get_args(ActionSpaceKind))}"
+        )
     return kind  # type: ignore[return-value]
 
 
@@ -52,7 +54,11 @@ def uav_action_space(kind: ActionSpaceKind) -> spaces.Space[Any]:
         return spaces.Box(-1.0, 1.0, (2,), np.float32)
     motion: spaces.Space[Any] = spaces.Discrete(len(MOTIONS))
     pilot: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (1,), np.float32)
-    return spaces.Dict({"motion": motion, "pilot": pilot}) if kind == "dict" else spaces.Tuple((motion, pilot))
+    return (
+        spaces.Dict({"motion": motion, "pilot": pilot})
+        if kind == "dict"
+        else spaces.Tuple((motion, pilot))
+    )
 
 
 def fleet_action_space(kind: ActionSpaceKind, uavs: int) -> spaces.Space[Any]:
@@ -61,7 +67,11 @@ def fleet_action_space(kind: ActionSpaceKind, uavs: int) -> spaces.Space[Any]:
         return spaces.Box(-1.0, 1.0, (uavs, 2), np.float32)
     motion: spaces.Space[Any] = spaces.MultiDiscrete([len(MOTIONS)] * uavs)
     pilot: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (uavs,), np.float32)
-    return spaces.Dict({"motion": motion, "pilot": pilot}) if kind == "dict" else spaces.Tuple((motion, pilot))
+    return (
+        spaces.Dict({"motion": motion, "pilot": pilot})
+        if kind == "dict"
+        else spaces.Tuple((motion, pilot))
+    )
 
 
 def encode_uav_action(kind: ActionSpaceKind, action: Any, out: FloatArray, uav: str) -> None:
@@ -78,13 +88,19 @@ def encode_uav_action(kind: ActionSpaceKind, action: Any, out: FloatArray, uav: 
     out[1] = floats(f"pilot of {uav}", pilot, shape).reshape(())
 
 
-def encode_uav_actions(kind: ActionSpaceKind, agents: Sequence[str], actions: Any, out: FloatArray) -> None:
-    """Write the actions of all agents, a dict with one for each, into the kernel's buffer [N, 2]."""
+def encode_uav_actions(
+    kind: ActionSpaceKind, agents: Sequence[str], actions: Any, out: FloatArray
+) -> None:
+    """Write a dict with an action for each agent into the kernel's buffer, [N, 2]."""
     if not isinstance(actions, Mapping):
-        raise ActionError(f"actions = {shown(actions)}: must be a dict with an action for each agent")
+        raise ActionError(
+            f"actions = {shown(actions)}: must be a dict with an action for each agent"
+        )
     for uav, agent in enumerate(agents):
         if agent not in actions:
-            raise ActionError(f"no action for {agent}: must be one for each of {len(agents)} agents")
+            raise ActionError(
+                f"no action for {agent}: must be one for each of {len(agents)} agents"
+            )
         encode_uav_action(kind, actions[agent], out[uav], agent)
     if len(actions) > len(agents):
         strange = next(agent for agent in actions if agent not in agents)
@@ -123,6 +139,12 @@ def _motion_index(motion: Any, owner: str) -> Any:
         index = np.asarray(motion)
     except (TypeError, ValueError):
         index = np.empty(0, object)
-    if not np.issubdtype(index.dtype, np.integer) or (index < 0).any() or (index >= len(MOTIONS)).any():
-        raise ActionError(f"motion of {owner} is {shown(motion)}: must be integers from 0 to {len(MOTIONS) - 1}")
+    if (
+        not np.issubdtype(index.dtype, np.integer)
+        or (index < 0).any()
+        or (index >= len(MOTIONS)).any()
+    ):
+        raise ActionError(
+            f"motion of {owner} is {shown(motion)}: must be integers from 0 to {len(MOTIONS) - 1}"
+        )
     return index

@@ -39,7 +39,9 @@ def ramp(stops: tuple[Color, ...], share: float) -> Color:
     place = min(max(share, 0.0), 1.0) * (len(stops) - 1)
     low = min(int(place), len(stops) - 2)
     rest = place - low
-    red, green, blue = (round(a + (b - a) * rest) for a, b in zip(stops[low], stops[low + 1], strict=True))
+    red, green, blue = (
+        round(a + (b - a) * rest) for a, b in zip(stops[low], stops[low + 1], strict=True)
+    )
     return red, green, blue
 
 
@@ -55,7 +57,9 @@ def put(image: Any, what: Any, centre: tuple[float, float], mask: Any = None) ->
     image.paste(what, (left, top, left + shape.width, top + shape.height), shape)
 
 
-def write(image: Any, place: tuple[float, float], text: str, size: float, color: Color, anchor: str = "la") -> None:
+def write(
+    image: Any, place: tuple[float, float], text: str, size: float, color: Color, anchor: str = "la"
+) -> None:
     """Write a text; anchors are Pillow's."""
     mask = _text(text, size)
     x, y = place
@@ -94,9 +98,15 @@ def _box(middle: float, radius: float) -> tuple[float, float, float, float]:
 
 
 def put_uav(
-    image: Any, centre: tuple[float, float], radius: float, color: Color, soc: float, returning: bool, label: str
+    image: Any,
+    centre: tuple[float, float],
+    radius: float,
+    color: Color,
+    soc: float,
+    returning: bool,
+    label: str,
 ) -> None:
-    """Draw a UAV: its battery as a ring around a disc of a color, and on it a number, or a dot where it returns."""
+    """Draw a UAV: a colored disc in a battery ring, with a number, or a dot while it returns."""
     put(image, _ring(radius, math.ceil(min(max(soc, 0.0), 1.0) * SOC_LEVELS)), centre)
     put(image, color, centre, _disc(radius))
     if returning:
@@ -105,7 +115,9 @@ def put_uav(
         write(image, centre, label, radius * (1.25 if len(label) < 2 else 1.05), WHITE, "mm")
 
 
-def put_crowd(image: Any, centre: tuple[float, float], radius: float, color: Color, count: int) -> None:
+def put_crowd(
+    image: Any, centre: tuple[float, float], radius: float, color: Color, count: int
+) -> None:
     """Draw more UAVs than a cell has room for: one disc with their number."""
     put(image, WHITE, centre, _disc(radius + 1.5))
     put(image, color, centre, _disc(radius))
@@ -129,13 +141,15 @@ def _ring(radius: float, soc_level: int) -> Any:
     canvas.arc(_box(middle, outer * s), 0, 360, fill=LINE, width=thickness)
     if soc_level:
         soc = soc_level / SOC_LEVELS
-        canvas.arc(_box(middle, outer * s), -90, -90 + 360 * soc, fill=battery_color(soc), width=thickness)
+        canvas.arc(
+            _box(middle, outer * s), -90, -90 + 360 * soc, fill=battery_color(soc), width=thickness
+        )
     return _smoothed(board)
 
 
 @lru_cache(256)
 def hotspot(half: float, color: Color, knowing_level: int) -> Any:
-    """Draw a hotspot: a diamond, and an arc around it for the share of the fleet that knows of it."""
+    """Draw a hotspot as a diamond. An arc shows the fraction of the fleet that knows it."""
     board, canvas, middle = _board(2 * half * 1.15 + 4)
     s = SMOOTHING
     h = half * s

@@ -1,4 +1,4 @@
-"""Traces: episodes on file, as `jcas trace record` writes them, flown again and compared byte by byte."""
+"""Traces: recorded episodes that are replayed and compared byte by byte."""
 
 from __future__ import annotations
 
@@ -82,7 +82,8 @@ def replay_trace(trace: TraceLike, watch: Callable[[Sim], None] | None = None) -
 
     Args:
         trace: a trace or its file.
-        watch: called with the simulation after the reset and after every step, to draw it for example.
+        watch: called with the simulation after the reset and after every step, to draw it for
+            example.
 
     Raises:
         TraceError: a line is not flown as recorded; the message names the line and the field.
@@ -111,7 +112,11 @@ class _Replay:
         self._check(lib.jcas_trace_config, ctypes.byref(config), ctypes.sizeof(config))
         self.sim = Sim(Model(trace.config))
         size, alignment = ctypes.c_size_t(), ctypes.c_size_t()
-        check(lib.jcas_trace_layout(self.sim.model.handle, ctypes.byref(size), ctypes.byref(alignment)))
+        check(
+            lib.jcas_trace_layout(
+                self.sim.model.handle, ctypes.byref(size), ctypes.byref(alignment)
+            )
+        )
         self._memory = np.zeros(size.value // 8, np.uint64)
 
     def over(self) -> bool:
@@ -119,7 +124,7 @@ class _Replay:
         return self._offset.value == len(self._text)
 
     def advance(self) -> None:
-        """Fly to the end of the next step: first of all the reset, at last what follows the last step."""
+        """Replay to the end of the next step; the first call replays the reset."""
         memory = (self.sim.handle, self._memory.ctypes.data, self._memory.nbytes)
         self._check(lambda *rest: lib.jcas_trace_step(*memory, *rest), ctypes.byref(self._offset))
 

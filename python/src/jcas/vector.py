@@ -22,7 +22,14 @@ from .in_use import Mark
 from .model import Model, derive_seed
 from .signature import shows_fields
 from .sim import Sim
-from .spaces import ActionSpaceKind, Credit, check_credit, check_kind, encode_fleet_action, fleet_action_space
+from .spaces import (
+    ActionSpaceKind,
+    Credit,
+    check_credit,
+    check_kind,
+    encode_fleet_action,
+    fleet_action_space,
+)
 
 Array = npt.NDArray[Any]
 
@@ -30,12 +37,14 @@ Array = npt.NDArray[Any]
 class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     """M missions side by side. Each sub-environment is a whole fleet. Made by :func:`make_vec`.
 
-    A sub-environment's observation is [N, observation length], its action [N, 2]; rewards, terminations
-    and truncations are the team's, one for each mission, so their arrays have the shape [M].
+    A sub-environment's observation is [N, observation length], its action [N, 2]; rewards,
+    terminations and truncations are the team's, one for each mission, so their arrays have the
+    shape [M].
 
-    The arrays that :meth:`reset` and :meth:`step` return are yours. With `copy=False` they are the ones that the
-    kernel writes, of which there are `buffer_sets`, used in turn: with two, what a step returned stays as it is until
-    the step after the next; with one, as in Gymnasium's own vector environments, the next step writes over it.
+    The arrays that :meth:`reset` and :meth:`step` return are yours. With `copy=False` they are the
+    ones that the kernel writes, of which there are `buffer_sets`, used in turn: with two, what a
+    step returned stays as it is until the step after the next; with one, as in Gymnasium's own
+    vector environments, the next step writes over it.
     """
 
     @shows_fields
@@ -55,14 +64,21 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         **fields: Unpack[Fields],
     ) -> None:
         if isinstance(config, int | np.integer):
-            raise ArgumentError(f"config = {config}: must be a configuration; so many missions are num_envs={config}")
+            raise ArgumentError(
+                f"config = {config}: must be a configuration; "
+                f"so many missions are num_envs={config}"
+            )
         self.num_envs = whole("num_envs", num_envs, 1, ENVS_MAX)
         if render_mode not in (None, "rgb_array"):
             raise ConfigError(f"render_mode = {shown(render_mode)}: must be 'rgb_array' or None")
         self._kind = check_kind(action_space)
         self._autoreset = _check_autoreset(autoreset_mode)
         self.autoreset_mode = self._autoreset  # As Gymnasium's own vector environments name it.
-        self.metadata = {"autoreset_mode": self._autoreset, "render_modes": ["rgb_array"], "render_fps": 8}
+        self.metadata = {
+            "autoreset_mode": self._autoreset,
+            "render_modes": ["rgb_array"],
+            "render_fps": 8,
+        }
         self.render_mode = render_mode
         self.model = Model(Config(config, **fields))
         self.batch = Batch(self.model, self.num_envs, threads=_check_threads(threads))
@@ -75,22 +91,32 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self._copy = copy
         own = check_credit(credit) == "uav"
         sets = whole("buffer_sets", buffer_sets, 1, 2)
-        self._buffers = [BatchBuffers(self.model, self.num_envs, global_state, own) for _ in range(1 if copy else sets)]
+        self._buffers = [
+            BatchBuffers(self.model, self.num_envs, global_state, own)
+            for _ in range(1 if copy else sets)
+        ]
         self._turn = 0
         self._in_use = Mark("the environment")
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._begun: list[Sim] = []
 
     def __repr__(self) -> str:
-        return f"<jcas.FleetVectorEnv of {self.num_envs} missions: {self.model!r}, {self._autoreset.value}>"
+        return (
+            f"<jcas.FleetVectorEnv of {self.num_envs} missions: {self.model!r}, "
+            f"{self._autoreset.value}>"
+        )
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
     ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode in every sub-environment, or in those of `options["reset_mask"]`.
 
-        Sub-environment m gets the seed `seed + m` (after 2^64 - 1 comes 0), as in Gymnasium's own vector
-        environments, or the m-th of a list. Without a seed, the next ones of the stream that the last seed began.
+        Sub-environment m gets the seed `seed + m` (after 2^64 - 1 comes 0), as in Gymnasium's own
+        vector environments, or the m-th of a list. Without a seed, the next ones of the stream that
+        the last seed began.
         """
         mask = options_of(options, "reset_mask").get("reset_mask")
         chosen = None if mask is None else flags("reset_mask", mask, self.num_envs)
@@ -100,11 +126,12 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def step(self, actions: Any) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Step every fleet.
 
-        `infos["reward_components"]` is [M, 12], in the order of :data:`jcas.REWARD_NAMES`. Where an episode
-        ended, `infos["final_info"]` holds its metrics. With `SameStep`, `infos["final_obs"]` holds its last
-        observation, and `infos["_final_obs"]` says where that is; with `NextStep` the step after ignores the
-        ended fleet's action, begins its next episode and pays nothing. With `global_state=True`,
-        `infos["global_state"]` is the critic's view, [M, global length].
+        `infos["reward_components"]` is [M, 12], in the order of :data:`jcas.REWARD_NAMES`. Where an
+        episode ended, `infos["final_info"]` holds its metrics. With `SameStep`,
+        `infos["final_obs"]` holds its last observation, and `infos["_final_obs"]` says where that
+        is; with `NextStep` the step after ignores the ended fleet's action, begins its next episode
+        and pays nothing. With `global_state=True`, `infos["global_state"]` is the critic's view,
+        [M, global length].
         """
         encoded = encode_fleet_action(self._kind, actions, self._action_shape)
         self._need_reset("step")
@@ -176,7 +203,8 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def _step_and_begin(self, encoded: npt.NDArray[np.float32], buffers: BatchBuffers) -> None:
         """Step the fleets that fly, and begin the next episode of those that ended a step ago.
 
-        The kernel steps all or none, so the ended ones fly along from their new beginning and are put back to it.
+        The kernel steps all or none, so the ended ones fly along from their new beginning and are
+        put back to it.
         """
         waiting = np.flatnonzero(self._ended).tolist()
         moving = encoded.copy()
@@ -213,7 +241,10 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
             infos["_global_state"] = self._everywhere()
         ended = self._ended
         if ended.any():
-            infos["final_info"] = {"metrics": buffers.final_metrics_by_name(ended), "_metrics": ended.copy()}
+            infos["final_info"] = {
+                "metrics": buffers.final_metrics_by_name(ended),
+                "_metrics": ended.copy(),
+            }
             infos["_final_info"] = ended.copy()
             if self._autoreset is AutoresetMode.SAME_STEP:
                 infos["final_obs"] = self._given(buffers.final_observations)
@@ -243,11 +274,18 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def _reset_seeds(self, seed: int | Sequence[int | None] | None) -> npt.NDArray[np.uint64]:
         if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes):
             if len(seed) != self.num_envs:
-                raise ArgumentError(f"seed has {len(seed)} entries: must have one for each of {self.num_envs} missions")
-            own = [None if one is None else seed_of(f"seed[{place}]", one) for place, one in enumerate(seed)]
+                raise ArgumentError(
+                    f"seed has {len(seed)} entries: "
+                    f"must have one for each of {self.num_envs} missions"
+                )
+            own = [
+                None if one is None else seed_of(f"seed[{place}]", one)
+                for place, one in enumerate(seed)
+            ]
             drawn = self.np_random.integers(0, 2**64, self.num_envs, dtype=np.uint64)
             return np.array(
-                [int(other) if one is None else one for one, other in zip(own, drawn, strict=True)], np.uint64
+                [int(other) if one is None else one for one, other in zip(own, drawn, strict=True)],
+                np.uint64,
             )
         if seed is None:
             return self.np_random.integers(0, 2**64, self.num_envs, dtype=np.uint64)
@@ -291,16 +329,19 @@ def make_vec(
         config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
         num_envs: how many missions fly side by side.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-        credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N], whose mean is the team's.
+        credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N], whose mean
+            is the team's.
         threads: how many step at once, 1 to 256; None for every core. Results do not depend on it.
-        autoreset_mode: `NextStep` (Gymnasium's default), `SameStep` (the fastest where episodes are short) or
-            `Disabled`.
+        autoreset_mode: `NextStep` (Gymnasium's default), `SameStep` (the fastest where episodes are
+            short) or `Disabled`.
         global_state: give the critic's view in the infos.
-        copy: give arrays that nobody writes to again; False gives views of the kernel's sets of buffers.
-        buffer_sets: how many sets of buffers take turns with `copy=False`: 2 keep what a step returned through the
-            next one; 1 does not, and is 3 to 5 % faster.
+        copy: give arrays that nobody writes to again; False gives views of the kernel's sets of
+            buffers.
+        buffer_sets: how many sets of buffers take turns with `copy=False`: 2 keep what a step
+            returned through the next one; 1 does not, and is 3 to 5 % faster.
         render_mode: `rgb_array` or None.
-        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists them.
+        **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
+            them.
 
     """
     return FleetVectorEnv(

@@ -1,7 +1,7 @@
 """The paper's training pipeline on Ray RLlib: PPO, one policy shared by all UAVs, a central critic.
 
-`python -m jcas.rllib train` and `python -m jcas.rllib evaluate` are the commands; the pieces below are for
-programs that build their own. Everything runs on one machine or on a Ray cluster.
+`python -m jcas.rllib train` and `python -m jcas.rllib evaluate` are the commands; the pieces below
+are for programs that build their own. Everything runs on one machine or on a Ray cluster.
 """
 
 from ..errors import MissingDependencyError

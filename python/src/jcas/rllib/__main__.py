@@ -41,21 +41,42 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m jcas.rllib", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    train = commands.add_parser("train", help="train a shared policy with PPO on this machine or a Ray cluster")
+    train = commands.add_parser(
+        "train", help="train a shared policy with PPO on this machine or a Ray cluster"
+    )
     _mission_options(train)
-    train.add_argument("--out", type=Path, required=True, help="folder for the policy, its card and the progress")
     train.add_argument(
-        "--steps", type=int, default=250_000, help="environment steps (default: the paper's %(default)s)"
+        "--out", type=Path, required=True, help="folder for the policy, its card and the progress"
     )
     train.add_argument(
-        "--batch", type=int, default=PAPER.batch_steps, help="environment steps an iteration (%(default)s)"
+        "--steps",
+        type=int,
+        default=250_000,
+        help="environment steps (default: the paper's %(default)s)",
     )
-    train.add_argument("--minibatch", type=int, help="samples of a minibatch (default: as many as --batch)")
-    train.add_argument("--epochs", type=int, default=PAPER.epochs, help="passes over a batch (%(default)s)")
-    train.add_argument("--learning-rate", type=float, default=PAPER.learning_rate, help="(%(default)s)")
-    train.add_argument("--hidden", default="512,256,128", help="widths of the hidden layers (%(default)s)")
     train.add_argument(
-        "--credit", choices=("team", "uav"), default="team", help="whose reward a UAV learns from (%(default)s)"
+        "--batch",
+        type=int,
+        default=PAPER.batch_steps,
+        help="environment steps an iteration (%(default)s)",
+    )
+    train.add_argument(
+        "--minibatch", type=int, help="samples of a minibatch (default: as many as --batch)"
+    )
+    train.add_argument(
+        "--epochs", type=int, default=PAPER.epochs, help="passes over a batch (%(default)s)"
+    )
+    train.add_argument(
+        "--learning-rate", type=float, default=PAPER.learning_rate, help="(%(default)s)"
+    )
+    train.add_argument(
+        "--hidden", default="512,256,128", help="widths of the hidden layers (%(default)s)"
+    )
+    train.add_argument(
+        "--credit",
+        choices=("team", "uav"),
+        default="team",
+        help="whose reward a UAV learns from (%(default)s)",
     )
     train.add_argument(
         "--critic",
@@ -63,12 +84,29 @@ def _parser() -> argparse.ArgumentParser:
         default="state",
         help="what the critic sees: the state, or each UAV's own observation as well (%(default)s)",
     )
-    train.add_argument("--runners", type=int, default=2, help="env runners, each a process of its own (%(default)s)")
-    train.add_argument("--envs-per-runner", type=int, default=4, help="missions side by side in a runner (%(default)s)")
-    train.add_argument("--address", help="a running Ray cluster, as host:port or `auto`; otherwise this machine alone")
+    train.add_argument(
+        "--runners",
+        type=int,
+        default=2,
+        help="env runners, each a process of its own (%(default)s)",
+    )
+    train.add_argument(
+        "--envs-per-runner",
+        type=int,
+        default=4,
+        help="missions side by side in a runner (%(default)s)",
+    )
+    train.add_argument(
+        "--address",
+        help="a running Ray cluster, as host:port or `auto`; otherwise this machine alone",
+    )
     train.add_argument("--seed", type=int, default=1, help="(%(default)s)")
-    train.add_argument("--resume", action="store_true", help="go on from the checkpoint in --out, if there is one")
-    train.add_argument("--checkpoint-every", type=int, default=5, metavar="K", help="iterations (%(default)s)")
+    train.add_argument(
+        "--resume", action="store_true", help="go on from the checkpoint in --out, if there is one"
+    )
+    train.add_argument(
+        "--checkpoint-every", type=int, default=5, metavar="K", help="iterations (%(default)s)"
+    )
     train.set_defaults(run=_train)
 
     fly = commands.add_parser("evaluate", help="fly a policy over many missions and report")
@@ -85,7 +123,13 @@ def _mission_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", help="a preset's name, or a TOML or JSON file")
     parser.add_argument("--uavs", type=int, help="UAVs in the fleet")
     parser.add_argument("--hotspots", type=int, help="hotspots to find")
-    parser.add_argument("--set", action="append", default=[], metavar="FIELD=VALUE", help="replace a field; repeatable")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="FIELD=VALUE",
+        help="replace a field; repeatable",
+    )
 
 
 def mission_config(options: argparse.Namespace, base: Config | None = None) -> Config:
@@ -152,7 +196,9 @@ def join_cluster(address: str | None, runners: int) -> None:
     if address:
         ray.init(address=address, logging_level="warning")
     else:
-        ray.init(address="local", num_cpus=runners + 1, include_dashboard=False, logging_level="warning")
+        ray.init(
+            address="local", num_cpus=runners + 1, include_dashboard=False, logging_level="warning"
+        )
 
 
 def _evaluate(options: argparse.Namespace) -> int:
@@ -161,7 +207,9 @@ def _evaluate(options: argparse.Namespace) -> int:
     _say_changes(options.policy, before, config)
     model = Model(config)
     policy = Policy.load(options.policy, model)
-    report = evaluate(policy, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy))
+    report = evaluate(
+        policy, model, episodes=options.episodes, seed=options.seed, policy=str(options.policy)
+    )
     print(json.dumps(report.to_dict(), indent=2) if options.json else report)
     return 0
 

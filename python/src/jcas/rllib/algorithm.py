@@ -18,7 +18,7 @@ from .module import PAPER_HIDDEN, CentralCriticModule, check_critic
 
 @dataclass(frozen=True)
 class Hyperparameters:
-    """Settings of PPO. The defaults are the paper's; where it gives none, RLlib's or the usual ones."""
+    """PPO settings. The defaults are the paper's, or where it gives none RLlib's or common ones."""
 
     discount: float = 0.95
     learning_rate: float = 3e-4
@@ -54,9 +54,13 @@ def ppo_config(
 ) -> PPOConfig:
     """Describe the training run to RLlib.
 
-    Env runners that die are started again, on whichever node has room, and the run goes on meanwhile.
+    Env runners that die are started again, on whichever node has room, and the run goes on
+    meanwhile.
     """
-    settings = {"hidden": list(hyperparameters.hidden), "critic": check_critic(hyperparameters.critic)}
+    settings = {
+        "hidden": list(hyperparameters.hidden),
+        "critic": check_critic(hyperparameters.critic),
+    }
     module = RLModuleSpec(module_class=CentralCriticModule, model_config=settings)
     fields: dict[str, Any] = {**config, "credit": check_credit(hyperparameters.credit)}
     return (

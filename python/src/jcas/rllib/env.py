@@ -1,4 +1,4 @@
-"""The fleet as RLlib sees it: each UAV an agent that observes for itself, with the global state beside."""
+"""RLlib's environment: each UAV is an agent with its own observation and the global state."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
-        config: RLlib's environment configuration; its fields are those of :class:`jcas.Config`, and `credit`: `team`
-            (the default) or `uav`, as in :func:`jcas.parallel_env`.
+        config: RLlib's environment configuration; its fields are those of :class:`jcas.Config`, and
+            `credit`: `team` (the default) or `uav`, as in :func:`jcas.parallel_env`.
 
     """
 
@@ -33,7 +33,9 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         self._mission = Mission(fields, {}, None)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
-        observation = spaces.Dict({"observation": self.model.observation_space(), "state": self.model.global_space()})
+        observation = spaces.Dict(
+            {"observation": self.model.observation_space(), "state": self.model.global_space()}
+        )
         self.observation_spaces = dict.fromkeys(self.possible_agents, observation)
         self.action_spaces = dict.fromkeys(self.possible_agents, uav_action_space("box"))
         self._actions = np.zeros((self.model.uav_count, 2), np.float32)
@@ -62,7 +64,7 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     def step(
         self, action_dict: dict[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
-        """Step every UAV; each receives the team's reward, or its own. At the end its metrics stand in every info."""
+        """Step every UAV. The last infos of an episode hold its metrics."""
         self._mission.need_reset("step")
         encode_uav_actions("box", self.possible_agents, action_dict, self._actions)
         outcome = self._mission.step(self._actions)
@@ -93,5 +95,6 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         state = self.sim.observe_global()
         rows = self.sim.observe()
         return {
-            agent: {"observation": row, "state": state} for agent, row in zip(self.possible_agents, rows, strict=True)
+            agent: {"observation": row, "state": state}
+            for agent, row in zip(self.possible_agents, rows, strict=True)
         }

@@ -17,19 +17,19 @@ from ..policy import Layer, MlpPolicy
 PAPER_HIDDEN = (512, 256, 128)
 
 LOG_STD = (-2.3, 1.0)
-"""Bounds of the log standard deviation: from a quarter of a motion's bin to beyond the whole range."""
+"""Bounds of the log standard deviation: from a quarter of a motion bin to beyond the full range."""
 
 
 class CentralCriticModule(TorchRLModule, ValueFunctionAPI):
     """A Gaussian actor on `observation` and a value function on `state`, both plain MLPs.
 
     As in RLlib's own modules the actor gives the means and the log standard deviations. With
-    `model_config["critic"] = "agent"` the value function sees the UAV's own observation beside the state, so that
-    each UAV has a value of its own.
+    `model_config["critic"] = "agent"` the value function sees the UAV's own observation beside the
+    state, so that each UAV has a value of its own.
     """
 
     def setup(self) -> None:
-        """Build the networks from the spaces, `model_config["hidden"]` and `model_config["critic"]`."""
+        """Build the networks from the spaces and the `hidden` and `critic` of `model_config`."""
         hidden = self.model_config.get("hidden", PAPER_HIDDEN)
         self.agent_specific = check_critic(self.model_config.get("critic", "state")) == "agent"
         outputs = 2 * self.action_space.shape[0]
@@ -45,7 +45,11 @@ class CentralCriticModule(TorchRLModule, ValueFunctionAPI):
         """Give the value of the global state, or of a UAV in it."""
         del embeddings
         seen = batch[Columns.OBS]
-        inputs = torch.cat([seen["state"], seen["observation"]], dim=-1) if self.agent_specific else seen["state"]
+        inputs = (
+            torch.cat([seen["state"], seen["observation"]], dim=-1)
+            if self.agent_specific
+            else seen["state"]
+        )
         return self.critic(inputs).squeeze(-1)
 
 

@@ -1,7 +1,8 @@
 """A training run on file: progress, checkpoints, going on after a stop, and the policy at its end.
 
-A folder holds `progress.csv`, a row for each iteration; `checkpoint`, RLlib's own state with `run.json` beside it; and,
-once the run has ended, `policy.safetensors` and `policy.json`. A checkpoint appears whole or not at all.
+A folder holds `progress.csv`, a row for each iteration; `checkpoint`, RLlib's own state with
+`run.json` beside it; and, once the run has ended, `policy.safetensors` and `policy.json`. A
+checkpoint appears whole or not at all.
 """
 
 from __future__ import annotations
@@ -47,12 +48,18 @@ class Run:
         config: what is flown.
         hyperparameters: how it is learned.
         seed: of the run.
-        resume: go on from the checkpoint, if there is one. Without it, a folder that has one is refused.
+        resume: go on from the checkpoint, if there is one. Without it, a folder that has one is
+            refused.
 
     """
 
     def __init__(
-        self, folder: Path, config: Config, hyperparameters: Hyperparameters, seed: int, resume: bool = False
+        self,
+        folder: Path,
+        config: Config,
+        hyperparameters: Hyperparameters,
+        seed: int,
+        resume: bool = False,
     ) -> None:
         self.folder = folder
         self._config = config
@@ -65,7 +72,9 @@ class Run:
         if found is None:
             return
         if not resume:
-            raise JcasError(f"{folder} holds a checkpoint: go on with --resume, or choose another folder")
+            raise JcasError(
+                f"{folder} holds a checkpoint: go on with --resume, or choose another folder"
+            )
         described = json.loads((found / RUN).read_text(encoding="utf-8"))
         own = self._description()
         for name, value in own.items():
@@ -76,7 +85,7 @@ class Run:
         self._resumes = True
 
     def train(self, algorithm: Any, steps: int, checkpoint_every: int) -> bool:
-        """Train until so many environment steps are sampled in all; False where Ctrl-C stopped it before.
+        """Train until `steps` environment steps are sampled; return False if Ctrl-C stopped it.
 
         Whether it ends or is stopped, a checkpoint of the last iteration is left.
         """
@@ -105,7 +114,11 @@ class Run:
         policy.save(self.folder, self.folder.resolve().name, self._config, about)
 
     def _description(self) -> dict[str, Any]:
-        described = {"config": dict(self._config), "hyperparameters": asdict(self._hyperparameters), "seed": self._seed}
+        described = {
+            "config": dict(self._config),
+            "hyperparameters": asdict(self._hyperparameters),
+            "seed": self._seed,
+        }
         return dict(json.loads(json.dumps(described)))
 
     def _found(self) -> Path | None:
@@ -116,7 +129,9 @@ class Run:
         return None
 
     def _save(self, algorithm: Any) -> None:
-        whole, part, old = (self.folder / f"{CHECKPOINT}{suffix}" for suffix in ("", ".part", ".old"))
+        whole, part, old = (
+            self.folder / f"{CHECKPOINT}{suffix}" for suffix in ("", ".part", ".old")
+        )
         shutil.rmtree(part, ignore_errors=True)
         algorithm.save_to_path(str((part / "state").resolve()))
         text = json.dumps({**self._description(), "last": self.last}, indent=2) + "\n"
@@ -129,12 +144,16 @@ class Run:
 
     @contextmanager
     def _progress(self) -> Iterator[Callable[[dict[str, Any]], None]]:
-        """Rows on file and on the screen. Rows after the checkpoint that a run goes on from are dropped."""
+        """Write rows to a file and the screen. A resumed run drops rows after its checkpoint."""
         path = self.folder / PROGRESS
         rows: list[dict[str, Any]] = []
         if self._resumes and path.is_file():
             with path.open(newline="", encoding="utf-8") as file:
-                rows = [row for row in csv.DictReader(file) if int(row["iteration"]) <= self.last["iteration"]]
+                rows = [
+                    row
+                    for row in csv.DictReader(file)
+                    if int(row["iteration"]) <= self.last["iteration"]
+                ]
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, COLUMNS)
             writer.writeheader()
@@ -156,7 +175,8 @@ class Run:
 def iteration_row(result: dict[str, Any], seconds: float) -> dict[str, Any]:
     """Pick what is worth keeping out of RLlib's result.
 
-    Runners that are late by more than RLlib waits for, or that died, leave an iteration without samples.
+    Runners that are late by more than RLlib waits for, or that died, leave an iteration without
+    samples.
     """
     sampled = result.get("env_runners", {})
     learned = result.get("learners", {}).get(SHARED_POLICY, {})
@@ -190,7 +210,9 @@ def _interruptions() -> Iterator[Callable[[], bool]]:
         if asked:
             raise KeyboardInterrupt
         asked = True
-        print("stopping after this iteration; once more to stop at once", file=sys.stderr, flush=True)
+        print(
+            "stopping after this iteration; once more to stop at once", file=sys.stderr, flush=True
+        )
 
     before = signal.signal(signal.SIGINT, ask)
     try:
