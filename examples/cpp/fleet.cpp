@@ -1,5 +1,5 @@
-// A fleet that looks ahead: before each step it forks the simulation, tries each hotspot as a common
-// target for a few steps in the fork, and flies to the one with the best return.
+// A fleet that looks ahead: before each step it forks the simulation, tries each hotspot as a
+// common target for a few steps in the fork, and flies to the one with the best return.
 //
 //     c++ -std=c++17 fleet.cpp $(pkg-config --cflags --libs jcas) && ./a.out
 #include <jcas.hpp>

@@ -1,19 +1,21 @@
 // jcas inside ns-3: ns-3 moves the UAVs and its Wi-Fi decides who hears whom; jcas, through its C
 // interface, does sensing, consensus, energy, carbon and reward.
 //
-// A policy of jcas decides where each UAV flies and how much of the waveform it senses with: a trained
-// network from its file, or a baseline by its name. In each step of 10 s every UAV broadcasts one beacon
-// over ad-hoc 802.11a near the end of the step. Two UAVs are linked in that step if each heard the other.
+// A policy of jcas decides where each UAV flies and how much of the waveform it senses with: a
+// trained network from its file, or a baseline by its name. In each step of 10 s every UAV
+// broadcasts one beacon over ad-hoc 802.11a near the end of the step. Two UAVs are linked in that
+// step if each heard the other.
 //
-// The same mission is flown twice by the same policy: once over the links that Wi-Fi made, once over those
-// of jcas's own link budget.
+// The same mission is flown twice by the same policy: once over the links that Wi-Fi made, once
+// over those of jcas's own link budget.
 //
 //     ./fleet [--policy=swarm] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
 //     ./fleet --policy=../../policies/fleet/policy.safetensors --trace=flight.jsonl
 //     ./fleet --preset=search --policy=line --uavs=15 --hotspots=7 --exponent=3.5
 //
 // With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied:
-// `jcas trace verify flight.jsonl` flies it again without ns-3, `jcas replay flight.jsonl` shows it.
+// `jcas trace verify flight.jsonl` flies it again without ns-3, `jcas replay flight.jsonl` shows
+// it.
 #include <jcas.hpp>
 
 #include "ns3/constant-velocity-mobility-model.h"

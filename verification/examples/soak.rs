@@ -6,12 +6,13 @@
 //!
 //! Every fourth agent-step is compared with the specification: in whole missions, and in random
 //! sequences of every public call. The batch step makes the others twice: on the baseline and, in
-//! turns, on one of the machine's other instruction sets. Their bits have to be the same. Such a step
-//! counts once. Sizes are those of `sampling::fleet_size`.
+//! turns, on one of the machine's other instruction sets. Their bits have to be the same. Such a
+//! step counts once. Sizes are those of `sampling::fleet_size`.
 //!
 //! The file holds how far the run has come; the same command goes on from there. The third argument
 //! is a seed, zero where it is missing: runs of different seeds make different rounds. A difference
-//! ends the run, which prints what reproduces it. A failing sequence of calls is made shorter first.
+//! ends the run, which prints what reproduces it. A failing sequence of calls is made shorter
+//! first.
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Model, Scratch};

@@ -1,12 +1,12 @@
 //! A machine that makes random sequences of every public call, and judges each call.
 //!
-//! What a model checker does for a fleet of two, this does at length for fleets of every size. A call
-//! that is accepted leaves a valid state, and after every whole step the state of the specification. A
-//! call that is refused leaves every word as it was. Rubbish fills working memory before each call, so
-//! that a call that reads it is noticed.
+//! What a model checker does for a fleet of two, this does at length for fleets of every size. A
+//! call that is accepted leaves a valid state, and after every whole step the state of the
+//! specification. A call that is refused leaves every word as it was. Rubbish fills working memory
+//! before each call, so that a call that reads it is noticed.
 //!
-//! A sequence is a list of words, and each word stands for one call. So a failing sequence can be made
-//! shorter word by word.
+//! A sequence is a list of words, and each word stands for one call. So a failing sequence can be
+//! made shorter word by word.
 
 use crate::comparison;
 use crate::sampling::{self, Dice};
@@ -120,8 +120,8 @@ impl Tally {
 /// What the specification knows of a state.
 #[derive(Clone)]
 struct Shadow {
-    /// The state before the step under way. None once a host has moved UAVs after keeping some on the
-    /// ground, until the next reset.
+    /// The state before the step under way. None once a host has moved UAVs after keeping some on
+    /// the ground, until the next reset.
     world: Option<World>,
     /// The actions of that step.
     actions: Vec<(f32, f32)>,

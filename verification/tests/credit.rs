@@ -8,8 +8,8 @@ use jcas_verification::specification::{Specification, World};
 /// Missions flown, each with a configuration of its own.
 const MISSIONS: u64 = 500;
 
-/// Whether numbers are the mean of others but for rounding, which is that of the largest among them and
-/// of the potentials that a shaping term is the difference of.
+/// Whether numbers are the mean of others but for rounding, which is that of the largest among them
+/// and of the potentials that a shaping term is the difference of.
 fn is_mean(what: &str, mean: f64, parts: &[f64], potential: f64) -> Result<(), String> {
     let mut scale = 1.0 + potential.abs();
     for part in parts {
@@ -96,7 +96,8 @@ fn a_confirmation_lowers_no_potential() {
             let (t, confirmed) = (world.t, sim.state().confirmed_count());
             let before: Vec<f64> = goal_potentials(&sim);
             let mut actions = sampling::actions(&mut dice, Pilot::Swarm, &spec, &world);
-            // Every other step the fleet stays where it is, so that nothing but confirmations counts.
+            // Every other step the fleet stays where it is, so that nothing but confirmations
+            // counts.
             let stays = t % 2 == 0;
             for action in &mut actions {
                 action.0 = if stays { 1.0 } else { action.0 };

@@ -84,8 +84,9 @@ fn fifteen_uavs_agree_for_thousands_of_steps() {
     assert!(steps > 3000, "{steps} steps");
 }
 
-/// Catches a product that is rounded in another order than the page names. Where the product lies on
-/// a half, the orders give different whole numbers. Random reals hit such a product once in 10^7 steps.
+/// Catches a product that is rounded in another order than the page names. Where the product lies
+/// on a half, the orders give different whole numbers. Random reals hit such a product once in 10^7
+/// steps.
 #[test]
 fn products_on_a_half_are_rounded_in_one_order() {
     let sensing = [(2, 0.15, 0.2), (3, 0.35, 0.7), (4, 0.35, 0.4)];

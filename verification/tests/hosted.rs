@@ -1,8 +1,8 @@
-//! The kernel against the specification where a host owns positions, detections, links, batteries and
-//! hotspots.
+//! The kernel against the specification where a host owns positions, detections, links, batteries
+//! and hotspots.
 //!
-//! Catches a host's value that the kernel takes up otherwise than written down, an invalid state after it, a
-//! ledger that no longer balances, a snapshot that forgets it.
+//! Catches a host's value that the kernel takes up otherwise than written down, an invalid state
+//! after it, a ledger that no longer balances, a snapshot that forgets it.
 
 use jcas_core::{Cell, Config, Error, Model, Sim};
 use jcas_verification::comparison::{self, Outcome};

@@ -1,7 +1,7 @@
 //! Random sequences of every public call on random models: a short run of `examples/soak.rs`.
 //!
-//! Catches a call that leaves an invalid state and a refused call that leaves a trace. Catches a step
-//! whose result depends on the calls before it, and one that differs from the specification.
+//! Catches a call that leaves an invalid state and a refused call that leaves a trace. Catches a
+//! step whose result depends on the calls before it, and one that differs from the specification.
 
 use jcas_verification::machine::{KINDS, Tally, play};
 use proptest::prelude::*;

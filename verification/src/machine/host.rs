@@ -1,4 +1,5 @@
-//! The calls by which a host owns something, legal and illegal, and what the specification hears of them.
+//! The calls by which a host owns something, legal and illegal, and what the specification hears of
+//! them.
 
 use super::{Done, Machine, judge};
 use crate::sampling::Dice;
@@ -38,7 +39,8 @@ impl Machine<'_> {
         let done = self.call(dice, &Call::SetPositions { cells: &cells });
         if done.is_ok() {
             self.shadow.host.positions = Some(cells.iter().copied().map(position).collect());
-            // The specification keeps UAVs on the ground last, as the calls' documentation says to do.
+            // The specification keeps UAVs on the ground last, as the calls' documentation says to
+            // do.
             if !self.shadow.host.grounded.is_empty() {
                 self.shadow.world = None;
             }

@@ -117,7 +117,8 @@ pub struct World {
     pub informed_at: Vec<Option<u32>>,
     /// `visited[y][x]`: some UAV has been there.
     pub visited: Vec<Vec<bool>>,
-    /// `searched[i][y][x]`: UAV i knows that the cell has been looked at; never without search maps.
+    /// `searched[i][y][x]`: UAV i knows that the cell has been looked at; never without search
+    /// maps.
     pub searched: Vec<Vec<Vec<bool>>>,
     /// Carbon intensity that the coming step will be billed with, in mg/kWh.
     pub coming_intensity_mg_per_kwh: u64,

@@ -52,7 +52,8 @@ impl Rewards {
 /// What a step did that the world after it no longer shows.
 #[derive(Clone, Debug, Default)]
 pub struct StepFacts {
-    /// Whether each UAV was the first ever in its cell; of several in one step, the one of lowest index.
+    /// Whether each UAV was the first ever in its cell; of several in one step, the one of lowest
+    /// index.
     pub first_visits: Vec<bool>,
     /// Whether each UAV moved into a cell visited before this step.
     pub revisits: Vec<bool>,
@@ -109,8 +110,8 @@ impl Specification {
         }
     }
 
-    /// R_i: its own part of what the team's reward sums over UAVs, times N; its own in place of what is a
-    /// mean over UAVs; the rest as the team's.
+    /// R_i: its own part of what the team's reward sums over UAVs, times N; its own in place of
+    /// what is a mean over UAVs; the rest as the team's.
     pub(super) fn uav_reward(
         &self,
         world: &World,
