@@ -1,13 +1,13 @@
-//! Where a state of the kernel and the specification's world differ.
+//! Compares a state of the kernel with the specification's world.
 //!
-//! Integers, sets and flags have to be equal. Reals may differ by rounding alone,
-//! as the two are computed from differently arranged formulas: 1e-12 relative, and
-//! of a number below one 1e-12 absolute, because differences of potentials cancel.
+//! Integers, sets and flags have to be equal. Reals may differ by rounding, because the two sides
+//! arrange the formulas differently. The tolerance is 1e-12, relative above one and absolute below
+//! it, because differences of potentials cancel.
 
 use crate::specification::{Specification, World};
 use jcas_core::{Cell, StateRef};
 
-/// The first difference, as text.
+/// The text that describes the first difference.
 pub type Outcome = Result<(), String>;
 
 /// Compares every quantity of the state.
@@ -132,7 +132,7 @@ fn cell(position: crate::specification::Position) -> Cell {
     }
 }
 
-/// Compares what two observers see: equal to within one unit in the last place.
+/// Compares two observations, which must be equal to within one unit in the last place.
 pub fn observations(what: impl core::fmt::Display, ours: &[f32], theirs: &[f32]) -> Outcome {
     equal(format_args!("length of {what}"), ours.len(), theirs.len())?;
     for (index, (&a, &b)) in ours.iter().zip(theirs).enumerate() {
@@ -145,7 +145,7 @@ pub fn observations(what: impl core::fmt::Display, ours: &[f32], theirs: &[f32])
     Ok(())
 }
 
-/// The place of a number among all `f32`; both zeros share one.
+/// Returns the rank of a number among all `f32`; both zeros have the same rank.
 fn ordinal(x: f32) -> i64 {
     let magnitude = i64::from(x.to_bits() & 0x7FFF_FFFF);
     if x.is_sign_negative() {

@@ -1,11 +1,10 @@
-//! What the kernel is held against.
+//! Checks of the kernel against an independent specification.
 //!
-//! [`specification`] is the model a second time, as plainly as it can be written.
-//! [`sampling`] draws configurations and actions that reach its corners;
-//! [`comparison`] says where a state of the kernel differs from the specification's
-//! world; [`mission`] flies whole episodes in both, [`machine`] makes random sequences
-//! of every public call. `proofs.toml` beside this crate's sources lists what Kani proves, and
-//! `ASSUMPTIONS.md` what those proofs rest on.
+//! [`specification`] is the model written a second time, as plainly as possible. [`sampling`] draws
+//! configurations and actions that reach its corner cases. [`comparison`] finds differences between
+//! a state of the kernel and the specification's world. [`mission`] runs whole episodes in both, and
+//! [`machine`] makes random sequences of every public call. `proofs.toml` beside this crate's
+//! sources lists what Kani proves. `ASSUMPTIONS.md` lists what those proofs assume.
 
 // The specification indexes as its equations do.
 #![allow(clippy::needless_range_loop)]

@@ -1,16 +1,16 @@
-//! A whole mission in the kernel and in the specification, compared after every step.
+//! Runs a whole episode in the kernel and in the specification and compares after every step.
 
 use crate::comparison::{self, Outcome};
 use crate::sampling::{self, Dice, Pilot};
 use crate::specification::{Specification, World};
 use jcas_core::{Config, Model, Sim};
 
-/// Flies a mission to its end and shows every world after its step to `note`.
+/// Runs an episode to its end and passes the world after each step to `note`.
 ///
-/// Every state is compared, its observations at each time that `observed_every` divides.
+/// Every state is compared. Observations are compared at the times that `observed_every` divides.
 ///
 /// # Errors
-/// The first difference, with its step, the step's actions and the configuration.
+/// Returns the first difference, with its step, the step's actions and the configuration.
 pub fn fly(
     config: &Config,
     pilot: Pilot,
@@ -50,13 +50,13 @@ pub fn fly(
     Ok(())
 }
 
-/// The state and its validity.
+/// Compares the state, and checks its validity.
 fn compare(spec: &Specification, world: &World, sim: &Sim<'_>) -> Outcome {
     comparison::states(spec, world, &sim.state())?;
     comparison::equal("is_valid", true, sim.state().is_valid(sim.model()))
 }
 
-/// What each UAV and a critic see.
+/// Compares the observations and the global state.
 fn compare_observations(spec: &Specification, world: &World, sim: &mut Sim<'_>) -> Outcome {
     let model = sim.model();
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];

@@ -1,4 +1,4 @@
-//! Values that depend on two cells by their distance alone.
+//! Values of two cells that depend only on their distance.
 
 use super::Position;
 use jcas_core::Config;
@@ -6,7 +6,8 @@ use jcas_core::Config;
 /// A function of the range R, evaluated for every distance that two cells of a grid can have.
 #[derive(Clone, Debug)]
 pub struct ByDistance {
-    /// By squared distance in cells; NaN where no two cells are that far apart.
+    /// The values by squared distance in cells. An entry is NaN where no two cells have that
+    /// distance.
     values: Vec<f64>,
 }
 
@@ -28,7 +29,7 @@ impl ByDistance {
         ByDistance { values }
     }
 
-    /// The value between two cells of the grid.
+    /// Returns the value for two cells of the grid.
     pub fn between(&self, a: Position, b: Position) -> f64 {
         self.values[a.squared(b) as usize]
     }

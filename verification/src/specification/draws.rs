@@ -1,7 +1,7 @@
-//! Which counter belongs to which draw, and what is made of its words.
+//! The counter of each random draw, and the distribution that its words give.
 //!
-//! Counter words: step, UAV, block within the draw, purpose. Reset draws belong
-//! to step 0; the draws of a step to the time that the step makes.
+//! The counter words are the step, the UAV, the block within the draw and the purpose. Draws of a
+//! reset have step 0. Draws of a step have the time after the step.
 
 use super::philox::{block, first_u64};
 
@@ -40,12 +40,12 @@ pub fn initial_soc(seed: u64, i: usize, lo: f64, hi: f64) -> f64 {
     lo + (hi - lo) * unit(first_u64(block(seed, [0, i as u32, 0, SOC])))
 }
 
-/// A real in [0, 1) out of 64 random bits.
+/// Returns a real in [0, 1) from 64 random bits.
 fn unit(draw: u64) -> f64 {
     (draw >> 11) as f64 / 9_007_199_254_740_992.0
 }
 
-/// n distinct ranks out of 0..m in random order: Floyd's sampling, then a shuffle.
+/// Draws n distinct ranks of 0..m in random order, by Floyd's sampling and a shuffle.
 pub fn distinct_ranks(seed: u64, n: usize, m: usize) -> Vec<u64> {
     let mut chosen: Vec<u64> = Vec::new();
     for k in 0..n {
@@ -62,13 +62,13 @@ pub fn distinct_ranks(seed: u64, n: usize, m: usize) -> Vec<u64> {
     chosen
 }
 
-/// The seed of the index-th episode that follows from `seed`.
+/// Derives the seed of the episode with an index from `seed`.
 pub fn derive_seed(seed: u64, index: u64) -> u64 {
     let counter = [index as u32, (index >> 32) as u32, 0, SEED];
     first_u64(block(seed, counter))
 }
 
-/// A number below `bound` out of 64 random bits: the high half of the product.
+/// Returns a number below `bound` from 64 random bits: the high half of the product.
 fn below(draw: u64, bound: u64) -> u64 {
     ((u128::from(draw) * u128::from(bound)) >> 64) as u64
 }

@@ -8,21 +8,21 @@ const MICROJOULES_PER_KWH: f64 = 3.6e12;
 /// The configuration's energies, each rounded once to microjoules.
 #[derive(Clone, Debug)]
 pub struct Ledger {
-    /// B_max.
+    /// Battery capacity B_max, in microjoules.
     pub capacity_uj: u64,
-    /// Below this a UAV flies home.
+    /// Charge below which a UAV returns to base, in microjoules.
     pub return_uj: u64,
-    /// r_ch, what a depot offers in one step.
+    /// Energy r_ch that a depot offers in one step, in microjoules.
     pub charge_uj: u64,
-    /// e_move where the cell changed.
+    /// Energy e_move of a step that changes the cell, in microjoules.
     pub move_uj: u64,
-    /// e_move where it did not.
+    /// Energy e_move of a step in the same cell, in microjoules.
     pub hover_uj: u64,
-    /// e_sense at the highest pilot density.
+    /// Energy e_sense of a step at the highest pilot density, in microjoules.
     pub sense_uj: u64,
-    /// e_comm at a pilot density of zero.
+    /// Energy e_comm of a step at a pilot density of zero, in microjoules.
     pub comm_uj: u64,
-    /// 1 − ρ_RE in parts per billion.
+    /// Fraction of grid energy, 1 − ρ_RE, in parts per billion.
     pub grid_share_ppb: u64,
     /// Lowest carbon intensity, in mg/kWh.
     pub intensity_min_mg_per_kwh: u64,

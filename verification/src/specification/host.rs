@@ -1,26 +1,26 @@
-//! What a host simulator puts in place of the model's own.
+//! Values that a host simulator supplies in place of the model's.
 
 use super::{Position, Specification, World};
 
-/// What a host owns of one step; nothing by default.
+/// The quantities of one step that a host supplies. By default it supplies none.
 #[derive(Clone, Debug, Default)]
 pub struct Host {
-    /// Where it has moved the UAVs.
+    /// Cell of each UAV, in place of the model's motion.
     pub positions: Option<Vec<Position>>,
-    /// UAVs that it keeps on the ground.
+    /// Indices of the UAVs that the host keeps on the ground.
     pub grounded: Vec<usize>,
-    /// Hotspots that it confirms.
+    /// Indices of the hotspots that the host confirms.
     pub confirmed: Vec<usize>,
     /// `detections[i][j]`, in place of the draws.
     pub detections: Option<Vec<Vec<bool>>>,
     /// `links[i][k]`, in place of the link budget's graph.
     pub links: Option<Vec<Vec<bool>>>,
-    /// The mean throughput of each UAV as it measured it; only with `links`.
+    /// The mean throughput of each UAV as the host measured it, only together with `links`.
     pub throughput: Option<Vec<f64>>,
 }
 
 impl Specification {
-    /// Puts the UAVs where they start.
+    /// Sets the start cells of the UAVs.
     pub fn set_starts(&self, world: &mut World, starts: &[Position]) {
         for row in &mut world.visited {
             row.fill(false);
@@ -32,7 +32,7 @@ impl Specification {
         self.link_up(world);
     }
 
-    /// Sets what battery i holds; the difference is the host's.
+    /// Sets the charge of battery i, and books the difference as the host's adjustment.
     pub fn set_battery(&self, world: &mut World, i: usize, charge_uj: u64) {
         world.given_uj[i] += charge_uj as i64 - world.battery_uj[i] as i64;
         world.battery_uj[i] = charge_uj;
@@ -42,7 +42,7 @@ impl Specification {
         }
     }
 
-    /// Sets what each battery holds at the start, in place of the drawn charge.
+    /// Sets the charge of each battery at the start, in place of the drawn charge.
     pub fn set_batteries(&self, world: &mut World, charges_uj: &[u64]) {
         world.battery_uj = charges_uj.to_vec();
         world.initial_uj = charges_uj.to_vec();
@@ -51,7 +51,7 @@ impl Specification {
         self.link_up(world);
     }
 
-    /// The host's graph among the UAVs that fly, and what it measured over it.
+    /// Takes over the host's graph among the UAVs that fly, and the throughputs measured over it.
     pub(super) fn link_over(&self, world: &mut World, links: &[Vec<bool>], host: &Host) {
         let n = self.uavs();
         for (i, row) in links.iter().enumerate() {

@@ -16,13 +16,13 @@ pub fn spectral_efficiency(c: &Config, range_m: f64) -> f64 {
 }
 
 impl Specification {
-    /// η_ij: what a UAV with this pilot density reaches toward another cell.
+    /// Returns η_ij, the normalised throughput of a UAV with this pilot density to another cell.
     pub fn link_throughput(&self, from: Position, to: Position, pilot: f64) -> f64 {
         let efficiency = self.spectral_efficiency.between(from, to);
         (1.0 - pilot) * efficiency / self.config.reference_spectral_efficiency
     }
 
-    /// Links every pair of flying UAVs of which both hear the other well enough.
+    /// Links each pair of flying UAVs that reach the threshold in both directions.
     pub fn link_up(&self, world: &mut World) {
         let n = self.uavs();
         let least = self.config.link_throughput_min;
@@ -38,7 +38,7 @@ impl Specification {
         self.measure(world);
     }
 
-    /// What each UAV reaches toward its neighbours, and the fleet's mean.
+    /// Computes each UAV's mean throughput toward its neighbours, and the fleet's mean.
     pub(super) fn measure(&self, world: &mut World) {
         let n = self.uavs();
         for i in 0..n {
@@ -60,9 +60,9 @@ impl Specification {
         world.mean_throughput = world.throughput.iter().sum::<f64>() / n as f64;
     }
 
-    /// The paper's consensus: N rounds, each from the round before.
+    /// Makes the paper's consensus: N rounds, each from the result of the round before.
     pub fn consensus(&self, world: &mut World) {
-        // A round that changes nothing is followed by none that does.
+        // After a round without a change, no round changes anything.
         let mut settled = false;
         for _ in 0..self.uavs() {
             if settled {

@@ -5,8 +5,8 @@
 //! link value is computed from its equation, once for each distance that two cells
 //! of the grid can have. Consensus is the paper's iterations, and the random
 //! generator is written from its publication. It shares the kernel's [`Config`] and
-//! nothing else, so a mistake has to be made twice, in two different ways, to go
-//! unseen by `tests/differential.rs`.
+//! nothing else. So only a mistake that is made in both, in two different ways,
+//! is missed by `tests/differential.rs`.
 
 mod distances;
 pub mod draws;
@@ -33,7 +33,7 @@ use jcas_core::Config;
 /// Metres a second, exact by the definition of the metre.
 const SPEED_OF_LIGHT_M_PER_S: f64 = 299_792_458.0;
 
-/// A cell of the grid, as plain signed numbers: differences may be negative.
+/// A cell of the grid as signed numbers, so that differences may be negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Position {
     /// Column, 0 at the left.
@@ -43,19 +43,19 @@ pub struct Position {
 }
 
 impl Position {
-    /// Manhattan distance in cells.
+    /// Returns the Manhattan distance in cells.
     fn manhattan(self, other: Position) -> i64 {
         (self.x - other.x).abs() + (self.y - other.y).abs()
     }
 
-    /// Squared Euclidean distance in cells.
+    /// Returns the squared Euclidean distance, in square cells.
     fn squared(self, other: Position) -> i64 {
         let (dx, dy) = (self.x - other.x, self.y - other.y);
         dx * dx + dy * dy
     }
 }
 
-/// The rules of one mission: the configuration and what follows directly from it.
+/// The rules of one mission: the configuration and quantities that follow directly from it.
 #[derive(Clone, Debug)]
 pub struct Specification {
     /// The configuration, as the kernel takes it.
@@ -91,7 +91,7 @@ pub struct World {
     pub accepted_uj: Vec<u64>,
     /// What a host has put into each battery, less what it has taken out, in microjoules.
     pub given_uj: Vec<i64>,
-    /// Energy asked for and not there, so far, in microjoules.
+    /// Energy that each UAV requested beyond its charge so far, in microjoules.
     pub shortfall_uj: Vec<u64>,
     /// Pilot density of each UAV.
     pub pilot: Vec<f64>,
@@ -99,7 +99,7 @@ pub struct World {
     pub throughput: Vec<f64>,
     /// Whether each UAV was without charge at the start of the last step.
     pub grounded: Vec<bool>,
-    /// Whether each UAV was sent home by a low battery then.
+    /// Whether a low battery sent each UAV back to base in the last step.
     pub returning: Vec<bool>,
     /// Whether each UAV changed its cell in the last step.
     pub moved: Vec<bool>,
@@ -134,9 +134,9 @@ pub struct World {
     pub rewards: Rewards,
     /// The last step's reward of each UAV, term by term.
     pub uav_rewards: Vec<Rewards>,
-    /// Every hotspot is informed.
+    /// Whether every hotspot is informed.
     pub terminated: bool,
-    /// The horizon was reached without that.
+    /// Whether the horizon was reached before every hotspot was informed.
     pub truncated: bool,
 }
 
@@ -202,7 +202,7 @@ impl Specification {
     }
 }
 
-/// a / b, and 0 where there is nothing to divide by.
+/// Returns a / b, and 0 where b is 0.
 fn fraction(a: f64, b: f64) -> f64 {
     if b == 0.0 { 0.0 } else { a / b }
 }

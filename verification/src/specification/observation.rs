@@ -1,10 +1,10 @@
-//! What each UAV sees, and what a critic sees, entry by entry.
+//! The observation of each UAV and the global state, entry by entry.
 
 use super::{Position, Specification, World, fraction};
 use jcas_core::TargetVisibility;
 
 impl Specification {
-    /// The observation of UAV i.
+    /// Returns the observation of UAV i.
     pub fn observe(&self, world: &World, i: usize) -> Vec<f32> {
         let mut entries = Vec::new();
         self.push_self(world, i, &mut entries);
@@ -41,7 +41,7 @@ impl Specification {
         entries.push(flag(knows));
     }
 
-    /// Neighbours nearest first, lower index first on a tie; then how many.
+    /// Appends the neighbours, nearest first and on a tie by index, and then their count.
     fn push_neighbours(&self, world: &World, i: usize, entries: &mut Vec<f64>) {
         let others = self.uavs() - 1;
         let slots = others.min(self.config.neighbour_slots as usize);
@@ -68,7 +68,7 @@ impl Specification {
         entries.push(f64::from(world.t) / f64::from(self.config.horizon_steps));
     }
 
-    /// The global state for a central critic.
+    /// Returns the global state for a centralised critic.
     pub fn observe_global(&self, world: &World) -> Vec<f32> {
         let mut entries = Vec::new();
         for i in 0..self.uavs() {

@@ -1,16 +1,16 @@
 //! Philox4x32-10 from its publication: J. K. Salmon, M. A. Moraes, R. O. Dror and
 //! D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
 //!
-//! A round multiplies two of the four counter words by constants, keeps both
-//! halves of each product, and mixes them with the other two words and the key.
-//! The key is bumped by the Weyl constants between rounds.
+//! A round multiplies two of the four counter words by constants and keeps both halves of each
+//! product. It mixes them with the other two words and the key. Between rounds the Weyl constants
+//! are added to the key.
 
 const MULTIPLIER_0: u64 = 0xD251_1F53;
 const MULTIPLIER_1: u64 = 0xCD9E_8D57;
 const WEYL_0: u32 = 0x9E37_79B9;
 const WEYL_1: u32 = 0xBB67_AE85;
 
-/// Ten rounds over `counter` with `key`.
+/// Applies ten rounds to `counter` with `key`.
 pub fn philox4x32_10(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     let [mut c0, mut c1, mut c2, mut c3] = counter;
     let [mut k0, mut k1] = key;
@@ -30,12 +30,12 @@ pub fn philox4x32_10(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     [c0, c1, c2, c3]
 }
 
-/// One block of the stream of `seed`: the seed's two halves are the key.
+/// Returns one block of the stream of `seed`, whose two halves are the key.
 pub fn block(seed: u64, counter: [u32; 4]) -> [u32; 4] {
     philox4x32_10(counter, [low(seed), high(seed)])
 }
 
-/// The first two words of a block as one number, low word first.
+/// Returns the first two words of a block as one number, low word first.
 pub fn first_u64(words: [u32; 4]) -> u64 {
     u64::from(words[0]) + (u64::from(words[1]) << 32)
 }
@@ -52,7 +52,7 @@ fn high(x: u64) -> u32 {
 mod tests {
     use super::*;
 
-    /// Catches any slip in the rounds: the vectors of Random123's `kat_vectors`.
+    /// Catches any error in the rounds by the vectors of Random123's `kat_vectors`.
     #[test]
     fn published_vectors_hold() {
         let zeros = philox4x32_10([0; 4], [0; 2]);

@@ -3,7 +3,7 @@
 use super::{Position, Rewards, Specification, World, draws, energy};
 
 impl Specification {
-    /// Starts the episode that belongs to `seed`.
+    /// Returns the start of the episode of `seed`.
     pub fn reset(&self, seed: u64) -> World {
         let (n, m) = (self.uavs(), self.hotspots());
         let start = self.depots[0];
@@ -43,7 +43,7 @@ impl Specification {
             terminated: false,
             truncated: false,
         };
-        // The fleet hears itself on its depot before the first step.
+        // All UAVs at the depot are linked before the first step.
         self.link_up(&mut world);
         world
     }
@@ -54,8 +54,7 @@ impl Specification {
         energy::half_up(self.energy.capacity_uj as f64 * soc)
     }
 
-    /// Hotspots lie on distinct cells without a depot; ranks count those cells
-    /// row by row.
+    /// Draws the hotspots on distinct cells without a depot. Ranks count those cells row by row.
     fn place_hotspots(&self, seed: u64) -> Vec<Position> {
         let mut free = Vec::new();
         for y in 0..self.height() {
@@ -70,7 +69,7 @@ impl Specification {
         ranks.into_iter().map(|rank| free[rank as usize]).collect()
     }
 
-    /// The intensity that the step after time t is billed with.
+    /// Returns the carbon intensity of the step after time t, in mg/kWh.
     pub(super) fn draw_intensity(&self, seed: u64, t: u32) -> u64 {
         let lo = self.energy.intensity_min_mg_per_kwh;
         let hi = self.energy.intensity_max_mg_per_kwh;

@@ -25,7 +25,7 @@ pub struct Rewards {
 }
 
 impl Rewards {
-    /// The terms in order.
+    /// Returns the terms in the order of the reward.
     pub fn terms(&self) -> [f64; 12] {
         [
             self.detect,
@@ -43,17 +43,17 @@ impl Rewards {
         ]
     }
 
-    /// R_t.
+    /// Returns the team reward R_t, the sum of the terms.
     pub fn sum(&self) -> f64 {
         self.terms().iter().sum()
     }
 }
 
-/// What a step did that the world after it no longer shows.
+/// Quantities of a step that the world after the step does not hold.
 #[derive(Clone, Debug, Default)]
 pub struct StepFacts {
-    /// Whether each UAV was the first ever in its cell; of several in one step, the one of lowest
-    /// index.
+    /// Whether each UAV was the first ever in its cell. Of several UAVs in one step, the one with the
+    /// lowest index counts.
     pub first_visits: Vec<bool>,
     /// Whether each UAV moved into a cell visited before this step.
     pub revisits: Vec<bool>,
@@ -110,8 +110,8 @@ impl Specification {
         }
     }
 
-    /// R_i: its own part of what the team's reward sums over UAVs, times N; its own in place of
-    /// what is a mean over UAVs; the rest as the team's.
+    /// Returns the terms of R_i. A term that the team's reward sums over UAVs is the UAV's part times
+    /// N. A term that is a mean over UAVs is the UAV's own value. The others are the team's.
     pub(super) fn uav_reward(
         &self,
         world: &World,
@@ -141,7 +141,7 @@ impl Specification {
         }
     }
 
-    /// Mean over the confirmed hotspots of the share of UAVs that know each.
+    /// Returns the mean over the confirmed hotspots of the fraction of UAVs that know each.
     fn knowledge_spread(&self, world: &World) -> f64 {
         let mut sum = 0.0;
         let mut confirmed = 0;
@@ -158,7 +158,7 @@ impl Specification {
         }
     }
 
-    /// Share of the UAVs that know hotspot j.
+    /// Returns the fraction of the UAVs that know hotspot j.
     pub(super) fn knowing_share(&self, world: &World, j: usize) -> f64 {
         let knowing = world.knows.iter().filter(|row| row[j]).count();
         knowing as f64 / self.uavs() as f64

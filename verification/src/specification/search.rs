@@ -1,10 +1,10 @@
-//! Search maps: who knows which cells to have been looked at.
+//! Search maps: the cells that each UAV knows to be searched.
 
 use super::{Position, Specification, World, fraction};
 use jcas_core::{MapDirections, SearchMaps, UavTag};
 
 impl Specification {
-    /// After the move: a UAV that is not grounded has looked at the cells within the radius.
+    /// Adds the cells within the radius to the map of each UAV that is not grounded, after the move.
     pub(super) fn look_around(&self, world: &mut World) {
         if self.config.search_maps == SearchMaps::Off {
             return;
@@ -25,12 +25,12 @@ impl Specification {
         }
     }
 
-    /// N rounds in which each UAV takes over what its neighbours had in the round before.
+    /// Makes N rounds in which each UAV takes over its neighbours' maps of the round before.
     pub(super) fn share_maps(&self, world: &mut World) {
         if self.config.search_maps == SearchMaps::Off {
             return;
         }
-        // A round that changes nothing is followed by none that does.
+        // After a round without a change, no round changes anything.
         let mut settled = false;
         for _ in 0..self.uavs() {
             if settled {
@@ -53,7 +53,7 @@ impl Specification {
         }
     }
 
-    /// The window of the map, the unsearched share of each direction, the tag.
+    /// Appends the window of the map, the unsearched fraction of each direction, and the tag.
     pub(super) fn push_search(&self, world: &World, i: usize, entries: &mut Vec<f64>) {
         let radius = i64::from(self.config.map_window_radius);
         if radius > 0 {
@@ -83,7 +83,7 @@ impl Specification {
         }
     }
 
-    /// The share of each direction's cells that the UAV's map does not hold.
+    /// Returns the fraction of each direction's cells that the UAV's map does not hold.
     fn unsearched_shares(&self, world: &World, i: usize) -> [f64; 8] {
         let (mut cells, mut unsearched) = ([0.0; 8], [0.0; 8]);
         for (y, row) in world.searched[i].iter().enumerate() {
@@ -103,7 +103,7 @@ impl Specification {
     }
 }
 
-/// Which of eight directions an offset lies in: 0 right, then counterclockwise.
+/// Returns the direction of an offset, 0 to 7: 0 is right, and they increase counterclockwise.
 fn direction(dx: i64, dy: i64) -> Option<usize> {
     let flat = 2 * dy.abs() < dx.abs();
     let steep = 2 * dx.abs() < dy.abs();

@@ -11,7 +11,7 @@ impl Specification {
         self.step_with(world, actions, &Host::default());
     }
 
-    /// The same, with what a host puts in place of the model's own.
+    /// Advances the world by one step, with a host's values in place of the model's.
     pub fn step_with(&self, world: &mut World, actions: &[(f32, f32)], host: &Host) {
         let before = self.potentials(world);
         let before_of: Vec<Potentials> = (0..self.uavs())
@@ -56,7 +56,7 @@ impl Specification {
         }
     }
 
-    /// Return to base and motion; counts what the reward needs of it.
+    /// Moves each UAV, back to base where its battery is low, and counts what the reward needs.
     fn fly(&self, world: &mut World, actions: &[(f32, f32)], host: &Host) -> StepFacts {
         let visited_before = world.visited.clone();
         let mut facts = StepFacts::default();
@@ -90,7 +90,7 @@ impl Specification {
         facts
     }
 
-    /// One cell toward the nearest depot, x before y.
+    /// Returns the cell one step toward the nearest depot, along x before y.
     fn homeward(&self, here: Position) -> Position {
         let home = self.nearest_depot(here);
         if here.x != home.x {
@@ -112,7 +112,8 @@ impl Specification {
         if on_grid { Position { x, y } } else { here }
     }
 
-    /// Draws, confirms, learns. Returns which UAVs were sensing, for their energy.
+    /// Draws the detections, confirms hotspots and updates the knowledge. Returns for each UAV
+    /// whether it was sensing, which its energy depends on.
     fn sense_and_learn(&self, world: &mut World, host: &Host) -> Vec<bool> {
         let (n, m) = (self.uavs(), self.hotspots());
         let mut was_sensing = vec![false; n];
@@ -151,7 +152,7 @@ impl Specification {
         was_sensing
     }
 
-    /// Informed hotspots, and whether the mission is over.
+    /// Marks hotspots as informed, and decides whether the episode is over.
     fn inform(&self, world: &mut World) {
         for j in 0..self.hotspots() {
             let everybody = (0..self.uavs()).all(|i| world.knows[i][j]);
