@@ -18,10 +18,10 @@ pub const WEIGHTS: &str = "policy.safetensors";
 pub const CARD: &str = "policy.json";
 /// Version of the card that is written and read.
 pub const FORMAT: u32 = 1;
-/// Seed of the campaign that every policy and baseline is compared on.
+/// Seed of the campaign in which all policies and baselines are compared.
 pub const EVALUATION_SEED: u64 = 1;
 
-/// Description of a trained policy: what it is, where it comes from and how well it did.
+/// Description of a trained policy: its network, its origin and its results.
 ///
 /// Other trainers (`jcas.rllib`) write cards as well, with fields of their own, which are ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,19 +32,20 @@ pub struct Card {
     pub name: String,
     /// Action head.
     pub head: Head,
-    /// Network of the actor, as its trainer describes it. Flying reads the shapes of the weights.
+    /// Network of the actor, as its trainer describes it. Running the policy reads the shapes from
+    /// the weights.
     pub architecture: Value,
     /// Whether observations are normalised by stored statistics.
     pub normalised_inputs: bool,
-    /// Pilot density that overrides the network's; absent: the network chooses.
+    /// Pilot density that overrides the network's; `None`: the network chooses.
     pub constant_pilot_density: Option<f64>,
-    /// Mode in which the policy should be flown.
+    /// Mode in which the policy should act.
     pub mode: Mode,
-    /// Fleets and hotspots that it was trained on: (N, n).
+    /// Numbers of UAVs and hotspots of its training: (N, n).
     pub trained_on: Vec<(u32, u32)>,
-    /// The first configuration that it was trained on.
+    /// The first configuration of its training.
     pub config: Config,
-    /// Hash of this configuration.
+    /// Hash of that configuration.
     pub config_hash: String,
     /// Settings of the training run, as its trainer wrote them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,7 +53,7 @@ pub struct Card {
     /// Environment steps of its training.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment_steps: Option<u64>,
-    /// Evaluations after training.
+    /// Results of evaluations after training.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evaluations: Vec<Evaluation>,
 }
@@ -61,19 +62,19 @@ pub struct Card {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evaluation {
-    /// UAVs.
+    /// Number of UAVs.
     pub uav_count: u32,
-    /// Hotspots.
+    /// Number of hotspots.
     pub hotspot_count: u32,
-    /// How actions followed from the network.
+    /// The mode in which actions were taken from the network's outputs.
     pub mode: Mode,
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: u64,
     /// Seed of the campaign.
     pub seed: u64,
-    /// Share of the episodes that succeeded, 0 to 1.
+    /// Fraction of the episodes that succeeded, 0 to 1.
     pub success_rate: f64,
-    /// Mean number of steps; an episode that failed counts its horizon.
+    /// Mean number of steps; a failed episode counts its horizon.
     pub mission_steps_mean: f64,
     /// Mean energy of the fleet, kWh.
     pub energy_kwh_mean: f64,
@@ -81,12 +82,12 @@ pub struct Evaluation {
     pub throughput_mean: f64,
 }
 
-/// Why a trained policy cannot be read or flown.
+/// The reason why a trained policy cannot be read or run.
 #[derive(Debug)]
 pub enum CardError {
     /// A file could not be read.
     File(PathBuf, std::io::Error),
-    /// A file does not hold what it should.
+    /// A file has invalid content.
     Format(PathBuf, String),
     /// The policy does not fit the configuration.
     Fit(String),
@@ -110,7 +111,7 @@ pub struct StoredPolicy {
     /// Its card.
     pub card: Card,
     trained: Trained,
-    /// The action u_pilot that overrides the network's.
+    /// The action u_pilot in [−1, 1] that overrides the network's.
     pilot: Option<f32>,
 }
 
@@ -156,7 +157,7 @@ pub fn load(folder: &Path) -> Result<StoredPolicy, CardError> {
 }
 
 impl StoredPolicy {
-    /// The same policy with its action u_pilot held at a value in [−1, 1].
+    /// Returns the same policy with its action u_pilot fixed at a value in [−1, 1].
     #[must_use]
     pub fn holding(self, pilot: f32) -> Self {
         Self {
@@ -168,7 +169,7 @@ impl StoredPolicy {
     /// Refuses a model whose observations the network cannot read.
     ///
     /// # Errors
-    /// [`CardError::Fit`] names the policy, both sizes, and the fields that they follow from.
+    /// [`CardError::Fit`] names the policy, both sizes, and the fields that determine the sizes.
     pub fn check(&self, model: &Model<'_>) -> Result<(), CardError> {
         let (own, config) = (&self.card.config, model.config());
         let unfit =
@@ -191,7 +192,7 @@ impl StoredPolicy {
         }
     }
 
-    /// A policy ready to fly in a mode, by default the card's.
+    /// Returns the policy ready to act in a mode, by default the card's.
     #[must_use]
     pub fn policy(&self, mode: Option<Mode>) -> Trained {
         self.trained.clone().with_flight(Flight {
@@ -202,7 +203,7 @@ impl StoredPolicy {
     }
 }
 
-/// The fields that the size of an observation follows from, with their values.
+/// The fields that determine the size of an observation, with their values.
 fn observed(config: &Config) -> String {
     const FIELDS: [&str; 7] = [
         "uav_count",

@@ -1,15 +1,15 @@
-//! Episodes of jcas, flown and reported on without learning:
+//! Runs episodes of jcas and reports on them, without learning:
 //!
 //! - [`card`]: trained policies on disk, with their cards;
-//! - [`mission`]: one episode, or a campaign of many over all cores;
-//! - [`planned`]: policies that fly plans; [`plan_file`]: plans on file;
+//! - [`mission`]: one episode, or a campaign of many on all cores;
+//! - [`planned`]: policies that follow plans; [`plan_file`]: plans on file;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
 //! - [`replay`]: a page that plays such an episode.
 //!
 //! With the feature `parallel` (default) a campaign uses all cores through rayon; results do not
-//! depend on their number. Without it everything runs on one thread, on any target that has the
-//! standard library.
+//! depend on the number of cores. Without it everything runs on one thread, on any target that has
+//! the standard library.
 
 #![forbid(unsafe_code)]
 

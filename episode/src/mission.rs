@@ -1,4 +1,4 @@
-//! Missions flown: one, or many over all cores.
+//! Runs one episode, or many on all cores.
 
 use core::fmt;
 use std::ops::ControlFlow;
@@ -8,10 +8,10 @@ use jcas_core::{Error, Metrics, Model, Sim};
 
 use jcas_policy::Policy;
 
-/// Which episodes to fly.
+/// The seeds of a campaign: which episodes to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Campaign {
-    /// How many.
+    /// Number of episodes.
     pub episodes: u64,
     /// Episode k has the seed `derive_seed(seed, k)`.
     pub seed: u64,
@@ -25,16 +25,16 @@ impl Campaign {
     }
 }
 
-/// Why a campaign did not come to its end.
+/// The reason why a campaign stopped early.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FlightError {
     /// The kernel refused a step, for example because the policy gave NaN.
     Kernel {
-        /// Episode in which it happened.
+        /// Index of the episode with the refused step.
         episode: u64,
-        /// Its seed, to fly it again.
+        /// Seed of that episode.
         seed: u64,
-        /// What was refused.
+        /// The kernel's error.
         error: Error,
     },
     /// The progress callback asked to stop.
@@ -56,10 +56,10 @@ impl fmt::Display for FlightError {
 
 impl std::error::Error for FlightError {}
 
-/// Flies one episode to its end.
+/// Runs one episode to its end.
 ///
 /// # Errors
-/// What the kernel refuses; with a policy that gives no NaN, nothing.
+/// The kernel refuses a step, which happens only where the policy gives NaN.
 pub fn fly_episode(
     model: &Model<'_>,
     sim: &mut Sim<'_>,
@@ -74,7 +74,7 @@ pub fn fly_episode(
     };
     sim.reset(seed);
     policy.reset(model, seed);
-    // The horizon bounds the episode; the kernel truncates there.
+    // The horizon bounds the episode; the kernel truncates it there.
     for _ in 0..model.config().horizon_steps {
         if policy.reads_observations() {
             sim.observe(&mut observations)?;
@@ -89,12 +89,11 @@ pub fn fly_episode(
     Ok(sim.state().metrics())
 }
 
-/// Flies every episode of a campaign, on all cores of the current rayon pool if there is the
-/// feature
-/// `parallel`. Episode k's metrics are at index k, whatever the number of threads.
+/// Runs every episode of a campaign, on all cores of the current rayon pool with the feature
+/// `parallel`. The metrics of episode k are at index k for any number of threads.
 ///
-/// `make_policy` makes one policy for each worker. `progress` is called once for every finished episode,
-/// from any thread, and may end the campaign.
+/// `make_policy` makes one policy for each worker. `progress` is called once for every finished
+/// episode, from any thread, and may stop the campaign.
 ///
 /// # Errors
 /// The first refusal by the kernel, or [`FlightError::Stopped`].
@@ -122,8 +121,8 @@ pub fn fly(
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        // A policy may plan for long before its first mission: a few parts for each thread, each
-        // with one.
+        // A policy may plan for long before its first mission. Each thread therefore gets only a
+        // few parts, each with one policy.
         let parts = 4 * rayon::current_num_threads();
         (0..campaign.episodes as usize)
             .into_par_iter()

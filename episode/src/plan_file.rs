@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the file that is written and read.
 pub const FORMAT: u32 = 1;
 
-/// A plan with the configuration that it was made for.
+/// A plan together with the configuration that it was made for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
@@ -19,23 +19,23 @@ pub struct PlanFile {
     pub config_hash: String,
     /// Seed of the annealing.
     pub seed: u64,
-    /// Moves that the annealing tried.
+    /// Number of moves that the annealing tried.
     pub iterations: u64,
-    /// Whether the annealing was ended before the moves that were asked for.
+    /// Whether the annealing ended before the requested number of moves.
     pub stopped: bool,
-    /// Expected steps until the end of the mission.
+    /// Expected number of steps until the end of the mission.
     pub expected_steps: f64,
-    /// Expected steps until every hotspot is confirmed.
+    /// Expected number of steps until every hotspot is confirmed.
     pub expected_confirmed_steps: f64,
     /// Probability that the mission ends before the horizon.
     pub success: f64,
-    /// Expected steps of the trajectories that the annealing began with.
+    /// Expected number of steps of the initial trajectories.
     pub start_steps: f64,
-    /// Steps that every fixed plan takes at least, in expectation.
+    /// Lower bound on the expected number of steps of every fixed plan.
     pub bound_steps: f64,
-    /// Cells of the hotspots, where the plan was made for known ones.
+    /// Cells of the known hotspots; absent for a search.
     pub hotspots: Option<Vec<Cell>>,
-    /// The trajectories.
+    /// The trajectories, one for each UAV.
     pub uavs: Vec<Trajectory>,
     /// The configuration.
     pub config: Config,
@@ -51,18 +51,18 @@ pub struct Trajectory {
     pub pilot_density: Vec<f64>,
 }
 
-/// Why a file holds no plan for a model.
+/// The reason why a file holds no plan for a model.
 #[derive(Debug)]
 pub enum PlanFileError {
-    /// It is no JSON of a plan.
+    /// The text is no JSON of a plan.
     Json(serde_json::Error),
-    /// It does not hold a plan that this program can fly.
+    /// The file does not hold a plan that this program can run.
     Content(&'static str),
-    /// It was made for another configuration.
+    /// The plan was made for another configuration.
     Configuration {
         /// Hash of the configuration that it was made for.
         planned: String,
-        /// Hash of the configuration that is flown.
+        /// Hash of the configuration in use.
         flown: String,
     },
 }
@@ -86,7 +86,7 @@ fn hash_text(hash: u64) -> String {
 }
 
 impl PlanFile {
-    /// What is written of a plan.
+    /// Builds the file's content from a plan.
     #[must_use]
     pub fn new(model: &Model<'_>, plan: &Plan, hotspots: Option<Vec<Cell>>) -> Self {
         let steps = plan.paths.steps();
@@ -113,10 +113,10 @@ impl PlanFile {
         }
     }
 
-    /// Reads a file.
+    /// Reads a plan from its text.
     ///
     /// # Errors
-    /// [`PlanFileError::Json`], [`PlanFileError::Content`].
+    /// [`PlanFileError::Json`] or [`PlanFileError::Content`].
     pub fn parse(text: &str) -> Result<Self, PlanFileError> {
         let file: Self = serde_json::from_str(text).map_err(PlanFileError::Json)?;
         if file.format == FORMAT {
@@ -126,11 +126,11 @@ impl PlanFile {
         }
     }
 
-    /// The plan, for a model.
+    /// Returns the plan for a model.
     ///
     /// # Errors
     /// [`PlanFileError::Configuration`] for another model than that of the plan;
-    /// [`PlanFileError::Content`] where the trajectories are not those of a fleet of the model.
+    /// [`PlanFileError::Content`] where the trajectories do not fit the fleet of the model.
     pub fn plan(&self, model: &Model<'_>) -> Result<Plan, PlanFileError> {
         let flown = hash_text(model.config_hash());
         if self.config_hash != flown {

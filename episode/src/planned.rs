@@ -1,4 +1,4 @@
-//! Policies that fly plans: one from a file, one made before the mission, one made anew on the way.
+//! Policies that follow plans: from a file, made before the mission, or renewed during it.
 
 use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
@@ -6,23 +6,23 @@ use jcas_plan::{Follower, Plan, PlanError, Replanner, Settings, search, tour};
 use jcas_policy::Policy;
 use std::ops::ControlFlow;
 
-/// Moves that the policies `plan` and `replan` try for a search; the plan is that of all missions.
+/// Annealing moves of `plan` and `replan` for a search; one plan serves all missions.
 pub const SEARCH_ITERATIONS: u64 = 400_000;
-/// Moves that they try for known hotspots, in each mission.
+/// Annealing moves for known hotspots, in each mission.
 pub const TOUR_ITERATIONS: u64 = 20_000;
-/// Moves that `replan` tries after each confirmation.
+/// Annealing moves of `replan` after each confirmation.
 pub const REPLAN_ITERATIONS: u64 = 5_000;
-/// Seed of their moves.
+/// Seed of the annealing.
 const SEED: u64 = 1;
 
-/// Flies one plan in every mission.
+/// A policy that follows one plan in every mission.
 #[derive(Debug)]
 pub struct Planned {
     follower: Follower,
 }
 
 impl Planned {
-    /// Flies this plan.
+    /// Builds a policy that follows this plan.
     #[must_use]
     pub fn new(plan: Plan) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Policy for Planned {
     }
 }
 
-/// Plans a tour of known hotspots before each mission.
+/// A policy that plans a tour of known hotspots before each mission.
 #[derive(Debug, Default)]
 pub struct PlannedTour {
     follower: Option<Follower>,
@@ -83,7 +83,7 @@ impl Policy for PlannedTour {
     }
 
     /// # Panics
-    /// Where no plan can be made; [`checked`] tells beforehand.
+    /// No plan can be made; [`checked`] reports this beforehand.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         let follower = self.follower.get_or_insert_with(|| {
             let hotspots: Vec<Cell> = (0..state.hotspot_count())
@@ -102,7 +102,7 @@ impl Policy for PlannedTour {
     }
 }
 
-/// Plans before the first step, and anew after each confirmation.
+/// A policy that plans before the first step, and again after each confirmation.
 #[derive(Clone, Debug)]
 pub struct Replanned {
     replanner: Replanner,
@@ -144,7 +144,7 @@ impl Policy for Replanned {
     }
 
     /// # Panics
-    /// Where no plan can be made; [`checked`] tells beforehand.
+    /// No plan can be made; [`checked`] reports this beforehand.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         self.replanner
             .act(model, state, actions)
@@ -152,7 +152,7 @@ impl Policy for Replanned {
     }
 }
 
-/// Whether plans of a model can be made.
+/// Checks that plans of a model can be made.
 ///
 /// # Errors
 /// [`PlanError`], where the fleet or the grid is too large.

@@ -1,4 +1,4 @@
-//! What many missions say together: means with 95 % intervals.
+//! Statistics of many missions: means with 95 % intervals.
 
 use jcas_core::Metrics;
 use jcas_core::rng::{self, Purpose};
@@ -6,11 +6,11 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::statistics::{Data, OrderStatistics};
 
-/// Resamples of a bootstrap interval.
+/// Number of resamples of a bootstrap interval.
 const RESAMPLES: u32 = 2_000;
-/// Fixed, so that the same missions always have the same intervals.
+/// Seed of the resampling; it is fixed, so that the same missions always have the same intervals.
 const BOOTSTRAP_SEED: u64 = 0x6a63_6173_2d63_6931;
-/// Share of the distribution on either side of an interval.
+/// Fraction of the distribution on either side of an interval.
 const TAIL: f64 = 0.025;
 
 /// A value and its 95 % interval.
@@ -24,7 +24,7 @@ pub struct Estimate {
     pub high: f64,
 }
 
-/// The Wilson score interval of a proportion.
+/// Returns the Wilson score interval of a proportion.
 ///
 /// E. B. Wilson, "Probable inference, the law of succession, and statistical inference", JASA 22,
 /// 1927. Unlike the textbook interval it stays within 0 to 1 and does not vanish where all or none
@@ -55,9 +55,10 @@ pub fn wilson(successes: u64, trials: u64) -> Estimate {
     }
 }
 
-/// Means of several quantities of the same missions, each with its bootstrap percentile interval.
+/// Returns the means of several quantities of the same missions, each with its bootstrap percentile
+/// interval.
 ///
-/// All quantities share the resamples, and these depend on nothing but the number of missions.
+/// All quantities share the resamples, which depend only on the number of missions.
 #[must_use]
 pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
     let count = missions.len();
@@ -97,18 +98,18 @@ pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
     })
 }
 
-/// What a set of missions says.
+/// Statistics of a set of missions.
 ///
 /// Serialises flat: each quantity under its name in [`Summary::quantities`], its interval's ends
 /// under that name with `_low` and `_high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Missions flown.
+    /// Number of missions.
     pub episodes: u64,
-    /// Share in which every UAV knows every hotspot within the horizon.
+    /// Fraction of missions in which every UAV knows every hotspot within the horizon.
     pub success_rate: Estimate,
-    /// Steps until then. A mission without success counts with its horizon, so that a policy cannot
-    /// look fast by failing the long missions.
+    /// Mission time in steps. A failed mission counts its horizon, so that a policy cannot look
+    /// fast by failing the long missions.
     pub mission_steps: Estimate,
     /// Energy that the whole fleet spent in a mission.
     pub energy_kwh: Estimate,
@@ -116,7 +117,7 @@ pub struct Summary {
     pub co2_kg: Estimate,
     /// Normalised throughput, averaged over UAVs and steps.
     pub throughput: Estimate,
-    /// Hotspots confirmed.
+    /// Number of confirmed hotspots.
     pub confirmed: Estimate,
     /// Pilot density, averaged over UAVs and steps.
     pub pilot_density: Estimate,
@@ -129,7 +130,7 @@ pub struct Summary {
 pub struct Quantity {
     /// Name in JSON and CSV.
     pub name: &'static str,
-    /// For people.
+    /// Readable name.
     pub title: &'static str,
     /// Unit; empty for a pure number.
     pub unit: &'static str,
@@ -138,7 +139,7 @@ pub struct Quantity {
 }
 
 impl Summary {
-    /// Of missions flown with the given horizon.
+    /// Returns the statistics of missions with the given horizon.
     #[must_use]
     pub fn of(missions: &[Metrics], horizon_steps: u32) -> Self {
         let successes = missions.iter().filter(|metrics| metrics.terminated).count();

@@ -1,4 +1,4 @@
-//! Each baseline does what it says, and no more than it may.
+//! Each baseline acts as documented and reads only what it may read.
 
 use std::ops::ControlFlow;
 
@@ -21,8 +21,8 @@ fn fly(config: Config, kind: BaselineKind, pilot: PilotMode, episodes: u64) -> S
     Summary::of(&missions, config.horizon_steps)
 }
 
-/// A prototype of the model, which left the range resolution's penalty out, confirmed everything in
-/// this share of 300 missions with `swarm` at the highest pilot density.
+/// `swarm` at the highest pilot density confirms all hotspots as often as in a prototype of the
+/// model, over 300 missions. The prototype left out the range resolution's penalty.
 #[test]
 fn swarm_succeeds_as_often_as_the_prototype_did() {
     for (uav_count, hotspot_count, expected) in [
@@ -41,7 +41,7 @@ fn swarm_succeeds_as_often_as_the_prototype_did() {
             ..Config::default()
         };
         let got = fly(config, BaselineKind::Swarm, PilotMode::Max, 300).success_rate;
-        // Both shares come from 300 missions: three standard errors of their difference.
+        // Both fractions come from 300 missions: three standard errors of their difference.
         let error = 3.0 * (2.0 * expected * (1.0 - expected) / 300.0f64).sqrt() + 0.01;
         assert!(
             (got.value - expected).abs() <= error,
@@ -145,8 +145,8 @@ fn only_privileged_baselines_need_positions() {
     }
 }
 
-/// With hidden targets the unprivileged baselines act alike wherever the hotspots are, as long as
-/// nothing is confirmed.
+/// With hidden hotspots the unprivileged baselines act independently of the hotspots' cells until
+/// the first confirmation.
 #[test]
 fn what_is_hidden_is_not_read() {
     let model = model(Config {
@@ -200,8 +200,8 @@ fn a_sweep_passes_over_every_cell_where_detection_reaches_no_further() {
         uav_count: 5,
         hotspot_count: 3,
         horizon_steps: 200,
-        // Certain in the own cell, impossible elsewhere; confirmation needs more UAVs than there
-        // are.
+        // Detection is certain in the UAV's cell and impossible elsewhere; the quorum exceeds the
+        // number of UAVs.
         radar_cross_section_dbsm: 11.0,
         logistic_slope_per_db: 10.0,
         quorum: 6,
@@ -259,7 +259,8 @@ fn gathering_brings_the_farthest_together_as_early_as_possible() {
         sim.step(&actions).unwrap();
         steps += 1;
     }
-    // Opposite corners are 22 apart; each flies half of it, or one more where the halves differ.
+    // Opposite corners are 22 moves apart; each UAV flies half of them, or one more where the
+    // halves differ.
     assert!((11..=12).contains(&steps), "{steps}");
 }
 

@@ -1,4 +1,4 @@
-//! Campaigns: the same results on any number of threads, errors that say which episode, traces that
+//! Campaigns give the same results on any number of threads, errors name their episode, and traces
 //! read back as they were written.
 
 use std::ops::ControlFlow;
@@ -57,7 +57,7 @@ fn progress_counts_every_episode_and_can_stop() {
     assert_eq!(stopped, Err(FlightError::Stopped));
 }
 
-/// Gives NaN at a step of its second episode; looks at observations.
+/// Returns NaN at a step of its second episode; reads observations.
 struct Faulty {
     episodes: u32,
     seen: usize,
@@ -164,7 +164,7 @@ fn a_recorded_episode_is_the_one_that_a_campaign_flies() {
     assert_eq!(read.header.pilot, "adaptive");
     assert_eq!(trace::verify(&read).unwrap(), None);
 
-    // Whatever a policy asks for beyond the range, infinity included, has a text and reads back.
+    // A requested action outside the range, infinity included, has a text and reads back.
     let mut text = Vec::new();
     trace::record(&model, &mut Boundless, 9, &mut text).unwrap();
     let read = trace::read(text.as_slice()).unwrap();

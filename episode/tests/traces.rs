@@ -1,4 +1,4 @@
-//! Traces under attack: whatever happens to a file, reading it ends in a trace or a typed error.
+//! Corrupted traces: reading any changed file ends in a trace or a typed error.
 
 use jcas_core::host::Call;
 use jcas_core::rng::{self, Purpose};
@@ -92,7 +92,7 @@ fn a_missing_step_is_a_difference_and_another_version_alone_is_none() {
         (found.left.as_str(), found.right.as_str()),
         ("present", "absent")
     );
-    // Flown again, such a trace has not come to its end.
+    // When replayed, such a trace stops before the end of its episode.
     assert_eq!(trace::verify(&right).unwrap().unwrap().field, "steps");
 }
 
@@ -104,7 +104,7 @@ fn a_trace_of_an_impossible_configuration_is_refused_by_field() {
     assert!(told.starts_with("quorum = 0: must be "), "{told}");
 }
 
-/// An episode in which a host owns something of everything, as text.
+/// An episode in which a host uses every kind of call, as text.
 fn hosted() -> Vec<u8> {
     let config = Config {
         uav_count: 4,

@@ -1,4 +1,4 @@
-//! A list of shapes in CSS pixels, and how plotters draws it on any of its backends.
+//! A list of shapes in CSS pixels, which plotters draws on any of its backends.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
@@ -56,7 +56,7 @@ enum Shape {
     },
 }
 
-/// What a figure draws on.
+/// The surface on which a figure draws.
 #[derive(Debug, Default)]
 pub struct Canvas {
     shapes: Vec<Shape>,
@@ -85,7 +85,7 @@ impl Canvas {
         self.shapes.push(Shape::Disc { at, radius, colour });
     }
 
-    /// `at` is the middle of the text's height.
+    /// Adds a text; `at` is the middle of its height.
     pub(super) fn text(&mut self, at: Place, text: impl Into<String>, font: Type, align: Align) {
         let text = text.into();
         self.shapes.push(Shape::Text {
@@ -97,7 +97,7 @@ impl Canvas {
         });
     }
 
-    /// Reads from bottom to top.
+    /// Adds a text that reads from bottom to top.
     pub(super) fn upward_text(&mut self, at: Place, text: impl Into<String>, font: Type) {
         let text = text.into();
         self.shapes.push(Shape::Text {
@@ -109,7 +109,7 @@ impl Canvas {
         });
     }
 
-    /// A marker; size 1 is about 8 pixels wide.
+    /// Adds a marker; size 1 is about 8 pixels wide.
     pub(super) fn marker(&mut self, (x, y): Place, marker: Marker, colour: Colour, size: f64) {
         let at = |(dx, dy): &Place| (x + dx * size, y + dy * size);
         let mut polygon = |corners: &[Place]| self.fill(corners.iter().map(at).collect(), colour);
@@ -154,8 +154,8 @@ impl Canvas {
         }
     }
 
-    /// Draws everything with `scale` device pixels to a CSS pixel. `sink` moves text down by a
-    /// share of its size: backends differ in what they take for the middle of a line.
+    /// Draws all shapes with `scale` device pixels per CSS pixel. `sink` moves text down by a
+    /// fraction of its size, since backends differ in their vertical centre of a line.
     pub(super) fn render<DB: DrawingBackend>(
         &self,
         area: &DrawingArea<DB, Shift>,
@@ -236,8 +236,8 @@ fn rgba(Colour(red, green, blue, opacity): Colour) -> RGBAColor {
     RGBAColor(red, green, blue, opacity)
 }
 
-/// Cuts a polyline into the strokes of a dash pattern (on, off, on, off, …); an empty pattern
-/// leaves it whole.
+/// Cuts a polyline into the strokes of a dash pattern (on, off, on, off). An empty pattern leaves
+/// the polyline whole.
 fn dashes(points: &[Place], pattern: &[f64]) -> Vec<Vec<Place>> {
     if pattern.is_empty() {
         return vec![points.to_vec()];

@@ -1,4 +1,4 @@
-//! A [`Figure`] as a page: header, plot, and a legend outside of the data.
+//! Lays a [`Figure`] out on a page: header, plot, and a legend outside the data.
 
 use super::canvas::Canvas;
 use super::legend;
@@ -42,7 +42,7 @@ impl Draw for Figure {
 }
 
 impl Figure {
-    /// The place in the palette of each series.
+    /// The index in the palette of each series.
     fn looks(&self) -> Vec<usize> {
         (0..)
             .zip(&self.series)

@@ -1,4 +1,4 @@
-//! The font of the figures, inside the program: no system font is asked for.
+//! The font of the figures, embedded in the program: no system font is used.
 
 use std::sync::OnceLock;
 
@@ -6,16 +6,16 @@ use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
 
 use super::canvas::Type;
 
-/// The name that plotters writes into SVG; [`super::output`] replaces it by [`FAMILIES`].
+/// The name that plotters writes into SVG; [`super::output`] replaces it with [`FAMILIES`].
 pub(super) const REGISTERED: &str = "jcas-figure-font";
 
-/// What an SVG viewer looks for, the drawn font first.
+/// The font families that an SVG viewer looks for, the drawn font first.
 pub(super) const FAMILIES: &str = "Roboto, 'Helvetica Neue', Arial, 'Liberation Sans', sans-serif";
 
 const REGULAR: &[u8] = include_bytes!("font/Roboto-Regular.ttf");
 const MEDIUM: &[u8] = include_bytes!("font/Roboto-Medium.ttf");
 
-/// The font in a size; the first call makes it known to plotters.
+/// Returns the font in a size; the first call registers it with plotters.
 pub(super) fn font(size: f64, bold: bool) -> FontDesc<'static> {
     static REGISTERED_ONCE: OnceLock<()> = OnceLock::new();
     REGISTERED_ONCE.get_or_init(|| {
@@ -36,13 +36,13 @@ pub(super) fn font(size: f64, bold: bool) -> FontDesc<'static> {
 
 /// Width of a line of text in pixels.
 pub(super) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
-    // Measured large: plotters rounds to whole pixels.
+    // The width is measured at a large size, since plotters rounds to whole pixels.
     const SCALE: f64 = 16.0;
     let extent = font(size * SCALE, bold).box_size(text);
     f64::from(extent.map_or(0, |(width, _)| width)) / SCALE
 }
 
-/// Breaks a text at spaces so that no line is wider than the limit, except for single words.
+/// Breaks a text at spaces so that no line is wider than the limit, except for a long single word.
 pub(super) fn wrap(text: &str, kind: Type, limit: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -1,4 +1,4 @@
-//! A table of numbers, each on a colour that grows darker with it.
+//! A table of numbers, each on a colour that darkens with the value.
 
 use super::Axis;
 use super::canvas::{Align, Canvas, Type};
@@ -11,23 +11,23 @@ use super::style::{CAPTION, LABEL, MARGIN, NOTE, header};
 /// A heat table: categories across and down, one value for each pair.
 #[derive(Clone, Debug)]
 pub struct HeatTable {
-    /// What the table shows.
+    /// The title of the table.
     pub title: String,
     /// A line under the title.
     pub note: String,
     /// The quantity and unit of the values; its span, if given, is that of the colours.
     pub value: Axis,
-    /// Across: `categories` are the heads of the columns.
+    /// The horizontal axis: `categories` are the heads of the columns.
     pub columns: Axis,
-    /// Down: `categories` are the heads of the rows.
+    /// The vertical axis: `categories` are the heads of the rows.
     pub rows: Axis,
-    /// By row, then column; what is missing or not finite is left blank.
+    /// The values by row, then column; a missing or non-finite value is left blank.
     pub cells: Vec<Vec<Option<f64>>>,
-    /// Digits after the point; without it, three digits in all.
+    /// Digits after the decimal point; `None` gives three significant digits.
     pub decimals: Option<usize>,
 }
 
-/// Least size of a cell; few cells grow until the caption beside them fits.
+/// Least size of a cell; the cells of a small table grow until the caption beside them fits.
 const CELL: (f64, f64) = (84.0, 40.0);
 const KEY_HEIGHT: f64 = 46.0;
 

@@ -1,5 +1,5 @@
 //! The legend, to the right of the data. Where every series is a line, each name stands beside the
-//! line's end; else the names are a list.
+//! end of its line; otherwise the names form a list.
 
 use super::canvas::{Align, Canvas};
 use super::font::{text_width, wrap};
@@ -8,19 +8,19 @@ use super::plot::Plot;
 use super::style::{LABEL, MARGIN};
 use super::{Figure, Mark, Series};
 
-/// A stroke and a marker as the series has them.
+/// Width of a sample, which is a stroke and a marker of the series.
 const SAMPLE: f64 = 26.0;
-/// From the data to the samples: room for the lines that lead to the names.
+/// Distance from the data to the samples, with room for the lines that lead to the names.
 const LEAD: f64 = 20.0;
 const LINE_HEIGHT: f64 = 17.0;
 const GAP: f64 = 6.0;
-/// Of a legend that several plots share.
+/// Height of a row in a legend that several plots share.
 pub(super) const ROW_HEIGHT: f64 = 22.0;
-/// Between two names of a row.
+/// Distance between two names of a row.
 const BETWEEN: f64 = 22.0;
 const WIDEST_NAME: f64 = 165.0;
 
-/// Room that the legend takes, 0 when there is nothing to tell apart.
+/// Width of the legend; 0 for a single series.
 pub(super) fn width(series: &[Series]) -> f64 {
     if series.len() < 2 {
         return 0.0;
@@ -38,9 +38,9 @@ struct Entry {
     index: usize,
     mark: Mark,
     lines: Vec<String>,
-    /// Where the line ends, if the name stands beside it.
+    /// Height at which the line ends, if the name stands beside it.
     end: Option<f64>,
-    /// Middle of the entry.
+    /// Height of the middle of the entry.
     y: f64,
 }
 
@@ -79,17 +79,17 @@ pub(super) fn draw(canvas: &mut Canvas, figure: &Figure, looks: &[usize], plot: 
     }
 }
 
-/// A name of a legend that several plots share: text, place in the palette, mark.
+/// An entry of a legend that several plots share: text, index in the palette, mark.
 pub(super) type Name = (String, usize, Mark);
 
-/// Names one below the other from a place on.
+/// Draws names one below the other, from a given place.
 pub(super) fn draw_list(canvas: &mut Canvas, names: &[Name], (x, y): (f64, f64)) {
     for (k, name) in names.iter().enumerate() {
         draw_name(canvas, name, x, y + ROW_HEIGHT * k as f64);
     }
 }
 
-/// Names side by side, in as many centred rows as it takes, from a height on.
+/// Draws names side by side in centred rows, from a given height.
 pub(super) fn draw_rows(canvas: &mut Canvas, names: &[Name], y: f64, width: f64) {
     for (k, row) in rows(names, width).iter().enumerate() {
         let mut x = (width - row.iter().map(name_width).sum::<f64>() + BETWEEN) / 2.0;
@@ -117,7 +117,7 @@ pub(super) fn rows(names: &[Name], width: f64) -> Vec<&[Name]> {
     rows
 }
 
-/// With the room to the next name.
+/// Width of a name with the distance to the next name.
 pub(super) fn name_width((name, ..): &Name) -> f64 {
     SAMPLE + 6.0 + text_width(name, LABEL.size, false) + BETWEEN
 }
@@ -127,7 +127,7 @@ fn draw_name(canvas: &mut Canvas, (name, index, mark): &Name, x: f64, y: f64) {
     canvas.text((x + SAMPLE + 6.0, y), name.as_str(), LABEL, Align::Left);
 }
 
-/// Moves entries apart until none covers another, first downwards, then up from the bottom.
+/// Moves entries apart until none covers another: first downwards, then upwards from the bottom.
 fn spread(entries: &mut [Entry], top: f64, bottom: f64) {
     let mut free_from = top - LINE_HEIGHT / 2.0;
     for entry in entries.iter_mut() {

@@ -1,12 +1,12 @@
-//! Figures as SVG and PNG from one description, the same on every machine.
+//! Draws figures as SVG and PNG from one description, the same on every machine.
 //!
 //! - [`Figure`]: series over a numeric or categorical axis, with bands or whiskers;
 //! - [`Panels`]: several figures side by side;
 //! - [`HeatTable`]: a table of numbers with a colour for each;
 //! - [`report`]: one HTML page of text, figures and tables.
 //!
-//! Colours are told apart by people with any colour vision, and each series has its own marker and
-//! dash as well, so that print without colour can be read too.
+//! People with any colour vision can distinguish the colours. Each series also has its own marker
+//! and dash, so that a print without colour is readable.
 
 #![forbid(unsafe_code)]
 
@@ -32,20 +32,20 @@ pub const WIDTH: u32 = 800;
 /// Height of a figure in CSS pixels.
 pub const HEIGHT: u32 = 500;
 
-/// Series over an axis.
+/// A chart of series over an axis.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// What the figure shows, in one line.
+    /// The title, in one line.
     pub title: String,
     /// A line under the title: conditions, sample size, what the intervals are.
     pub note: String,
-    /// What runs from left to right.
+    /// The horizontal axis.
     pub x_axis: Axis,
-    /// What runs from bottom to top.
+    /// The vertical axis.
     pub y_axis: Axis,
-    /// What is compared, in the order of the legend.
+    /// The compared series, in the order of the legend.
     pub series: Vec<Series>,
-    /// Horizontal lines to compare with.
+    /// Horizontal lines at reference values.
     pub references: Vec<Reference>,
 }
 
@@ -56,28 +56,28 @@ pub struct Axis {
     pub label: String,
     /// Its unit; empty for a plain number.
     pub unit: String,
-    /// Names of the places 0, 1, 2 …; empty for a numeric axis.
+    /// Names of the positions 0, 1, 2 and so on; empty for a numeric axis.
     pub categories: Vec<String>,
-    /// Limits that the axis at least spans; without them it fits the data.
+    /// Limits that the axis spans at least; `None` fits the data.
     pub span: Option<(f64, f64)>,
-    /// Decades instead of equal steps; values must be positive.
+    /// Whether the axis is logarithmic; its values must then be positive.
     pub logarithmic: bool,
 }
 
-/// What belongs to one name of the legend.
+/// A series: the points of one name in the legend.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// As the legend writes it.
+    /// The name in the legend.
     pub name: String,
-    /// In the order in which a line joins them. Points that are not finite leave a gap.
+    /// The points in the order in which a line joins them. Non-finite points leave a gap.
     pub points: Vec<Point>,
-    /// How it is drawn.
+    /// The drawing style.
     pub style: Style,
-    /// Texts beside the points, in their order; may be empty.
+    /// Texts beside the points, in the order of the points; may be empty.
     pub labels: Vec<String>,
 }
 
-/// A value with its interval; bounds that are not finite are not drawn.
+/// A value with its interval; non-finite bounds are not drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the names are the fields of any error bar")]
 pub struct Point {
@@ -89,15 +89,15 @@ pub struct Point {
     pub x_high: f64,
 }
 
-/// How a series is drawn.
+/// The drawing style of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Style {
     /// The mark.
     pub mark: Mark,
-    /// How intervals are shown.
+    /// The form in which intervals are shown.
     pub interval: Interval,
-    /// Which colour, marker and dash of the palette; by default the series' place in the figure.
-    /// Give the same number to the same thing in all figures of a report.
+    /// Index of the colour, marker and dash in the palette; `None` takes the series' position in
+    /// the figure. Equal things in different figures of a report should have equal indices.
     pub palette: Option<usize>,
 }
 
@@ -115,7 +115,7 @@ pub enum Mark {
     Bars,
 }
 
-/// How an interval is shown.
+/// The form in which an interval is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interval {
     /// Error bars.
@@ -128,14 +128,14 @@ pub enum Interval {
 /// A horizontal line at a known value, for instance one that was published.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// Where.
+    /// The value.
     pub y: f64,
-    /// What it is.
+    /// The label of the line.
     pub label: String,
 }
 
 impl Figure {
-    /// A figure without series.
+    /// Builds a figure without series.
     pub fn new(title: impl Into<String>, x_axis: Axis, y_axis: Axis) -> Self {
         Self {
             title: title.into(),
@@ -171,7 +171,7 @@ impl Figure {
 }
 
 impl Axis {
-    /// A numeric axis that fits the data.
+    /// Builds a numeric axis that fits the data.
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -180,28 +180,28 @@ impl Axis {
         }
     }
 
-    /// Names the places 0, 1, 2 …
+    /// Builds an axis with names for the positions 0, 1, 2 and so on.
     #[must_use]
     pub fn categories<T: Into<String>>(mut self, names: impl IntoIterator<Item = T>) -> Self {
         self.categories = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// The axis spans at least this.
+    /// Sets limits that the axis spans at least.
     #[must_use]
     pub fn span(mut self, low: f64, high: f64) -> Self {
         self.span = Some((low, high));
         self
     }
 
-    /// Decades instead of equal steps.
+    /// Makes the axis logarithmic.
     #[must_use]
     pub fn logarithmic(mut self) -> Self {
         self.logarithmic = true;
         self
     }
 
-    /// Quantity and unit, as an axis is labelled.
+    /// The label of an axis: quantity and unit.
     pub(crate) fn caption(&self) -> String {
         if self.unit.is_empty() {
             self.label.clone()
@@ -212,7 +212,7 @@ impl Axis {
 }
 
 impl Series {
-    /// A line with markers and whiskers.
+    /// Builds a line with markers and whiskers.
     pub fn line(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self {
             name: name.into(),
@@ -222,17 +222,17 @@ impl Series {
         }
     }
 
-    /// A line without markers inside a band, for many points.
+    /// Builds a line without markers inside a band, for many points.
     pub fn band(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::line(name, points).styled(Mark::PlainLine, Interval::Band)
     }
 
-    /// Markers with whiskers.
+    /// Builds markers with whiskers.
     pub fn points(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::line(name, points).styled(Mark::Points, Interval::Whiskers)
     }
 
-    /// Bars with whiskers.
+    /// Builds bars with whiskers.
     pub fn bars(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::line(name, points).styled(Mark::Bars, Interval::Whiskers)
     }
@@ -245,14 +245,14 @@ impl Series {
         self
     }
 
-    /// Writes a text beside each point.
+    /// Sets a text beside each point.
     #[must_use]
     pub fn labels<T: Into<String>>(mut self, labels: impl IntoIterator<Item = T>) -> Self {
         self.labels = labels.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Sets the place in the palette.
+    /// Sets the index in the palette.
     #[must_use]
     pub fn palette(mut self, index: usize) -> Self {
         self.style.palette = Some(index);
@@ -261,12 +261,12 @@ impl Series {
 }
 
 impl Point {
-    /// Without an interval.
+    /// Builds a point without an interval.
     pub fn new(x: f64, y: f64) -> Self {
         Self::interval(x, y, f64::NAN, f64::NAN)
     }
 
-    /// With an interval of y.
+    /// Builds a point with an interval of y.
     pub fn interval(x: f64, y: f64, y_low: f64, y_high: f64) -> Self {
         Self {
             x,

@@ -1,5 +1,5 @@
-//! Writes figures to files: first under a temporary name, so that no half-written figure is ever
-//! found.
+//! Writes figures to files: first under a temporary name, so that no partial figure remains under
+//! the final name.
 
 use std::fmt;
 use std::fs;
@@ -11,25 +11,27 @@ use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBacke
 use super::canvas::Canvas;
 use super::font::{FAMILIES, REGISTERED};
 
-/// Device pixels to a CSS pixel in PNG files.
+/// Device pixels per CSS pixel in PNG files.
 const PNG_SCALE: u32 = 2;
-/// PNG files are drawn larger by this factor and averaged: plotters does not smooth every edge.
+/// PNG files are drawn larger by this factor and averaged, since plotters does not smooth every
+/// edge.
 const OVERSAMPLING: u32 = 2;
 /// plotters writes whole numbers into SVG, so the picture is drawn larger and shown smaller.
 const SVG_SCALE: u32 = 8;
-/// plotters centres a line of text in PNG by its box, whose upper part is empty above most letters.
+/// Downward shift of text in PNG files, as a fraction of its size. The library plotters centres a line by
+/// its box, whose upper part is empty above most letters.
 const PNG_TEXT_SINK: f64 = 0.12;
 
-/// Why a figure could not be drawn or written.
+/// The reason why a figure could not be drawn or written.
 #[derive(Debug)]
 pub enum FigureError {
-    /// plotters or the PNG encoder refused.
+    /// plotters or the PNG encoder returned an error.
     Draw(String),
     /// The file could not be written.
     Write {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         source: io::Error,
     },
 }
@@ -54,12 +56,12 @@ impl std::error::Error for FigureError {
     }
 }
 
-/// What can be drawn and written.
+/// A figure that can be drawn and written.
 pub trait Draw {
     /// Width and height in CSS pixels.
     fn size(&self) -> (u32, u32);
 
-    /// What a reader who cannot see it is told.
+    /// The text that a screen reader reads.
     fn description(&self) -> String;
 
     /// Puts every shape on the canvas.
@@ -68,7 +70,7 @@ pub trait Draw {
     /// The figure as the text of an SVG file.
     ///
     /// # Errors
-    /// When plotters cannot draw it.
+    /// plotters cannot draw the figure.
     fn svg(&self) -> Result<String, FigureError> {
         let (width, height) = self.size();
         let drawn = (width * SVG_SCALE, height * SVG_SCALE);
@@ -82,7 +84,7 @@ pub trait Draw {
             1,
         );
         let title = escape(&self.description());
-        // A figure inside a page is no wider than the page, and is named for screen readers.
+        // A figure inside a page is at most as wide as the page, and has a name for screen readers.
         let named = text.replacen(
             "<svg ",
             "<svg role=\"img\" style=\"max-width:100%;height:auto\" ",
@@ -95,7 +97,7 @@ pub trait Draw {
     /// The figure as the bytes of a PNG file.
     ///
     /// # Errors
-    /// When plotters or the encoder cannot make it.
+    /// plotters or the encoder cannot make the image.
     fn png(&self) -> Result<Vec<u8>, FigureError> {
         let (width, height) = self.size();
         let factor = PNG_SCALE * OVERSAMPLING;
@@ -117,7 +119,7 @@ pub trait Draw {
     /// Writes the figure as SVG.
     ///
     /// # Errors
-    /// When it cannot be drawn or the file cannot be written.
+    /// The figure cannot be drawn or the file cannot be written.
     fn write_svg(&self, path: impl AsRef<Path>) -> Result<(), FigureError>
     where
         Self: Sized,
@@ -128,7 +130,7 @@ pub trait Draw {
     /// Writes the figure as PNG.
     ///
     /// # Errors
-    /// When it cannot be drawn or the file cannot be written.
+    /// The figure cannot be drawn or the file cannot be written.
     fn write_png(&self, path: impl AsRef<Path>) -> Result<(), FigureError>
     where
         Self: Sized,
@@ -157,7 +159,7 @@ fn render<DB: DrawingBackend>(
         .map_err(|error| FigureError::Draw(error.to_string()))
 }
 
-/// Each pixel of the result is the mean of a square of `OVERSAMPLING` pixels a side.
+/// Averages squares of `OVERSAMPLING` pixels a side; each gives one pixel of the result.
 fn averaged(large: &[u8], width: u32) -> Vec<u8> {
     let (width, side) = (width as usize, OVERSAMPLING as usize);
     let stride = width * side * 3;
@@ -190,15 +192,15 @@ fn encode_png(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, FigureE
     Ok(bytes)
 }
 
-/// Writes beside the target and renames.
+/// Writes a temporary file beside the target and renames it.
 pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FigureError> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
     let temporary = path.with_file_name(name);
     let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     written.map_err(|source| {
-        // What could not be renamed is of no use; that it cannot be removed either would hide the
-        // reason.
+        // The temporary file is of no use after an error. An error of its removal would hide the
+        // first one.
         let _ = fs::remove_file(&temporary);
         FigureError::Write {
             path: path.to_owned(),
@@ -207,7 +209,7 @@ pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FigureError> {
     })
 }
 
-/// Text that is safe inside HTML and SVG, also in attributes.
+/// Escapes a text for HTML and SVG, also for attributes.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

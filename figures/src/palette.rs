@@ -1,7 +1,7 @@
-//! What tells series apart: colour (after Okabe and Ito, darkened where white paper asks for it),
-//! marker and dash.
+//! The palette: colour (after Okabe and Ito, darkened where white paper requires it), marker and
+//! dash.
 
-/// Red, green, blue, opacity.
+/// A colour as red, green, blue and opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Colour(pub u8, pub u8, pub u8, pub f64);
 
@@ -59,8 +59,8 @@ const MARKERS: [Marker; 8] = [
     Marker::Plus,
 ];
 
-/// Colour, marker and dash of the series at a place in the palette. Markers shift by one on each
-/// round through the colours, so that the first 64 places all differ.
+/// Colour, marker and dash of the series at an index of the palette. Markers shift by one on each
+/// round through the colours, so that the first 64 indices all differ.
 pub(super) fn look(index: usize) -> (Colour, Marker, &'static [f64]) {
     let round = index / COLOURS.len();
     (
@@ -70,7 +70,7 @@ pub(super) fn look(index: usize) -> (Colour, Marker, &'static [f64]) {
     )
 }
 
-/// From light to dark blue; the share is in [0, 1].
+/// A colour from light to dark blue; the argument is in [0, 1].
 pub(super) fn heat(share: f64) -> Colour {
     const STOPS: [[f64; 3]; 5] = [
         [247.0, 250.0, 253.0],

@@ -1,4 +1,4 @@
-//! Several figures side by side over one legend, to be compared at a glance.
+//! Several figures side by side with one legend.
 
 use super::Figure;
 use super::canvas::{Align, Canvas};
@@ -11,14 +11,13 @@ use super::style::{CAPTION, MARGIN, header};
 /// Figures that share their vertical axis, their names and colours.
 #[derive(Clone, Debug)]
 pub struct Panels {
-    /// What the whole shows.
+    /// The title of the whole.
     pub title: String,
     /// A line under the title.
     pub note: String,
-    /// How many stand in a row.
+    /// Number of panels in a row.
     pub columns: usize,
-    /// The panels, row by row; the title of each stands above it. Series of the same name look the
-    /// same.
+    /// The panels, row by row, each with its title above. Series of the same name look the same.
     pub figures: Vec<Figure>,
 }
 
@@ -30,7 +29,7 @@ impl Panels {
         self.figures.len().div_ceil(self.columns.max(1))
     }
 
-    /// As tall as it is drawn.
+    /// Height of the header as drawn.
     fn header_height(&self) -> f64 {
         header(
             &mut Canvas::default(),
@@ -62,7 +61,7 @@ impl Panels {
         legend::rows(&names, self.width()).len() as f64 * ROW_HEIGHT + 12.0
     }
 
-    /// Of each series, in the order of first appearance.
+    /// The legend entry of each series, in the order of first appearance.
     fn names(&self) -> Vec<Name> {
         let mut names: Vec<Name> = Vec::new();
         for series in self.figures.iter().flat_map(|figure| &figure.series) {

@@ -1,4 +1,4 @@
-//! Axes and series of a [`Figure`] in a rectangle of the page.
+//! Draws axes and series of a [`Figure`] in a rectangle of the page.
 
 use super::canvas::{Align, Canvas, Place};
 use super::font::text_width;
@@ -11,10 +11,10 @@ use super::{Axis, Figure, Interval, Mark, Point, Series};
 /// another.
 const DODGE: f64 = 0.006;
 
-/// The most values that an axis labels one by one.
+/// The largest number of values that an axis labels one by one.
 const MOST_LABELLED: usize = 12;
 
-/// Part of the page, in CSS pixels.
+/// A rectangle of the page, in CSS pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rect {
     pub left: f64,
@@ -88,7 +88,7 @@ impl Plot {
         Self { frame, x, y }
     }
 
-    /// Marks of a small plot are smaller.
+    /// Scale of the marks, which is smaller in a small plot.
     fn ink(&self) -> f64 {
         if self.frame.right - self.frame.left < 320.0 {
             0.75
@@ -202,7 +202,7 @@ impl Plot {
         }
     }
 
-    /// On paper of their own, since a line of the data may pass there.
+    /// Draws the labels on a background, since a line of the data may pass there.
     fn draw_reference_labels(&self, canvas: &mut Canvas, figure: &Figure) {
         for reference in figure
             .references
@@ -220,7 +220,7 @@ impl Plot {
         }
     }
 
-    /// How far each series is moved sideways.
+    /// The sideways shift of each series.
     fn shifts(&self, figure: &Figure) -> Vec<f64> {
         let bars: Vec<usize> = positions(figure, |series| series.style.mark == Mark::Bars);
         let with_whiskers = |series: &Series| {
@@ -249,7 +249,8 @@ impl Plot {
         shifts
     }
 
-    /// Bars of one place fill four fifths of what lies between two places.
+    /// The width of a bar: the bars of one position fill four fifths of the distance between
+    /// positions.
     fn bar_width(&self, figure: &Figure) -> f64 {
         let bars = positions(figure, |series| series.style.mark == Mark::Bars)
             .len()

@@ -14,35 +14,35 @@ pub struct Report {
     body: String,
 }
 
-/// Rows of text under a head; columns of numbers are aligned to the right.
+/// A table; columns of numbers are aligned to the right.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What the table shows.
+    /// The caption.
     pub caption: String,
     /// Head of each column.
     pub head: Vec<String>,
-    /// Rows of as many cells.
+    /// The rows; each has as many cells as the head.
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// One place of a table.
+/// A cell of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cell {
-    /// What stands there.
+    /// The text of the cell.
     pub text: String,
-    /// Whether it is to be seen as good or bad.
+    /// Whether the cell is marked as good or bad.
     pub tone: Tone,
 }
 
-/// How a cell is set apart, by colour and by weight or a mark.
+/// The tone of a cell, shown by colour and by weight or a mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
-    /// Not at all.
+    /// The cell has no tone.
     #[default]
     Plain,
-    /// Holds, best, reached.
+    /// The value is good: it holds, is the best, or reaches its goal.
     Good,
-    /// Does not hold, missed.
+    /// The value is bad: it does not hold or misses its goal.
     Bad,
 }
 
@@ -56,7 +56,7 @@ impl<T: Into<String>> From<T> for Cell {
 }
 
 impl Cell {
-    /// With a tone.
+    /// Returns the cell with a tone.
     #[must_use]
     pub fn tone(mut self, tone: Tone) -> Self {
         self.tone = tone;
@@ -76,7 +76,7 @@ impl Report {
         report
     }
 
-    /// Starts a section, which the table of contents will list.
+    /// Starts a section, which the table of contents lists.
     pub fn section(&mut self, heading: &str) -> &mut Self {
         let anchor = format!("section-{}", self.contents.len() + 1);
         self.push(&format!("<h2 id=\"{anchor}\">{}</h2>", inline(heading)));
@@ -84,8 +84,8 @@ impl Report {
         self
     }
 
-    /// Adds paragraphs, parted by empty lines. `code` between backticks is set as code, `**words**`
-    /// are set in bold; everything else is plain text.
+    /// Adds paragraphs, which empty lines separate. `code` between backticks is set as code, and
+    /// `**words**` in bold; everything else is plain text.
     pub fn text(&mut self, text: &str) -> &mut Self {
         for paragraph in text
             .split("\n\n")
@@ -97,7 +97,7 @@ impl Report {
         self
     }
 
-    /// Adds a list of points.
+    /// Adds a bulleted list.
     pub fn list<T: AsRef<str>>(&mut self, items: impl IntoIterator<Item = T>) -> &mut Self {
         let items: String = items
             .into_iter()
@@ -107,10 +107,10 @@ impl Report {
         self
     }
 
-    /// Adds a figure with what it tells, if anything besides what is drawn.
+    /// Adds a figure with a remark, which may be empty.
     ///
     /// # Errors
-    /// When the figure cannot be drawn.
+    /// The figure cannot be drawn.
     pub fn figure(
         &mut self,
         figure: &(impl Draw + ?Sized),
@@ -155,7 +155,7 @@ impl Report {
         self
     }
 
-    /// The whole page.
+    /// Returns the whole page.
     pub fn html(&self) -> String {
         let title = escape(&self.title);
         let links: String = self
@@ -183,10 +183,10 @@ impl Report {
         )
     }
 
-    /// Writes the page, under a temporary name first.
+    /// Writes the page, first under a temporary name.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// The file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FigureError> {
         write_file(path.as_ref(), self.html().as_bytes())
     }
@@ -234,13 +234,13 @@ fn is_number(text: &str) -> bool {
         && text.contains(|c: char| c.is_ascii_digit())
 }
 
-/// Escapes a text and sets what stands between backticks or double asterisks.
+/// Escapes a text and sets the parts between backticks or double asterisks.
 fn inline(text: &str) -> String {
     let code = between(&escape(text), "`", "code");
     between(&code, "**", "strong")
 }
 
-/// Puts every second part between marks into an element; an odd mark is left as it is.
+/// Puts every second part between marks into an element; an unpaired mark is left unchanged.
 fn between(text: &str, mark: &str, element: &str) -> String {
     let parts: Vec<&str> = text.split(mark).collect();
     let mut html = String::new();

@@ -1,6 +1,6 @@
-//! From values to places on the page: limits, ticks and their labels.
+//! Maps values to places on the page: limits, ticks and their labels.
 
-/// Where the values of an axis lie between two ends on the page.
+/// A scale maps the values of an axis to places between two ends on the page.
 #[derive(Clone, Debug)]
 pub(super) struct Scale {
     low: f64,
@@ -12,14 +12,14 @@ pub(super) struct Scale {
     pub ticks: Vec<(f64, String)>,
 }
 
-/// What an axis has to show.
+/// The range of values that an axis has to show.
 pub(super) struct Extent {
     pub low: f64,
     pub high: f64,
 }
 
 impl Extent {
-    /// Of all finite values; 0 to 1 when there is none.
+    /// The extent of all finite values; 0 to 1 where there are none.
     pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
         let mut extent = Self {
             low: f64::INFINITY,
@@ -40,7 +40,7 @@ impl Extent {
 }
 
 impl Scale {
-    /// Equal steps; the limits are moved out to the nearest tick.
+    /// A linear scale whose limits are moved out to the nearest tick.
     pub(super) fn linear(extent: &Extent, ends: (f64, f64), wanted_ticks: usize) -> Self {
         let (mut low, mut high) = (extent.low, extent.high);
         if low == high {
@@ -66,7 +66,7 @@ impl Scale {
         }
     }
 
-    /// The same steps, but the axis ends where the data do.
+    /// A linear scale that ends where the data end.
     pub(super) fn trimmed(mut self, extent: &Extent) -> Self {
         if extent.low < extent.high {
             (self.low, self.high) = (extent.low, extent.high);
@@ -77,7 +77,7 @@ impl Scale {
         self
     }
 
-    /// Ticks at given values, and a margin of the axis outside of the first and the last.
+    /// A scale with ticks at given values, and a margin outside the first and the last.
     pub(super) fn at_values(
         values: &[f64],
         texts: Vec<String>,
@@ -99,7 +99,7 @@ impl Scale {
         }
     }
 
-    /// Decades, with ticks at 1, 2 and 5 where there are few of them.
+    /// A logarithmic scale, with ticks at 1, 2 and 5 where it spans few decades.
     pub(super) fn logarithmic(extent: &Extent, ends: (f64, f64)) -> Self {
         let low = extent.low.max(f64::MIN_POSITIVE);
         let high = extent.high.max(low * 1.0001);
@@ -141,7 +141,7 @@ impl Scale {
         self.ends.0 + share * (self.ends.1 - self.ends.0)
     }
 
-    /// Zero if it is on the axis, else the end nearest to it: where bars stand.
+    /// The foot of the bars: zero if it is on the axis, otherwise the end nearest to zero.
     pub(super) fn base(&self) -> f64 {
         if self.logarithmic {
             self.low
@@ -151,7 +151,7 @@ impl Scale {
     }
 }
 
-/// Of 1, 2, 2.5 and 5 times a power of ten, the one in the least ratio to the raw step.
+/// The step of 1, 2, 2.5 or 5 times a power of ten whose ratio to the raw step is the smallest.
 fn nice_step(raw: f64) -> f64 {
     let decade = 10_f64.powf(raw.log10().floor());
     [1.0, 2.0, 2.5, 5.0, 10.0]
@@ -170,7 +170,7 @@ fn decimals(step: f64) -> usize {
         .unwrap_or(9) as usize
 }
 
-/// With a minus sign, thousands apart from 10 000 on, and no negative zero.
+/// Formats a number with a minus sign and grouped thousands from 10 000 on, without negative zero.
 pub(super) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());
     let (whole, fraction) = text.split_at(text.find('.').unwrap_or(text.len()));
@@ -185,7 +185,7 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     format!("{}{grouped}{fraction}", if negative { "−" } else { "" })
 }
 
-/// As many decimals as tell values of this size apart at three digits.
+/// Formats a number with as many decimals as show about three significant digits.
 pub(super) fn short_number(value: f64) -> String {
     let size = value.abs();
     let decimals = match size {

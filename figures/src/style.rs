@@ -1,4 +1,4 @@
-//! Sizes and colours of the texts of every figure, and the head that they share.
+//! Sizes and colours of the texts of every figure, and the header that they share.
 
 use super::canvas::{Align, Canvas, Type};
 use super::font::wrap;
@@ -25,14 +25,14 @@ pub(super) const LABEL: Type = Type {
     colour: TEXT,
 };
 
-/// Between the edge of the figure and what is in it.
+/// Distance between the edge of the figure and its content.
 pub(super) const MARGIN: f64 = 22.0;
 
-/// How much of the width a title or note may take: an SVG's viewer that lacks the font takes a
-/// wider one.
+/// Fraction of the width that a title or note may take. A viewer that lacks the font uses a wider
+/// one.
 const SPARE: f64 = 0.86;
 
-/// Title and note; gives the height at which they end.
+/// Draws title and note; returns the height at which they end.
 pub(super) fn header(canvas: &mut Canvas, title: &str, note: &str, width: f64) -> f64 {
     let mut y = 28.0;
     for (text, kind, height) in [(title, TITLE, 22.0), (note, NOTE, 18.0)] {

@@ -1,4 +1,4 @@
-//! Figures hold what they are given, come out the same each time, and reach the disk whole.
+//! Figures show their data, are the same each time, and are written completely.
 
 use super::output::Draw;
 use super::{Axis, Figure, HeatTable, Interval, Mark, Panels, Point, Series, font, style};
@@ -152,7 +152,7 @@ fn captions_fit_beside_a_small_heat_table() {
     let (width, height) = small.size();
     assert!(f64::from(width) >= 2.0 * style::MARGIN + text);
     assert!(f64::from(height) >= 66.0 + 52.0 + text);
-    // Where they fit, cells have their least size.
+    // The cells have their least size where the texts fit.
     assert_eq!(table().size(), (480, 66 + 52 + 2 * 40 + 46 + 10));
 }
 

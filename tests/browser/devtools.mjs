@@ -16,7 +16,8 @@ const FLAGS = [
   '--disable-renderer-backgrounding', '--disable-background-timer-throttling', '--disable-backgrounding-occluded-windows',
   '--disable-dev-shm-usage',
 ];
-/** When to give up on what never comes: no bound on speed, so far above what a busy machine takes. */
+/** Time limit for a missing event. It is no bound on speed, and far above the time on a busy
+ * machine. */
 const PATIENCE_MS = 300_000;
 /** For the browser to end by itself. */
 const GOODBYE_MS = 30_000;
@@ -35,7 +36,7 @@ export async function openBrowser() {
   child.on('error', (error) => failAll(new Error(`${CHROMIUM} does not start: ${error.message}`)));
   child.on('exit', (code, signal) => failAll(new Error(`${CHROMIUM} ended with ${code ?? signal}; its last words: ${lastWords}`)));
   child.stderr.setEncoding('utf8').on('data', (text) => { lastWords = (lastWords + text).slice(-2000); });
-  // A pipe breaks when the browser ends, which tells more by itself.
+  // A pipe breaks when the browser ends, whose exit gives a better message.
   for (const pipe of [requests, replies]) pipe.on('error', () => {});
   replies.setEncoding('utf8');
   replies.on('data', (chunk) => {
@@ -94,7 +95,8 @@ export async function openBrowser() {
     };
     page.screenshot = async () => Buffer.from((await call('Page.captureScreenshot', { format: 'png' })).data, 'base64');
     page.close = () => send('Target.closeTarget', { targetId });
-    /** From now on the page's clock moves on by a sixtieth of a second with each frame, however long the machine takes. */
+    /** From now on the page's clock advances by a sixtieth of a second per frame, at any real
+     * speed. */
     page.countTimeInFrames = () => page.evaluate(`(() => {
       const request = requestAnimationFrame.bind(window);
       const begin = performance.now();
@@ -137,7 +139,7 @@ export async function openBrowser() {
       clearTimeout(hung);
     }
     failAll(new Error('the browser has ended'));
-    // Its helpers may still write there for a moment. What stays is rubbish, not a fault of the page.
+    // Its helpers may still write there for a moment. Remaining files are no fault of the page.
     await rm(profile, { recursive: true, force: true, maxRetries: 20 }).catch((error) => console.error(`${profile} stays: ${error.message}`));
   }
 

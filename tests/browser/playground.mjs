@@ -1,6 +1,6 @@
-// Drives the playground in headless Chromium, once with the kernel inside the page and once with `jcas play` behind it.
-// It catches a mission that is not the same bits in both, a control that does nothing, and a page that logs an error
-// or does not fit a phone.
+// Drives the playground in headless Chromium: once with the kernel inside the page, once with `jcas
+// play` behind it. It catches a mission whose bits differ between the two, and a control that does
+// nothing. It also catches a page that logs an error or does not fit a phone.
 //
 //   node tests/browser/playground.mjs PAGE JCAS [FOLDER-FOR-SCREENSHOTS]
 
@@ -103,7 +103,7 @@ async function controlsWork(page) {
   assert.deepEqual([Math.floor(x / 40), 11 - Math.floor(y / 40)], [4, 7], 'two cells left of the depot at (6, 6), one up');
   await click(page, '#steer');
 
-  // Grounded from the next step on.
+  // The UAV is grounded from the next step on.
   await click(page, '#ground');
   await page.until('location.hash.includes("ground")');
   await page.press('ArrowRight');
@@ -152,7 +152,7 @@ async function frameWork(browser) {
     await page.until(`window.framesDrawn >= ${FRAMES}`);
   });
   const begins = events.filter(({ name }) => name === 'FireAnimationFrame').map(({ ts }) => ts);
-  // The first frames are of a page that is still being laid out.
+  // The first frames belong to a page whose layout is not finished.
   const work = begins.slice(5, -1).map((from, k) => {
     const within = ({ name, ts, dur }) => name === 'RunTask' && ts + dur > from && ts + dur <= begins[k + 6];
     return events.filter(within).reduce((sum, { tdur }) => sum + tdur / 1000, 0);

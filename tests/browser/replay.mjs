@@ -1,5 +1,6 @@
-// Drives a replay page by keys in headless Chromium and compares what it shows with the trace.
-// It catches a page that shows another step, place or state than the trace, logs an error, or loads anything.
+// Drives a replay page by keys in headless Chromium and compares its display with the trace. It
+// catches a page that shows another step, place or state than the trace, logs an error, or loads
+// anything.
 //
 //   node tests/browser/replay.mjs TRACE PAGE [FOLDER-FOR-SCREENSHOTS]
 
@@ -46,7 +47,7 @@ const SHOWN = `(() => {
 
 /** Map units of one cell in the page's drawing. */
 const CELL = 40;
-/** UAVs of one cell are fanned out, at most this many cells from its centre; on large grids they are drawn larger. */
+/** The UAVs of one cell are spread at most this many cells from its centre, more on large grids. */
 const FAN_OUT = 0.7 * Math.max(1, Math.max(header.config.grid_width, header.config.grid_height) / 26);
 
 function assertShows(shown, t) {
@@ -109,7 +110,7 @@ async function keysWork(page) {
 async function playingReachesTheEnd(page) {
   await page.countTimeInFrames();
   await page.press('Home');
-  // As slow as it goes, so that a short mission still plays when it is to be paused.
+  // The slowest speed lets a short mission still play when the test pauses it.
   for (let k = 0; k < 6; k += 1) await page.press('-', '-');
   await page.press(' ', ' ');
   assert.equal((await page.evaluate(SHOWN)).playing, true);

@@ -1,4 +1,4 @@
-/* Every function with every wrong argument: a status each time, and nothing changed. */
+/* Every function gets every wrong argument: it returns a status each time, and changes nothing. */
 #include "abuse_common.h"
 
 uint64_t not_a_handle[4096];
@@ -11,7 +11,7 @@ static void tell_versions(void)
     CHECK(jcas_abi_check(JCAS_ABI_VERSION + 65536) == JCAS_ERROR_ABI);
     CHECK(jcas_abi_check(JCAS_ABI_VERSION + 16777216) == JCAS_ERROR_ABI);
     CHECK(jcas_abi_check(0) == JCAS_ERROR_ABI);
-    /* Headers from before the first release. */
+    /* These are headers from before the first release. */
     CHECK(jcas_abi_check(0x00010000) == JCAS_ERROR_ABI);
     CHECK(jcas_abi_check(0x00010001) == JCAS_ERROR_ABI);
     char version[32];

@@ -106,7 +106,7 @@ static void abuse_reset(const struct subject *subject, struct buffers *buffers)
     size_t length;
     OK(jcas_batch_message(batch, text, sizeof text, &length));
     CHECK(strcmp(text, "global and observations overlap: buffers must lie apart") == 0);
-    /* The length is judged first, wherever the buffers lie. */
+    /* The length is checked first, for any address of the buffers. */
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 2, observations, observed, observations, 1));
     abuse_resetting_some(subject, buffers);
     EXPECT(JCAS_ERROR_HANDLE,
@@ -126,7 +126,7 @@ static void abuse_reset(const struct subject *subject, struct buffers *buffers)
     CHECK(seen == hash_floats(observations, observed) && seen_global == hash_floats(global, shared));
 }
 
-/* Every field of the outputs, wrong one at a time. */
+/* Makes every field of the outputs wrong, one at a time. */
 static void abuse_outputs(const struct subject *subject, struct buffers *buffers, const jcas_batch_out *good)
 {
     struct { int32_t status; jcas_batch_out out; } wrong[24];
@@ -168,7 +168,7 @@ static void abuse_outputs(const struct subject *subject, struct buffers *buffers
     CHECK(untouched(buffers->finals, buffers->observed * sizeof(float)));
 }
 
-/* An environment in the middle of a step refuses, whatever came before, and so nothing steps. */
+/* An environment in the middle of a step refuses the batch step, and no environment steps. */
 static void refuse_in_the_middle(const struct subject *subject, const struct buffers *buffers,
                                  const jcas_batch_out *out)
 {

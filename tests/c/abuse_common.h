@@ -18,7 +18,7 @@ enum { ENVIRONMENTS = 2 };
 extern uint64_t not_a_handle[4096];
 #define FOREIGN(type) ((type *)(void *)not_a_handle)
 
-/* The same address, one byte on. */
+/* The same address plus one byte. */
 #define ASKEW(type, pointer) ((type *)(void *)((char *)(pointer) + 1))
 
 void abuse_configurations(struct subject *subject);

@@ -165,7 +165,7 @@ static void abuse_building(const struct subject *subject)
     CHECK(memory[size] == 0xa5);
     jcas_model *over;
     EXPECT(JCAS_ERROR_IN_USE, jcas_model_init(memory, size, config, &over, NULL, 0));
-    /* A copy of a model is none, and neither is a model that was freed. */
+    /* A copy of a model is not valid, and neither is a freed model. */
     unsigned char *copy = ARRAY(unsigned char, size);
     memcpy(copy, memory, size);
     jcas_model_info info;

@@ -1,7 +1,7 @@
 /* Reading, saving, loading, forking. */
 #include "abuse_common.h"
 
-/* A function that writes elements: every wrong argument, then the right ones. */
+/* Checks a function that writes elements: every wrong argument, then the right ones. */
 #define ABUSE_BUFFER(type, function, sim, count)                                                       \
     do {                                                                                               \
         size_t count_ = (count);                                                                       \
@@ -23,7 +23,7 @@
         free(buffer_);                                                                                 \
     } while (0)
 
-/* A function that writes a struct. */
+/* Checks a function that writes a struct. */
 #define ABUSE_STRUCT(type, function, sim)                                                              \
     do {                                                                                               \
         type record_;                                                                                  \
@@ -92,7 +92,7 @@ void abuse_reading(struct subject *subject)
     }
 }
 
-/* The fields of an observation: every wrong argument, then where the tag is. */
+/* Checks the fields of an observation: every wrong argument, then the tag's offset. */
 void abuse_observation_fields(struct subject *subject)
 {
     const jcas_model *model = subject->model;
@@ -164,7 +164,7 @@ void abuse_snapshots(struct subject *subject)
     }
     expect_same(sim, hash);
 
-    /* Any alignment will do, and the flight goes on as it did. */
+    /* Any alignment is valid, and the episode continues unchanged. */
     memcpy(broken + 1, saved, size);
     OK(jcas_sim_load(sim, broken + 1, size));
     OK(jcas_sim_step(sim, actions, 8, &outcome));

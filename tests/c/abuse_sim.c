@@ -1,4 +1,4 @@
-/* Simulations: building, stepping whole and by parts. */
+/* Simulations: building, and stepping whole and by parts. */
 #include "abuse_common.h"
 
 static uint64_t hash_of(const jcas_sim *sim)
@@ -114,7 +114,7 @@ void abuse_simulations(struct subject *subject)
     EXPECT(JCAS_ERROR_NULL, jcas_sim_message(subject->sim, NULL, 0, NULL));
 }
 
-/* Parts out of order, for each order that is wrong. */
+/* Calls the parts in each wrong order. */
 static void abuse_order(jcas_sim *sim, const float *actions)
 {
     jcas_outcome outcome;
@@ -239,7 +239,7 @@ static void abuse_start(struct subject *subject, const float *actions)
     CHECK(hash_of(sim) == before);
 }
 
-/* Empty after a success, and of the last failure only. */
+/* The message is empty after a success, and otherwise that of the last failure. */
 static void expect_message(const jcas_sim *sim, const char *words)
 {
     char text[160];

@@ -1,4 +1,4 @@
-/* What the C tests share: checks that say where they failed, and memory that shows any write. */
+/* Helpers of the C tests: checks that report their line, and memory that shows any write. */
 #ifndef JCAS_TESTS_CHECK_H
 #define JCAS_TESTS_CHECK_H
 

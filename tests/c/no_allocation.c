@@ -1,7 +1,7 @@
-/* In the caller's memory nothing is allocated: the allocator of this program counts. */
+/* The library allocates nothing in the caller's memory: this program's allocator counts calls. */
 #include "check.h"
 
-/* The C library's own, behind these. */
+/* The C library's allocator, which these functions call. */
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *memory, size_t size);
@@ -60,7 +60,7 @@ static int32_t take(const char *bytes, size_t count, void *context)
     return 0;
 }
 
-/* Recorded, and flown again from the trace. */
+/* Records an episode, and replays it from the trace. */
 static void record(const jcas_model *model, jcas_sim *sim)
 {
     jcas_outcome outcome = {.struct_size = sizeof outcome};

@@ -1,4 +1,4 @@
-// The C++ owners: what they return, what they throw if asked to, and that they end what they own.
+// The C++ owners: their return values, their exceptions if requested, and their destructors.
 #ifdef WITH_EXCEPTIONS
 #define JCAS_EXCEPTIONS
 #endif
@@ -164,7 +164,7 @@ int main()
         refuse_a_simulation_in_use(model);
         fly_batch(model);
         fly_policies(model);
-        // Nothing is left that uses the model.
+        // No object uses the model any more.
         jcas_model *handle = const_cast<jcas_model *>(model.get());
         jcas_sim *sim = nullptr;
         CHECK(jcas_sim_new(handle, &sim) == JCAS_OK && jcas_model_free(handle) == JCAS_ERROR_IN_USE);

@@ -1,4 +1,4 @@
-// A file with exceptions beside one without (owners_plain.cpp): each keeps what it chose.
+// A file with exceptions beside one without (owners_plain.cpp): each keeps its own setting.
 #define JCAS_EXCEPTIONS
 #include <cstdio>
 #include <jcas.hpp>

@@ -1,3 +1,3 @@
-// The same with exceptions asked for.
+// This program repeats owners.cpp with exceptions.
 #define WITH_EXCEPTIONS
 #include "owners.cpp"

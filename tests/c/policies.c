@@ -1,9 +1,9 @@
-/* Policies: what flies them, and that no wrong call gets through.
+/* Policies through the C interface, and the refusal of every wrong call.
  *
  *   policies policies/fleet/policy.safetensors
  *
- * Prints the hash of the state in which each mission ends: the network's, deterministic, sampled and stratified,
- * then each baseline's. */
+ * The program prints the hash of the last state of each mission. The first missions are the
+ * network's: deterministic, sampled and stratified. The missions of all baselines follow. */
 #include "check.h"
 
 #include <inttypes.h>
@@ -119,7 +119,7 @@ static void abuse_acting(jcas_model *model, jcas_sim *sim, jcas_batch *batch)
     EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_set_mode(policy, 3));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_set_mode(NULL, JCAS_POLICY_SAMPLED));
 
-    /* A simulation of another configuration. */
+    /* This simulation has another configuration. */
     jcas_model *other = build(UAVS - 1, JCAS_VISIBILITY_KNOWN);
     jcas_sim *foreign;
     OK(jcas_sim_new(other, &foreign));
@@ -133,7 +133,7 @@ static void abuse_acting(jcas_model *model, jcas_sim *sim, jcas_batch *batch)
     EXPECT(JCAS_ERROR_HANDLE, jcas_policy_free(FOREIGN(jcas_policy)));
 }
 
-/* The same actions from memory of the caller and for every member of a batch. */
+/* The actions are the same from the caller's memory and for every member of a batch. */
 static void same_everywhere(jcas_sim *sim, jcas_batch *batch, jcas_policy *policy, jcas_policy *lent)
 {
     float one[ACTIONS], other[ACTIONS], all[MEMBERS * ACTIONS];
@@ -182,7 +182,7 @@ int main(int argc, char **argv)
     EXPECT(JCAS_ERROR_LENGTH, jcas_policy_init(memory, size - 1, model, file, length, &lent, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_init(NULL, size, model, file, length, &lent, NULL, 0));
     OK(jcas_policy_init(memory, size, model, file, length, &lent, NULL, 0));
-    /* A living policy is not built over. */
+    /* A policy in use is not overwritten. */
     jcas_policy *over = FOREIGN(jcas_policy);
     jcas_sim *sim_over = FOREIGN(jcas_sim);
     EXPECT(JCAS_ERROR_IN_USE, jcas_policy_init(memory, size, model, file, length, &over, NULL, 0));
@@ -204,7 +204,7 @@ int main(int argc, char **argv)
     for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) {
         OK(jcas_policy_baseline(model, NAMES[k], "max", &policy, NULL, 0));
         same_everywhere(sim, batch, policy, NULL);
-        /* Twice, so that what it remembers of one mission does not go on into the next. */
+        /* Each policy runs twice, so that memory of one mission cannot affect the next. */
         CHECK(fly(policy, sim, SEED + 1) != 0);
         printf("0x%016" PRIx64 "\n", fly(policy, sim, SEED));
         OK(jcas_policy_free(policy));

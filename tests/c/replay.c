@@ -1,13 +1,12 @@
-/* Replays golden traces through the ABI: every state and every observation has to have the recorded
- * hash, stepped whole, by parts in the caller's memory, after a save and load, and in a batch.
+/* Replays golden traces through the ABI and checks the hash of every state and observation. It
+ * steps whole, by parts in the caller's memory, after a save and load, and in a batch.
  *
- *   replay TRACE...
- */
+ *   replay TRACE... */
 #include "check.h"
 
 #include <inttypes.h>
 
-/* One trace, flown four times at once. */
+/* One trace, replayed in four ways at once. */
 struct flight {
     jcas_model *model;
     jcas_model_info info;
@@ -36,7 +35,7 @@ static char *read_line(FILE *file)
     return NULL;
 }
 
-/* The text behind "key": in a line of the trace. */
+/* Returns the text behind "key": in a line of the trace. */
 static char *value_of(char *line, const char *key)
 {
     char pattern[64];
@@ -153,7 +152,7 @@ static void step(struct flight *flight, char *line)
 
     step_batch(flight, line);
 
-    /* From here on the flight by parts goes on from a loaded snapshot of the whole one. */
+    /* From here on, the run by parts continues from a loaded snapshot of the whole one. */
     OK(jcas_sim_save(flight->whole, flight->snapshot, flight->info.snapshot_size));
     OK(jcas_sim_load(flight->parts, flight->snapshot, flight->info.snapshot_size));
     flight->steps++;

@@ -1,5 +1,5 @@
-/* A system whose memory ends at the k-th allocation, for k = 0 to 100: a status, never the end of the program.
- * Calls that promise not to allocate do not. */
+/* A system whose memory ends at the k-th allocation, for k = 0 to 100. Each call then returns a
+ * status and never ends the program. Calls that promise not to allocate do not allocate. */
 #include "check.h"
 
 #include <errno.h>
@@ -66,14 +66,14 @@ static float actions[M * 2 * N], *observations, rewards[M];
 static uint8_t flags[2][M];
 static size_t observed;
 
-/* Whether the status says that memory ended; any other must be success. */
+/* Whether the status reports exhausted memory; any other status must be success. */
 static int refused(int32_t status)
 {
     CHECK(status == JCAS_OK || status == JCAS_ERROR_RESOURCES);
     return status != JCAS_OK;
 }
 
-/* The call succeeds and asks for nothing. */
+/* Checks that a call succeeds and allocates nothing. */
 #define FREE_OF_MEMORY(status, call)                                                                   \
     do {                                                                                               \
         long before_ = asked;                                                                          \
@@ -109,7 +109,7 @@ static void texts(void)
     FREE_OF_MEMORY(JCAS_OK, jcas_config_fields(text, sizeof text, &length));
 }
 
-/* Steps by parts and whole, with refusals and their words. */
+/* Steps by parts and whole, with refusals and their messages. */
 static void fly(jcas_sim *sim)
 {
     jcas_outcome outcome = {.struct_size = sizeof outcome};
@@ -133,7 +133,7 @@ static void fly(jcas_sim *sim)
     FREE_OF_MEMORY(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_end(sim, &outcome));
 }
 
-/* Everything that only reads, copies, saves or loads. */
+/* Makes every call that only reads, copies, saves or loads. */
 static void read(const jcas_model *model, jcas_sim *sim)
 {
     jcas_model_info info = {.struct_size = sizeof info};
@@ -188,7 +188,7 @@ static int32_t take(const char *bytes, size_t count, void *context)
     return 0;
 }
 
-/* Recording, its end, and verifying. */
+/* Records an episode, ends the recording, and verifies it. */
 static void record(jcas_sim *sim)
 {
     jcas_recorder recorder = {.struct_size = sizeof recorder,
@@ -221,7 +221,7 @@ static void record(jcas_sim *sim)
                                                          message, sizeof message));
 }
 
-/* A trained policy asks for memory when it is loaded, and never again. */
+/* A trained policy allocates when it is loaded, and never again. */
 static int fly_policy(const jcas_model *model, jcas_sim *sim)
 {
     jcas_policy *policy;
@@ -246,8 +246,9 @@ static int fly_policy(const jcas_model *model, jcas_sim *sim)
 
 enum { FLEET = 12, TARGETS = 6, MEMBERS = 3 };
 
-/* A mission in which every call for actions first has memory for `k` allocations only. What is refused has
- * touched nothing, and asked again the baseline flies on as if nothing had been. The hash of the last state. */
+/* Runs a mission in which every call for actions first has memory for `k` allocations only. A
+ * refused call changes nothing, and its repetition continues the baseline's plan. Returns the hash
+ * of the last state. */
 static uint64_t fly_with(long k, jcas_policy *policy, jcas_sim *sim, int *refusals)
 {
     float asked_for[2 * FLEET];
@@ -283,7 +284,7 @@ static void fly_batch_with(long k, jcas_policy *policy, jcas_batch *batch)
     }
 }
 
-/* Baselines plan on the heap: at whichever allocation it ends, the call says so. */
+/* Baselines plan on the heap: the call reports an exhausted heap at any allocation. */
 static void fly_baselines(void)
 {
     static const char *const NAMES[] = {"random", "greedy",   "swarm", "teams",    "sweep",
@@ -348,7 +349,7 @@ static void step(jcas_batch *batch)
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_message(batch, message, sizeof message, &length));
 }
 
-/* In the caller's memory nothing is asked for. */
+/* The library allocates nothing in the caller's memory. */
 static void build_in_place(void)
 {
     jcas_model *model;

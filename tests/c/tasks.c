@@ -1,5 +1,5 @@
-/* Batches in the caller's memory, stepped by the caller's tasks, saved and reset in part; threads that have
- * ended when their batch has; a batch with threads after a fork. */
+/* Batches in the caller's memory: stepped by the caller's tasks, saved and reset in part. The
+ * threads of a batch end with the batch. A batch with threads remains usable after a fork. */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
 
@@ -31,7 +31,7 @@ static uint64_t flown(jcas_batch *batch)
     return hash;
 }
 
-/* Every order, on this thread, some tasks twice. */
+/* Runs the tasks in every order on this thread, some of them twice. */
 static void run_backwards(jcas_task task, void *task_context, uint32_t count, void *context)
 {
     CHECK(count == TASKS && *(int *)context == 7);
@@ -42,7 +42,7 @@ static void run_backwards(jcas_task task, void *task_context, uint32_t count, vo
     task(task_context, count); /* there is none */
 }
 
-/* A host that forgets most of its tasks: the step does them. */
+/* A host that forgets most of its tasks: the step runs them. */
 static void run_one(jcas_task task, void *task_context, uint32_t count, void *context)
 {
     (void)context;
@@ -55,7 +55,7 @@ static void run_nothing(jcas_task task, void *task_context, uint32_t count, void
     (void)task, (void)task_context, (void)count, (void)context;
 }
 
-/* A host that calls back into the batch that is being stepped: each such call is refused. */
+/* A host that calls back into the batch during its step: each such call is refused. */
 static jcas_batch *stepped;
 
 static void run_and_intrude(jcas_task task, void *task_context, uint32_t count, void *context)
@@ -67,7 +67,7 @@ static void run_and_intrude(jcas_task task, void *task_context, uint32_t count, 
     run_backwards(task, task_context, count, context);
 }
 
-/* A step whose runner runs nothing is refused, and writes nothing. */
+/* A step whose runner runs no task is refused, and writes nothing. */
 static void refuse_a_runner_that_runs_nothing(const jcas_model *model)
 {
     jcas_batch_options options = {.struct_size = sizeof options, .environments = M,
@@ -231,8 +231,8 @@ static int threads_of_this_process(void)
     return count;
 }
 
-/* A thread that has been joined stands in /proc for another moment: the kernel wakes who joins it before it takes it
- * off the list. */
+/* A joined thread remains in /proc for another moment: the kernel wakes the joining thread before
+ * it removes the entry. */
 static int only_this_thread_is_left(void)
 {
     for (int tries = 0; tries < 1000; tries++) {

@@ -1,10 +1,9 @@
-/* Threads that share one model, each with a simulation of its own; threads that read one simulation;
- * a batch with worker threads against one without. Every result has to be that of one thread alone.
- * Threads that use one simulation, batch or policy at once: each call is made whole or refused.
+/* Threads that share one model with a simulation each, threads that read one simulation, and a
+ * batch with worker threads. Every result has to be that of one thread alone. Threads may also use
+ * one simulation, batch or policy at once: each call is complete or refused.
  *
  *   threads          all
- *   threads shared   without the batch, whose locks thread checkers cannot see through
- */
+ *   threads shared   without the batch, whose locks thread checkers cannot see through */
 #include "check.h"
 
 #include <pthread.h>
@@ -83,7 +82,7 @@ static void share_a_model(const jcas_model *model)
     OK(jcas_sim_free(watched));
 }
 
-/* The batch's states and observations after some steps. */
+/* Returns the batch's states and observations after some steps. */
 static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
 {
     jcas_model_info info;
@@ -168,7 +167,7 @@ struct intruder {
     uint64_t done, refused;
 };
 
-/* Counts a call, which is made whole or refused. One that was refused lets the others go on. */
+/* Counts a call, which is complete or refused. A refused call yields to the other threads. */
 static void count_call(struct intruder *intruder, int32_t status)
 {
     CHECK(status == JCAS_OK || status == JCAS_ERROR_BUSY);
@@ -260,7 +259,7 @@ static void share_one_object(const jcas_model *model, const jcas_model *long_mod
     shared.info.struct_size = sizeof shared.info;
     OK(jcas_model_get_info(model, &shared.info));
 
-    /* Each step that was made counts, and no other. */
+    /* Each completed step counts, and no other. */
     OK(jcas_sim_new(long_model, &shared.sim));
     intrude(&shared, step_one_sim);
     jcas_episode episode;

@@ -1,9 +1,9 @@
-/* Traces: recorded into a sink of this program, flown again, and no wrong call gets through.
+/* Traces: recorded into a sink of this program and replayed, and the refusal of every wrong call.
  *
  *   traces FOLDER TRACE...
  *
- * Verifies each trace, then writes FOLDER/policy.jsonl, which the policy `swarm` flew, and FOLDER/hosted.jsonl, in
- * which this program owned something of everything. */
+ * The program verifies each trace. It then writes FOLDER/policy.jsonl with the policy `swarm`, and
+ * FOLDER/hosted.jsonl with every kind of host call. */
 #include "check.h"
 
 enum { UAVS = 6, HOTSPOTS = 3, ACTIONS = 2 * UAVS, SEED = 11, ROOM = 1 << 22 };
@@ -64,7 +64,7 @@ static void *workspace(const jcas_model *model, size_t *size)
     return allocated(*size);
 }
 
-/* A mission of a baseline, recorded. */
+/* Records a mission of a baseline. */
 static void fly_policy(jcas_model *model, jcas_sim *sim, jcas_recorder recorder)
 {
     jcas_policy *policy;
@@ -84,7 +84,7 @@ static void fly_policy(jcas_model *model, jcas_sim *sim, jcas_recorder recorder)
     OK(jcas_policy_free(policy));
 }
 
-/* A mission in which the host owns something of everything. */
+/* Records a mission in which the host makes every kind of call. */
 static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
 {
     jcas_cell starts[UAVS], hotspots[HOTSPOTS] = {{1, 1}, {2, 7}, {9, 3}};
@@ -143,8 +143,8 @@ static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
     CHECK(strcmp(why, "nothing is recorded: jcas_sim_record begins a recording") == 0);
 }
 
-/* Flies a trace again in a simulation of its own. */
-/* The same trace step by step: t counts them, and the last state is the one that it leads to at once. */
+/* Replays a trace step by step in a simulation of its own. It counts t, and its last state is that
+ * of the whole replay. */
 static void verify_by_steps(jcas_sim *sim, void *memory, size_t size, const char *trace, size_t length)
 {
     jcas_episode episode;
@@ -203,7 +203,7 @@ static void verify_file(const char *path)
     free(text.bytes);
 }
 
-/* Gives a text that was changed the checksum that fits. */
+/* Gives a changed text the matching checksum. */
 static void seal(struct text *text)
 {
     static const char KEY[] = ",\"checksum\":\"0x";
@@ -217,7 +217,7 @@ static void seal(struct text *text)
     memcpy(text->bytes + at + strlen(KEY), digits, 16);
 }
 
-/* Whatever is done to a file, it ends in a status; bytes that differ are noticed with and without a fitting
+/* Any damage to a file gives a status; changed bytes are detected with and without a matching
  * checksum. */
 static void damage(const struct text *whole)
 {
@@ -239,11 +239,11 @@ static void damage(const struct text *whole)
         seal(&text);
         why[0] = 0;
         status = verify(text.bytes, text.length, why, sizeof why);
-        /* With a checksum that fits, only inputs that make no difference pass, such as who flew. */
+        /* With a matching checksum, only changes without effect pass, such as the policy's name. */
         CHECK(status == JCAS_OK || status == JCAS_ERROR_CORRUPT || status == JCAS_ERROR_DIFFERENT);
         CHECK((status == JCAS_OK) == (why[0] == 0));
     }
-    /* The checksum in capitals: the same number, but not the same bytes. */
+    /* The checksum in capitals is the same number, but not the same bytes. */
     memcpy(text.bytes, whole->bytes, whole->length);
     int capitals = 0;
     char *checksum = text.bytes + whole->length - 19;
@@ -261,7 +261,7 @@ static void damage(const struct text *whole)
     free(text.bytes);
 }
 
-/* A sink that is full ends the recording, never the mission. */
+/* A full sink ends the recording, never the mission. */
 static void fill_sink(jcas_sim *sim, jcas_recorder recorder, struct text *text)
 {
     uint64_t before, after;
@@ -284,7 +284,7 @@ static void fill_sink(jcas_sim *sim, jcas_recorder recorder, struct text *text)
     EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_record_end(sim));
     CHECK(text->length <= text->room);
 
-    /* Another state ends a recording without its end. */
+    /* Another state ends a recording without an end line. */
     text->length = 0;
     text->room = ROOM;
     OK(jcas_sim_record(sim, SEED, &recorder));

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Uses jcas from an empty folder outside of it.
+# Uses jcas from an empty folder outside the repository.
 #
 #   use.sh pkg-config PREFIX   an installed library, by pkg-config: shared, then static
 #   use.sh cmake PREFIX        an installed library, by find_package

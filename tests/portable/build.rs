@@ -1,4 +1,4 @@
-//! Lists the golden traces, so that the program needs no file system where it runs.
+//! Embeds the golden traces, so that the program needs no file system at run time.
 
 use std::fmt::Write;
 use std::path::PathBuf;

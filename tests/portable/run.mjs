@@ -1,5 +1,6 @@
 // Usage: node run.mjs jcas_portable.wasm
-// Instantiates the module, which imports nothing, and prints its report. Exit status 1 if a trace differs.
+// Instantiates the module, which imports nothing, and prints its report. The exit status is 1 if a
+// trace differs.
 import { readFileSync } from "node:fs";
 
 const bytes = readFileSync(process.argv[2]);

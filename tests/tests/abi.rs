@@ -1,7 +1,8 @@
-//! C and C++ programs against the library: what they compute, and that no wrong call gets through.
+//! C and C++ programs against the library: their results, and the refusal of every wrong call.
 //!
-//! What these tests catch: an ABI that computes something else than the kernel, a function that writes
-//! before it has checked, a handle that is believed, an example that no longer compiles.
+//! These tests catch an ABI whose results differ from the kernel's, and a function that writes
+//! before its checks. They also catch an invalid handle that is accepted, and an example that no
+//! longer compiles.
 
 mod abi_support;
 
@@ -124,7 +125,7 @@ fn owners_own_with_and_without_exceptions() {
     }
 }
 
-/// Every exported function is named by some abuse test, so that none is forgotten.
+/// At least one abuse test names each exported function, so that none is forgotten.
 #[test]
 fn abuse_leaves_no_function_out() {
     let header = fs::read_to_string(root().join("include/jcas.h")).expect("the header is there");

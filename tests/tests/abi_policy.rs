@@ -1,7 +1,7 @@
-//! Policies through the C interface fly what they fly in Rust, to the last bit.
+//! Policies act through the C interface as they do in Rust, bit for bit.
 //!
-//! What these tests catch: a handle or a file that is believed, weights or observations in the wrong order, a
-//! baseline that carries its plan into the next mission.
+//! These tests catch an invalid handle or file that is accepted, and weights or observations in the
+//! wrong order. They also catch a baseline that carries its plan into the next mission.
 
 mod abi_support;
 
@@ -21,7 +21,7 @@ fn policy_file() -> std::path::PathBuf {
     root().join("policies/fleet/policy.safetensors")
 }
 
-/// The hash of the state in which the network's mission ends.
+/// The hash of the last state of the network's mission.
 fn fly_network(model: &Model<'_>, seed: u64, mode: Mode) -> u64 {
     let file = std::fs::read(policy_file()).expect("the shipped policy is there");
     let mut weights = vec![0.0; Network::read(&file).expect("it is whole").weights_len()];

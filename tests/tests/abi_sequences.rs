@@ -1,9 +1,9 @@
 //! Random sequences of calls through the ABI, beside the same calls of the kernel.
 //!
-//! What this test catches: a call that the ABI accepts and the kernel refuses or the other way round, a
-//! refused call that changes a state, a snapshot that should not have been believed, a panic. It runs a
-//! bounded number of sequences; for longer, `PROPTEST_CASES=100000 cargo test --release -p jcas-tests
-//! --test abi_sequences`.
+//! This test catches a call that only one of the ABI and the kernel accepts, and a refused call
+//! that changes a state. It also catches an invalid snapshot that is accepted, and a panic. It runs
+//! a bounded number of sequences. A longer run is `PROPTEST_CASES=100000 cargo test --release -p
+//! jcas-tests --test abi_sequences`.
 
 use std::ptr::{null, null_mut};
 
@@ -27,11 +27,11 @@ enum Call {
     Batteries(Vec<u64>),
     Save,
     LoadSaved,
-    /// The saved bytes with some changed, with or without the checksum that belongs to them.
+    /// Loads the saved bytes with some of them changed, with or without the matching checksum.
     LoadChanged(Vec<(u16, u8)>, bool),
     LoadCut(u16),
     LoadBytes(Vec<u8>),
-    /// A twin goes on in the place of the simulation.
+    /// A fork replaces the simulation.
     Fork,
 }
 
@@ -56,12 +56,12 @@ fn config(uavs: usize) -> Config {
     }
 }
 
-/// Mostly the right number of elements.
+/// A number of elements, which is correct in most cases.
 fn about(count: usize) -> impl Strategy<Value = usize> {
     prop_oneof![12 => Just(count), 1 => Just(count - 1), 1 => Just(count + 1), 1 => Just(0)]
 }
 
-/// Good values, one time in ten one bad value among them.
+/// Valid values; in one list of ten, an invalid value replaces one of them.
 fn several<T: std::fmt::Debug + Clone>(
     good: impl Strategy<Value = T> + Clone,
     bad: impl Strategy<Value = T>,
@@ -131,18 +131,18 @@ fn call(uavs: usize) -> impl Strategy<Value = Call> {
     ]
 }
 
-/// A fleet, two times in three at a seam, and calls that fit it.
+/// A fleet with calls that fit it; two sizes in three are at a boundary of an implementation.
 fn sequence() -> impl Strategy<Value = (usize, Vec<Call>)> {
     let size = prop_oneof![2 => prop::sample::select(&SEAMS[..]), 1 => 1..=UAVS_MAX];
     size.prop_flat_map(|uavs| {
         let uavs = uavs as usize;
-        // A call to a large fleet takes as long as many to a small one.
+        // A call to a large fleet takes as long as many calls to a small one.
         let most = 60.min(20 + 400 / uavs);
         (Just(uavs), prop::collection::vec(call(uavs), 1..most))
     })
 }
 
-/// The same simulation twice: through the ABI, and by the kernel itself.
+/// Two copies of a simulation: one through the ABI, one in the kernel.
 struct Pair<'m> {
     model: *mut jcas_model,
     sim: *mut jcas_sim,
@@ -155,7 +155,7 @@ impl<'m> Pair<'m> {
         let text = serde_json::to_string(model.config()).expect("a configuration is a record");
         let mut config = std::mem::MaybeUninit::<jcas_config>::uninit();
         let (mut c_model, mut sim) = (null_mut(), null_mut());
-        // SAFETY: a text and places of these sizes; no message is wanted.
+        // SAFETY: the text and the places have these sizes; no message is requested.
         unsafe {
             let size = size_of::<jcas_config>();
             let text = (text.as_ptr().cast(), text.len());
@@ -187,7 +187,7 @@ impl<'m> Pair<'m> {
 
     fn state_hash(&self) -> u64 {
         let mut hash = 0;
-        // SAFETY: a living simulation.
+        // SAFETY: the simulation is valid.
         ok(unsafe { jcas_sim_hash(self.sim, &raw mut hash) });
         hash
     }
@@ -215,7 +215,7 @@ impl<'m> Pair<'m> {
         bytes
     }
 
-    /// Makes a call both ways and says whether each accepted it.
+    /// Makes a call both ways and returns whether each side accepted it.
     fn make(&mut self, call: &Call) -> (i32, bool) {
         let sim = self.sim;
         let mut outcome = jcas_outcome {
@@ -225,7 +225,7 @@ impl<'m> Pair<'m> {
             reserved: 0,
             reward: 0.0,
         };
-        // SAFETY (of this function): a living simulation, and buffers of the lengths that are named.
+        // SAFETY (of this function): the simulation and the buffers' lengths are valid.
         match call {
             Call::Reset(seed) => {
                 self.kernel.reset(*seed);
@@ -328,7 +328,7 @@ impl<'m> Pair<'m> {
 
 impl Drop for Pair<'_> {
     fn drop(&mut self) {
-        // SAFETY: living handles that nobody uses any more.
+        // SAFETY: the handles are valid and not used afterwards.
         unsafe {
             ok(jcas_sim_free(self.sim));
             ok(jcas_model_free(self.model));

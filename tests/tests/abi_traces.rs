@@ -1,7 +1,8 @@
-//! Traces that C programs record are those of the command, byte for byte, and hold what the host supplied.
+//! C programs record the same traces as the command, byte for byte, with the host's calls.
 //!
-//! What these tests catch: a field that the C interface writes otherwise than `jcas trace record`, a call of the host
-//! that is missing from the file, a file that one side writes and the other does not read.
+//! These tests catch a field that the C interface and `jcas trace record` write differently, and a
+//! host's call that is missing from the file. They also catch a file that one side writes and the
+//! other does not read.
 
 mod abi_support;
 
@@ -15,7 +16,7 @@ use jcas_core::{Cell, Config, Model};
 use jcas_episode::{replay, trace};
 use jcas_policy::{BaselineKind, PilotMode};
 
-/// What `jcas trace record` writes of the mission that the C program has its policy fly.
+/// The output of `jcas trace record` for the mission of the C program's policy.
 fn recorded_here() -> Vec<u8> {
     let depots = [Cell { x: 5, y: 5 }, Cell { x: 0, y: 11 }];
     let config = Config {

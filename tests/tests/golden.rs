@@ -1,8 +1,9 @@
-//! Golden traces: episodes whose every bit all builds have to reproduce.
+//! Golden traces: episodes that all builds have to reproduce bit for bit.
 //!
-//! What these tests catch: any change of the model, of its random draws, its rounding, its order of
-//! summation, its observations or the layout of its state, on purpose or not. Each trace is there for a
-//! branch of the step, and its test shows that it does reach that branch. `golden/record.sh` records them.
+//! These tests catch any change of the model, its random draws, its rounding or its order of
+//! summation. They also catch a change of the observations or of the state's layout. Each trace
+//! covers a branch of the step, and its test shows that it reaches that branch. `golden/record.sh`
+//! records them.
 
 mod abi_support;
 
@@ -26,7 +27,7 @@ fn read(name: &str) -> Trace {
     trace::read(bytes.as_slice()).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// Reads a trace and holds this build to it.
+/// Reads a trace and verifies that this build reproduces it.
 fn reproduced(name: &str) -> Trace {
     let trace = read(name);
     match trace::verify(&trace) {
@@ -36,7 +37,7 @@ fn reproduced(name: &str) -> Trace {
     }
 }
 
-/// Steps with the step before, from the second on.
+/// Pairs of consecutive steps.
 fn pairs(trace: &Trace) -> impl Iterator<Item = (&Step, &Step)> {
     trace.steps.windows(2).map(|pair| (&pair[0], &pair[1]))
 }
@@ -52,14 +53,14 @@ fn completion() {
     let last = trace.steps.last().unwrap();
     assert_eq!(last.informed.len(), trace.header.hotspots.len());
     assert!(last.reward.0[2] > 0.0, "the completion pays");
-    // Confirmed is less than informed at some time: knowledge has to travel.
+    // Confirmed exceeds informed at some time, since knowledge has to spread.
     assert!(
         trace
             .steps
             .iter()
             .any(|step| step.confirmed.len() > step.informed.len())
     );
-    // Payment is once: a step without a newly informed hotspot pays nothing.
+    // A hotspot is paid once: a step without a newly informed hotspot pays nothing.
     assert!(
         pairs(&trace)
             .filter(|(a, b)| !a.informed.is_empty() && a.informed == b.informed)
@@ -72,7 +73,7 @@ fn completion_on_horizon() {
     let trace = reproduced("completion_on_horizon");
     assert_eq!(trace.end.steps, trace.header.config.horizon_steps);
     assert!(trace.end.terminated && !trace.end.truncated);
-    // The paper's penalty is for t = T_max, complete or not.
+    // The paper's penalty applies at t = T_max, whether the mission is complete or not.
     assert!(trace.steps.last().unwrap().reward.0[7] < 0.0);
     assert!(
         trace.steps.last().unwrap().reward.0[2] > 0.0,
@@ -102,18 +103,18 @@ fn paper_preset() {
     let paper = Config {
         uav_count: config.uav_count,
         hotspot_count: config.hotspot_count,
-        // Stronger chargers than the paper's, so that their rating exceeds what a battery takes.
+        // Stronger chargers than the paper's have a rating above what a battery accepts.
         charge_power_kw: config.charge_power_kw,
         ..Config::preset(jcas_core::Preset::Paper)
     };
     assert_eq!(*config, paper);
-    // The letter pays informed hotspots again at every step,
+    // The letter pays informed hotspots again at every step.
     assert!(
         pairs(&trace).any(|(a, b)| !a.informed.is_empty()
             && a.informed == b.informed
             && b.reward.0[1] > 0.0)
     );
-    // and bills chargers by their rating, also to full batteries.
+    // It bills chargers by their rating, also for full batteries.
     assert!(trace.end.metrics.grid_kwh > trace.end.metrics.accepted_kwh);
 }
 
@@ -237,7 +238,7 @@ fn hidden_targets() {
         trace.end.metrics.confirmed > 0,
         "the search finds something"
     );
-    // Shown instead of hidden, the same actions lead to the same flight, seen differently.
+    // With visible hotspots the same actions lead to the same episode with other observations.
     let mut shown = trace.clone();
     shown.header.config.target_visibility = TargetVisibility::Known;
     let model = Model::new(shown.header.config).unwrap();
@@ -276,12 +277,12 @@ fn search() {
     let mut maps = vec![vec![false; cells]; uavs];
     let mut differed = 0;
     for step in &trace.steps {
-        // A trace tells where each UAV was and whom it heard: so much tells its map.
+        // A trace has each UAV's cell and links, which determine its map.
         for (map, cell) in maps.iter_mut().zip(&step.positions) {
             for (index, looked) in map.iter_mut().enumerate() {
                 let (x, y) = (index as u32 % width, index as u32 / width);
                 let (dx, dy) = (x.abs_diff(cell.x), y.abs_diff(cell.y));
-                // 100 m are two cells.
+                // A radius of 100 m is two cells.
                 *looked |= dx * dx + dy * dy <= 4;
             }
         }
@@ -388,7 +389,7 @@ fn ten_uavs() {
     let trace = reproduced("ten_uavs");
     let config = &trace.header.config;
     assert_eq!(config.uav_count, 10);
-    // R_min is a floor of distances between cells, not of the distance that sets the threshold.
+    // R_min bounds distances between cells from below, not the distance that sets the threshold.
     let least_m = config.range_min_m.unwrap_or(config.cell_size_m / 2.0);
     assert!(config.sensing_range_m.is_some_and(|range| range < least_m));
     assert!(trace.end.metrics.confirmed > trace.end.metrics.informed);
@@ -429,7 +430,7 @@ fn twenty_uavs() {
     assert!(trace.steps.iter().filter(travelling).count() > 10);
 }
 
-/// The two sides of the size from which buckets hold the neighbours, short of charge alike.
+/// Checks a trace with low charge, whose fleet size is next to the one where buckets begin.
 fn short_of_charge(trace: &Trace, uavs: u32) {
     assert_eq!(trace.header.config.uav_count, uavs);
     assert!(trace.end.metrics.confirmed > 0);
@@ -470,7 +471,7 @@ fn hundred_uavs() {
     assert!(trace.end.metrics.confirmed > 0 && trace.end.metrics.informed == 0);
 }
 
-/// No trace without a test, no test without a trace, no trace that the script does not record.
+/// Every trace has a test and a line in the script that records it, and every test has a trace.
 #[test]
 fn every_trace_has_its_test_and_its_line() {
     let files: BTreeSet<String> = fs::read_dir(folder())
@@ -495,7 +496,7 @@ fn every_trace_has_its_test_and_its_line() {
     assert_eq!(files, tested);
 }
 
-/// A trace that says something else is caught, wherever it is.
+/// A changed trace is detected wherever the change is.
 #[test]
 fn any_changed_field_is_caught() {
     let honest = read("completion");
@@ -528,7 +529,7 @@ fn any_changed_field_is_caught() {
     }
 }
 
-/// The configuration in a trace is whole: nothing is left to the defaults of the build that reads it.
+/// The configuration in a trace is complete: no value comes from the defaults of the reading build.
 #[test]
 fn headers_hold_every_field() {
     let path = folder().join("completion.jsonl");
@@ -545,7 +546,7 @@ fn headers_hold_every_field() {
     }
 }
 
-/// The page `docs/model.md` is enough to rebuild every trace: a script that knows nothing else does.
+/// A script that follows only `docs/model.md` rebuilds every trace.
 #[test]
 fn the_page_is_enough_to_rebuild_every_trace() {
     let script = folder().join("../rebuild/rebuild.py");
@@ -565,7 +566,7 @@ fn the_page_is_enough_to_rebuild_every_trace() {
     };
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    // A trace of another seed is none of its own.
+    // The script refuses a trace with another seed.
     let other = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("other_seed.jsonl");
     let text = fs::read_to_string(folder().join("one_uav.jsonl")).expect("a golden trace");
     let at = text.find("\"seed\":\"0x").expect("a seed") + 10;

@@ -1,7 +1,7 @@
-//! The header: legal by itself in every language that it promises, in the terms of C.
+//! The header compiles by itself in every language that it promises, in the terms of C.
 //!
-//! What these tests catch: a symbol that leaks, a field of the configuration that the C struct lacks. That it is
-//! fresh is tested where it is made, in `ffi/examples/generate_header.rs`.
+//! These tests catch an internal symbol in the header, and a configuration field that the C struct
+//! lacks. `ffi/examples/generate_header.rs` tests that the header is up to date.
 
 mod abi_support;
 
@@ -37,7 +37,7 @@ fn headers_compile_alone() {
                     .args(strict)
                     .args(["-x", language])
                     .arg(root().join("include").join(file));
-                // A header compiled as a main file warns of its own `#pragma once`, which these lack.
+                // A compiler warns of `#pragma once` in a main file, which these files lack.
                 run(&mut command);
             }
         }
@@ -82,7 +82,7 @@ fn the_header_speaks_c() {
     assert!(text.lines().all(|line| line.chars().count() <= 110));
 }
 
-/// Whoever reads one declaration finds there who may call it and what it can give.
+/// Each declaration states which threads may call it and which statuses it returns.
 #[test]
 fn every_declaration_says_threads_and_statuses() {
     let text = header();
@@ -100,7 +100,7 @@ fn every_declaration_says_threads_and_statuses() {
     }
 }
 
-/// A type for each function, with the function's own signature.
+/// Each function has a function pointer type with its own signature.
 #[test]
 fn function_types_fit_their_functions() {
     let mut program = String::from("#include <jcas_dl.h>\n");

@@ -1,4 +1,4 @@
-//! The golden traces, flown again by the batch step of each instruction set that this machine has.
+//! The batch step of each instruction set of this machine reproduces the golden traces.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,8 @@ use jcas_core::{Model, Scratch, hash};
 use jcas_episode::trace::{self, Trace};
 use jcas_simd::InstructionSet;
 
-/// Flies a trace's actions as a batch of one and compares every state and observation with the trace.
+/// Runs a trace's actions as a batch of one and compares every state and observation with the
+/// trace.
 fn reproduce(name: &str, trace: &Trace, set: InstructionSet) {
     let model = Model::new(trace.header.config).expect("a legal configuration");
     let mut states = vec![0; model.state_words()];

@@ -27,7 +27,7 @@ await fly(0);
 history.replaceState(null, '', opening || location.pathname);
 readAddress();
 
-/** The mission in the address, over the one a visitor starts with; undefined where there is none. */
+/** The mission in the address, on top of the initial mission; undefined where there is none. */
 function readMission() {
   const text = new URLSearchParams(location.hash.slice(1)).get('m');
   if (!text) return undefined;
@@ -101,7 +101,7 @@ async function change(part, time = player.time) {
   await fly(time);
 }
 
-/** Flies the mission and shows it at `time`. A change made while one is under way is flown after it. */
+/** Runs the mission and shows it at `time`. A change during a run starts another run after it. */
 async function fly(time = player.time) {
   if (flying) { flying.again = time; return; }
   flying = {};

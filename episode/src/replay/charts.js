@@ -3,7 +3,8 @@
 const CHART_WIDTH = 1000;
 const CHART_HEIGHT = 100;
 
-/** `plan`: title, format(value) for the read-out, low and high of the axis, and what to draw (area, band, bars, lines, limit). */
+/** `plan` has the title, the read-out's format(value), low and high of the axis, and the parts to
+ * draw (area, band, bars, lines, limit). */
 function createChart(parent, lastStep, plan, onSeek) {
   const card = document.createElement('div');
   card.className = plan.small ? 'chart small' : 'card chart';

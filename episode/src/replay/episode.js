@@ -1,4 +1,4 @@
-// The episode as the page draws it: frame 0 is the start, frame t what step t left behind.
+// The episode in the page's form: frame 0 is the start, frame t the state after step t.
 
 const MICROJOULES_PER_KWH = 3.6e12;
 const NANOGRAMS_PER_GRAM = 1e9;
@@ -43,7 +43,7 @@ function readEpisode({ header, steps, end }) {
   return episode;
 }
 
-/** Where the hotspots lie once a host has moved some of them; the same array where it has moved none. */
+/** The cells of the hotspots after a host's moves; the same array where it has moved none. */
 function moved(hotspots, moves = []) {
   const now = new Map(moves);
   return now.size ? hotspots.map((cell, id) => now.get(id) ?? cell) : hotspots;
@@ -85,10 +85,9 @@ function firstVisits({ frames }) {
   return [...seen.values()];
 }
 
-/**
- * For each UAV the step from which on it knows a cell (row by row from below) to have been looked at, Infinity where
- * it never does; null without search maps. Positions, grounded UAVs and links are all that this takes.
- */
+/** For each UAV, the step from which it knows that a cell has been searched, row by row from below.
+ * A value is Infinity where it never knows; the result is null without search maps. The computation
+ * needs only positions, grounded UAVs and links. */
 function firstSearches({ config, frames, uavCount }) {
   if (config.search_maps !== 'shared') return null;
   const [width, height] = [config.grid_width, config.grid_height];
@@ -137,7 +136,7 @@ function readSeries({ frames, uavCount, hotspotCount }) {
   };
 }
 
-/** A UAV that charges just above the threshold and falls below it again is still on the same return. */
+/** A UAV that charges just above the threshold and falls below it again is on the same return. */
 const SAME_RETURN_STEPS = 10;
 
 /** What happened and when, in the order of the steps; `kind` is also the class that colours it. */

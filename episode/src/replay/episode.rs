@@ -1,5 +1,5 @@
-//! What the page gets of a trace. Every index is checked here, so that the page's code can trust
-//! it.
+//! The data that the page gets from a trace. Every index is checked here, so that the page's code
+//! can rely on it.
 
 use std::borrow::Cow;
 
@@ -8,16 +8,16 @@ use serde::Serialize;
 
 use crate::trace::{End, Header, Hex, Host, Rewards, Step, Trace, TraceError};
 
-/// The episode as the page reads it.
+/// The episode in the form that the page reads.
 #[derive(Serialize)]
 pub(super) struct Episode<'a> {
-    /// As the first step found it: a host's own start in place of the drawn one.
+    /// The state that the first step found: a host's own start replaces the drawn one.
     header: Cow<'a, Header>,
     steps: Vec<Frame<'a>>,
     end: &'a End,
 }
 
-/// A step without what the page does not show.
+/// A step without the fields that the page does not show.
 #[derive(Serialize)]
 struct Frame<'a> {
     t: u32,
@@ -66,7 +66,7 @@ impl<'a> Episode<'a> {
         serde_json::to_string(self).expect("numbers, strings and lists are JSON")
     }
 
-    /// What the browser's tab shows.
+    /// The title of the browser's tab.
     pub(super) fn title(&self) -> String {
         let Header {
             policy,
@@ -118,7 +118,7 @@ fn moved_hotspot(call: &Host) -> Option<(usize, Cell)> {
     }
 }
 
-/// The header with what the host changed before the first step.
+/// The header with the host's changes before the first step.
 fn started<'a>(header: &'a Header, first: Option<&Step>) -> Result<Cow<'a, Header>, TraceError> {
     let mut header = Cow::Borrowed(header);
     let calls = first.map_or(&[][..], |step| &step.host);

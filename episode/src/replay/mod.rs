@@ -1,6 +1,6 @@
 //! One self-contained HTML page that plays an episode from its trace.
 //!
-//! The page is a hand-written template with its style, its code and the episode inside: it loads
+//! The page is a hand-written template that contains its style, its code and the episode: it loads
 //! nothing.
 
 mod episode;
@@ -12,7 +12,8 @@ use crate::trace::{self, Trace, TraceError};
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
 
-/// In the order in which one file uses another's functions; together they are one script.
+/// The scripts in order: a file uses only functions of earlier files, and together they are one
+/// script.
 const SCRIPTS: [&str; 5] = [
     include_str!("episode.js"),
     include_str!("stage.js"),
@@ -21,18 +22,18 @@ const SCRIPTS: [&str; 5] = [
     include_str!("player.js"),
 ];
 
-/// The page that plays the episode of `trace_text` (JSON lines).
+/// Returns the page that plays the episode of `trace_text` (JSON lines).
 ///
 /// # Errors
-/// When the text is not a whole trace of this format.
+/// The text is not a complete trace of this format.
 pub fn page(trace_text: &str) -> Result<String, TraceError> {
     page_of(&trace::read(trace_text.as_bytes())?)
 }
 
-/// The page that plays the episode of a trace.
+/// Returns the page that plays the episode of a trace.
 ///
 /// # Errors
-/// When a list of the trace has the wrong length, or holds a cell or an index that does not exist.
+/// A list of the trace has the wrong length, or holds a cell or an index that does not exist.
 pub fn page_of(trace: &Trace) -> Result<String, TraceError> {
     let episode = Episode::of(trace)?;
     Ok(assemble(&Parts {
@@ -42,10 +43,10 @@ pub fn page_of(trace: &Trace) -> Result<String, TraceError> {
     }))
 }
 
-/// What one page has and another has not.
+/// The parts in which pages differ.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<'a> {
-    /// What the browser's tab shows.
+    /// The title of the browser's tab.
     pub title: &'a str,
     /// Sources that the page may use beside its own style and pictures, as a
     /// Content-Security-Policy.
@@ -73,7 +74,7 @@ impl Default for Parts<'_> {
     }
 }
 
-/// The page of a player, with what is given.
+/// Returns the page of a player with the given parts.
 #[must_use]
 pub fn assemble(parts: &Parts<'_>) -> String {
     let style = [STYLE.trim_end(), parts.style].join("\n");
@@ -91,16 +92,16 @@ pub fn assemble(parts: &Parts<'_>) -> String {
     )
 }
 
-/// The page's own JSON of an episode.
+/// Returns an episode in the page's own JSON.
 ///
 /// # Errors
-/// As [`page_of`].
+/// The errors are those of [`page_of`].
 pub fn data_of(trace: &Trace) -> Result<String, TraceError> {
     Ok(Episode::of(trace)?.to_json())
 }
 
-/// Puts each value at its mark. The marks stand in this order in the template, and one pass over it
-/// leaves alone whatever looks like a mark inside a value.
+/// Replaces each mark by its value. The marks have this order in the template. One pass over the
+/// template leaves text inside a value unchanged, even if it looks like a mark.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut page = String::with_capacity(
         template.len() + values.iter().map(|(_, value)| value.len()).sum::<usize>(),
@@ -124,8 +125,7 @@ fn escape_html(text: &str) -> String {
         .replace('>', "&gt;")
 }
 
-/// JSON stays the same JSON, but holds no `<` that could end the script element or open a comment
-/// in it.
+/// Escapes `<` in JSON, which then cannot end the script element or open a comment in it.
 fn escape_script_data(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

@@ -1,8 +1,8 @@
-// Everything beside the map that is text: tiles, the fleet table, the selected item, events, reward components.
+// All text beside the map: tiles, the fleet table, the selected item, events, reward components.
 
 const WIDEST_TABLE = 24;
 
-// Of the fleet's table, as the style sheet has them.
+// Sizes of the fleet's table, as in the style sheet.
 const ROW_PX = 25;
 const ROWS_SHOWN = 12;
 
@@ -50,8 +50,9 @@ function createFleetTable(table, episode, onSelect) {
       + `<td><span class="swatch"></span><span class="pilot"></span></td>${cells}<td class="state-word"></td></tr>`;
   }
 
-  // While a mission plays, only rows in the table's window are there: a hundred, laid out anew, take longer than a
-  // frame. Not while the keyboard is in the table, whose rows it would lose.
+  // While a mission plays, the table holds only its visible rows, since a layout of a hundred rows
+  // takes longer than a frame. All rows stay while the keyboard is in the table, which would lose
+  // its row.
   const scroll = table.parentElement;
   const MORE = 3;
   const whole = { first: 0, last: uavCount };

@@ -1,4 +1,4 @@
-// Time, selection and keys; draws everything else.
+// Time, selection and keys; this file calls all drawing.
 
 const STEPS_PER_SECOND = 2.5;
 const $ = (id) => document.getElementById(id);
@@ -7,7 +7,7 @@ let episode = null;
 let parts = {};
 const player = { time: 0, playing: false, selection: {}, drawnStep: -1, drawnSelection: null, clock: 0 };
 const stillness = matchMedia('(prefers-reduced-motion: reduce)');
-/** What a page around the player adds: keys of its own, words in the address, something to do after each drawing. */
+/** A page around the player may add keys, words in the address, and a callback after drawing. */
 const around = { onKey: () => false, address: () => '', drawn: () => {} };
 
 $('scrub').addEventListener('input', () => seek(Number($('scrub').value)));
@@ -17,7 +17,7 @@ $('play').onclick = playOrPause;
 $('forward').onclick = () => stepBy(1);
 $('last').onclick = () => seek(episode.lastStep);
 $('help-open').onclick = () => $('help').showModal();
-// Else the closed dialog's button may keep the focus and swallow the space key.
+// Otherwise the closed dialog's button may keep the focus and intercept the space key.
 $('help').addEventListener('close', () => document.activeElement?.blur());
 addEventListener('keydown', onKey);
 if (JSON.parse($('episode').textContent)) {

@@ -1,4 +1,4 @@
-// The map: what stands on the grid at a moment between two steps.
+// The map: the objects on the grid at a moment between two steps.
 
 const CELL = 40;
 const SVG = 'http://www.w3.org/2000/svg';

@@ -1,4 +1,4 @@
-//! The page holds the episode and nothing foreign; a bad trace is refused by name.
+//! The page holds only the episode; an invalid trace is refused by name.
 
 use jcas_core::{Cell, Config, Model};
 use serde_json::Value;
@@ -7,7 +7,7 @@ use super::{fill, page, page_of};
 use crate::trace::{self, Trace};
 use jcas_policy::{BaselineKind, PilotMode};
 
-/// A flown mission of four UAVs, as text.
+/// The trace of a mission of four UAVs, as text.
 fn flight() -> String {
     let config = Config {
         grid_width: 6,
@@ -103,7 +103,7 @@ fn a_mark_inside_a_value_is_left_alone() {
     assert_eq!(filled, "a {{y}} b 2 c");
 }
 
-/// Changes one place of the trace and gives the error's text.
+/// Changes one place of the trace and returns the error's text.
 fn refusal(change: impl FnOnce(&mut Trace)) -> String {
     let mut trace = flown();
     change(&mut trace);

@@ -1,4 +1,4 @@
-//! Where two traces differ first.
+//! Finds the first difference of two traces.
 
 use core::fmt;
 
@@ -8,8 +8,8 @@ use serde_json::Value;
 use super::format::Trace;
 use super::host::Host;
 
-/// Fields of a header in the order in which they are compared. `core_version` is not among them:
-/// that two versions agree is what a trace is for.
+/// Fields of a header in the order of comparison. `core_version` is left out, since a trace shows
+/// that two versions agree.
 const HEADER_FIELDS: [&str; 8] = [
     "config",
     "config_hash",
@@ -20,7 +20,7 @@ const HEADER_FIELDS: [&str; 8] = [
     "depots",
     "initial",
 ];
-/// Fields of a step in the order in which a step makes them.
+/// Fields of a step in the order in which a step computes them.
 const STEP_FIELDS: [&str; 17] = [
     "t",
     "actions",
@@ -40,13 +40,13 @@ const STEP_FIELDS: [&str; 17] = [
     "observation_hash",
     "state_hash",
 ];
-/// Fields of the end; its checksum follows from the rest.
+/// Fields of the end line; its checksum follows from the rest.
 const END_FIELDS: [&str; 4] = ["steps", "terminated", "truncated", "metrics"];
 
 /// The first difference of two traces.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Difference {
-    /// Step at which it is; 0 for the header. A difference in the end line is at the last step.
+    /// Step of the difference; 0 for the header. A difference in the end line has the last step.
     pub step: u32,
     /// Path of the field, for example `battery_uj[3]` or `reward.detect`.
     pub field: String,
@@ -70,7 +70,8 @@ impl fmt::Display for Difference {
     }
 }
 
-/// The first step and field at which two traces differ; `None` where they agree bit for bit.
+/// Returns the first step and field at which two traces differ; `None` where they agree bit for
+/// bit.
 #[must_use]
 pub fn diff(left: &Trace, right: &Trace) -> Option<Difference> {
     if let Some(difference) = lines(0, &left.header, &right.header, &HEADER_FIELDS) {
@@ -97,7 +98,7 @@ pub fn diff(left: &Trace, right: &Trace) -> Option<Difference> {
         .or_else(|| lines(last, &left.end, &right.end, &END_FIELDS))
 }
 
-/// The first difference in what two hosts supplied.
+/// The first difference in the calls of two hosts.
 fn hosts(step: u32, left: &[Host], right: &[Host]) -> Option<Difference> {
     let (field, a, b) = first_difference("host", &value(&left), &value(&right))?;
     Some(Difference {

@@ -1,4 +1,4 @@
-//! Why a trace cannot be used.
+//! Errors of traces.
 
 use core::fmt;
 
@@ -6,40 +6,40 @@ use jcas_trace::FORMAT_VERSION;
 
 use super::format::{FORMAT, Hex};
 
-/// Why a trace cannot be recorded, read or flown again.
+/// The reason why a trace cannot be recorded, read or replayed.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum TraceError {
     /// Reading or writing failed.
     Io(std::io::Error),
-    /// There is no line at all.
+    /// The file has no line.
     Empty,
     /// The first line is no header of this format.
     NotATrace(String),
-    /// Written in another version of the format.
+    /// The trace has another version of the format.
     Version(u64),
-    /// A line is not what the format says.
+    /// A line does not follow the format.
     Malformed {
-        /// 1 for the first line.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault of the line.
         problem: String,
     },
-    /// The file stops before its last line.
+    /// The file ends before its last line.
     Truncated {
-        /// Whole steps that it holds.
+        /// Number of complete steps in the file.
         steps: usize,
     },
-    /// Lines follow the last one.
+    /// Lines follow the end line.
     Trailing {
-        /// The first line too many.
+        /// Number of the first surplus line.
         line: usize,
     },
     /// The content was changed after it was written.
     Checksum {
-        /// What the file says.
+        /// The checksum in the file.
         stated: Hex,
-        /// What its bytes give.
+        /// The checksum of the file's bytes.
         computed: Hex,
     },
     /// The kernel refused the configuration or an action.

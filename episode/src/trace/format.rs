@@ -14,19 +14,19 @@ use super::host::Host;
 /// The name of the format, in every header.
 pub const FORMAT: &str = "jcas-trace";
 
-/// A whole trace.
+/// A complete trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// What was flown, and the state before the first step.
+    /// The configuration, the policy's name, and the state before the first step.
     pub header: Header,
-    /// Step t is at index t - 1.
+    /// The steps; step t is at index t − 1.
     pub steps: Vec<Step>,
-    /// How it ended.
+    /// The end of the episode.
     pub end: End,
 }
 
 impl Trace {
-    /// The file's text, with the checksum of that text.
+    /// Returns the file's text, which ends with the checksum of the preceding text.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = json(&self.header) + "\n";
@@ -48,10 +48,10 @@ impl Trace {
     }
 }
 
-/// What separates the bytes under the checksum from the checksum.
+/// The bytes between the checksum and the bytes that it covers.
 pub(super) const CHECKSUM_KEY: &str = ",\"checksum\":";
 
-/// A line holds strings, finite numbers and lists of them, which always have a JSON text.
+/// Serialises a line of strings, finite numbers and lists of them, which always have a JSON text.
 fn json(line: &impl Serialize) -> String {
     serde_json::to_string(line).expect("a line of a trace has a JSON text")
 }
@@ -66,23 +66,23 @@ pub struct Header {
     pub format: String,
     /// [`FORMAT_VERSION`](super::FORMAT_VERSION) of the build that wrote it.
     pub format_version: u32,
-    /// Version of the kernel that flew it.
+    /// Version of the kernel that ran the episode.
     pub core_version: String,
-    /// The whole configuration.
+    /// The complete configuration.
     pub config: Config,
-    /// Its hash.
+    /// Hash of the configuration.
     pub config_hash: Hex,
     /// Seed of the episode.
     pub seed: Hex,
-    /// Who chose the actions.
+    /// Name of the policy.
     pub policy: String,
-    /// How the pilot density was chosen.
+    /// Pilot mode: how the pilot density was chosen.
     pub pilot: String,
-    /// Where the hotspots are.
+    /// Cells of the hotspots.
     pub hotspots: Vec<Cell>,
-    /// Where the depots are.
+    /// Cells of the depots.
     pub depots: Vec<Cell>,
-    /// Before the first step.
+    /// The state before the first step.
     pub initial: Initial,
 }
 
@@ -94,11 +94,11 @@ pub struct Initial {
     pub positions: Vec<Cell>,
     /// Charge of each UAV in microjoules.
     pub battery_uj: Vec<u64>,
-    /// Carbon intensity that the first step will bill.
+    /// Carbon intensity that the first step bills.
     pub carbon_intensity_mg_per_kwh: u64,
-    /// Of all observations.
+    /// Hash of all observations.
     pub observation_hash: Hex,
-    /// Of the kernel's state.
+    /// Hash of the kernel's state.
     pub state_hash: Hex,
 }
 
@@ -108,9 +108,9 @@ pub struct Initial {
 pub struct Step {
     /// Always `step`.
     pub kind: String,
-    /// 1 for the first.
+    /// Number of the step, from 1.
     pub t: u32,
-    /// (u_dir, u_pilot) of each UAV, as given; infinities clipped.
+    /// (u_dir, u_pilot) of each UAV, as given; infinities are clipped.
     pub actions: Vec<[f32; 2]>,
     /// Cell of each UAV after the move.
     pub positions: Vec<Cell>,
@@ -118,9 +118,9 @@ pub struct Step {
     pub pilot_density: Vec<f64>,
     /// Charge of each UAV after the step, in microjoules.
     pub battery_uj: Vec<u64>,
-    /// UAVs that were grounded.
+    /// Indices of the grounded UAVs.
     pub grounded: Vec<usize>,
-    /// UAVs that returned to base.
+    /// Indices of the UAVs that returned to base.
     pub returning: Vec<usize>,
     /// Links of this step: (i, j), i < j.
     pub links: Vec<[usize; 2]>,
@@ -138,32 +138,32 @@ pub struct Step {
     pub throughput: f64,
     /// The reward's components.
     pub reward: Rewards,
-    /// Of all observations after the step.
+    /// Hash of all observations after the step.
     pub observation_hash: Hex,
-    /// Of the kernel's state after the step.
+    /// Hash of the kernel's state after the step.
     pub state_hash: Hex,
-    /// What the host supplied since the step before; lines of their own.
+    /// Calls of the host since the previous step; each is a separate line.
     #[serde(skip)]
     pub host: Vec<Host>,
 }
 
-/// The last line. The checksum has to stay its last field.
+/// The last line. The checksum has to remain its last field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct End {
     /// Always `end`.
     pub kind: String,
-    /// Steps flown.
+    /// Number of steps.
     pub steps: u32,
-    /// Whether every hotspot is informed.
+    /// Whether every UAV knows every hotspot.
     pub terminated: bool,
-    /// Whether the horizon cut it off.
+    /// Whether the horizon truncated the episode.
     pub truncated: bool,
-    /// What the mission came to.
+    /// Metrics of the mission.
     pub metrics: Metrics,
-    /// Over all bytes before it.
+    /// Checksum of all preceding bytes.
     pub checksum: Hex,
-    /// What the host supplied after the last step; lines of their own.
+    /// Calls of the host after the last step; each is a separate line.
     #[serde(skip)]
     pub host: Vec<Host>,
 }
@@ -183,7 +183,7 @@ impl End {
     }
 }
 
-/// 64 bits, written as `0x` and sixteen digits: JSON numbers are doubles to many readers.
+/// Writes 64 bits as `0x` and sixteen digits, since many readers parse JSON numbers as doubles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hex(pub u64);
 

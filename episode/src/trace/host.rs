@@ -1,73 +1,73 @@
-//! The calls of a host simulator. Each is a line of its own, in the order in which it was made,
-//! before the line of the step that it is part of.
+//! The calls of a host simulator. Each call is a separate line before the line of its step. The
+//! lines have the order of the calls.
 
 use jcas_core::Cell;
 use serde::{Deserialize, Serialize};
 
-/// A call of the host. Which of them come between steps, and which within one, the kernel knows.
+/// A call of the host. The kernel decides which calls come between steps and which within one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Host {
-    /// The UAVs start in these cells.
+    /// Sets the cells in which the UAVs start.
     SetStarts {
-        /// One for each UAV.
+        /// One cell for each UAV.
         cells: Vec<Cell>,
     },
-    /// The hotspots lie in these cells.
+    /// Sets the cells of the hotspots.
     SetHotspots {
-        /// One for each hotspot.
+        /// One cell for each hotspot.
         cells: Vec<Cell>,
     },
-    /// The batteries hold this at the start.
+    /// Sets the charge of all batteries at the start.
     SetBatteries {
-        /// In microjoules, one for each UAV.
+        /// Charge in microjoules, one for each UAV.
         charges_uj: Vec<u64>,
     },
-    /// A battery holds this from now on.
+    /// Sets the charge of one battery.
     SetBattery {
-        /// Whose.
+        /// Index of the UAV.
         uav: usize,
-        /// In microjoules.
+        /// Charge in microjoules.
         charge_uj: u64,
     },
-    /// A hotspot lies elsewhere from now on.
+    /// Moves a hotspot.
     MoveHotspot {
-        /// Which.
+        /// Index of the hotspot.
         hotspot: usize,
-        /// Where.
+        /// Its new cell.
         cell: Cell,
     },
-    /// The UAVs are in these cells after the move.
+    /// Sets the cells of the UAVs after the move.
     SetPositions {
-        /// One for each UAV.
+        /// One cell for each UAV.
         cells: Vec<Cell>,
     },
-    /// A UAV neither flies nor senses nor communicates in this step.
+    /// Grounds a UAV, which neither flies nor senses nor communicates in this step.
     Ground {
-        /// Which.
+        /// Index of the UAV.
         uav: usize,
     },
-    /// A hotspot is confirmed, whatever was detected.
+    /// Confirms a hotspot independently of detections.
     ConfirmHotspot {
-        /// Which.
+        /// Index of the hotspot.
         hotspot: usize,
     },
-    /// Who detected what.
+    /// Sets the detections of this step.
     StepSenseWith {
-        /// (UAV, hotspot).
+        /// Pairs (UAV, hotspot).
         detections: Vec<[usize; 2]>,
     },
-    /// Who heard whom.
+    /// Sets the links of this step.
     StepCommunicateWith {
-        /// (i, j), i < j.
+        /// Pairs (i, j), i < j.
         links: Vec<[usize; 2]>,
-        /// Mean normalised throughput of each UAV as measured; `None` for the link budget's.
+        /// Measured mean normalised throughput of each UAV; `None` for that of the link budget.
         throughput: Option<Vec<f64>>,
     },
 }
 
 impl Host {
-    /// Whether the call stands between two parts of a step.
+    /// Whether the call comes between two parts of a step.
     pub(super) const fn within_a_step(&self) -> bool {
         matches!(
             self,
@@ -79,7 +79,7 @@ impl Host {
         )
     }
 
-    /// The pairs of a matrix that do not exist in a model of these sizes.
+    /// A pair that is outside the matrix of a model of these sizes.
     pub(super) fn stray_pair(&self, uavs: usize, hotspots: usize) -> Option<[usize; 2]> {
         let (pairs, columns) = match self {
             Self::StepSenseWith { detections } => (detections, hotspots),

@@ -1,4 +1,4 @@
-//! Reading a trace, strictly: whatever the writer would not have written is refused.
+//! Reads traces strictly: a text that the writer could not have written is refused.
 
 use std::io::BufRead;
 
@@ -12,7 +12,7 @@ use super::error::TraceError;
 use super::format::{CHECKSUM_KEY, End, FORMAT, Header, Hex, Step, Trace};
 use super::host::Host;
 
-/// The part of a line that tells what to expect of the rest.
+/// The part of a line that determines the form of the rest.
 #[derive(Deserialize)]
 struct Probe {
     kind: String,
@@ -20,11 +20,11 @@ struct Probe {
     format_version: Option<u64>,
 }
 
-/// Reads a whole trace and checks its form and its checksum. Whether it is true is for
-/// [`verify`](super::verify()).
+/// Reads a complete trace and checks its form and its checksum. [`verify`](super::verify()) checks
+/// that the kernel reproduces it.
 ///
 /// # Errors
-/// Every [`TraceError`] but those of the kernel.
+/// Every [`TraceError`] except those of the kernel.
 pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
     let mut hash = Fnv1a::new();
     let mut header: Option<Header> = None;
@@ -98,7 +98,7 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
     Ok(Trace { header, steps, end })
 }
 
-/// The version is looked at first: another version may have other fields.
+/// The version is read first, since another version may have other fields.
 fn read_header(text: &str) -> Result<Header, TraceError> {
     let probe: Probe =
         serde_json::from_str(text).map_err(|error| TraceError::NotATrace(explain(&error)))?;
@@ -120,7 +120,7 @@ fn read_header(text: &str) -> Result<Header, TraceError> {
     }
 }
 
-/// A call of the host, whose pairs exist; the kernel judges the rest of it.
+/// Checks that the pairs of a host's call exist; the kernel checks the other arguments.
 fn read_host(text: &str, header: &Header, line: usize) -> Result<Host, TraceError> {
     let call: Host = parse(text, line)?;
     let config = &header.config;
@@ -133,7 +133,7 @@ fn read_host(text: &str, header: &Header, line: usize) -> Result<Host, TraceErro
     }
 }
 
-/// What later code indexes by.
+/// Checks the lengths by which later code indexes.
 fn check_step(step: &Step, header: &Header, t: usize, line: usize) -> Result<(), TraceError> {
     if step.t as usize != t {
         return Err(malformed(line, &format!("t = {}: must be {t}", step.t)));
@@ -167,7 +167,7 @@ fn malformed(line: usize, problem: &str) -> TraceError {
     }
 }
 
-/// serde_json counts lines from the start of what it was given, which is always one line.
+/// serde_json counts lines from the start of its input, which is always one line.
 fn explain(error: &serde_json::Error) -> String {
     let text = error.to_string();
     match text.rsplit_once(" at line ") {

@@ -1,4 +1,4 @@
-//! Recording an episode and holding a build to a recorded one.
+//! Records an episode, and verifies that this build reproduces a recorded one.
 
 use std::io::Write;
 
@@ -15,10 +15,10 @@ use super::format::{End, Hex, Trace};
 use super::read::read;
 use jcas_policy::Policy;
 
-/// Flies one episode and writes its trace. Returns the last line.
+/// Runs one episode and writes its trace. Returns the last line.
 ///
 /// # Errors
-/// Where writing fails, or the kernel refuses an action of the policy.
+/// Writing fails, or the kernel refuses an action of the policy.
 pub fn record(
     model: &Model<'_>,
     policy: &mut dyn Policy,
@@ -36,11 +36,11 @@ pub fn record(
     episode.end()
 }
 
-/// Flies a trace again from its configuration, seed, actions and calls. Returns the first
-/// difference between the file and this build; `None` where every bit is the same.
+/// Replays a trace from its configuration, seed, actions and host calls. Returns the first
+/// difference between the file and this build; `None` where all bits are the same.
 ///
 /// # Errors
-/// Where the kernel refuses the configuration, an action or a call.
+/// The kernel refuses the configuration, an action or a call.
 pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
     let model = Model::new(trace.header.config)?;
     let mut words = vec![0; model.state_words()];
@@ -61,7 +61,7 @@ pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
     let mut writer = Writer::new(Output(&mut text));
     match Replay::new(&model, &mut words, &mut scratch, workspace).fly(&recorded, &mut writer) {
         Ok(()) => {}
-        // The file goes on where the episode has ended.
+        // The file continues after the end of the episode.
         Err(VerifyError {
             problem: Problem::Kernel(Error::EpisodeOver),
             ..
@@ -84,7 +84,7 @@ pub fn verify(trace: &Trace) -> Result<Option<Difference>, TraceError> {
     Ok(diff(trace, &read(text.as_slice())?))
 }
 
-/// An episode whose lines are written as it is flown.
+/// Writes the lines of an episode while it runs.
 pub struct EpisodeRecorder<'m, W: Write> {
     model: &'m Model<'m>,
     sim: Sim<'m>,
@@ -95,10 +95,10 @@ pub struct EpisodeRecorder<'m, W: Write> {
 
 impl<'m, W: Write> EpisodeRecorder<'m, W> {
     /// Begins the episode of `seed` and writes the header with the names of the policy and of its
-    /// pilot density.
+    /// pilot mode.
     ///
     /// # Errors
-    /// Where writing fails.
+    /// Writing fails.
     pub fn begin(
         model: &'m Model<'m>,
         seed: u64,
@@ -128,7 +128,7 @@ impl<'m, W: Write> EpisodeRecorder<'m, W> {
         Ok(episode)
     }
 
-    /// The state as it is now.
+    /// The current state.
     #[must_use]
     pub fn state(&self) -> StateRef<'_> {
         self.sim.state()
@@ -144,7 +144,7 @@ impl<'m, W: Write> EpisodeRecorder<'m, W> {
     /// Makes a host's call between two steps.
     ///
     /// # Errors
-    /// What the kernel refuses.
+    /// The kernel refuses the call.
     pub fn call(&mut self, call: &Call<'_>) -> Result<(), TraceError> {
         self.apply(call)?;
         self.sim.observe(&mut self.observations)?;
@@ -159,10 +159,10 @@ impl<'m, W: Write> EpisodeRecorder<'m, W> {
         policy.act(self.model, &self.sim.state(), actions);
     }
 
-    /// Flies a step with the calls that a host makes within it, in their order.
+    /// Runs a step with the calls that a host makes within it, in their order.
     ///
     /// # Errors
-    /// Where the kernel refuses the actions or a call, or writing fails.
+    /// The kernel refuses the actions or a call, or writing fails.
     pub fn step(&mut self, actions: &[f32], calls: &[Call<'_>]) -> Result<(), TraceError> {
         if calls.is_empty() {
             self.sim.step(actions)?;
@@ -205,7 +205,7 @@ impl<'m, W: Write> EpisodeRecorder<'m, W> {
     /// Writes the last line and returns it.
     ///
     /// # Errors
-    /// Where writing fails.
+    /// Writing fails.
     pub fn end(mut self) -> Result<End, TraceError> {
         let metrics = self.sim.state().metrics();
         self.writer.line(&EndLine { metrics });

@@ -1,4 +1,4 @@
-//! The same flight in an ordinary program: what `jcas-no-std` prints has to be what this prints.
+//! The same mission in an ordinary program, which has to print what `jcas-no-std` prints.
 
 #[path = "../src/flight.rs"]
 mod flight;

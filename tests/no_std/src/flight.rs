@@ -1,16 +1,17 @@
-//! The mission that both programs fly, in memory that lies on the stack.
+//! The mission that both programs run, in memory on the stack.
 
 use jcas_core::hash::{self, Fnv1a};
 use jcas_core::{Config, Error, Model, Scratch, observation};
 
-/// More than the default mission needs; [`fly`] takes what the kernel asks for.
+/// Size of the memory; the default mission needs less, and [`fly`] takes what the kernel asks for.
 const ROOM_WORDS: usize = 4096;
 const ROOM_REALS: usize = 4096;
 
-/// Flies an episode of the default mission and returns the hash of every observation and state.
+/// Runs an episode of the default mission and returns the hash of every observation and state.
 pub fn fly() -> Result<u64, Error> {
     let config = Config {
-        // Little enough for UAVs to return to base, charge and be grounded on the way.
+        // The batteries are small enough that UAVs return to base, charge and are grounded in the
+        // mission.
         initial_soc_min: 0.2,
         initial_soc_max: 0.3,
         ..Config::default()
@@ -43,7 +44,7 @@ pub fn fly() -> Result<u64, Error> {
     Ok(seen.finish())
 }
 
-/// Each UAV flies a square of its own size, at a pilot density of its own.
+/// Each UAV flies a square of its own size, at its own pilot density.
 fn choose(t: usize, actions: &mut [f32]) {
     const SQUARE: [f32; 4] = [-0.8, 0.4, -0.4, 0.0];
     for (uav, action) in actions.chunks_exact_mut(2).enumerate() {

@@ -1,7 +1,7 @@
-//! A program with nothing beneath it: no std, no libc, no allocator, its own entry point. It stands for
-//! a flight computer; x86-64 Linux lends it two system calls, so that what it computed can be seen.
+//! A program without an operating system's support: no std, no libc, no allocator, its own entry
+//! point. It stands for a flight computer. Two system calls of x86-64 Linux print its result.
 //!
-//! `unsafe` is here because this file plays the part of the machine. The kernel has none.
+//! This file needs `unsafe` since it plays the part of the machine. The kernel has none.
 #![no_std]
 #![no_main]
 
@@ -11,7 +11,7 @@ mod memory;
 use core::arch::{asm, global_asm};
 use core::panic::PanicInfo;
 
-// The ABI wants the stack aligned where a function is called; the system enters without a call.
+// The ABI requires an aligned stack at a function call; the system enters without a call.
 global_asm!(
     ".globl _start",
     "_start:",

@@ -1,5 +1,6 @@
-//! Flies every golden trace again and compares each field of each step, state and observation hashes
-//! included, and flies shipped policies: the same bits on x86-64, AArch64 and wasm32.
+//! Replays every golden trace and compares each field of each step, with the hashes of states and
+//! observations. It also runs shipped policies. The bits are the same on x86-64, AArch64 and
+//! wasm32.
 
 #[cfg(target_family = "wasm")]
 mod wasm;
@@ -13,11 +14,11 @@ use jcas_policy::network::Product;
 /// Name and text of each trace in `tests/golden`.
 const GOLDEN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/golden.rs"));
 
-/// What came of all of them.
+/// The results of all traces.
 pub struct Report {
-    /// One line a trace.
+    /// One line for each trace.
     pub text: String,
-    /// Traces that did not come out the same.
+    /// Number of traces that differ.
     pub failures: u32,
 }
 
@@ -51,7 +52,7 @@ pub fn verify_all() -> Report {
     report
 }
 
-/// The number of steps of a trace that this build reproduces, or how it differs.
+/// The number of steps of a trace that this build reproduces, or the first difference.
 fn verify(text: &str) -> Result<usize, String> {
     let trace = trace::read(text.as_bytes()).map_err(|error| error.to_string())?;
     match trace::verify(&trace).map_err(|error| error.to_string())? {

@@ -42,7 +42,8 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
-/// Compilers of a language: the first of these that is here, or with `JCAS_COMPILERS=all` each of them.
+/// Compilers of a language: the first one that is installed, or all of them with
+/// `JCAS_COMPILERS=all`.
 fn compilers(names: &[&'static str]) -> Vec<&'static str> {
     let here = |name: &&'static str| {
         Command::new(name)
@@ -57,19 +58,20 @@ fn compilers(names: &[&'static str]) -> Vec<&'static str> {
     names.iter().copied().find(here).into_iter().collect()
 }
 
-/// Says past the harness, which keeps to itself what a test that passes prints, that a check did not run.
+/// Reports on standard error that a check did not run; the harness hides the output of a passed
+/// test.
 pub fn skip(why: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {why}");
 }
 
-/// C compilers, of which there has to be one.
+/// C compilers, of which at least one has to be installed.
 pub fn c_compilers() -> Vec<&'static str> {
     let found = compilers(&["gcc", "clang"]);
     assert!(!found.is_empty(), "neither gcc nor clang is installed");
     found
 }
 
-/// C++ compilers. A machine may have none; then what needs one says that it was skipped.
+/// C++ compilers. A machine may have none; then the tests that need one report that they skip it.
 pub fn cpp_compilers() -> Vec<&'static str> {
     let found = compilers(&["g++", "clang++"]);
     if found.is_empty() {
@@ -78,7 +80,7 @@ pub fn cpp_compilers() -> Vec<&'static str> {
     found
 }
 
-/// The libraries as cargo built them: static, shared.
+/// The libraries that cargo built: static, shared.
 pub fn libraries() -> &'static (PathBuf, PathBuf) {
     static BUILT: OnceLock<(PathBuf, PathBuf)> = OnceLock::new();
     BUILT.get_or_init(|| {
@@ -106,7 +108,7 @@ pub fn libraries() -> &'static (PathBuf, PathBuf) {
     })
 }
 
-/// Compiles and links a program against the static library.
+/// Compiles a program and links it with the static library.
 pub fn compile(compiler: &str, standard: &str, name: &str, sources: &[PathBuf]) -> PathBuf {
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{compiler}"));
     let mut command = Command::new(compiler);
