@@ -1,17 +1,18 @@
-// jcas for C++17: owners of the C handles, buffers as spans, no exceptions unless asked for.
+// jcas for C++17: classes that own the C handles, spans for buffers, and exceptions only on
+// request.
 //
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //
 // Functions that can fail return jcas::status, or jcas::result<T>, which holds a value if it is ok.
-// Define JCAS_EXCEPTIONS before including this header and result<T>::take() and status::check()
-// throw jcas::error instead of ending the program; each file of a program may choose for itself.
+// If JCAS_EXCEPTIONS is defined before this header, result<T>::take() and status::check() throw
+// jcas::error instead of ending the program. Each file of a program may choose for itself.
 //
 //     auto model = jcas::model::create(jcas::configuration());
 //     if (!model) { std::puts(model.message().c_str()); return 1; }
 //     auto sim = jcas::sim::create(*model);
 //     sim->reset(42);
 //
-// What each call does is said in jcas.h. A model must outlive its simulations and batches.
+// jcas.h documents each call. A model must outlive its simulations, batches and policies.
 #ifndef JCAS_HPP
 #define JCAS_HPP
 
@@ -37,15 +38,15 @@
 
 namespace jcas {
 
-// Files with and without exceptions may be linked into one program: what they compile has other
-// names.
+// Files with and without exceptions may be linked into one program: an inline namespace separates
+// them.
 #ifdef JCAS_EXCEPTIONS
 inline namespace throwing {
 #else
 inline namespace plain {
 #endif
 
-/// Contiguous elements of the caller: std::span of C++20, as far as it is needed here.
+/// A view of contiguous elements of the caller: a subset of C++20's std::span.
 template <class T>
 class span {
 public:
@@ -53,7 +54,7 @@ public:
     constexpr span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
     template <std::size_t Count>
     constexpr span(T (&array)[Count]) noexcept : data_(array), size_(Count) {}
-    /// Any container with data() and size() of such elements; a temporary one only to be read.
+    /// Views any container with data() and size(). A temporary container can only be read.
     template <class Container,
               class = std::enable_if_t<!std::is_same_v<std::decay_t<Container>, span> &&
                                        (std::is_const_v<T> || std::is_lvalue_reference_v<Container>) &&
@@ -74,7 +75,7 @@ private:
 };
 
 #ifdef JCAS_EXCEPTIONS
-/// Thrown by check() and take().
+/// The exception that check() and take() throw.
 class error : public std::runtime_error {
 public:
     error(std::int32_t code, const std::string &what) : std::runtime_error(what), code_(code) {}
@@ -96,7 +97,7 @@ namespace detail {
 #endif
 }
 
-/// A call with a living handle and sizes of our own. Only JCAS_ERROR_BUSY can refuse it: the object
+/// Checks a call whose handle and sizes are valid. Only JCAS_ERROR_BUSY can refuse it: the object
 /// is in use.
 inline void certain(std::int32_t code)
 {
@@ -104,7 +105,7 @@ inline void certain(std::int32_t code)
         fail(code, jcas_status_string(code));
 }
 
-/// A struct whose struct_size is set.
+/// Returns a zeroed struct whose struct_size is set.
 template <class Record>
 Record sized()
 {
@@ -114,7 +115,7 @@ Record sized()
     return record;
 }
 
-/// Where a trace goes, and what recording it works in.
+/// The sink of a trace and the working memory of its recording.
 struct trace_sink {
     std::function<bool(std::string_view)> write;
     std::vector<std::uint64_t> memory;
@@ -125,14 +126,14 @@ struct trace_sink {
 };
 } // namespace detail
 
-/// What a call came to.
+/// The result of a call without a value.
 class [[nodiscard]] status {
 public:
     constexpr status(std::int32_t code) noexcept : code_(code) {}
     constexpr std::int32_t code() const noexcept { return code_; }
     constexpr explicit operator bool() const noexcept { return code_ == JCAS_OK; }
     const char *text() const noexcept { return jcas_status_string(code_); }
-    /// Goes on only if the call succeeded.
+    /// Throws jcas::error, or ends the program, unless the call succeeded.
     void check() const
     {
         if (code_ != JCAS_OK)
@@ -143,7 +144,7 @@ private:
     std::int32_t code_;
 };
 
-/// A value, or why there is none.
+/// A value, or the reason why there is none.
 template <class T>
 class [[nodiscard]] result {
 public:
@@ -152,14 +153,14 @@ public:
 
     explicit operator bool() const noexcept { return value_.has_value(); }
     std::int32_t code() const noexcept { return code_; }
-    /// Why there is no value, in words.
+    /// The reason why there is no value, in English.
     std::string message() const { return message_.empty() ? jcas_status_string(code_) : message_; }
-    /// The value; only if there is one.
+    /// The value. There must be one.
     T &operator*() noexcept { return *value_; }
     const T &operator*() const noexcept { return *value_; }
     T *operator->() noexcept { return &*value_; }
     const T *operator->() const noexcept { return &*value_; }
-    /// Takes the value out; goes on only if there is one.
+    /// Moves the value out. Throws jcas::error, or ends the program, if there is none.
     T take()
     {
         if (!value_)
@@ -173,7 +174,7 @@ private:
     std::string message_;
 };
 
-/// The default configuration, to be changed field by field.
+/// Returns the default configuration, whose fields may then be changed.
 inline jcas_config configuration()
 {
     jcas_config config;
@@ -209,7 +210,7 @@ inline result<jcas_config> configuration_from_json(std::string_view text)
     return detail::parse(jcas_config_from_json, text);
 }
 
-/// A jcas_model of its own. Const member functions may be called by any number of threads at once.
+/// An owner of a jcas_model. Any number of threads may call const member functions at once.
 class model {
 public:
     static result<model> create(const jcas_config &config)
@@ -253,8 +254,8 @@ private:
     jcas_model_info info_;
 };
 
-/// A jcas_sim of its own. One thread at a time may use it: a call that finds it in use gives
-/// JCAS_ERROR_BUSY, and a query, which has no status, fails as status::check() does.
+/// An owner of a jcas_sim. One thread at a time may use it: a call that finds it in use returns
+/// JCAS_ERROR_BUSY. A query without a status then fails as status::check() does.
 class sim {
 public:
     static result<sim> create(const model &model)
@@ -364,14 +365,14 @@ public:
         detail::certain(jcas_sim_get_rewards(get(), rewards.data(), rewards.size()));
         return rewards;
     }
-    /// The reward of each UAV; the mean is the team's.
+    /// The reward of each UAV, whose mean is the team reward.
     std::vector<double> uav_rewards() const
     {
         std::vector<double> rewards(info_.uav_count);
         detail::certain(jcas_sim_uav_rewards(get(), rewards.data(), rewards.size()));
         return rewards;
     }
-    /// Without an allocation, into the caller's buffer of uav_count elements.
+    /// Writes the UAVs to a buffer of uav_count elements, without an allocation.
     status uavs(span<jcas_uav> out) const
     {
         return jcas_sim_get_uavs(get(), out.data(), out.size(), sizeof(jcas_uav));
@@ -382,7 +383,7 @@ public:
         detail::certain(jcas_sim_get_uavs(get(), all.data(), all.size(), sizeof(jcas_uav)));
         return all;
     }
-    /// Without an allocation, into the caller's buffer of hotspot_count elements.
+    /// Writes the hotspots to a buffer of hotspot_count elements, without an allocation.
     status hotspots(span<jcas_hotspot> out) const
     {
         return jcas_sim_get_hotspots(get(), out.data(), out.size(), sizeof(jcas_hotspot));
@@ -416,7 +417,7 @@ public:
     {
         return jcas_sim_load(get(), snapshot.data(), snapshot.size());
     }
-    /// Makes this an independent twin of another.
+    /// Copies the state of another simulation. The two are then independent.
     status fork_from(const sim &other) { return jcas_sim_fork(other.get(), get()); }
     std::uint64_t hash() const
     {
@@ -424,8 +425,8 @@ public:
         detail::certain(jcas_sim_hash(get(), &hash));
         return hash;
     }
-    /// Begins the episode of a seed, as reset does, and records it: `write` takes each piece of the
-    /// trace and returns whether it could. It must not throw.
+    /// Begins the episode of a seed, as reset does, and records it. `write` takes each piece of the
+    /// trace and returns false to refuse it. It must not throw.
     status record(std::uint64_t seed, std::function<bool(std::string_view)> write,
                   const std::string &policy = "host", const std::string &pilot = "host")
     {
@@ -444,7 +445,8 @@ public:
         return code;
     }
     status record_end() { return jcas_sim_record_end(get()); }
-    /// Whether this library flies a trace as its file says; see jcas_trace_verify.
+    /// Repeats a trace, compares it with its file and returns the hash of the last state; see
+    /// jcas_trace_verify.
     result<std::uint64_t> verify(std::string_view trace)
     {
         std::size_t size = 0, alignment = 0;
@@ -457,7 +459,7 @@ public:
             return {code, message};
         return hash();
     }
-    /// Why the last refused call was refused.
+    /// The reason why the last call was refused; empty if it succeeded.
     std::string message() const
     {
         char text[512] = "";
@@ -470,8 +472,7 @@ private:
     struct end {
         void operator()(jcas_sim *handle) const noexcept { jcas_sim_free(handle); }
     };
-    /// Why a call was refused; of one that found the simulation in use, the simulation knows
-    /// nothing.
+    /// The reason why a call was refused. A simulation keeps none for a call that found it in use.
     std::string message(std::int32_t code) const
     {
         return code == JCAS_ERROR_BUSY ? jcas_status_string(code) : message();
@@ -483,10 +484,11 @@ private:
     jcas_model_info info_;
 };
 
-/// A jcas_batch with the buffers that its steps write. One thread at a time may use it, as a sim.
+/// An owner of a jcas_batch and of the buffers that its steps write. One thread at a time may use
+/// it.
 class batch {
 public:
-    /// `threads`: 1 for the caller's own, 0 for one for each processor.
+    /// `threads` counts the caller's thread; 0 means one for each processor.
     static result<batch> create(const model &model, std::uint32_t environments, std::uint32_t threads = 1)
     {
         jcas_batch *handle = nullptr;
@@ -524,14 +526,14 @@ public:
         return jcas_batch_step(get(), actions.data(), actions.size(), auto_reset ? 1 : 0, &out);
     }
 
-    /// Only the environments whose mask is not 0.
+    /// Resets only the environments whose mask is not 0.
     status reset_some(span<const std::uint8_t> mask, span<const std::uint64_t> seeds)
     {
         return jcas_batch_reset_some(get(), mask.data(), mask.size(), seeds.data(), seeds.size(),
                                      observations.data(), observations.size(), global.data(), global.size());
     }
 
-    /// environments() * snapshot_size bytes.
+    /// Saves all environments into environments() * snapshot_size bytes.
     status save(span<unsigned char> out) const { return jcas_batch_save(get(), out.data(), out.size()); }
     status load(span<const unsigned char> saved) { return jcas_batch_load(get(), saved.data(), saved.size()); }
     std::uint64_t hash() const
@@ -547,7 +549,7 @@ public:
         return jcas_batch_set(get(), index, from.get());
     }
 
-    /// Written by reset and step; see jcas_batch_out.
+    /// The buffers that reset and step write; see jcas_batch_out for their shapes.
     std::vector<float> observations, global, rewards, final_observations, final_global, uav_rewards;
     std::vector<double> components;
     std::vector<std::uint8_t> terminated, truncated;
@@ -567,10 +569,10 @@ private:
     std::unique_ptr<jcas_batch, end> handle_;
 };
 
-/// A jcas_policy of its own: what flies a fleet. One thread at a time may use it, as a sim.
+/// An owner of a jcas_policy, which controls a fleet. One thread at a time may use it.
 class policy {
 public:
-    /// A trained network from the bytes of its file.
+    /// Loads a trained network from the bytes of its file.
     static result<policy> load(const model &model, span<const std::uint8_t> file)
     {
         jcas_policy *handle = nullptr;
@@ -583,7 +585,7 @@ public:
         return policy(handle);
     }
 
-    /// A baseline by its name; `pilot` as for jcas_policy_baseline.
+    /// Builds a baseline by its name; `pilot` is as for jcas_policy_baseline.
     static result<policy> baseline(const model &model, const std::string &name,
                                    const std::string &pilot = "adaptive")
     {
@@ -598,13 +600,14 @@ public:
 
     jcas_policy *get() noexcept { return handle_.get(); }
 
-    /// Whether a network's actions are drawn from its distribution.
+    /// Draws a network's actions from its distribution if `sampled`, else takes the most likely
+    /// ones.
     status sampled(bool sampled)
     {
         return jcas_policy_set_mode(get(), sampled ? JCAS_POLICY_SAMPLED : JCAS_POLICY_DETERMINISTIC);
     }
 
-    /// UAVs of one cell share out the distributions of their motions; nothing is drawn.
+    /// Takes stratified motions: UAVs of one cell take different quantiles, without random draws.
     status stratified() { return jcas_policy_set_mode(get(), JCAS_POLICY_STRATIFIED); }
 
     status act(const sim &sim, span<float> actions)
@@ -624,7 +627,7 @@ private:
     std::unique_ptr<jcas_policy, end> handle_;
 };
 
-/// Whether the library that runs serves a program compiled with this header.
+/// Checks that the library that runs serves a program compiled with this header.
 inline status check_abi() { return jcas_abi_check(JCAS_ABI_VERSION); }
 
 } // namespace throwing or plain

@@ -1,4 +1,4 @@
-//! `modelDescription.xml`, from the table of variables.
+//! The text of `modelDescription.xml`, from the table of variables.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -6,7 +6,8 @@ use std::fmt::Write;
 use crate::instance::{Instance, Values};
 use crate::variables::{Causality, Extent, Kind, Variable, all, reference};
 
-/// Checked at instantiation: an importer that has read another description is refused.
+/// Returns the instantiation token. Instantiation refuses an importer that has read another
+/// description.
 #[must_use]
 pub fn token() -> String {
     let mut hash = jcas_core::hash::Fnv1a::new();
@@ -16,10 +17,10 @@ pub fn token() -> String {
     format!("{{jcas-{}-{:016x}}}", jcas_core::VERSION, hash.finish())
 }
 
-/// The whole description.
+/// Returns the whole description.
 ///
 /// # Errors
-/// Where a default value cannot be read, which is a fault of the table.
+/// The call fails if a default value cannot be read, which is a fault of the table.
 pub fn xml() -> Result<String, String> {
     let variables = all();
     let mut defaults = Instance::new(None)?;

@@ -5,7 +5,7 @@ use std::ffi::{CStr, CString, c_char};
 use crate::handle::{Handle, Status, call, read, write};
 use crate::instance::Values;
 
-/// Gets all of the variables of one type into one row.
+/// Gets variables of one type into one array.
 unsafe fn get<T: Clone>(
     handle: *mut Handle,
     references: *const u32,
@@ -34,7 +34,7 @@ unsafe fn get<T: Clone>(
     })
 }
 
-/// Sets all of the variables of one type from one row.
+/// Sets variables of one type from one array.
 unsafe fn set<T: Clone>(
     handle: *mut Handle,
     references: *const u32,
@@ -74,10 +74,10 @@ unsafe fn set<T: Clone>(
 
 macro_rules! numbers {
     ($($getter:ident, $setter:ident, $type:ty, $kind:ident;)+) => { $(
-        /// Values of variables of this type.
+        /// Gets variables of this type.
         ///
         /// # Safety
-        /// The arrays are null or as long as said.
+        /// The arrays are null or have the given lengths.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $getter(handle: *mut Handle, references: *const u32, count: usize, values: *mut $type, length: usize) -> Status {
             unsafe { get(handle, references, count, values, length, |values| match values { Values::$kind(values) => Some(values), _ => None }) }
@@ -85,7 +85,7 @@ macro_rules! numbers {
         /// Sets variables of this type.
         ///
         /// # Safety
-        /// The arrays are null or as long as said.
+        /// The arrays are null or have the given lengths.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $setter(handle: *mut Handle, references: *const u32, count: usize, values: *const $type, length: usize) -> Status {
             unsafe { set(handle, references, count, values, length, |values| Values::$kind(values.to_vec())) }
@@ -101,10 +101,10 @@ numbers! {
     fmi3GetBoolean, fmi3SetBoolean, bool, Boolean;
 }
 
-/// Texts; they live until the next call on the instance.
+/// Gets texts. They are valid until the next call on the instance.
 ///
 /// # Safety
-/// The arrays are null or as long as said.
+/// The arrays are null or have the given lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetString(
     handle: *mut Handle,
@@ -142,7 +142,7 @@ pub unsafe extern "C" fn fmi3GetString(
 /// Sets texts.
 ///
 /// # Safety
-/// The arrays are null or as long as said; the texts end in 0.
+/// The arrays are null or have the given lengths; the texts end in 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetString(
     handle: *mut Handle,
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn fmi3SetString(
             if text.is_null() {
                 return Err(format!("the text for value reference {vr} is null"));
             }
-            // Not null; ends in 0 by the standard.
+            // The text is not null and ends in 0 by the standard.
             let text = unsafe { CStr::from_ptr(text) }
                 .to_str()
                 .map_err(|error| error.to_string())?;

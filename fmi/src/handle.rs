@@ -1,5 +1,5 @@
-//! An instance behind the importer's pointer, and the importer's other pointers, once checked for
-//! null. No panic crosses: a caught one is `fmi3Fatal`.
+//! An instance behind the importer's pointer, and slices from its other pointers after a check for
+//! null. No panic crosses the interface: a caught one becomes `fmi3Fatal`.
 
 use std::ffi::{CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -7,19 +7,19 @@ use std::slice;
 
 use crate::instance::Instance;
 
-/// `fmi3Status`.
+/// The `fmi3Status` of the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum Status {
-    /// Done.
+    /// The call succeeded.
     Ok = 0,
-    /// Done, with a remark.
+    /// The call succeeded with a warning.
     Warning = 1,
-    /// Not done; other values may be tried.
+    /// The call was discarded; other values may be tried.
     Discard = 2,
-    /// Not done.
+    /// The call failed.
     Error = 3,
-    /// The instance is lost.
+    /// The instance can no longer be used.
     Fatal = 4,
 }
 
@@ -32,7 +32,7 @@ pub struct Handle {
     pub(crate) log: LogMessage,
     pub(crate) logging: bool,
     pub(crate) environment: *mut c_void,
-    /// Texts that were handed out last; the standard lets them live until the next call.
+    /// The texts of the last get. The standard keeps them valid until the next call.
     pub(crate) texts: Vec<CString>,
 }
 
@@ -43,8 +43,7 @@ impl Handle {
             return;
         }
         let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
-        // The importer's own function, with its own environment and two texts that outlive the
-        // call.
+        // The function and its environment are the importer's, and both texts outlive the call.
         unsafe {
             log(
                 self.environment,
@@ -56,7 +55,7 @@ impl Handle {
     }
 }
 
-/// Runs a call on an instance: null is an error, a refusal is logged, a panic is fatal.
+/// Runs a call on an instance. Null is an error, a refusal is logged and a panic is fatal.
 pub(crate) fn call(
     handle: *mut Handle,
     act: impl FnOnce(&mut Handle) -> Result<(), String>,
@@ -78,7 +77,7 @@ pub(crate) fn call(
     }
 }
 
-/// The importer's array; empty where there is none.
+/// Reads the importer's array, which is empty if the pointer is null.
 pub(crate) unsafe fn read<'a, T>(
     pointer: *const T,
     count: usize,
@@ -90,7 +89,7 @@ pub(crate) unsafe fn read<'a, T>(
     if pointer.is_null() {
         return Err(format!("{what} is null"));
     }
-    // Not null; `count` elements by the importer's word.
+    // It is not null and has `count` elements, as the importer promises.
     Ok(unsafe { slice::from_raw_parts(pointer, count) })
 }
 
@@ -105,13 +104,13 @@ pub(crate) unsafe fn write<'a, T>(
     if pointer.is_null() {
         return Err(format!("{what} is null"));
     }
-    // As above, and not shared while the call lasts.
+    // As above, and nothing else uses it during the call.
     Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
 }
 
 pub(crate) unsafe fn give<T>(pointer: *mut T, value: T) {
     if !pointer.is_null() {
-        // Not null; one element by the standard.
+        // It is not null and has one element by the standard.
         unsafe { pointer.write(value) }
     }
 }

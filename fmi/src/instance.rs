@@ -1,5 +1,5 @@
-//! The life of an instance: parameters, initialization, steps, and the values of all variables at
-//! each moment.
+//! The life cycle of an instance: parameters, initialization, steps, and the values of its
+//! variables.
 
 use std::path::PathBuf;
 
@@ -12,10 +12,10 @@ use crate::mission::{Inputs, Mission};
 use crate::setup::Setup;
 use crate::variables::{Causality, Extent, Kind, Variable, all, reference};
 
-/// Where in the state machine of the standard an instance is.
+/// The state of an instance in the state machine of the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
-    /// After instantiation.
+    /// The instance was just instantiated.
     Instantiated,
     /// Sizes may be set.
     Configuration,
@@ -27,7 +27,7 @@ pub enum Mode {
     Terminated,
 }
 
-/// The values of one variable, or of several of a type, in a row.
+/// The values of one or more variables of one type, in one array.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// 32-bit floats.
@@ -59,10 +59,10 @@ impl Values {
     }
 }
 
-/// How much of a step size may be left over by rounding of an importer's clock.
+/// Tolerance for the rounding of an importer's clock, as a fraction of a step.
 const STEP_TOLERANCE: f64 = 1e-6;
 
-/// What can be saved of an instance.
+/// The state of an instance that can be saved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Saved {
     mode: Mode,
@@ -72,11 +72,11 @@ struct Saved {
     actions: Vec<f32>,
     positions: Vec<u32>,
     links: Vec<bool>,
-    /// The kernel's snapshot; none before the mission begins.
+    /// The kernel's snapshot, or none before the episode begins.
     snapshot: Option<Vec<u8>>,
 }
 
-/// An instance.
+/// An instance of the unit.
 pub struct Instance {
     variables: Vec<Variable>,
     mode: Mode,
@@ -87,7 +87,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Just instantiated, with the default parameters.
+    /// Builds an instance with the default parameters.
     ///
     /// # Errors
     /// Never: the default configuration is legal.
@@ -107,7 +107,7 @@ impl Instance {
         })
     }
 
-    /// Where in its life it is.
+    /// Returns the present mode.
     #[must_use]
     pub const fn mode(&self) -> Mode {
         self.mode
@@ -116,7 +116,7 @@ impl Instance {
     /// Goes from one mode to another.
     ///
     /// # Errors
-    /// Where the standard does not allow it from here.
+    /// The call fails if the standard does not allow the change from the present mode.
     pub fn go(&mut self, allowed: &[Mode], to: Mode, called: &str) -> Result<(), String> {
         if !allowed.contains(&self.mode) {
             return Err(format!(
@@ -128,15 +128,15 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets the time at which the mission begins.
+    /// Sets the time at which the episode begins, in seconds.
     pub const fn start_at(&mut self, time_s: f64) {
         self.time_s = time_s;
     }
 
-    /// Makes the mission of the parameters, if it is not there yet.
+    /// Builds the episode from the parameters, unless it exists.
     ///
     /// # Errors
-    /// A sentence that names the parameter, the value and what is allowed.
+    /// The text names the parameter, the value and what is allowed.
     pub fn prepare(&mut self) -> Result<&Mission, String> {
         if self.mission.is_none() {
             self.mission = Some(Mission::new(&self.setup)?);
@@ -144,21 +144,21 @@ impl Instance {
         self.mission.as_ref().ok_or_else(|| "no mission".to_owned())
     }
 
-    /// Back to the moment after instantiation.
+    /// Resets the instance to its state after instantiation.
     ///
     /// # Errors
-    /// As [`Instance::new`].
+    /// The errors are those of [`Instance::new`].
     pub fn reset(&mut self) -> Result<(), String> {
         *self = Self::new(self.setup.resources.take())?;
         Ok(())
     }
 
-    /// Flies from `from_s` for `length_s`, which must be whole steps of Δt. Once the mission is
-    /// over it stays as it ended.
+    /// Simulates from `from_s` for `length_s`, which must be whole steps of Δt. After the end of
+    /// the episode the state no longer changes.
     ///
     /// # Errors
-    /// Where the times do not fit, or the kernel refuses an input. The time then says how far it
-    /// came.
+    /// The call fails if the times do not fit or the kernel refuses an input. The time is then that
+    /// of the last complete step.
     pub fn do_step(&mut self, from_s: f64, length_s: f64) -> Result<f64, String> {
         if self.mode != Mode::Step {
             return Err(format!(
@@ -197,10 +197,10 @@ impl Instance {
             .ok_or_else(|| format!("value reference {vr}: there is no such variable"))
     }
 
-    /// The type of a variable and how many elements it has.
+    /// Returns the type of a variable and its number of elements.
     ///
     /// # Errors
-    /// Where there is no such variable.
+    /// The call fails if there is no such variable.
     pub fn shape(&self, vr: u32) -> Result<(Kind, usize), String> {
         let variable = self.variable(vr)?;
         let mut count = 1;
@@ -214,10 +214,10 @@ impl Instance {
         Ok((variable.kind, count))
     }
 
-    /// The value of a variable.
+    /// Returns the value of a variable.
     ///
     /// # Errors
-    /// Where there is no such variable, or the parameters make no mission.
+    /// The call fails if there is no such variable, or if the parameters are not legal.
     pub fn get(&mut self, vr: u32) -> Result<Values, String> {
         use reference::*;
         if let Some(name) = field_name(vr) {
@@ -243,10 +243,10 @@ impl Instance {
         })
     }
 
-    /// Sets a variable; `values` has its type and as many elements as [`Instance::shape`] says.
+    /// Sets a variable. `values` has the type and the number of elements of [`Instance::shape`].
     ///
     /// # Errors
-    /// Where the variable may not be set, or not now, or not to this.
+    /// The call fails if the variable may not be set, not in this mode or not to this value.
     pub fn set(&mut self, vr: u32, values: Values) -> Result<(), String> {
         use reference::*;
         let (name, causality) = {
@@ -309,7 +309,7 @@ impl Instance {
             Values::String(mut values) => values.remove(0).into(),
             _ => return Err(format!("{name} is not of this type")),
         };
-        // Absent means derived, in every text of a configuration.
+        // An absent field is derived, as in every text of a configuration.
         if value.is_null() {
             self.setup.fields.remove(name);
         } else {
@@ -318,10 +318,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Everything, as bytes.
+    /// Saves the whole instance as bytes.
     ///
     /// # Errors
-    /// As [`Mission::save`].
+    /// The errors are those of [`Mission::save`].
     pub fn save(&self) -> Result<Vec<u8>, String> {
         let saved = Saved {
             mode: self.mode,
@@ -336,10 +336,10 @@ impl Instance {
         serde_json::to_vec(&saved).map_err(|error| error.to_string())
     }
 
-    /// An instance as it was saved.
+    /// Restores a saved instance.
     ///
     /// # Errors
-    /// Where the bytes are not what [`Instance::save`] wrote.
+    /// The call fails if [`Instance::save`] did not write the bytes.
     pub fn load(&self, bytes: &[u8]) -> Result<Self, String> {
         let mut saved: Saved =
             serde_json::from_slice(bytes).map_err(|error| format!("saved state: {error}"))?;
@@ -393,7 +393,7 @@ fn field_values(kind: Kind, value: &Value) -> Result<Values, String> {
     })
 }
 
-/// The value of an output.
+/// Returns the value of an output.
 fn output(name: &str, mission: &Mission) -> Result<Values, String> {
     let state = mission.state()?;
     let (uavs, hotspots) = (0..state.uav_count(), 0..state.hotspot_count());
@@ -445,7 +445,7 @@ fn output(name: &str, mission: &Mission) -> Result<Values, String> {
     })
 }
 
-/// Whether a field of the configuration may be left to be derived from others.
+/// Whether a field of the configuration can be derived from others.
 fn may_be_derived(name: &str) -> bool {
     let values = Config::default().values();
     let mut fields = Config::FIELDS.iter().zip(values);

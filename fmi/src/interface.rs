@@ -15,7 +15,7 @@ pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
-/// Turns messages on or off; there is one category.
+/// Turns messages on or off. There is one category.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3SetDebugLogging(
     handle: *mut Handle,
@@ -29,8 +29,8 @@ pub extern "C" fn fmi3SetDebugLogging(
     })
 }
 
-/// An instance, or null: where the token is that of another description, or event mode or
-/// intermediate updates are asked for.
+/// Creates an instance. The result is null for the token of another description, and if event mode
+/// or intermediate updates are requested.
 ///
 /// # Safety
 /// Texts are null or end in 0.
@@ -53,7 +53,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let resources = if resources.is_null() {
         None
     } else {
-        // A text of the importer's.
+        // The text belongs to the importer.
         let path = unsafe { CStr::from_ptr(resources) };
         path.to_str().ok().map(PathBuf::from)
     };
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         environment,
         texts: Vec::new(),
     };
-    // A text of the importer's.
+    // The text belongs to the importer.
     let asked = if asked.is_null() {
         c""
     } else {
@@ -106,19 +106,19 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     Box::into_raw(Box::new(handle))
 }
 
-/// Ends an instance; null is nothing.
+/// Frees an instance. Null is allowed and does nothing.
 ///
 /// # Safety
 /// `handle` is null, or was returned by instantiation and not freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(handle: *mut Handle) {
     if !handle.is_null() {
-        // From Box::into_raw, once.
+        // The pointer is from Box::into_raw and is freed once.
         drop(unsafe { Box::from_raw(handle) });
     }
 }
 
-/// Parameters may be set from here on.
+/// Enters initialization mode, in which parameters may be set.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3EnterInitializationMode(
     handle: *mut Handle,
@@ -142,7 +142,7 @@ pub extern "C" fn fmi3EnterInitializationMode(
     })
 }
 
-/// The mission stands at its start.
+/// Exits initialization mode. The episode is then at its start.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3ExitInitializationMode(handle: *mut Handle) -> Status {
     call(handle, |handle| {
@@ -157,7 +157,7 @@ pub extern "C" fn fmi3ExitInitializationMode(handle: *mut Handle) -> Status {
     })
 }
 
-/// Sizes may be set from here on.
+/// Enters configuration mode, in which sizes may be set.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3EnterConfigurationMode(handle: *mut Handle) -> Status {
     call(handle, |handle| {
@@ -169,7 +169,7 @@ pub extern "C" fn fmi3EnterConfigurationMode(handle: *mut Handle) -> Status {
     })
 }
 
-/// Sizes are settled.
+/// Exits configuration mode, which fixes the sizes.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3ExitConfigurationMode(handle: *mut Handle) -> Status {
     call(handle, |handle| {
@@ -181,7 +181,7 @@ pub extern "C" fn fmi3ExitConfigurationMode(handle: *mut Handle) -> Status {
     })
 }
 
-/// No more steps.
+/// Terminates the simulation. No step may follow.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3Terminate(handle: *mut Handle) -> Status {
     call(handle, |handle| {
@@ -191,13 +191,13 @@ pub extern "C" fn fmi3Terminate(handle: *mut Handle) -> Status {
     })
 }
 
-/// As just instantiated.
+/// Resets the instance to its state after instantiation.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3Reset(handle: *mut Handle) -> Status {
     call(handle, |handle| handle.instance.reset())
 }
 
-/// Whole steps of the mission.
+/// Simulates one communication step, which is one or more whole steps of the kernel.
 ///
 /// # Safety
 /// The four outputs are null or point to one value each.

@@ -1,13 +1,14 @@
-//! jcas as a Functional Mock-up Unit, by the FMI 3.0 standard for Co-Simulation (Modelica
+//! jcas as a Functional Mock-up Unit (FMU) for Co-Simulation by the FMI 3.0 standard (Modelica
 //! Association, 2022).
 //!
-//! - [`variables`]: what an importer sees, one table for the description and for every get and set;
-//! - [`description`]: that table as `modelDescription.xml`;
-//! - [`setup`]: the parameters; [`mission`]: the flight that they make;
-//! - [`instance`]: the life of an instance, from instantiation to termination;
-//! - [`handle`]: an instance behind the importer's pointer; the functions of the standard, with it
-//!   the only `unsafe`: [`interface`] (an instance and its steps), [`exchange`] (variables),
-//!   [`states`], [`refused`] (what is not offered).
+//! - [`variables`] is the table of variables, which the description and every get and set use.
+//! - [`description`] writes that table as `modelDescription.xml`.
+//! - [`setup`] has the parameters, and [`mission`] has the episode that runs with them.
+//! - [`instance`] is the life cycle of an instance, from instantiation to termination.
+//! - [`handle`] is an instance behind the importer's pointer.
+//! - [`interface`] (instances and steps), [`exchange`] (variables), [`states`] and [`refused`]
+//!   (what is not offered) export the functions of the standard. They and [`handle`] have the only
+//!   `unsafe` code.
 //!
 //! `cargo xtask fmu` packs it all into `jcas.fmu`.
 

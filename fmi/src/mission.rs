@@ -1,4 +1,4 @@
-//! A mission in flight: the kernel, and whoever chooses its actions.
+//! An episode of the unit: the kernel and the source of its actions.
 
 use jcas_core::{Cell, Error, Model, Scratch, StateRef, hash, observation};
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
@@ -6,19 +6,19 @@ use jcas_simd::InstructionSet;
 
 use crate::setup::Setup;
 
-/// What the importer gives before a step.
+/// The inputs of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inputs {
-    /// (u_dir, u_pilot) of each UAV.
+    /// The actions (u_dir, u_pilot) of each UAV, each from −1 to 1.
     pub actions: Vec<f32>,
-    /// (x, y) of each UAV.
+    /// The cell (x, y) of each UAV.
     pub positions: Vec<u32>,
-    /// N × N, row by row.
+    /// The radio graph, \[N\]\[N\], row by row.
     pub links: Vec<bool>,
 }
 
 impl Inputs {
-    /// Everybody stays, at the lowest pilot density, at cell (0, 0), without a link.
+    /// Every UAV stays in cell (0, 0) at the lowest pilot density, without a link.
     #[must_use]
     pub fn of(uavs: usize) -> Self {
         Self {
@@ -29,7 +29,7 @@ impl Inputs {
     }
 }
 
-/// A mission of a setup.
+/// An episode of a setup.
 pub struct Mission {
     setup: Setup,
     model: Model<'static>,
@@ -38,15 +38,15 @@ pub struct Mission {
     pilot: Option<Box<dyn Policy>>,
     observations: Vec<f32>,
     actions: Vec<f32>,
-    /// Rewards since the last communication point.
+    /// The sum of rewards since the last communication point.
     pub reward: f64,
 }
 
 impl Mission {
-    /// Stands at t = 0.
+    /// Builds the episode at t = 0.
     ///
     /// # Errors
-    /// A sentence that names the parameter, the value and what is allowed.
+    /// The text names the parameter, the value and what is allowed.
     pub fn new(setup: &Setup) -> Result<Self, String> {
         let model = Model::new(setup.config()?).map_err(said)?;
         let pilot = pilot(setup, &model)?;
@@ -76,39 +76,39 @@ impl Mission {
         Ok(())
     }
 
-    /// The model.
+    /// Returns the model.
     #[must_use]
     pub const fn model(&self) -> &Model<'static> {
         &self.model
     }
 
-    /// The state to read.
+    /// Returns a view of the state.
     ///
     /// # Errors
-    /// Never, for words that the model itself wrote.
+    /// The call never fails for words that the model itself wrote.
     pub fn state(&self) -> Result<StateRef<'_>, String> {
         self.model.state(&self.words).map_err(said)
     }
 
-    /// Fingerprint of the state.
+    /// Returns the fingerprint of the state.
     #[must_use]
     pub fn hash(&self) -> u64 {
         hash::words(&self.words)
     }
 
-    /// Whether the mission has ended.
+    /// Whether the episode has ended.
     ///
     /// # Errors
-    /// As [`Mission::state`].
+    /// The errors are those of [`Mission::state`].
     pub fn over(&self) -> Result<bool, String> {
         let state = self.state()?;
         Ok(state.terminated() || state.truncated())
     }
 
-    /// One step of Δt.
+    /// Performs one step of Δt.
     ///
     /// # Errors
-    /// Where the kernel refuses an input; the state is then as it was.
+    /// The call fails if the kernel refuses an input. The state then does not change.
     pub fn step(&mut self, inputs: &Inputs) -> Result<(), String> {
         let Self {
             model,
@@ -174,11 +174,11 @@ impl Mission {
         Ok(())
     }
 
-    /// The kernel's snapshot of the state.
+    /// Returns the kernel's snapshot of the state.
     ///
     /// # Errors
-    /// Where a baseline flies over positions or links of the importer: its plans depend on all of
-    /// them.
+    /// The call fails for a baseline over positions or links of the importer, as its plans depend
+    /// on all of them.
     pub fn save(&self) -> Result<Vec<u8>, String> {
         if self.pilot.is_some() && (self.setup.own_positions || self.setup.own_links) {
             return Err("the state of a baseline that flies over the importer's positions or links cannot be saved; fly by actions".to_owned());
@@ -188,11 +188,11 @@ impl Mission {
         Ok(bytes)
     }
 
-    /// The mission of a setup at a saved state. Where a baseline flies it is flown there again from
-    /// its start, so that the baseline's plans are what they were.
+    /// Restores the episode of a setup at a saved state. With a baseline the episode is repeated
+    /// from its start, which restores the baseline's plans.
     ///
     /// # Errors
-    /// Where the snapshot is not of this setup.
+    /// The call fails if the snapshot is not of this setup.
     pub fn restore(setup: &Setup, snapshot: &[u8]) -> Result<Self, String> {
         let mut mission = Self::new(setup)?;
         let mut spare = vec![0; mission.words.len()];
@@ -221,7 +221,7 @@ impl Mission {
     }
 }
 
-/// Who flies: nobody, a trained policy among the unit's resources, or a baseline.
+/// The source of actions: the importer, a trained policy among the unit's resources, or a baseline.
 fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, String> {
     if setup.policy.is_empty() {
         return Ok(None);

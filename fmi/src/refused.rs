@@ -1,15 +1,15 @@
-//! What the standard names and this unit does not offer: Model Exchange, Scheduled Execution,
-//! clocks, derivatives.
+//! The functions of the standard that this unit does not offer: Model Exchange, Scheduled
+//! Execution, clocks, derivatives.
 
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
 use crate::handle::{Handle, LogMessage, Status, call};
 
-/// Functions of the standard for what this unit does not offer: each is there, and refuses.
+/// Defines functions of the standard that are exported and always return an error.
 macro_rules! refused {
     ($($name:ident($($type:ty),*);)+) => { $(
-        /// Not offered by this unit.
+        /// This unit does not offer the function.
         #[unsafe(no_mangle)]
         #[allow(clippy::too_many_arguments)]
         pub extern "C" fn $name(handle: *mut Handle $(, _: $type)*) -> Status {

@@ -7,26 +7,26 @@ use jcas_core::config::FieldValue;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-/// Everything that is fixed once the mission begins.
+/// The parameters of an instance, which are fixed once the episode begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setup {
     /// Name of the preset.
     pub preset: String,
-    /// Fields that were set, by name.
+    /// The fields of the configuration that were set, by name.
     pub fields: Map<String, Value>,
     /// Seed of the episode.
     pub seed: u64,
-    /// Name of a baseline or of a trained policy in the unit's resources; empty where the importer
-    /// flies.
+    /// Name of a baseline or of a trained policy in the unit's resources. It is empty if the
+    /// importer supplies the actions.
     pub policy: String,
-    /// Its pilot mode.
+    /// The pilot mode of a baseline.
     pub pilot: String,
-    /// The importer moves the UAVs.
+    /// Whether the importer moves the UAVs.
     pub own_positions: bool,
-    /// The importer decides who hears whom.
+    /// Whether the importer supplies the radio graph.
     pub own_links: bool,
-    /// Where the unit's resources are; no part of a saved state.
+    /// The folder of the unit's resources, which is no part of a saved state.
     #[serde(skip)]
     pub resources: Option<PathBuf>,
 }
@@ -47,20 +47,20 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// The configuration, validated.
+    /// Returns the validated configuration.
     ///
     /// # Errors
-    /// A sentence that names the field, the value and what is allowed.
+    /// The text names the field, the value and what is allowed.
     pub fn config(&self) -> Result<Config, String> {
         let mut fields = self.fields.clone();
         fields.insert("preset".to_owned(), self.preset.clone().into());
         Config::from_json(&Value::from(fields).to_string()).map_err(|error| error.to_string())
     }
 
-    /// The file of the trained policy, where the policy is one.
+    /// Returns the file of the trained policy, if the policy is one.
     #[must_use]
     pub fn trained(&self) -> Option<PathBuf> {
-        // A name, not a path: nothing outside the resources is read.
+        // The policy is a name and not a path, so nothing outside the resources is read.
         let plain = self
             .policy
             .chars()
@@ -72,10 +72,10 @@ impl Setup {
         (plain && path.is_file()).then_some(path)
     }
 
-    /// The value of a field: the one that was set, else the preset's.
+    /// Returns the value of a field: the one that was set, else the preset's.
     ///
     /// # Errors
-    /// Where the preset does not exist.
+    /// The call fails if the preset does not exist.
     pub fn field(&self, name: &str) -> Result<Value, String> {
         if let Some(value) = self.fields.get(name) {
             return Ok(value.clone());
@@ -100,10 +100,10 @@ impl Setup {
         })
     }
 
-    /// A size, set or the preset's.
+    /// Returns a size: the one that was set, else the preset's.
     ///
     /// # Errors
-    /// As [`Setup::field`].
+    /// The errors are those of [`Setup::field`].
     pub fn size(&self, name: &str) -> Result<u64, String> {
         self.field(name)?
             .as_u64()

@@ -1,13 +1,13 @@
-//! The functions that keep the state of an instance, go back to it and serialise it.
+//! The functions that save, restore and serialise the state of an instance.
 
 use std::ptr::null_mut;
 
 use crate::handle::{Handle, Status, call, give, read, write};
 
-/// The state of an instance as the importer holds it: the bytes that it is serialised to.
+/// The state of an instance behind the importer's pointer, in serialised form.
 pub struct SavedState(Vec<u8>);
 
-/// Keeps the state. A state that is passed in is replaced.
+/// Saves the state. A state that is passed in is replaced.
 ///
 /// # Safety
 /// `state` points to null or to a state of this unit.
@@ -27,7 +27,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(
     })
 }
 
-/// Goes back to a state that was kept.
+/// Restores a saved state.
 ///
 /// # Safety
 /// `state` is null or a state of this unit.
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn fmi3SetFMUState(handle: *mut Handle, state: *const Save
     })
 }
 
-/// Frees a state that was kept; null is nothing.
+/// Frees a saved state. Null is allowed and does nothing.
 ///
 /// # Safety
 /// `state` points to null or to a state of this unit.
@@ -60,7 +60,7 @@ pub unsafe extern "C" fn fmi3FreeFMUState(
     })
 }
 
-/// Bytes of a state.
+/// Writes the size of a serialised state in bytes.
 ///
 /// # Safety
 /// `state` is null or a state of this unit; `size` is null or points to one value.
@@ -77,10 +77,10 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     })
 }
 
-/// Writes a state.
+/// Serialises a state.
 ///
 /// # Safety
-/// `state` is null or a state of this unit; `bytes` is null or as long as said.
+/// `state` is null or a state of this unit; `bytes` is null or has the given length.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SerializeFMUState(
     handle: *mut Handle,
@@ -102,10 +102,10 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     })
 }
 
-/// Reads a state; it is checked whole.
+/// Deserialises a state, after a check of all its bytes.
 ///
 /// # Safety
-/// `bytes` is null or as long as said; `state` points to null or to a state of this unit.
+/// `bytes` is null or has the given length; `state` points to null or to a state of this unit.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DeserializeFMUState(
     handle: *mut Handle,

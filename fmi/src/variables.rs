@@ -11,31 +11,31 @@ pub mod reference {
     pub const UAV_COUNT: u32 = 1;
     /// n.
     pub const HOTSPOT_COUNT: u32 = 2;
-    /// Which preset the other parameters change.
+    /// The preset of the fields that are not set.
     pub const PRESET: u32 = 3;
     /// Seed of the episode.
     pub const SEED: u32 = 4;
-    /// Who flies.
+    /// The policy.
     pub const POLICY: u32 = 5;
-    /// How a baseline chooses its pilot density.
+    /// The pilot mode of a baseline.
     pub const PILOT: u32 = 6;
     /// Whether the importer moves the UAVs.
     pub const OWN_POSITIONS: u32 = 7;
-    /// Whether the importer decides who hears whom.
+    /// Whether the importer supplies the radio graph.
     pub const OWN_LINKS: u32 = 8;
     /// The fields of the configuration, in their order.
     pub const FIELDS: u32 = 1000;
     /// Inputs.
     pub const ACTIONS: u32 = 100;
-    /// Positions that the importer owns.
+    /// Positions that the importer supplies.
     pub const POSITIONS: u32 = 101;
-    /// Links that the importer owns.
+    /// Links that the importer supplies.
     pub const LINKS: u32 = 102;
     /// Outputs, in the order of [`super::OUTPUTS`].
     pub const FIRST_OUTPUT: u32 = 200;
 }
 
-/// The types of FMI 3.0 that occur.
+/// The types of FMI 3.0 that the unit uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// 32-bit float.
@@ -55,15 +55,15 @@ pub enum Kind {
 /// One extent of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// As many as there are UAVs.
+    /// The number of UAVs.
     Uavs,
-    /// As many as there are hotspots.
+    /// The number of hotspots.
     Hotspots,
     /// x and y, or u_dir and u_pilot.
     Two,
 }
 
-/// What an importer may do with a variable.
+/// The causality of a variable, which decides when an importer may set it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
     /// Simulated time.
@@ -78,7 +78,7 @@ pub enum Causality {
     Output,
 }
 
-/// A variable.
+/// A variable of the unit.
 #[derive(Clone, Debug)]
 pub struct Variable {
     /// Its value reference.
@@ -87,15 +87,15 @@ pub struct Variable {
     pub name: &'static str,
     /// Its type.
     pub kind: Kind,
-    /// What may be done with it.
+    /// Its causality.
     pub causality: Causality,
     /// Its dimensions; none for a scalar.
     pub extents: &'static [Extent],
     /// Its unit, where it has one.
     pub unit: Option<&'static str>,
-    /// Legal values, where they are numbers.
+    /// Its legal range, if it is a number.
     pub range: Option<(f64, f64)>,
-    /// What it means.
+    /// Its description.
     pub doc: String,
 }
 

@@ -1,13 +1,13 @@
-//! How fast each instruction set of this machine steps a batch, in turns:
+//! Measures how fast each instruction set of this machine steps a batch, in turns:
 //!
 //! ```console
 //! $ cargo run --release -p jcas-simd --example rate -- 15 7 12 256
 //! ```
 //!
-//! UAVs, hotspots, side of the grid, missions of the batch. Random actions, observations and
-//! rewards written, ended missions begun anew; told by the least disturbed tenth of the steps, and
-//! what a mission takes in memory. With `count SET STEPS` behind, nothing but that many steps, for
-//! a profiler that counts instructions.
+//! The arguments are UAVs, hotspots, the side of the grid and environments. Actions are random,
+//! observations and rewards are written, and ended episodes are reset. The time is that of the
+//! fastest tenth of the steps; the memory of an environment is printed too. `count SET STEPS` as
+//! further arguments runs only that many steps, for a profiler that counts instructions.
 
 use std::time::Instant;
 
@@ -15,13 +15,13 @@ use jcas_core::batch::BatchOut;
 use jcas_core::{Config, Model, Scratch, rng};
 use jcas_simd::InstructionSet;
 
-/// Steps of each instruction set at a time, and how often it is its turn.
+/// Steps of each instruction set in a turn, and the number of turns.
 const STEPS: usize = 8;
 const TURNS: usize = 100;
-/// Different actions, taken in turn.
+/// Number of action sets, which the steps use in turn.
 const ACTIONS: usize = 8;
 
-/// A batch with everything that a step reads and writes.
+/// A batch with all buffers that a step reads and writes.
 struct Batch<'m> {
     model: &'m Model<'m>,
     states: Vec<u64>,

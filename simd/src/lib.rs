@@ -1,37 +1,37 @@
-//! The batch step of the kernel and the products of policies' networks, compiled once for each
-//! instruction set that is worth it, and chosen when they run.
+//! The batch step of the kernel and the matrix products of policies, compiled for several
+//! instruction sets. The instruction set is chosen at run time.
 //!
 //! Both have one source and give the same bits on every instruction set; only their speed differs.
-//! They must be compiled into a function that has an instruction set's features, which is `unsafe`
-//! to call where a processor may lack them: those calls are all that this crate does.
+//! A function with target features is `unsafe` to call, as the processor may lack them. This crate
+//! contains those calls and nothing else.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Model, Scratch};
 use jcas_policy::network::{Operands, Product};
 
-/// An instruction set that something is compiled for, and that this machine has.
+/// An instruction set that the code is compiled for and that this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstructionSet(Set);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Set {
-    /// What the whole program is compiled for.
+    /// The instruction set that the whole program is compiled for.
     Baseline,
-    /// x86-64-v3 of the psABI: 256-bit vectors. Without fused multiply-add, which no result may
-    /// depend on.
+    /// x86-64-v3 of the psABI: 256-bit vectors. It excludes fused multiply-add, which would change
+    /// results.
     #[cfg(target_arch = "x86_64")]
     V3,
-    /// x86-64-v4 of the psABI: 512-bit vectors, likewise.
+    /// x86-64-v4 of the psABI: 512-bit vectors. It also excludes fused multiply-add.
     #[cfg(target_arch = "x86_64")]
     V4,
 }
 
 impl InstructionSet {
-    /// What the whole program is compiled for.
+    /// The instruction set that the whole program is compiled for.
     pub const BASELINE: Self = Self(Set::Baseline);
 
-    /// The fastest that this machine has.
+    /// Returns the fastest instruction set that this machine has.
     #[must_use]
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -43,7 +43,7 @@ impl InstructionSet {
         Self::BASELINE
     }
 
-    /// All that this machine has, the slowest first.
+    /// Returns all instruction sets that this machine has, the slowest first.
     pub fn all() -> impl Iterator<Item = Self> {
         #[cfg(target_arch = "x86_64")]
         let others = [(Set::V3, has_v3()), (Set::V4, has_v4())];
@@ -53,7 +53,7 @@ impl InstructionSet {
         core::iter::once(Self::BASELINE).chain(others.into_iter().filter_map(there))
     }
 
-    /// Its name.
+    /// Returns the name of the instruction set.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self.0 {
@@ -65,10 +65,10 @@ impl InstructionSet {
         }
     }
 
-    /// [`Model::batch_step`] with this instruction set.
+    /// Runs [`Model::batch_step`] with this instruction set.
     ///
     /// # Errors
-    /// As [`Model::batch_step`].
+    /// The errors are those of [`Model::batch_step`].
     pub fn batch_step(
         self,
         model: &Model<'_>,
@@ -81,7 +81,8 @@ impl InstructionSet {
         match self.0 {
             Set::Baseline => model.batch_step(states, scratch, actions, auto_reset, out),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: only `best` and `all` make this variant, where the machine has what it needs.
+            // SAFETY: only `best` and `all` make this variant, and only if the machine has its
+            // features.
             Set::V3 => unsafe { batch_step_v3(model, states, scratch, actions, auto_reset, out) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
@@ -89,13 +90,14 @@ impl InstructionSet {
         }
     }
 
-    /// What multiplies rows with the matrices of a network, with this instruction set.
+    /// Returns the matrix product of a network for this instruction set.
     #[must_use]
     pub fn product(self) -> Product {
         match self.0 {
             Set::Baseline => Product::default(),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: only `best` and `all` make this variant, where the machine has what it needs.
+            // SAFETY: only `best` and `all` make this variant, and only if the machine has its
+            // features.
             Set::V3 => Product::new(|operands| unsafe { multiply_v3(operands) }),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.

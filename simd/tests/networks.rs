@@ -1,5 +1,5 @@
-//! Every instruction set gives the outputs of networks that the plain formula gives, to the last
-//! bit.
+//! Tests that every instruction set gives the bits of the plain formula for the outputs of
+//! networks.
 
 #[path = "../../policy/tests/mission/mod.rs"]
 mod mission;
@@ -10,13 +10,13 @@ use jcas_policy::network::Network;
 use jcas_simd::InstructionSet;
 use mission::{MISSIONS, fly};
 
-/// A number between −1 and 1, and now and then zero.
+/// Returns a number between −1 and 1, which is sometimes zero.
 fn number(seed: u64, index: usize) -> f32 {
     let drawn = unit(derive_seed(seed, index as u64)) as f32 * 2.4 - 1.2;
     if drawn.abs() > 1.0 { 0.0 } else { drawn }
 }
 
-/// Layers of these widths: each a matrix and what is added to its product.
+/// Returns layers of these widths, each with a matrix and a bias.
 fn layers(widths: &[usize]) -> Vec<(Vec<f32>, Vec<f32>)> {
     widths
         .windows(2)
@@ -32,7 +32,7 @@ fn layers(widths: &[usize]) -> Vec<(Vec<f32>, Vec<f32>)> {
         .collect()
 }
 
-/// Their safetensors file.
+/// Returns the layers as a safetensors file.
 fn file(widths: &[usize], layers: &[(Vec<f32>, Vec<f32>)]) -> Vec<u8> {
     let (mut header, mut data) = (Vec::new(), Vec::new());
     for (index, (matrix, bias)) in layers.iter().enumerate() {
@@ -56,7 +56,7 @@ fn file(widths: &[usize], layers: &[(Vec<f32>, Vec<f32>)]) -> Vec<u8> {
     bytes
 }
 
-/// One sum after the other, over all inputs in their order.
+/// Computes the sums one by one, over all inputs in their order.
 fn plain(layers: &[(Vec<f32>, Vec<f32>)], row: &[f32]) -> Vec<f32> {
     let mut inputs = row.to_vec();
     for (layer, (matrix, bias)) in layers.iter().enumerate() {
@@ -78,7 +78,7 @@ fn plain(layers: &[(Vec<f32>, Vec<f32>)], row: &[f32]) -> Vec<f32> {
 
 #[test]
 fn every_instruction_set_multiplies_as_the_plain_formula() {
-    // More rows than are worked out together; an odd number of fields.
+    // There are more rows than one block, and an odd number of fields.
     for (uavs, hotspots) in [(1, 1), (15, 7), (37, 3)] {
         let model = Model::new(Config {
             uav_count: uavs,
@@ -87,7 +87,7 @@ fn every_instruction_set_multiplies_as_the_plain_formula() {
         })
         .expect("a legal configuration");
         let fields = model.observation_len();
-        // Below, at and above a vector, a panel, and what is worked out together of the inputs.
+        // The widths are below, at and above a vector, a panel and a block of inputs.
         for hidden in [
             &[1][..],
             &[16, 64],
@@ -128,7 +128,7 @@ fn every_instruction_set_multiplies_as_the_plain_formula() {
     }
 }
 
-/// Which NaN it is, nobody promises.
+/// The bits of a NaN are not specified.
 fn bits(x: f32) -> u32 {
     if x.is_nan() {
         f32::NAN.to_bits()

@@ -1,4 +1,4 @@
-//! Every instruction set of the machine gives the bits of the baseline.
+//! Tests that every instruction set of the machine gives the bits of the baseline.
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Config, Model, Preset, Scratch, hash, rng};
@@ -6,7 +6,7 @@ use jcas_simd::InstructionSet;
 
 const ENVIRONMENTS: usize = 3;
 
-/// Everything that a batch wrote in its first steps, hashed; the seed decides the actions.
+/// Hashes everything that a batch writes in its first steps. The seed determines the actions.
 fn flown(set: InstructionSet, model: &Model<'_>, steps: u64) -> u64 {
     let uavs = model.uav_count();
     let mut states = vec![0; ENVIRONMENTS * model.state_words()];
@@ -64,7 +64,8 @@ fn every_instruction_set_gives_the_same_bits() {
     for set in sets {
         println!("{}", set.name());
         for preset in [Preset::Mission, Preset::Paper, Preset::Search] {
-            // Below, at and above the width of a block, of a word, and of what is met pair by pair.
+            // The sizes are below, at and above a block of lanes, a word and the limit for pairwise
+            // links.
             for (uavs, hotspots, side) in [
                 (1, 1, 2),
                 (5, 3, 12),

@@ -1,4 +1,4 @@
-//! The line of each call of a host: written here, and read into the memory of its arguments.
+//! The writer and reader of the lines of a host's calls.
 
 use core::fmt::{self, Display};
 
@@ -14,9 +14,9 @@ use crate::workspace::Arguments;
 /// The line of a call.
 #[derive(Clone, Copy, Debug)]
 pub struct CallLine<'a> {
-    /// The call, as the kernel took it.
+    /// The call that the kernel accepted.
     pub call: &'a Call<'a>,
-    /// N.
+    /// Number of UAVs (N).
     pub uavs: usize,
 }
 
@@ -66,7 +66,7 @@ impl Display for CallLine<'_> {
     }
 }
 
-/// The (row, column) of each element of a matrix that is not 0.
+/// Returns the (row, column) of each nonzero element of a matrix.
 fn nonzero(matrix: &[u8], columns: usize) -> impl Iterator<Item = (usize, usize)> {
     let places = matrix.iter().enumerate().filter(|(_, value)| **value != 0);
     places.map(move |(place, _)| (place / columns, place % columns))
@@ -150,7 +150,7 @@ fn read_cells<'a, 't>(
     reader.fill(cells, Reader::cell)
 }
 
-/// Reads a matrix from the list of the (row, column) that are not 0.
+/// Reads a matrix from the list of the (row, column) of its nonzero elements.
 fn read_matrix<'t>(
     reader: &mut Reader<'t>,
     matrix: &mut [u8],

@@ -1,4 +1,4 @@
-//! Why a trace is not reproduced.
+//! The errors of replays.
 
 use core::error::Error as StdError;
 use core::fmt;
@@ -6,22 +6,22 @@ use core::fmt;
 use jcas_core::Error;
 use jcas_core::config::text::TextError;
 
-/// Why a trace is not reproduced, and where.
+/// The reason why a trace is not reproduced, and its line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VerifyError<'t> {
-    /// 1 for the first line of the file; 0 for the whole of it.
+    /// The line number, from 1; 0 means the whole file.
     pub line: usize,
-    /// What is wrong there.
+    /// The problem in that line.
     pub problem: Problem<'t>,
 }
 
-/// What is wrong with a trace.
+/// A problem of a trace.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Problem<'t> {
     /// The file has no last line, or its checksum does not fit.
     Incomplete,
-    /// A line is not as this crate writes it.
+    /// A line is not in the form that this crate writes.
     Form,
     /// The simulation has another configuration.
     OtherModel,
@@ -29,7 +29,7 @@ pub enum Problem<'t> {
     Kernel(Error),
     /// The configuration is not legal.
     Config(TextError),
-    /// The line differs from the one that is flown, first in this field.
+    /// The line differs from that of the replay, first in this field.
     Differs(&'t str),
     /// The caller's memory has the wrong size.
     Memory,

@@ -1,4 +1,4 @@
-//! Traces: an episode as a text file, so that any build can be held to it bit for bit.
+//! Traces: text files of episodes, which any build can reproduce and compare bit for bit.
 //!
 //! A file has one `header` line, one `step` line for each step and one `end` line, each a JSON
 //! object. Each call of a host simulator is a line of its own, before the step that it is part of.
@@ -6,8 +6,8 @@
 //!
 //! - [`Writer`] passes lines to a [`Sink`] and adds the checksum.
 //! - [`HeaderLine`], [`StepLine`], [`EndLine`] and [`CallLine`] display a line.
-//! - [`Replay`] flies a trace again from its seed, its actions and its calls. It writes each line
-//!   anew and compares it with the file, byte by byte.
+//! - [`Replay`] repeats an episode from its seed, its actions and its calls. It writes each line
+//!   again and compares it with the file, byte by byte.
 //!
 //! Nothing here allocates: the caller supplies a state, working memory and a [`Workspace`].
 #![cfg_attr(not(test), no_std)]

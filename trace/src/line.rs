@@ -1,4 +1,4 @@
-//! The lines of a trace, displayed from a state.
+//! The lines of a trace, which are displayed from a state.
 
 use core::fmt::{self, Display, Write};
 
@@ -11,23 +11,24 @@ use crate::number::Real;
 
 /// The version of the format that is written.
 pub const FORMAT_VERSION: u32 = 2;
-/// What separates the bytes under the checksum from the checksum.
+/// The separator between the bytes under the checksum and the checksum.
 pub(crate) const CHECKSUM: &str = ",\"checksum\":\"0x";
 
 /// Fingerprints of a state and of its observations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hashes {
-    /// Of all observations.
+    /// The fingerprint of all observations.
     pub observations: u64,
-    /// Of the words of the state.
+    /// The fingerprint of the words of the state.
     pub state: u64,
 }
 
 impl Hashes {
-    /// The fingerprints of a state. `words` are its words, `observations` is overwritten.
+    /// Computes the fingerprints of a state. `words` are its words, and `observations` is
+    /// overwritten.
     ///
     /// # Errors
-    /// Where `words`, `scratch` or `observations` are not of the model's size.
+    /// The call fails if `words`, `scratch` or `observations` do not have the model's sizes.
     pub fn of(
         model: &Model<'_>,
         words: &[u64],
@@ -92,7 +93,7 @@ pub struct EndLine {
     pub metrics: Metrics,
 }
 
-/// A text as JSON has it between quotes.
+/// A text that is displayed with JSON escapes, without quotes.
 #[derive(Clone, Copy, Debug)]
 pub struct Escaped<'t>(pub &'t str);
 
@@ -258,7 +259,7 @@ fn config(out: &mut fmt::Formatter<'_>, config: &Config) -> fmt::Result {
     out.write_char('}')
 }
 
-/// JSON has no infinity; clipped, as the kernel clips it, it means the same.
+/// JSON has no infinity. The number is clipped as the kernel clips it, which changes no result.
 fn finite(component: f32) -> f32 {
     if component.is_finite() {
         component

@@ -1,9 +1,9 @@
-//! Real numbers as trace files have them: the fewest digits that read back the same. The code is
-//! the one that serde_json uses.
+//! Real numbers of trace files, with the fewest digits that read back the same. The algorithm is
+//! that of serde_json.
 
 use core::fmt::{self, Display};
 
-/// A finite real that is displayed as a trace file has it.
+/// A finite real that is displayed in the form of trace files.
 pub(crate) struct Real<T>(pub(crate) T);
 
 impl<T: zmij::Float + Copy> Display for Real<T> {

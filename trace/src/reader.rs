@@ -1,4 +1,5 @@
-//! A trace read line by line, exactly as it is written and without an allocation.
+//! A reader of traces, line by line and without an allocation. It accepts only the form that the
+//! writer produces.
 
 use core::str::FromStr;
 
@@ -7,15 +8,16 @@ use jcas_core::{Cell, Config};
 use crate::error::{Problem, VerifyError};
 use crate::line::FORMAT_VERSION;
 
-/// The configuration that a trace was flown with.
+/// Returns the configuration of a trace.
 ///
 /// # Errors
-/// Where the first line is no header of a trace, or its configuration is not legal.
+/// The call fails if the first line is not the header of a trace, or its configuration is not
+/// legal.
 pub fn configuration(trace: &str) -> Result<Config, VerifyError<'_>> {
     Ok(Reader::new(trace).header()?.config)
 }
 
-/// Sixteen hexadecimal digits, without capitals.
+/// Reads sixteen hexadecimal digits in lower case.
 pub(crate) fn hexadecimal(digits: &str) -> Option<u64> {
     let legal = digits.len() == 16
         && digits
@@ -37,23 +39,23 @@ pub(crate) struct Header<'t> {
     pub(crate) line: &'t str,
 }
 
-/// A place in a trace.
+/// A position in a trace.
 #[derive(Clone)]
 pub(crate) struct Reader<'t> {
-    /// The lines before the first that is read.
+    /// The lines before the first line that is read.
     before: &'t str,
-    /// This line, whole.
+    /// The present line.
     pub(crate) line: &'t str,
-    /// What of it is still to be read.
+    /// The part of the line that is not yet read.
     pub(crate) rest: &'t str,
-    /// The lines after it.
+    /// The lines after the present one.
     pub(crate) later: &'t str,
-    /// 1 for the first line that is read.
+    /// The line number, from 1 for the first line that is read.
     number: usize,
 }
 
 impl<'t> Reader<'t> {
-    /// At the first line of a trace.
+    /// Starts at the first line of a trace.
     pub(crate) fn new(trace: &'t str) -> Self {
         let mut reader = Self {
             before: "",
@@ -66,7 +68,7 @@ impl<'t> Reader<'t> {
         reader
     }
 
-    /// At the line that begins at a byte offset.
+    /// Starts at the line that begins at a byte offset.
     pub(crate) fn at(trace: &'t str, offset: usize) -> Result<Self, VerifyError<'t>> {
         match trace.split_at_checked(offset) {
             Some((before, later)) if !later.is_empty() => {
@@ -102,7 +104,7 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    /// Up to a character, which stays.
+    /// Reads up to a character, which is not consumed.
     fn until(&mut self, stop: impl Fn(char) -> bool) -> Result<&'t str, Problem<'t>> {
         let at = self.rest.find(stop).ok_or(Problem::Form)?;
         let (text, rest) = self.rest.split_at(at);
@@ -115,13 +117,13 @@ impl<'t> Reader<'t> {
         self.until(digits)?.parse().map_err(|_| Problem::Form)
     }
 
-    /// A number after the name of its field.
+    /// Reads a number after the name of its field.
     pub(crate) fn field<T: FromStr>(&mut self, name: &str) -> Result<T, Problem<'t>> {
         self.skip(name)?;
         self.number()
     }
 
-    /// What stands between quotes, with its escapes.
+    /// Reads the text between quotes, with its escapes.
     pub(crate) fn text(&mut self) -> Result<&'t str, Problem<'t>> {
         let mut escaped = false;
         let at = self.rest.find(|c| {
@@ -140,7 +142,7 @@ impl<'t> Reader<'t> {
         hexadecimal(digits).ok_or(Problem::Form)
     }
 
-    /// `[..]`: calls `each` before every element with its index.
+    /// Reads a list, and calls `each` before every element with its index.
     pub(crate) fn list(
         &mut self,
         mut each: impl FnMut(&mut Self, usize) -> Result<(), Problem<'t>>,
@@ -221,7 +223,7 @@ impl<'t> Reader<'t> {
         })
     }
 
-    /// The actions of the next step in the file, from this line on.
+    /// Returns the actions of the next step in the file, from this line on.
     pub(crate) fn actions(&self, actions: &mut [f32]) -> Result<(), Problem<'t>> {
         let mut ahead = self.clone();
         while !ahead.line.starts_with(STEP) {
@@ -243,7 +245,7 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// How the line of a step begins.
+/// The beginning of the line of a step.
 pub(crate) const STEP: &str = "{\"kind\":\"step\",\"t\":";
 
 pub(crate) fn expect<'t>(legal: bool) -> Result<(), Problem<'t>> {

@@ -1,4 +1,4 @@
-//! A trace flown again: each line's actions and calls are read, and the line is written anew.
+//! The replay of a trace: it reads the actions and calls of each line and writes the line again.
 
 use core::fmt::{self, Display, Write};
 
@@ -14,19 +14,20 @@ use crate::reader::{Header, Reader, STEP, expect, hexadecimal};
 use crate::workspace::{Arguments, Workspace};
 use crate::writer::{Sink, Writer};
 
-/// Takes the lines of a trace that is flown again.
+/// A receiver of the lines of a replay.
 pub trait Lines<'t> {
-    /// Takes a line that the kernel makes. `recorded` is the line in the file, without a checksum.
+    /// Takes a line that the kernel produces. `recorded` is the line in the file, without a
+    /// checksum.
     ///
     /// # Errors
-    /// Where the line must be as recorded and is not.
+    /// The call fails if the line must equal the recorded one and does not.
     fn flown(&mut self, recorded: &'t str, line: &dyn Display) -> Result<(), Problem<'t>>;
 
     /// Takes a line that the file supplies: a call of the host.
     fn supplied(&mut self, recorded: &'t str);
 }
 
-/// A simulation that flies traces again.
+/// A simulation that repeats traces.
 #[derive(Debug)]
 pub struct Replay<'r> {
     simulation: Simulation<'r>,
@@ -43,8 +44,8 @@ struct Simulation<'r> {
 }
 
 impl<'r> Replay<'r> {
-    /// A replay in the words of a state and of working memory. The state is left where a trace
-    /// ends or where it is refused.
+    /// Builds a replay over the words of a state and of working memory. The state is left where a
+    /// trace ends or where it is refused.
     pub fn new(
         model: &'r Model<'r>,
         words: &'r mut [u64],
@@ -68,18 +69,18 @@ impl<'r> Replay<'r> {
         }
     }
 
-    /// Flies a trace again and compares every line with the file, byte by byte.
+    /// Repeats a trace and compares every line with the file, byte by byte.
     ///
     /// # Errors
-    /// The first line that cannot be flown or differs.
+    /// The error names the first line that is refused or differs.
     pub fn verify<'t>(&mut self, trace: &'t str) -> Result<(), VerifyError<'t>> {
         self.fly(trace, &mut LineComparison)
     }
 
-    /// Flies a trace again and passes every line on.
+    /// Repeats a trace and passes every line to `lines`.
     ///
     /// # Errors
-    /// The first line that cannot be flown, or that `lines` refuses.
+    /// The error names the first line that the kernel or `lines` refuses.
     pub fn fly<'t>(
         &mut self,
         trace: &'t str,
@@ -95,7 +96,7 @@ impl<'r> Replay<'r> {
     /// Verifies the next lines of a trace, to the end of a step; see [`Replay::advance`].
     ///
     /// # Errors
-    /// The first line that cannot be flown or differs.
+    /// The error names the first line that is refused or differs.
     pub fn verify_step<'t>(
         &mut self,
         trace: &'t str,
@@ -104,12 +105,12 @@ impl<'r> Replay<'r> {
         self.advance(trace, offset, &mut LineComparison)
     }
 
-    /// Flies the next lines of a trace from a byte offset and returns the offset after them. From 0
-    /// on that is the header. After it come all lines to the end of a step, and at last those after
-    /// the last step. The state must be the one to which the lines before have led.
+    /// Repeats the next lines of a trace from a byte offset and returns the offset after them. At 0
+    /// this is the header. Later calls take all lines to the end of a step, and the last call takes
+    /// the lines after the last step. The state must be that of the preceding lines.
     ///
     /// # Errors
-    /// The first line that cannot be flown, or that `lines` refuses.
+    /// The error names the first line that the kernel or `lines` refuses.
     pub fn advance<'t>(
         &mut self,
         trace: &'t str,
@@ -163,7 +164,7 @@ impl<'r> Replay<'r> {
         lines.flown(header.line, &line)
     }
 
-    /// Flies a line; whether it is a call, which a step or the end must follow.
+    /// Repeats a line. Returns whether it is a call, which a step or the end must follow.
     fn line<'t>(
         &mut self,
         reader: &mut Reader<'t>,
@@ -231,7 +232,7 @@ impl Simulation<'_> {
         self.act(|model, state, _, actions| model.step_begin(state, actions))
     }
 
-    /// Goes on to where the host's graph or the kernel's is due.
+    /// Continues the step to the point where the radio graph is needed.
     fn sense<'t>(&mut self) -> Result<(), Problem<'t>> {
         if self.phase() == Some(Phase::Moved) {
             self.act(|model, state, scratch, _| model.step_sense(state, scratch))?;
@@ -271,7 +272,7 @@ impl Simulation<'_> {
     }
 }
 
-/// The checksum stands last, and fits.
+/// Checks that the checksum is last and correct.
 fn check_whole(trace: &str) -> Result<(), VerifyError<'_>> {
     let whole = || {
         let at = trace.rfind(CHECKSUM)?;
@@ -297,7 +298,7 @@ impl<S: Sink> Lines<'_> for Writer<S> {
     }
 }
 
-/// Holds each line to the recorded one.
+/// A receiver that compares each line with the recorded one.
 struct LineComparison;
 
 impl<'t> Lines<'t> for LineComparison {
@@ -334,7 +335,7 @@ impl Write for Beside<'_> {
     }
 }
 
-/// The name of the field that a byte of a line belongs to.
+/// Returns the name of the field that a byte of a line belongs to.
 fn field_at(line: &str, at: usize) -> &str {
     let mut end = at.min(line.len());
     while !line.is_char_boundary(end) {

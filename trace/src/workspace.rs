@@ -5,9 +5,9 @@ use jcas_core::{Cell, Model};
 /// The lengths of the slices of a [`Workspace`], in elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkspaceSizes {
-    /// All observations.
+    /// Elements for all observations, \[N\]\[observation_len\].
     pub observations: usize,
-    /// The actions of a step.
+    /// Elements for the actions of a step, \[N\]\[2\].
     pub actions: usize,
     /// One element for each UAV.
     pub uavs: usize,
@@ -18,7 +18,7 @@ pub struct WorkspaceSizes {
 }
 
 impl WorkspaceSizes {
-    /// The lengths that the traces of a model need.
+    /// Returns the lengths that the traces of a model need.
     #[must_use]
     pub fn of(model: &Model<'_>) -> Self {
         let (uavs, hotspots) = (model.uav_count(), model.hotspot_count());

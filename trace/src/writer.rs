@@ -1,4 +1,4 @@
-//! The writer of a trace: lines go to a sink, and the last one ends with a checksum.
+//! The writer of a trace, which passes lines to a sink and adds a checksum to the last one.
 
 use core::fmt::{self, Display, Write};
 
@@ -6,15 +6,15 @@ use jcas_core::hash::Fnv1a;
 
 use crate::line::CHECKSUM;
 
-/// Takes the bytes of a trace in their order.
+/// A sink for the bytes of a trace in their order.
 pub trait Sink {
-    /// Why bytes are refused.
+    /// The reason why bytes are refused.
     type Error;
 
     /// Takes some bytes.
     ///
     /// # Errors
-    /// Where they cannot be taken. The writer then offers no more.
+    /// The call fails if the sink cannot take the bytes. The writer then stops writing.
     fn take(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
 }
 
@@ -27,7 +27,7 @@ pub struct Writer<S: Sink> {
 }
 
 impl<S: Sink> Writer<S> {
-    /// A writer before the first line.
+    /// Builds a writer before the first line.
     #[must_use]
     pub fn new(sink: S) -> Self {
         Self {
@@ -44,7 +44,7 @@ impl<S: Sink> Writer<S> {
             buffer: [0; 1024],
             filled: 0,
         };
-        // A pipe takes everything.
+        // Formatting into the pipe never fails.
         let _always = write!(pipe, "{line}");
         pipe.flush();
     }
@@ -52,7 +52,7 @@ impl<S: Sink> Writer<S> {
     /// The refusal of the sink, if there was one.
     ///
     /// # Errors
-    /// What the sink answered when it refused bytes.
+    /// The error is that of the sink when it refused bytes.
     pub fn check(&mut self) -> Result<(), S::Error> {
         self.refused.take().map_or(Ok(()), Err)
     }
@@ -60,7 +60,7 @@ impl<S: Sink> Writer<S> {
     /// Adds the checksum after the end line and returns it.
     ///
     /// # Errors
-    /// What the sink answered when it refused bytes, now or before.
+    /// The error is that of the sink when it refused bytes, now or before.
     pub fn finish(mut self) -> Result<u64, S::Error> {
         let hash = self.hash.finish();
         self.line(&format_args!("{CHECKSUM}{hash:016x}\"}}\n"));
@@ -68,7 +68,7 @@ impl<S: Sink> Writer<S> {
     }
 }
 
-/// Gathers text into larger pieces for the sink.
+/// A buffer that gathers text into larger pieces for the sink.
 struct Pipe<'w, S: Sink> {
     writer: &'w mut Writer<S>,
     buffer: [u8; 1024],

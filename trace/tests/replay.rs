@@ -1,4 +1,4 @@
-//! Flies the golden traces again in memory that the caller supplies. Changed files are refused.
+//! Repeats the golden traces in memory of the caller, and tests that changed files are refused.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use jcas_trace::{
     Arguments, Problem, Replay, Sink, VerifyError, Workspace, WorkspaceSizes, Writer, configuration,
 };
 
-/// Flies a trace again, first to compare it, then to write it anew.
+/// Repeats a trace, first to compare it and then to write it again.
 fn replay<'t>(trace: &'t str, rewritten: &mut Vec<u8>) -> Result<(), VerifyError<'t>> {
     let model = Model::new(configuration(trace)?).expect("a configuration that was read is legal");
     let mut words = vec![0; model.state_words()];
@@ -83,7 +83,7 @@ fn a_changed_file_is_refused() {
     let changed = trace.replacen("\"t\":3,", "\"t\":4,", 1);
     assert_eq!(refused(&changed), (0, incomplete.clone()));
 
-    // The same number in capitals is another text.
+    // The same number in upper case is another text.
     let digits = trace.len() - "0123456789abcdef\"}\n".len();
     let (body, checksum) = trace.split_at(digits);
     let capitals = checksum.to_uppercase();
