@@ -1,9 +1,9 @@
-//! What the C ABI costs: the same missions stepped by the kernel's own interface and through the
-//! exported functions, in one run. `cargo bench -p jcas-ffi`.
+//! Measures the cost of the C ABI: one run steps the same episodes by the kernel's own interface
+//! and through the exported functions. Run it by `cargo bench -p jcas-ffi`.
 //!
-//! Both paths take turns in short blocks, so that whatever else the machine does strikes both
-//! alike; each is told by the tenth of its blocks that was disturbed least. Exported functions are
-//! called through pointers that the compiler cannot see through, as a C program calls them.
+//! Both paths take turns in short blocks, so that other load on the machine affects both alike. The
+//! figure of each path is its fastest tenth of blocks. Exported functions are called through opaque
+//! pointers, as a C program calls them.
 
 use std::hint::black_box;
 use std::ptr;
@@ -16,7 +16,7 @@ use jcas_core::{Config, Model, Scratch, Sim};
 const BLOCKS: usize = 1001;
 const BLOCK_SECONDS: f64 = 1e-3;
 
-/// A call of each path: the kernel's, the ABI's.
+/// The calls of the two paths: the kernel's and the ABI's.
 type Paths<'a> = (&'a mut dyn FnMut(), &'a mut dyn FnMut());
 
 fn main() {
@@ -43,8 +43,8 @@ fn main() {
     }
 }
 
-/// `count kernel|abi UAVS CALLS`: nothing but these calls, for a profiler that counts instructions.
-/// `count kernel|abi UAVS CALLS ENVIRONMENTS` for a batch.
+/// Handles `count kernel|abi UAVS CALLS`, which makes only these calls, for a profiler that counts
+/// instructions. A fourth number, ENVIRONMENTS, selects a batch.
 fn count(arguments: &[String]) {
     let number = |index: usize| {
         arguments
@@ -75,7 +75,7 @@ fn report(what: &str, (kernel, abi): Paths<'_>) {
     println!("| {what} | {kernel_us:.3} | {abi_us:.3} | {cost:+.1} % |");
 }
 
-/// The time of one call of each in the least disturbed tenth of the blocks, in microseconds.
+/// Returns the time of one call of each path in the fastest tenth of its blocks, in microseconds.
 fn compare(a: &mut dyn FnMut(), b: &mut dyn FnMut()) -> (f64, f64) {
     let calls = calls_per_block(a);
     let mut times = [Vec::with_capacity(BLOCKS), Vec::with_capacity(BLOCKS)];
@@ -103,7 +103,7 @@ fn calls_per_block(call: &mut dyn FnMut()) -> usize {
     ((BLOCK_SECONDS * f64::from(calls) / 0.1) as usize).max(1)
 }
 
-/// Actions that keep a fleet moving; the same for both paths.
+/// Returns actions that keep a fleet moving, the same for both paths.
 fn actions_of(step: usize, actions: &mut [f32]) {
     for (index, action) in actions.iter_mut().enumerate() {
         *action = ((step * 7 + index * 13) % 11) as f32 / 5.0 - 1.0;
@@ -162,7 +162,7 @@ fn one_by_one(uavs: u32, observed: bool, use_paths: &mut dyn FnMut(Paths<'_>)) {
         }
     };
     use_paths((&mut kernel, &mut abi));
-    // SAFETY: both are living handles that nobody uses any more.
+    // SAFETY: both handles are alive and not used any more.
     unsafe {
         ok(jcas_sim_free(c_sim));
         ok(jcas_model_free(c_model));
@@ -240,7 +240,7 @@ fn batch(environments: usize, uavs: u32, hotspots: u32, use_paths: &mut dyn FnMu
         ok(unsafe { c_step(c_batch, actions.as_ptr(), actions.len(), 1, &raw const out) });
     };
     use_paths((&mut kernel, &mut abi));
-    // SAFETY: both are living handles that nobody uses any more.
+    // SAFETY: both handles are alive and not used any more.
     unsafe {
         ok(jcas_batch_free(c_batch));
         ok(jcas_model_free(c_model));

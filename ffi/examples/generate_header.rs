@@ -1,5 +1,5 @@
-//! Writes include/jcas.h from the sources of this crate, and include/jcas_dl.h from that:
-//! `cargo run -p jcas-ffi --example generate_header`. Its test says whether both are fresh.
+//! Writes include/jcas.h from the sources of this crate, and include/jcas_dl.h from that: `cargo
+//! run -p jcas-ffi --example generate_header`. Its test fails if either is stale.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ fn headers_are_what_the_sources_generate() {
     }
 }
 
-/// Where each header lies, and what it has to say.
+/// Returns the path and the expected text of each header.
 fn headers() -> [(PathBuf, String); 2] {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = generate(root);
@@ -64,7 +64,7 @@ fn headers() -> [(PathBuf, String); 2] {
     ]
 }
 
-/// A type for each function of the header, for programs that load the library when they run.
+/// Returns a type for each function of the header, for programs that load the library at run time.
 fn function_types(header: &str) -> String {
     let mut text = String::from(
         "/* Types of the functions of jcas.h, for programs that load the library when they run:\n \
@@ -107,7 +107,7 @@ fn generate(root: &Path) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Encloses the groups in marks that Doxygen reads and that a reader sees.
+/// Encloses the groups in Doxygen marks.
 fn group(lines: &mut Vec<String>) {
     for (index, (item, name, title)) in GROUPS.iter().enumerate() {
         let declares = [
@@ -144,7 +144,7 @@ fn group(lines: &mut Vec<String>) {
     lines.splice(end..end, ["/** @} */".to_owned(), String::new()]);
 }
 
-/// Numbers of macros as C wants them: negative ones in parentheses, floats as floats.
+/// Rewrites a number of a macro for C: negative ones in parentheses, floats as floats.
 fn macro_value(line: &str) -> String {
     let mut words = line.split_whitespace();
     let (Some("#define"), Some(name), Some(value), None) =

@@ -1,4 +1,4 @@
-//! A batch behind its handle: states side by side, a share of the working memory for each task.
+//! The memory block of a batch: its states, and a share of the working memory for each task.
 //!
 //! | part | content |
 //! | --- | --- |
@@ -21,7 +21,7 @@ use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RE
 use crate::sync::AtomicBool;
 use crate::thread_pool::{Thread, ThreadPool, join, processors, start};
 
-/// Shares of the batch per thread: enough that no thread waits long for another at the end.
+/// Shares of a batch for each thread, enough that no thread waits long for another at the end.
 const SHARES_PER_THREAD: usize = 4;
 
 #[repr(C)]
@@ -32,18 +32,18 @@ pub(crate) struct BatchBlock {
     batch: Batch,
 }
 
-/// What calls read and change of a batch.
+/// The part of a batch that calls read and change.
 pub(crate) struct Batch {
-    /// The block that this lies in.
+    /// The block that contains this part.
     block: *mut BatchBlock,
     memory: Memory,
     model: *const ModelBlock,
     plan: Plan,
     parts: Parts,
-    /// The process that started the threads: they are in no other.
+    /// The process that started the threads; a forked process does not have them.
     process: u32,
-    /// Every environment is known to be ready for a step. They are in the caches of the threads
-    /// that stepped them, so that looking at each of them takes a tenth of a step.
+    /// Whether every environment is known to be ready for a step. The states are in the caches of
+    /// other threads, so checking each of them takes a tenth of a step.
     ready: bool,
     pub(crate) refusal: Option<Fault>,
 }
@@ -53,17 +53,17 @@ unsafe impl Block for BatchBlock {
     const KIND: Kind = Kind::Batch;
 }
 
-/// How large a batch is, and which threads step it.
+/// The size of a batch and the threads that step it.
 #[derive(Clone, Copy)]
 pub(crate) struct Plan {
     pub(crate) count: usize,
-    /// Threads of its own, beside the caller's.
+    /// Worker threads, without the caller's thread.
     threads: usize,
     shares: usize,
     runner: Option<Runner>,
 }
 
-/// Where the parts behind a block begin, in bytes from its start.
+/// The offsets of the parts behind a block, in bytes from its start.
 #[derive(Clone, Copy)]
 struct Parts {
     words: usize,
@@ -72,7 +72,7 @@ struct Parts {
     threads: usize,
 }
 
-/// Lengths of the buffers of a batch.
+/// The lengths of the buffers of a batch, in elements.
 #[derive(Clone, Copy)]
 pub(crate) struct Sizes {
     pub(crate) count: usize,
@@ -84,7 +84,8 @@ pub(crate) struct Sizes {
 }
 
 impl Plan {
-    /// `threads` as a caller gives them: 0 for one a processor; with a runner, the number of tasks.
+    /// `threads` is the caller's argument: 0 means one for each processor. With a runner it is the
+    /// number of tasks.
     pub(crate) fn new(count: usize, threads: usize, runner: Option<Runner>) -> Result<Self, Fault> {
         if count == 0 {
             return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
@@ -158,7 +159,7 @@ impl BatchBlock {
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
         let parts = plan.parts(model.get())?.1;
-        // SAFETY: the layout has room for all parts; all zero is a value of words, metrics and
+        // SAFETY: the layout has room for all parts; all zero bits are valid words, metrics and
         // flags.
         unsafe { at.write_bytes(0, memory.size()) };
         let value = Self {
@@ -176,7 +177,7 @@ impl BatchBlock {
                 refusal: None,
             },
         };
-        // SAFETY: in front of the other parts, aligned by the layout.
+        // SAFETY: the block is in front of the other parts and aligned by the layout.
         unsafe { block.write(value) };
         // SAFETY: just built, and no other call has it.
         unsafe { &mut (*block).batch }
@@ -193,7 +194,7 @@ impl BatchBlock {
         Ok(block)
     }
 
-    /// Starts the threads of a batch; all or none.
+    /// Starts all worker threads of a batch, or none.
     ///
     /// # Safety
     /// A batch that was just built.
@@ -213,7 +214,7 @@ impl BatchBlock {
         Ok(())
     }
 
-    /// Ends threads and waits until they have.
+    /// Stops threads and joins them.
     ///
     /// # Safety
     /// A batch of which `count` threads were started in this process, and none was stopped.
@@ -235,7 +236,7 @@ impl BatchBlock {
     /// Ends a batch.
     ///
     /// # Safety
-    /// As [`check`]; no other thread frees the batch.
+    /// The conditions of [`check`] hold, and no other thread frees the batch.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
@@ -244,7 +245,7 @@ impl BatchBlock {
         // SAFETY: by the mark, only this call and the batch's own threads use the block.
         let batch = unsafe { &(*at).batch };
         let memory = batch.memory;
-        // A forked process has no threads to end.
+        // A forked process has no threads to join.
         if !batch.is_forked() {
             // SAFETY: started when the batch was built.
             unsafe { Self::stop_threads(at, batch.plan.threads) };
@@ -261,7 +262,7 @@ impl BatchBlock {
     /// Opens a batch for change. No other call uses it while the mark lives.
     ///
     /// # Safety
-    /// As [`check`], and the batch is not freed for `'a`.
+    /// The conditions of [`check`] hold, and the batch is not freed for `'a`.
     pub(crate) unsafe fn open<'a>(at: *mut Self) -> Result<(&'a mut Batch, Changing<'a>), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
@@ -274,7 +275,7 @@ impl BatchBlock {
     /// Opens a batch to read. No call changes it while the mark lives.
     ///
     /// # Safety
-    /// As [`check`], and the batch is not freed for `'a`.
+    /// The conditions of [`check`] hold, and the batch is not freed for `'a`.
     pub(crate) unsafe fn see<'a>(at: *const Self) -> Result<(&'a Batch, Reading<'a>), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
@@ -290,7 +291,7 @@ impl Batch {
         self.plan.threads > 0 && self.process != std::process::id()
     }
 
-    /// A part behind the block.
+    /// Returns a pointer to a part behind the block.
     fn part<T>(&self, offset: usize) -> *mut T {
         self.block.cast::<u8>().wrapping_add(offset).cast()
     }
@@ -357,7 +358,7 @@ impl Batch {
         states.nth(index).ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))
     }
 
-    /// Visits every environment, on this thread.
+    /// Visits every environment on this thread.
     pub(crate) fn each_mut(
         &mut self,
         mut visit: impl FnMut(&Model<'_>, usize, &mut [u64], &mut Scratch<'_>) -> Result<(), Error>,
@@ -375,12 +376,12 @@ impl Batch {
         Ok(())
     }
 
-    /// The fingerprint of all states, one after the other.
+    /// Returns the fingerprint of all states in their order.
     pub(crate) fn hash(&self) -> u64 {
         hash::words(self.states())
     }
 
-    /// Saves every environment, one snapshot after the other.
+    /// Saves every environment as consecutive snapshots.
     pub(crate) fn save(&self, out: &mut [u8]) -> Result<(), Fault> {
         let model = self.model();
         let states = self.states().chunks_exact(model.state_words());
@@ -390,7 +391,7 @@ impl Batch {
         Ok(())
     }
 
-    /// Loads every environment; all snapshots are judged before the first is taken up.
+    /// Loads every environment, after a check of all snapshots.
     pub(crate) fn load(&mut self, saved: &[u8]) -> Result<(), Fault> {
         let Open {
             model,
@@ -409,8 +410,8 @@ impl Batch {
         Ok(())
     }
 
-    /// Steps every environment and, where wanted, hands the metrics of each ended episode to
-    /// `ended`.
+    /// Steps every environment and passes the metrics of each ended episode to `ended`, if it is
+    /// present.
     pub(crate) fn step(
         &mut self,
         actions: &[f32],
@@ -427,7 +428,7 @@ impl Batch {
         let pool = (plan.threads > 0).then(|| unsafe { &(*self.block).pool });
         let ready = self.ready;
         let open = self.parts_mut();
-        // A share must not refuse after another has stepped.
+        // Every environment is checked first, as no share may refuse after another has stepped.
         action::refuse_nan(actions)?;
         if !ready {
             check_ready(open.model, open.states)?;

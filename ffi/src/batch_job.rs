@@ -1,4 +1,4 @@
-//! One step of a batch, in shares that any number of threads may take.
+//! One step of a batch, divided into shares that any number of threads may take.
 
 use std::ffi::c_void;
 use std::marker::PhantomData;
@@ -14,7 +14,7 @@ use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_INTERNAL};
 use crate::sync::{AtomicBool, AtomicUsize, Ordering, yield_now};
 use crate::thread_pool::{Job, Task, ThreadPool};
 
-/// The caller's way to run tasks.
+/// The caller's function that runs tasks, and its context.
 #[derive(Clone, Copy)]
 pub(crate) struct Runner {
     pub(crate) run: unsafe extern "C" fn(Option<Task>, *mut c_void, u32, *mut c_void),
@@ -28,7 +28,7 @@ impl Runner {
     }
 }
 
-/// The start of a buffer, or none.
+/// The start of an optional buffer.
 struct Begin<T>(Option<*mut T>);
 
 impl<T> Begin<T> {
@@ -36,7 +36,7 @@ impl<T> Begin<T> {
         Self((!buffer.is_empty()).then_some(buffer.as_mut_ptr()))
     }
 
-    /// Elements `range` · `each` of the buffer; empty where there is none.
+    /// Returns the elements `range` · `each` of the buffer, or an empty slice without a buffer.
     ///
     /// # Safety
     /// The buffer is as long as the batch needs, and no two shares ask for the same range.
@@ -51,7 +51,7 @@ impl<T> Begin<T> {
     }
 }
 
-/// Environments of a share.
+/// Returns the environments of a share.
 struct Range {
     begin: usize,
     end: usize,
@@ -63,7 +63,7 @@ impl Range {
     }
 }
 
-/// The shares of a job: each is taken by exactly one thread.
+/// The shares of a job, of which exactly one thread takes each.
 pub(crate) struct Shares<'a> {
     taken: &'a [AtomicBool],
     finished: AtomicUsize,
@@ -71,7 +71,7 @@ pub(crate) struct Shares<'a> {
 }
 
 impl<'a> Shares<'a> {
-    /// Shares of which none is taken.
+    /// Builds shares of which none is taken.
     pub(crate) fn new(taken: &'a [AtomicBool]) -> Self {
         for share in taken {
             share.store(false, Ordering::Relaxed);
@@ -126,7 +126,7 @@ impl<'a> Shares<'a> {
     }
 }
 
-/// One step of a batch, with all that it reads and writes.
+/// One step of a batch, with all buffers that it reads and writes.
 pub(crate) struct BatchJob<'a> {
     model: &'a Model<'a>,
     count: usize,
@@ -180,7 +180,7 @@ impl<'a> BatchJob<'a> {
         }
     }
 
-    /// The shares as tasks.
+    /// Returns the shares as tasks.
     fn job(&self) -> Job {
         Job {
             task: take_share,
@@ -189,7 +189,7 @@ impl<'a> BatchJob<'a> {
         }
     }
 
-    /// Steps every environment: on the threads of a pool, by the caller's runner, or on this thread
+    /// Steps every environment on the threads of a pool, by the caller's runner or on this thread
     /// alone.
     pub(crate) fn run(
         &self,
@@ -256,7 +256,7 @@ impl<'a> BatchJob<'a> {
     }
 }
 
-/// A share as a task.
+/// Runs a share as a task.
 ///
 /// # Safety
 /// `job` is a [`BatchJob`] that lives until the task ends.

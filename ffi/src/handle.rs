@@ -1,8 +1,8 @@
 //! Handles: blocks of memory that begin with a seal.
 //!
-//! A seal mixes a constant of the handle's kind with the block's own address. Whatever is not a
-//! living handle of that kind, also a copy of one, therefore shows. In a block that changes, a mark
-//! follows that says which calls use it ([`InUse`]).
+//! A seal mixes a constant of the handle's kind with the block's own address. A handle that is
+//! freed, of another kind or copied therefore fails the check. In a block that changes, the mark of
+//! the calls that use it follows ([`InUse`]).
 //!
 //! | block | content |
 //! | --- | --- |
@@ -25,7 +25,7 @@ use crate::status::{
     JCAS_ERROR_NULL, JCAS_ERROR_RESOURCES, guard,
 };
 
-/// What a handle is to.
+/// The kind of a handle.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
     Model,
@@ -37,7 +37,7 @@ pub(crate) enum Kind {
 impl Kind {
     const ALL: [Self; 4] = [Self::Model, Self::Sim, Self::Batch, Self::Policy];
 
-    /// The seal of a block of this kind at an address.
+    /// Returns the seal of a block of this kind at an address.
     fn seal(self, address: usize) -> u64 {
         let name = match self {
             Self::Model => b"jcas mdl",
@@ -49,14 +49,14 @@ impl Kind {
     }
 }
 
-/// A block of a kind.
+/// A block of one kind.
 ///
 /// # Safety
 /// Implement it only for `repr(C)` structs whose first field is the seal, a `u64`.
 pub(crate) unsafe trait Block: Sized {
     const KIND: Kind;
 
-    /// The seal of a block at an address.
+    /// Returns the seal of a block at an address.
     fn seal(at: *const Self) -> u64 {
         Self::KIND.seal(at.addr())
     }
@@ -66,7 +66,7 @@ pub(crate) unsafe trait Block: Sized {
 pub(crate) struct ModelBlock {
     seal: u64,
     memory: Memory,
-    /// Simulations and batches that live on this model.
+    /// Number of simulations, batches and policies that use this model.
     users: AtomicU32,
     model: Model<'static>,
 }
@@ -77,10 +77,10 @@ pub(crate) struct SimBlock {
     in_use: InUse,
     memory: Memory,
     model: *const ModelBlock,
-    /// The model's sizes, kept here so that no call works them out again.
+    /// The model's sizes, kept here so that no call computes them again.
     state_words: usize,
     scratch_words: usize,
-    /// Why the last call that could change it was refused.
+    /// The reason why the last call that could change the simulation was refused.
     pub(crate) refusal: Option<Fault>,
     recording: Option<Recording>,
 }
@@ -94,7 +94,7 @@ unsafe impl Block for SimBlock {
     const KIND: Kind = Kind::Sim;
 }
 
-/// Where a block lies.
+/// The size and owner of a block's memory.
 #[derive(Clone, Copy)]
 pub(crate) struct Memory {
     layout: Layout,
@@ -102,9 +102,9 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// Memory of ours.
+    /// Allocates memory of the library.
     pub(crate) fn allocate(layout: Layout) -> Result<(*mut u8, Self), Fault> {
-        // SAFETY: no block is empty.
+        // SAFETY: the layout is not empty, as no block is.
         let at = unsafe { alloc(layout) };
         if at.is_null() {
             return Err(Fault::Status(JCAS_ERROR_RESOURCES));
@@ -112,7 +112,7 @@ impl Memory {
         Ok((at, Self { layout, ours: true }))
     }
 
-    /// The caller's memory, checked.
+    /// Checks the caller's memory.
     ///
     /// # Safety
     /// If `at` is neither null nor misaligned, `size` bytes can be read there.
@@ -127,12 +127,12 @@ impl Memory {
         Ok((at, Self { layout, ours }))
     }
 
-    /// Bytes of the block.
+    /// Returns the size of the block in bytes.
     pub(crate) const fn size(&self) -> usize {
         self.layout.size()
     }
 
-    /// Gives memory of ours back.
+    /// Frees memory of the library.
     ///
     /// # Safety
     /// `at` came with this value from [`Memory::allocate`] or [`Memory::lent`], and nothing uses
@@ -145,7 +145,7 @@ impl Memory {
     }
 }
 
-/// Whether the caller's memory is as a layout asks, and free.
+/// Checks that the caller's memory fits a layout and holds no living handle.
 ///
 /// # Safety
 /// If `at` is neither null nor misaligned, `size` bytes can be read there.
@@ -164,17 +164,17 @@ pub(crate) unsafe fn check_lent(at: *mut u8, size: usize, layout: Layout) -> Res
     }
 }
 
-/// Whether memory holds a living handle, which building another over it would lose.
+/// Whether memory holds a living handle, which another block would overwrite.
 ///
 /// # Safety
 /// Eight bytes can be read at `at`, which is aligned for them.
 unsafe fn holds_a_handle(at: *mut u8) -> bool {
-    // SAFETY: the caller's promise; volatile, as nobody may have written there before.
+    // SAFETY: the caller's promise; the read is volatile, as the memory may be uninitialised.
     let seal = unsafe { at.cast::<u64>().read_volatile() };
     Kind::ALL.iter().any(|kind| kind.seal(at.addr()) == seal)
 }
 
-/// A block of type `B` followed by `words` words.
+/// Returns the layout of a block of type `B` followed by `words` words.
 pub(crate) fn block_layout<B>(words: usize) -> Result<Layout, Fault> {
     let too_large = |_| Fault::Status(JCAS_ERROR_RESOURCES);
     let tail = Layout::array::<u64>(words).map_err(too_large)?;
@@ -183,7 +183,7 @@ pub(crate) fn block_layout<B>(words: usize) -> Result<Layout, Fault> {
     Ok(layout.pad_to_align())
 }
 
-/// The words after a block.
+/// Returns the words after a block.
 ///
 /// # Safety
 /// `count` words lie after the block at `at`, initialised, and nothing else uses them for `'a`.
@@ -197,8 +197,8 @@ pub(crate) unsafe fn words_after<'a, B>(at: *mut B, count: usize) -> &'a mut [u6
 /// Checks a handle.
 ///
 /// # Safety
-/// If `at` is neither null nor misaligned, eight bytes can be read there; if they are a seal, the
-/// block is a living one.
+/// If `at` is neither null nor misaligned, eight bytes can be read there. If they are a seal, the
+/// block is alive.
 pub(crate) unsafe fn check<B: Block>(at: *const B) -> Result<(), Fault> {
     if at.is_null() {
         return Err(Fault::Status(JCAS_ERROR_NULL));
@@ -215,10 +215,10 @@ pub(crate) unsafe fn check<B: Block>(at: *const B) -> Result<(), Fault> {
     }
 }
 
-/// A model, to read.
+/// Opens a model to read.
 ///
 /// # Safety
-/// As [`check`], and the model is not freed for `'a`.
+/// The conditions of [`check`] hold, and the model is not freed for `'a`.
 pub(crate) unsafe fn model<'a>(at: *const ModelBlock) -> Result<&'a ModelBlock, Fault> {
     // SAFETY: passed on.
     unsafe { check(at) }?;
@@ -241,8 +241,7 @@ impl ModelBlock {
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
         let count = Model::table_words(&config).map_err(Error::from)?;
-        // SAFETY: the layout has room for the block and the words; all zero is a value of each
-        // word.
+        // SAFETY: the layout has room for the block and the words; all zero bits are a valid word.
         unsafe { at.write_bytes(0, memory.layout.size()) };
         // SAFETY: just initialised; the tables stay with the model for as long as the block lives.
         let words = unsafe { words_after(block, count) };
@@ -261,7 +260,7 @@ impl ModelBlock {
     /// Ends a model.
     ///
     /// # Safety
-    /// As [`check`]; no other thread uses the model.
+    /// The conditions of [`check`] hold, and no other thread uses the model.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         let block = unsafe { model(at) }?;
@@ -269,7 +268,7 @@ impl ModelBlock {
             return Err(Fault::Status(JCAS_ERROR_IN_USE));
         }
         let memory = block.memory;
-        // SAFETY: the block is ours alone; whoever looks again finds no seal.
+        // SAFETY: only this call uses the block, and a later check finds no seal.
         unsafe { (&raw mut (*at).seal).write(0) };
         // SAFETY: nothing uses the block any more; a model over lent words owns nothing else.
         unsafe { memory.release(at.cast()) };
@@ -311,7 +310,7 @@ pub(crate) struct Seen<'a> {
 /// Opens a simulation for change.
 ///
 /// # Safety
-/// As [`check`], and the simulation is not freed for `'a`.
+/// The conditions of [`check`] hold, and the simulation is not freed for `'a`.
 pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
     // SAFETY: passed on.
     unsafe { check(at) }?;
@@ -338,7 +337,7 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
     })
 }
 
-/// Opens a simulation for change, and keeps why what is done with it is refused.
+/// Opens a simulation for change, and keeps the reason if the operation is refused.
 ///
 /// # Safety
 /// As [`open`].
@@ -358,7 +357,7 @@ pub(crate) unsafe fn change(
 /// Opens a simulation to read.
 ///
 /// # Safety
-/// As [`check`], and the simulation is not freed for `'a`.
+/// The conditions of [`check`] hold, and the simulation is not freed for `'a`.
 pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
     // SAFETY: passed on.
     unsafe { check(at) }?;
@@ -394,8 +393,7 @@ impl SimBlock {
         (at, memory): (*mut u8, Memory),
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
-        // SAFETY: the layout has room for the block and the words; all zero is a value of each
-        // word.
+        // SAFETY: the layout has room for the block and the words; all zero bits are a valid word.
         unsafe { at.write_bytes(0, memory.layout.size()) };
         let value = Self {
             seal: Self::seal(block),
@@ -418,7 +416,7 @@ impl SimBlock {
     /// Ends a simulation.
     ///
     /// # Safety
-    /// As [`check`]; no other thread frees the simulation.
+    /// The conditions of [`check`] hold, and no other thread frees the simulation.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
@@ -444,13 +442,13 @@ impl Open<'_> {
         Ok(())
     }
 
-    /// Takes up a state that is no consequence of the one before, which no recording can tell.
+    /// Replaces the state by an unrelated one, which ends a recording without its last line.
     pub(crate) fn replace(&mut self, words: &[u64]) {
         self.words.copy_from_slice(words);
         *self.recording = None;
     }
 
-    /// Begins the episode of a seed and its recording; nothing has changed where the sink refuses.
+    /// Begins the episode of a seed and its recording. Nothing changes if the sink refuses.
     pub(crate) fn record(
         &mut self,
         seed: u64,
@@ -472,7 +470,7 @@ impl Open<'_> {
         Ok(())
     }
 
-    /// Lets the kernel take what a host owns, and tells the recording.
+    /// Passes a host's call to the kernel and records it.
     pub(crate) fn own(&mut self, call: &Call<'_>) -> Result<(), Fault> {
         self.act(|model, state, scratch| call.apply(model, state, scratch))?;
         if let Some(recording) = self.recording {
@@ -481,7 +479,7 @@ impl Open<'_> {
         Ok(())
     }
 
-    /// Tells the recording what the fleet does in this step.
+    /// Records the actions of this step.
     #[inline]
     pub(crate) fn tell_actions(&mut self, actions: &[f32]) {
         if let Some(recording) = self.recording {
@@ -489,7 +487,7 @@ impl Open<'_> {
         }
     }
 
-    /// Tells the recording that a step has ended.
+    /// Records the end of a step.
     #[inline]
     pub(crate) fn tell_step(&mut self) -> Result<(), Fault> {
         match self.recording {
@@ -498,7 +496,7 @@ impl Open<'_> {
         }
     }
 
-    /// Lets the kernel act on the state, and keeps its refusal.
+    /// Runs the kernel on the state, and keeps the reason of a refusal.
     #[inline]
     pub(crate) fn act<T>(
         &mut self,

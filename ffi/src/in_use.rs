@@ -1,12 +1,11 @@
-//! The mark of an object that calls are using: any number that read it, or one that changes it.
+//! The mark of an object in use: any number of calls read it, or one call changes it.
 //!
-//! A call that finds the object in use otherwise is refused before it has looked at anything but
-//! the mark.
+//! A call that may not use the object is refused before it reads anything but the mark.
 
 use crate::status::{Fault, JCAS_ERROR_BUSY};
 use crate::sync::{AtomicU32, Ordering};
 
-/// How many calls read an object at present, or [`CHANGING`].
+/// The number of calls that read an object at present, or [`CHANGING`].
 pub(crate) struct InUse(AtomicU32);
 
 /// The value of a mark while a call changes the object.
@@ -26,7 +25,7 @@ impl InUse {
     /// Marks the object as being changed, unless any call uses it.
     #[inline]
     pub(crate) fn change(&self) -> Result<Changing<'_>, Fault> {
-        // Acquire: what the last call that released the mark has written is seen.
+        // Acquire makes the writes of the call that last released the mark visible.
         let marked = (self.0).compare_exchange(0, CHANGING, Ordering::Acquire, Ordering::Relaxed);
         match marked {
             Ok(_) => Ok(Changing(self)),
@@ -47,7 +46,7 @@ impl InUse {
 }
 
 impl Changing<'_> {
-    /// Leaves the mark as it is, in an object that ends.
+    /// Keeps the mark set in an object that is freed.
     pub(crate) fn keep(self) {
         std::mem::forget(self);
     }

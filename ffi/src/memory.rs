@@ -1,5 +1,5 @@
-//! Pointers from C become slices and records, once checked. Every raw pointer of a caller passes
-//! here.
+//! The checks that turn pointers from C into slices and records. Every raw pointer of a caller
+//! passes here.
 
 use std::alloc::Layout;
 use std::ffi::c_char;
@@ -14,7 +14,7 @@ use crate::status::{
     JCAS_ERROR_STRUCT_SIZE,
 };
 
-/// A type for which every pattern of bits is a value.
+/// A type for which every bit pattern is a valid value.
 ///
 /// # Safety
 /// Implement it only for such types.
@@ -62,7 +62,7 @@ fn check_count(what: &'static str, got: usize, expected: usize) -> Result<(), Fa
     }))
 }
 
-/// Where a buffer lies.
+/// The address range of a buffer.
 #[derive(Clone, Copy)]
 pub(crate) struct Span {
     name: &'static str,
@@ -70,7 +70,7 @@ pub(crate) struct Span {
     end: usize,
 }
 
-/// Whether any two buffers of a call overlap.
+/// Checks that no two buffers of a call overlap.
 pub(crate) fn check_apart(spans: &[Span]) -> Result<(), Fault> {
     for (index, a) in spans.iter().enumerate() {
         for b in &spans[..index] {
@@ -82,8 +82,8 @@ pub(crate) fn check_apart(spans: &[Span]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A caller's buffer, checked for itself. It becomes a slice once all buffers of the call have been
-/// checked.
+/// A buffer of the caller that has passed its own checks. It becomes a slice after the checks of
+/// all buffers of the call.
 pub(crate) struct Buffer<T> {
     pointer: *mut T,
     count: usize,
@@ -91,7 +91,7 @@ pub(crate) struct Buffer<T> {
 }
 
 impl<T: Plain> Buffer<T> {
-    /// A buffer that must be there, with exactly `expected` elements.
+    /// Checks a required buffer of exactly `expected` elements.
     pub(crate) fn new(
         name: &'static str,
         pointer: *const T,
@@ -109,7 +109,7 @@ impl<T: Plain> Buffer<T> {
         })
     }
 
-    /// As [`Buffer::new`], for a buffer that may be left out: null with a count of 0.
+    /// Checks an optional buffer as [`Buffer::new`] does; null with a count of 0 is none.
     pub(crate) fn optional(
         name: &'static str,
         pointer: *const T,
@@ -127,7 +127,7 @@ impl<T: Plain> Buffer<T> {
         Self::new(name, pointer, count, expected)
     }
 
-    /// The elements, to read.
+    /// Returns the elements to read.
     ///
     /// # Safety
     /// The pointer was invalid only by being null or misaligned. Otherwise the elements can be
@@ -138,22 +138,22 @@ impl<T: Plain> Buffer<T> {
         unsafe { slice::from_raw_parts(self.pointer, self.count) }
     }
 
-    /// The elements, to write.
+    /// Returns the elements to write.
     ///
     /// # Safety
-    /// As [`Buffer::read`]; the elements can be written, and [`check_apart`] has seen every buffer
-    /// of the call.
+    /// The conditions of [`Buffer::read`] hold. The elements can be written, and [`check_apart`]
+    /// has checked every buffer of the call.
     pub(crate) unsafe fn write<'a>(&self) -> &'a mut [T] {
         // SAFETY: as in `read`; no other buffer of the call has these elements.
         unsafe { slice::from_raw_parts_mut(self.pointer, self.count) }
     }
 }
 
-/// A caller's buffer that must have exactly `expected` elements, to read.
+/// Checks a caller's buffer of exactly `expected` elements and returns them to read.
 ///
 /// # Safety
-/// `pointer` is invalid only by being null or misaligned; otherwise `count` elements can be read
-/// there and stay as they are for as long as the slice lives.
+/// `pointer` is invalid only by being null or misaligned. Otherwise `count` elements can be read
+/// there and do not change while the slice lives.
 pub(crate) unsafe fn input<'a, T: Plain>(
     pointer: *const T,
     count: usize,
@@ -161,12 +161,12 @@ pub(crate) unsafe fn input<'a, T: Plain>(
 ) -> Result<&'a [T], Fault> {
     check(pointer)?;
     check_count("a buffer", count, expected)?;
-    // SAFETY: not null, aligned, and readable for `count` elements by the caller's promise;
-    // `expected` comes from a validated model, so that the bytes fit an isize.
+    // SAFETY: not null, aligned, and readable for `count` elements by the caller's promise.
+    // `expected` comes from a validated model, so the bytes fit an isize.
     Ok(unsafe { slice::from_raw_parts(pointer, count) })
 }
 
-/// As [`input`], to write.
+/// Checks a caller's buffer of exactly `expected` elements and returns them to write.
 ///
 /// # Safety
 /// As [`input`], and the elements can be written and belong to no other buffer of the call.
@@ -181,7 +181,7 @@ pub(crate) unsafe fn output<'a, T: Plain>(
     Ok(unsafe { slice::from_raw_parts_mut(pointer, count) })
 }
 
-/// A caller's bytes of any length and alignment.
+/// Returns a caller's bytes of any length and alignment.
 ///
 /// # Safety
 /// `length` bytes can be read at a pointer that is not null.
@@ -194,7 +194,7 @@ pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a 
     Ok(unsafe { slice::from_raw_parts(pointer, length) })
 }
 
-/// A place for a scalar or a handle.
+/// Checks a place for a scalar or a handle.
 ///
 /// # Safety
 /// A pointer that is neither null nor misaligned can be written and belongs to nothing else.
@@ -203,8 +203,8 @@ pub(crate) unsafe fn place<'a, T>(pointer: *mut T) -> Result<Place<'a, T>, Fault
     Ok(Place(pointer, std::marker::PhantomData))
 }
 
-/// A checked place of the caller that is written at most once, at the end of a call. What is in it
-/// may be uninitialised, so that no reference to it is made.
+/// A checked place of the caller that is written at most once, at the end of a call. It may be
+/// uninitialised, so no reference to it is made.
 pub(crate) struct Place<'a, T>(*mut T, std::marker::PhantomData<&'a mut T>);
 
 impl<T> Place<'_, T> {
@@ -214,8 +214,8 @@ impl<T> Place<'_, T> {
     }
 }
 
-/// Writes the size and alignment of a block, which is laid out once both places are seen to be
-/// there.
+/// Writes the size and alignment of a block, whose layout is computed after the check of both
+/// places.
 ///
 /// # Safety
 /// As [`place`], for both.
@@ -232,7 +232,7 @@ pub(crate) unsafe fn put_layout(
     Ok(())
 }
 
-/// A place for a record whose caller has set `struct_size`.
+/// Checks a place for a record whose caller has set `struct_size`.
 ///
 /// # Safety
 /// As [`place`], and the first four bytes can be read.
@@ -247,7 +247,7 @@ pub(crate) unsafe fn record<'a, T: Record>(pointer: *mut T) -> Result<Place<'a, 
     }
 }
 
-/// A place for a record whose caller names its size beside it.
+/// Checks a place for a record whose size is a separate argument.
 ///
 /// # Safety
 /// As [`place`].
@@ -263,7 +263,7 @@ pub(crate) unsafe fn sized_record<'a, T: Record>(
     }
 }
 
-/// A record of the caller, by value.
+/// Reads a record of the caller by value.
 ///
 /// # Safety
 /// The first four bytes can be read, and as many as they say.
@@ -274,8 +274,7 @@ pub(crate) unsafe fn read_record<T: Record>(pointer: *const T) -> Result<T, Faul
     Ok(unsafe { pointer.read() })
 }
 
-/// Something that says itself in words, without a detour through formatting where it is a plain
-/// text.
+/// A reason that can be written as text. A plain text avoids the formatting machinery.
 pub(crate) trait Text {
     fn write_to(&self, out: &mut impl Write) -> fmt::Result;
 }
@@ -286,7 +285,7 @@ impl Text for str {
     }
 }
 
-/// What can be displayed, as a text.
+/// A displayable value as a reason.
 pub(crate) struct Said<T>(pub(crate) T);
 
 impl<T: Display> Text for Said<T> {
@@ -295,7 +294,7 @@ impl<T: Display> Text for Said<T> {
     }
 }
 
-/// Writes a message as a C string, cut to what fits. A null buffer takes none.
+/// Writes a message as a C string, truncated to the buffer. A null buffer receives nothing.
 ///
 /// # Safety
 /// `capacity` bytes can be written at a pointer that is not null.
@@ -308,7 +307,7 @@ pub(crate) unsafe fn message<T: Text + ?Sized>(text: &T, buffer: *mut c_char, ca
         room: capacity - 1,
         written: 0,
     };
-    // A text that does not fit ends where it was cut.
+    // An error here only means that the text was truncated.
     let _cut = text.write_to(&mut cut);
     // SAFETY: at most `capacity` - 1 bytes were written.
     let terminator = unsafe { buffer.add(cut.written) };
@@ -316,7 +315,7 @@ pub(crate) unsafe fn message<T: Text + ?Sized>(text: &T, buffer: *mut c_char, ca
     unsafe { terminator.write(0) };
 }
 
-/// Writes into a caller's buffer until it is full, whole characters only.
+/// A writer of whole characters into a caller's buffer until it is full.
 struct Cut {
     buffer: *mut c_char,
     room: usize,
@@ -343,7 +342,7 @@ impl Write for Cut {
     }
 }
 
-/// A refusal in words; nothing where there was none.
+/// A refusal as text, which is empty without a refusal.
 pub(crate) struct Words(pub(crate) Option<Fault>);
 
 impl Text for Words {
@@ -352,8 +351,8 @@ impl Text for Words {
     }
 }
 
-/// Gives a text out: its length always, the text with a terminating zero if there is a buffer. A
-/// buffer that is too short takes nothing but the length.
+/// Writes the length of a text and, into a buffer that fits it, the text with a terminating zero.
+/// If the buffer is too short, only the length is written.
 ///
 /// # Safety
 /// `capacity` bytes can be written at `buffer` if it is not null; `length` as for [`place`].

@@ -1,5 +1,5 @@
-//! The pool of a batch and the mark of an object under loom, which runs every interleaving of a few
-//! threads that the memory model allows, up to a number of preemptions.
+//! Tests of the thread pool and of the mark of an object under loom. loom runs every interleaving
+//! of a few threads that the memory model allows, up to a number of preemptions.
 //!
 //! `.ci/loom.sh` runs these tests. A lost wake-up shows as a deadlock, and a data race or a broken
 //! claim as a failure with the interleaving that leads there.
@@ -26,7 +26,7 @@ fn explore(preemptions: usize, model: impl Fn() + Sync + Send + 'static) {
     builder.check(model);
 }
 
-/// A job that counts, in memory that no atomic guards, how often each share was worked on.
+/// A job that counts how often each share was run, in memory that no atomic guards.
 struct Counting<'a> {
     shares: Shares<'a>,
     counts: &'a [UnsafeCell<u32>],
@@ -39,7 +39,7 @@ impl Counting<'_> {
         // SAFETY: loom reports two threads in one cell.
         self.counts[index].with_mut(|count| unsafe { *count += 1 });
         if self.panics_at == Some(index) {
-            // Without the hook that would print a message for every interleaving.
+            // The hook would print a message for every interleaving.
             resume_unwind(Box::new(()));
         }
         Ok(())
@@ -61,7 +61,7 @@ unsafe extern "C" fn run_share(job: *mut c_void, index: u32) {
     job.shares.take(index, || job.work(index));
 }
 
-/// A batch's life: a pool of so many threads beside this one, some jobs, then its end.
+/// Runs the life cycle of a batch: a pool with a number of threads, some jobs, then its end.
 fn life(threads: usize, spins: u32, jobs: u32, shares: usize, panics_at: Option<usize>) {
     let pool = Arc::new(ThreadPool::with_spins(threads as u32, spins));
     let ended = Arc::new(AtomicUsize::new(0));
@@ -133,7 +133,7 @@ fn a_pool_that_never_worked_ends() {
     explore(3, || life(2, 1, 0, 0, None));
 }
 
-/// A step whose tasks run on threads of the caller sees all that they did before it returns.
+/// A step whose tasks run on threads of the caller sees all their writes before it returns.
 #[test]
 fn a_step_waits_for_the_callers_threads() {
     explore(3, || {
@@ -165,7 +165,7 @@ fn a_step_waits_for_the_callers_threads() {
     });
 }
 
-/// A call that changes an object is alone in it; calls that read it see all that it wrote.
+/// A call that changes an object has it alone, and calls that read it see all its writes.
 #[test]
 fn one_call_at_a_time_changes_an_object() {
     explore(3, || {

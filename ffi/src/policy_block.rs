@@ -1,9 +1,9 @@
-//! A policy behind its handle.
+//! The memory block of a policy.
 //!
-//! A network's block is followed by the words of its kernel working memory, then, from a line of
-//! the caches on, by its weights, its own working memory, the observations and the actions: flying
-//! it allocates nothing. A baseline asks the heap for room for its plans, one for each simulation
-//! of a batch.
+//! The words of the kernel's working memory follow a network's block. From the next cache line on
+//! follow its weights, its own working memory, the observations and the actions. So a network acts
+//! without an allocation. A baseline keeps its plans on the heap, one for each environment of a
+//! batch.
 
 use std::alloc::Layout;
 use std::slice;
@@ -33,26 +33,26 @@ unsafe impl Block for PolicyBlock {
     const KIND: Kind = Kind::Policy;
 }
 
-/// Who flies.
-// A network lies in its handle's own memory.
+/// The controller of a policy.
+// A network is stored in its handle's own memory.
 #[allow(clippy::large_enum_variant)]
 enum Pilot {
     Network(Learned),
     Baseline {
         kind: BaselineKind,
         mode: PilotMode,
-        /// One for each simulation of a batch; the first also flies single ones.
+        /// One for each environment of a batch. The first one also acts for single simulations.
         each: Vec<Flown>,
     },
 }
 
 struct Flown {
     baseline: Baseline,
-    /// The episode that it is in.
+    /// The episode of the plan.
     seed: Option<u64>,
 }
 
-/// A network and the lengths of what follows the block.
+/// A network and the lengths of the arrays that follow the block.
 #[derive(Clone, Copy)]
 struct Learned {
     network: Network,
@@ -86,7 +86,7 @@ impl Lengths {
     }
 }
 
-/// What follows the block of a network.
+/// The arrays that follow the block of a network.
 struct Parts<'a> {
     kernel: &'a mut [u64],
     weights: &'a mut [f32],
@@ -118,7 +118,7 @@ unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
     }
 }
 
-/// What a refusal of a network means in C.
+/// Converts a refusal of a network to a status.
 pub(crate) fn fault(error: FlyError) -> Fault {
     Fault::Status(match error {
         FlyError::Observation { .. } | FlyError::Visibility => JCAS_ERROR_MODEL_MISMATCH,
@@ -134,14 +134,14 @@ impl From<OutOfMemory> for Fault {
 }
 
 impl PolicyBlock {
-    /// Memory of a network's block; of a baseline's with none.
+    /// Returns the layout of a network's block, or of a baseline's block with `None`.
     pub(crate) fn layout(model: &Model<'_>, network: Option<&Network>) -> Result<Layout, Fault> {
         let words = network.map_or(0, |network| Lengths::of(network, model).words());
         block_layout::<Self>(words)
     }
 
-    /// Builds a network's policy in memory that has its layout. The weights have been seen to be
-    /// whole.
+    /// Builds a network's policy in memory that has its layout. The weights have already been
+    /// checked.
     ///
     /// # Safety
     /// `at` and `memory` come from [`Memory`] with [`PolicyBlock::layout`] of this model and
@@ -212,7 +212,7 @@ impl PolicyBlock {
     /// Ends a policy.
     ///
     /// # Safety
-    /// As [`check`]; no other thread frees the policy.
+    /// The conditions of [`check`] hold, and no other thread frees the policy.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
         // SAFETY: passed on.
         unsafe { Self::hold(at) }?.keep();
@@ -231,7 +231,7 @@ impl PolicyBlock {
     /// Marks a policy as being used. No other call uses it while the mark lives.
     ///
     /// # Safety
-    /// As [`check`], and the policy is not freed for `'a`.
+    /// The conditions of [`check`] hold, and the policy is not freed for `'a`.
     pub(crate) unsafe fn hold<'a>(at: *mut Self) -> Result<Changing<'a>, Fault> {
         // SAFETY: passed on.
         unsafe { check(at) }?;
@@ -239,7 +239,7 @@ impl PolicyBlock {
         unsafe { &(*at).in_use }.change()
     }
 
-    /// Sets how a network's actions follow from its outputs; a baseline has no choice.
+    /// Sets how a network's actions follow from its outputs. It does not affect baselines.
     ///
     /// # Safety
     /// The caller [holds](PolicyBlock::hold) the policy.
@@ -250,8 +250,8 @@ impl PolicyBlock {
         }
     }
 
-    /// What acting in one state of a model with this policy's configuration needs memory for.
-    /// `place` is the simulation's in its batch.
+    /// Prepares the actions for one state, which is the only part that allocates. The state's model
+    /// has this policy's configuration. `place` is the index of the environment in its batch.
     ///
     /// # Safety
     /// The caller [holds](PolicyBlock::hold) the policy.
@@ -292,7 +292,7 @@ impl PolicyBlock {
         Ok(())
     }
 
-    /// Writes the actions for a state that [`PolicyBlock::plan`] has just seen.
+    /// Writes the actions for a state that [`PolicyBlock::plan`] has just prepared.
     ///
     /// # Safety
     /// The caller [holds](PolicyBlock::hold) the policy.

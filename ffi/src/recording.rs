@@ -1,4 +1,4 @@
-//! A recording in progress: the lines of a trace go to the caller's sink.
+//! A recording in progress, which passes the lines of a trace to the caller's sink.
 
 use std::alloc::Layout;
 use std::ffi::{c_char, c_void};
@@ -14,7 +14,7 @@ use jcas_trace::{
 use crate::handle::check_lent;
 use crate::status::{Fault, JCAS_ERROR_RESOURCES, JCAS_ERROR_SINK};
 
-/// The caller's function that takes a trace.
+/// The caller's function that takes a trace, and its context.
 #[derive(Clone, Copy)]
 pub(crate) struct Sink {
     pub(crate) write: unsafe extern "C" fn(*const c_char, usize, *mut c_void) -> i32,
@@ -35,19 +35,19 @@ impl trace::Sink for Sink {
     }
 }
 
-/// The caller's memory that recording and verifying work in.
+/// The caller's working memory for recording and verification.
 #[derive(Clone, Copy)]
 pub(crate) struct Workspace {
     at: *mut u64,
     sizes: WorkspaceSizes,
 }
 
-/// Words that hold the observations and the actions.
+/// Returns the number of words for the observations and the actions.
 fn floats_of(sizes: &WorkspaceSizes) -> usize {
     (sizes.observations + sizes.actions).div_ceil(2)
 }
 
-/// Words of a whole workspace.
+/// Returns the number of words of a whole workspace.
 fn words_of(sizes: &WorkspaceSizes) -> usize {
     floats_of(sizes) + sizes.cells + 2 * sizes.uavs + sizes.matrix.div_ceil(8)
 }
@@ -58,11 +58,11 @@ impl Workspace {
         Layout::array::<u64>(words_of(&WorkspaceSizes::of(model))).map_err(scarce)
     }
 
-    /// The caller's memory, checked and cleared.
+    /// Checks and clears the caller's memory.
     ///
     /// # Safety
-    /// If `at` is neither null nor misaligned, `size` bytes can be written there, which are the
-    /// workspace's alone for as long as it is used.
+    /// If `at` is neither null nor misaligned, `size` bytes can be written there. Nothing else uses
+    /// them while the workspace is in use.
     pub(crate) unsafe fn lent(
         at: *mut c_void,
         size: usize,
@@ -115,14 +115,14 @@ impl Workspace {
     }
 }
 
-/// What a simulation keeps while it is recorded.
+/// The state of a recording.
 pub(crate) struct Recording {
     writer: Writer<Sink>,
     workspace: Workspace,
 }
 
 impl Recording {
-    /// Begins with the header, of a state at t = 0.
+    /// Begins a recording with the header, from a state at t = 0.
     pub(crate) fn begin(
         sink: Sink,
         workspace: Workspace,
@@ -181,7 +181,7 @@ impl Recording {
         Ok(())
     }
 
-    /// Writes the last line. Says so if the sink has not taken all of the trace.
+    /// Writes the last line. The call fails if the sink has refused any part of the trace.
     pub(crate) fn end(mut self, state: &StateRef<'_>) -> Result<(), Fault> {
         let metrics = state.metrics();
         self.writer.line(&EndLine { metrics });

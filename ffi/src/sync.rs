@@ -1,5 +1,5 @@
-//! Atomics, locks and waiting: those of the standard library, or under `cfg(loom)` those of the
-//! model checker.
+//! Atomics, locks and waiting from the standard library, or from the model checker under
+//! `cfg(loom)`.
 
 #[cfg(loom)]
 mod chosen {

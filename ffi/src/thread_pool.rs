@@ -1,5 +1,5 @@
-//! The threads of a batch: started when it is built, joined when it ends. Handing out work
-//! allocates nothing.
+//! The threads of a batch, which start when it is built and are joined when it is freed. Running a
+//! job allocates nothing.
 //!
 //! `ffi/src/model_check.rs` runs all interleavings of a small pool.
 
@@ -8,14 +8,15 @@ use std::sync::PoisonError;
 
 use crate::sync::{AtomicU32, Condvar, Mutex, MutexGuard, Ordering, spin_loop};
 
-/// How often a thread tests whether it may go on before it sleeps: some tens of microseconds on
-/// present x86 processors, less on others. Waking it takes as long, and a caller in a loop is back
-/// by then.
+/// Tests of a waiting thread before it sleeps. They take some tens of microseconds on present x86
+/// processors, and less on others. Waking a thread takes as long, and a caller in a loop returns
+/// within that time.
 const SPINS: u32 = 1000;
 
 pub(crate) type Task = unsafe extern "C" fn(*mut c_void, u32);
 
-/// Tasks with the numbers 0 to `count` - 1. Any order will do, also at once, also twice.
+/// Tasks with the indices 0 to `count` - 1. They may run in any order, concurrently and more than
+/// once.
 #[derive(Clone, Copy)]
 pub(crate) struct Job {
     pub(crate) task: Task,
@@ -26,33 +27,33 @@ pub(crate) struct Job {
 // SAFETY: a job is made for tasks that any thread may run.
 unsafe impl Send for Job {}
 
-/// What the threads are to do.
+/// The orders for the threads.
 struct Orders {
     job: Option<Job>,
     quit: bool,
 }
 
-/// A number of threads that run the tasks of one job at a time together with the caller's.
+/// A thread pool that runs one job at a time together with the caller's thread.
 pub(crate) struct ThreadPool {
     orders: Mutex<Orders>,
-    /// Threads that have begun to work.
+    /// Number of threads that have started.
     started: AtomicU32,
-    /// Rises by one with each job. As `working`, it is written under the lock of `orders` and read
+    /// Number of the present job. Like `working`, it is written under the lock of `orders` and read
     /// without it.
     jobs: AtomicU32,
-    /// Threads that have not finished the present job.
+    /// Number of threads that have not finished the present job.
     working: AtomicU32,
-    /// Threads of the pool, beside the caller's.
+    /// Number of threads of the pool, without the caller's.
     threads: u32,
-    /// Tests before a thread sleeps.
+    /// Number of tests before a thread sleeps.
     spins: u32,
     job_given: Condvar,
     job_done: Condvar,
 }
 
 impl ThreadPool {
-    /// A pool for `threads` threads beside the caller's. Where the machine has no more processors
-    /// than that, a thread that spins would keep another from its work, so that none does.
+    /// Builds a pool for `threads` threads and the caller's. Spinning is disabled when there are no
+    /// more processors than `threads`.
     pub(crate) fn new(threads: u32) -> Self {
         let spins = if (threads as usize) < processors() {
             SPINS
@@ -101,7 +102,7 @@ impl ThreadPool {
         orders.job = None;
     }
 
-    /// Waits until a condition holds, but not for long.
+    /// Spins until a condition holds, for a limited number of tests.
     fn spin_until(&self, holds: impl Fn() -> bool) {
         for _ in 0..self.spins {
             if holds() {
@@ -111,9 +112,8 @@ impl ThreadPool {
         }
     }
 
-    /// Runs every task of a job, from a first one on that differs between threads: the data that a
-    /// thread wrote in the last step is in its cache. A task that another thread has taken returns
-    /// at once.
+    /// Runs every task of a job. Each thread begins at another task, whose data is in its cache
+    /// from the last step. A task that another thread has taken returns at once.
     fn run_tasks(&self, job: Job, place: u32) {
         let first = u64::from(job.count) * u64::from(place) / (u64::from(self.threads) + 1);
         let first = first as u32;
@@ -123,13 +123,13 @@ impl ThreadPool {
         }
     }
 
-    /// Tells the threads to end.
+    /// Orders the threads to end.
     pub(crate) fn quit(&self) {
         self.orders().quit = true;
         self.job_given.notify_all();
     }
 
-    /// What each thread of the pool does: job after job, until it is told to quit.
+    /// The main function of each thread: it runs job after job until the order to quit.
     pub(crate) fn work(&self) {
         let place = 1 + self.started.fetch_add(1, Ordering::Relaxed);
         let mut done = 0;
@@ -167,8 +167,8 @@ extern "C" fn work(pool: *mut c_void) -> *mut c_void {
 
 pub(crate) use system::{Thread, join, processors, start};
 
-/// POSIX threads themselves: the standard library's allocate on the way, and abort where they
-/// cannot.
+/// POSIX threads, used directly because starting a thread of the standard library allocates and
+/// aborts if that fails.
 #[cfg(unix)]
 mod system {
     use std::mem::MaybeUninit;
@@ -178,7 +178,7 @@ mod system {
 
     pub(crate) type Thread = libc::pthread_t;
 
-    /// Starts a thread of a pool; `None` if the system has none.
+    /// Starts a thread of a pool. The result is `None` if the system refuses.
     ///
     /// # Safety
     /// The pool stays where it is until the thread has been joined.
@@ -206,7 +206,7 @@ mod system {
         unsafe { libc::pthread_join(thread, ptr::null_mut()) };
     }
 
-    /// Processors of the machine, at least 1.
+    /// Returns the number of processors of the machine, at least 1.
     pub(crate) fn processors() -> usize {
         // SAFETY: a question without side effects.
         let count = unsafe { libc::sysconf(libc::_SC_NPROCESSORS_ONLN) };
@@ -222,7 +222,7 @@ mod system {
 
     pub(crate) type Thread = JoinHandle<()>;
 
-    /// Starts a thread of a pool; `None` if the system has none.
+    /// Starts a thread of a pool. The result is `None` if the system refuses.
     ///
     /// # Safety
     /// The pool stays where it is until the thread has been joined.
@@ -242,7 +242,7 @@ mod system {
         let _ended = thread.join();
     }
 
-    /// Processors of the machine, at least 1.
+    /// Returns the number of processors of the machine, at least 1.
     pub(crate) fn processors() -> usize {
         available_parallelism().map_or(1, usize::from)
     }

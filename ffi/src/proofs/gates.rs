@@ -1,4 +1,4 @@
-//! P12: a gate gives out exactly the memory that was promised, or a status and nothing touched.
+//! Proofs of P12: a gate returns exactly the promised memory, or a status and no access to memory.
 
 use std::ffi::c_char;
 use std::ptr::null_mut;
@@ -15,7 +15,7 @@ use crate::status::{
 };
 use crate::version::{JCAS_ABI_VERSION, jcas_abi_check};
 
-/// Null, misaligned, or the pointer itself.
+/// Returns null, a misaligned pointer or the pointer itself.
 fn any_pointer<T>(to: *mut T) -> *mut T {
     match between(0, 2) {
         0 => null_mut(),
@@ -24,7 +24,7 @@ fn any_pointer<T>(to: *mut T) -> *mut T {
     }
 }
 
-/// What a pointer from [`any_pointer`] must be refused with.
+/// Returns the refusal that a pointer from [`any_pointer`] requires.
 fn expected_fault<T>(given: *mut T, to: *mut T) -> Option<Fault> {
     if given.is_null() {
         Some(Fault::Status(JCAS_ERROR_NULL))
@@ -131,7 +131,7 @@ pub fn a_text_fits_its_buffer_or_is_not_written() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(10))]
 pub fn a_message_is_cut_to_its_buffer() {
-    // Two bytes a letter: a cut may not split one.
+    // Each letter has two bytes, and truncation may not split it.
     const TEXT: &str = "θρ";
     let mut buffer = [1 as c_char; 8];
     let capacity = between(0, 8) as usize;
@@ -233,7 +233,7 @@ mod statuses {
     use std::collections::BTreeSet;
     use std::ffi::CStr;
 
-    /// Catches a status of the header without words of its own.
+    /// Catches a status of the header without a text of its own.
     #[test]
     fn each_status_of_the_header_has_words_of_its_own() {
         let words = |status: i32| {

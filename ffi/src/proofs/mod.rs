@@ -1,8 +1,8 @@
 //! The proofs of the gates through which every pointer, length and handle of a C caller passes.
 //!
-//! They are built as the kernel's are, and run without Kani through the same stand-in.
+//! They are built like the kernel's proofs, and run without Kani through the same stand-in.
 
-// Shared with the kernel's proofs, which use all of it.
+// The file is shared with the kernel's proofs, which use every item.
 #[allow(dead_code)]
 #[path = "../../../core/src/proofs/inputs.rs"]
 pub(crate) mod inputs;
