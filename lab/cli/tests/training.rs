@@ -102,8 +102,8 @@ fn ctrl_c_saves_and_says_how_to_go_on() {
     assert!(checkpoint.exists());
 }
 
-/// A run begins with the weights of another, under settings of its own, and is no continuation of
-/// it.
+/// A run begins with the weights of another under its own settings, and does not continue the
+/// other.
 #[test]
 fn training_goes_on_from_another_run() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Campaigns that take no training.
+//! Campaigns without training.
 
 use jcas_core::{Config, Preset};
 use jcas_policy::{BaselineKind, PilotMode};
@@ -10,20 +10,20 @@ pub const HELD: &str = "held";
 /// Name in the table of a pilot density that its policy chooses.
 pub const ADAPTIVE: &str = "adaptive";
 
-/// A campaign that takes no training.
+/// A campaign without training.
 #[derive(Clone, Debug)]
 pub(crate) struct CampaignSpec {
     /// As in the table, with what it varies.
     pub experiment: (String, f64),
-    /// What the mission is a variant of.
+    /// Preset or configuration of which the mission is a variant.
     pub preset: Preset,
     /// The mission.
     pub config: Config,
-    /// Who flies.
+    /// Policy of the campaign.
     pub who: Who,
 }
 
-/// Who flies without being trained for it.
+/// A policy that is not trained for the campaign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -32,16 +32,16 @@ pub(crate) struct CampaignSpec {
 pub(crate) enum Who {
     /// A script.
     Script(BaselineKind, PilotMode),
-    /// Ours, where one is given that was trained on missions like `base`.
+    /// The given policy that was trained on missions like `base`, if one exists.
     Ours {
-        /// What it has to be trained on.
+        /// Configuration on which it has to be trained.
         base: Config,
         /// Its pilot density, if it is held.
         held: Option<f64>,
     },
 }
 
-/// The pilot rule of who holds a density, or learns to choose it.
+/// Name in the table of a held pilot density, or of a learnt one.
 pub(crate) fn pilot_name(constant: Option<f64>) -> &'static str {
     if constant.is_some() {
         "constant"

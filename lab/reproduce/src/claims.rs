@@ -1,5 +1,5 @@
-//! What the paper claims, and what the table of results says about it. A claim is data: its words,
-//! what is measured, and the rule that judges the measurement. To add one, add a row to [`CLAIMS`].
+//! The paper's claims, judged by the table of results. A claim is data: its text, its measure, and
+//! the rule that judges the measure. To add one, add a row to [`CLAIMS`].
 
 use crate::curves::Curve;
 use crate::fit;
@@ -13,13 +13,13 @@ use jcas_episode::statistics::wilson;
 pub struct Claim {
     /// What the paper says.
     pub text: &'static str,
-    /// What is measured of it.
+    /// Measure of the claim.
     pub measure: Measure,
     /// When it holds.
     pub rule: Rule,
 }
 
-/// What is measured.
+/// A measure: one or several numbers of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// A quantity at one fleet size.
@@ -129,7 +129,8 @@ pub const CLAIMS: [Claim; 12] = [
     ),
 ];
 
-/// Who is held to the claims: a reading of what the paper trained, or our own settings.
+/// A reading of the paper that is held against the claims: a variant of its training, or our own
+/// settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// For people.
@@ -204,12 +205,12 @@ impl Verdict {
     }
 }
 
-/// A claim, who was held to it, and what came out.
+/// The verdict on a claim for one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
     /// What the paper says.
     pub claim: &'static str,
-    /// Who was held to it.
+    /// Title of the reading.
     pub reading: String,
     /// What was measured, in words and numbers.
     pub measured: String,

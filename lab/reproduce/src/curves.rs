@@ -1,5 +1,5 @@
-//! How the trainings with the paper's settings went: a table of its own beside that of the results,
-//! so that pages are made from tables alone.
+//! The course of the trainings with the paper's settings. It is a table beside the results, so that
+//! pages depend only on tables.
 
 use crate::campaign::pilot_name;
 use crate::flights::{POLICIES, paper_name};
@@ -18,7 +18,7 @@ pub const TRAININGS: &str = "trainings.csv";
 /// Training of one cell with the paper's settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Who learnt: see [`Scope::learners`].
+    /// Name of the learner, see [`Scope::learners`].
     pub learner: &'static str,
     /// UAVs.
     pub uavs: u32,

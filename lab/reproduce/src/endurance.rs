@@ -19,8 +19,7 @@ const HOTSPOTS: u32 = 30;
 const CHARGERS_KW: [f64; 2] = [0.3, SWAP_KW];
 const SWAP_KW: f64 = 21.6;
 
-/// Who flies it without being trained: with the autopilot's charging alone, filling up, and waiting
-/// for clean energy.
+/// The scripts: with the autopilot's charging alone, filling up, and waiting for clean energy.
 const SCRIPTS: [BaselineKind; 3] = [
     BaselineKind::Teams,
     BaselineKind::Charging,

@@ -251,8 +251,8 @@ impl Means {
         figure
     }
 
-    /// The points of a line, and the numbers of hotspots that they are means over: fleets are
-    /// compared over those that all of them have flown.
+    /// The points of a line, and the numbers of hotspots of their means. Fleets are compared over
+    /// the numbers that all of them have.
     fn points(&self, table: &Table, flown: (&str, &str)) -> (Vec<Point>, Vec<u32>) {
         let query = Query::new(self.experiment, self.preset.name(), flown);
         let query = match self.over {

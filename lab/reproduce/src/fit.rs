@@ -1,11 +1,13 @@
-//! Which value of one unknown of the model makes published success rates the most likely.
+//! Maximum-likelihood estimate of one unknown of the model from published success rates.
 //!
-//! A published rate is a number of successes among so many missions, so binomial. Its probability
-//! as a function of the unknown comes from simulation at a few values and is interpolated between
-//! them. The estimate has the greatest likelihood; the interval holds every value that a
-//! likelihood-ratio test at 5 % does not refuse (Wilks: twice the loss of log likelihood is χ² with
-//! one degree of freedom); what is left over is the deviance from a model that fits each published
-//! rate exactly, with a degree of freedom for each rate less the one fitted.
+//! A published rate is a number of successes among a number of missions, so it is binomial. Its
+//! probability as a function of the unknown comes from simulation at a few values and is
+//! interpolated between them. The estimate has the greatest likelihood. The interval holds every
+//! value that a likelihood-ratio test at 5 % does not reject. By Wilks' theorem, twice the loss of
+//! log likelihood is χ² with one degree of freedom.
+//!
+//! The deviance compares the fit with a model that fits each published rate exactly. Its degrees of
+//! freedom are the number of rates less one.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -20,8 +22,8 @@ pub struct Published {
     pub missions: f64,
 }
 
-/// The paper's two numbers, each an average of 100 missions: its text gives the rates and its table
-/// of settings the number of episodes of an evaluation.
+/// The paper's two numbers, each an average of 100 missions. Its text gives the rates, and its
+/// table of settings the number of episodes.
 pub const PAPER: [Published; 2] = [
     Published {
         uavs: 10,
@@ -48,8 +50,8 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// The rate at a value: the logit is straight between neighbours, half a success and half a
-    /// failure added to each so that it is finite; none outside of what was simulated.
+    /// The rate at a value, or None outside of the simulated range. The logit is linear between
+    /// neighbours. Half a success and half a failure are added to each, so that it is finite.
     pub fn rate(&self, x: f64) -> Option<f64> {
         let after = self.points.iter().position(|point| point.0 >= x)?;
         let logit = |(_, rate, missions): (f64, f64, f64)| {
@@ -174,8 +176,8 @@ mod tests {
         }
     }
 
-    /// So many missions that the half success does not show: the rate at x in [0, 1] is nearly 1/(1
-    /// + e^(-(a + b x))).
+    /// The rate at x in [0, 1] is nearly 1/(1 + e^(-(a + b x))): with 10⁹ missions the added half
+    /// success is negligible.
     fn logistic(a: f64, b: f64) -> Simulated {
         let rate = |x: f64| 1.0 / (1.0 + (-(a + b * x)).exp());
         Simulated {
@@ -219,8 +221,8 @@ mod tests {
 
     #[test]
     fn two_rates_that_no_value_meets_leave_a_deviance() {
-        // The same curve for 40 and for 60 of 100: the best rate is 1/2, and the deviance is 2 · 2
-        // · (40 ln(40/50) + 60 ln(60/50)) = 8.0542, of χ² with one degree of freedom p = 0.00454.
+        // The same curve serves 40 and 60 of 100, so the best rate is 1/2. The deviance is 2 · 2 ·
+        // (40 ln(40/50) + 60 ln(60/50)) = 8.0542. With one degree of freedom, p = 0.00454.
         let curve = logistic(-2.0, 4.0);
         let fit = fit(&[
             (published(0.4, 100.0), curve.clone()),

@@ -133,8 +133,8 @@ impl Flights<'_> {
         self.narrator.stop()
     }
 
-    /// The given policies that were trained on missions like this, whatever their number of UAVs
-    /// and hotspots.
+    /// The given policies that were trained on missions like this, for any number of UAVs and
+    /// hotspots.
     fn given_for(&self, config: &Config) -> Vec<Arc<StoredPolicy>> {
         let like = |policy: &&Arc<StoredPolicy>| {
             sized_as(config, &policy.card.config) == policy.card.config
@@ -539,8 +539,8 @@ impl Flights<'_> {
     }
 }
 
-/// A mission with another's numbers of UAVs and hotspots, and with its tags: where a mission shows
-/// none, a policy that reads them numbers the UAVs itself.
+/// A mission with the numbers of UAVs and hotspots of another, and with its tags. Without tags in
+/// the mission, a policy that reads them numbers the UAVs itself.
 fn sized_as(config: &Config, other: &Config) -> Config {
     Config {
         uav_count: other.uav_count,

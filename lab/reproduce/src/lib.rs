@@ -1,9 +1,8 @@
-//! The paper's figures again, on this machine: what to fly and train, its results, its pictures.
+//! Reproduction of the paper: its trainings, campaigns, results and figures.
 //!
-//! Everything is kept in one table, `results.csv`, whose rows are flown once; what is there already
-//! is not flown again, so a reproduction goes on where it was stopped. Figures and texts are made
-//! from it and two small tables beside it alone: how trainings went, and how near the pilot density
-//! changes.
+//! One table, `results.csv`, holds every result. A row that exists is not computed again, so a
+//! reproduction resumes where it was stopped. Figures and texts depend only on this table and two
+//! small ones: the course of trainings, and the pilot density over the distance.
 
 mod campaign;
 pub mod cell_table;
@@ -39,7 +38,8 @@ use table::Table;
 /// Name of the table of results.
 pub const TABLE: &str = "results.csv";
 
-/// Trains and flies whatever is missing, then draws and writes what is there, also when stopped.
+/// Computes the missing results, then writes figures and reports of those that exist, also when
+/// stopped.
 pub fn reproduce(
     scope: &Scope,
     out: &Path,
@@ -61,8 +61,8 @@ pub fn reproduce(
     Ok(progress)
 }
 
-/// Writes the page of a reproduction to a place of its own, its pictures and the tables that it is
-/// made of into a folder beside it, from which a reproduction makes the same page.
+/// Writes the page of a reproduction to `page`, and its pictures and tables into a folder beside
+/// it. A reproduction can make the same page from these tables.
 pub fn publish(scope: &Scope, out: &Path, page: &Path) -> Result<(), TrainError> {
     let table = Table::open(&out.join(TABLE))?;
     let curves = curves::curves(scope, out)?;
@@ -85,7 +85,7 @@ pub fn publish(scope: &Scope, out: &Path, page: &Path) -> Result<(), TrainError>
     write_whole(page, text.as_bytes())
 }
 
-/// The tables in a reproduction's folder that its page is made of.
+/// Tables in a reproduction's folder from which its page is made.
 fn tables(scope: &Scope, out: &Path) -> Vec<String> {
     let approaches = scope
         .seeds

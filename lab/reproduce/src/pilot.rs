@@ -1,5 +1,5 @@
-//! What adapting the pilot density is worth: against every constant in four worlds, then over maps
-//! of regimes.
+//! Study of adaptive pilot density: against every constant in four presets, then over maps of
+//! regimes.
 
 use crate::campaign::{CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
@@ -106,7 +106,7 @@ fn row(title: &str, worth: &PilotComparison, name: &str, constant: &Row) -> [Str
     ]
 }
 
-/// Who flies a world: its script, then ours where it is flown there.
+/// The policies of a world: its script, then ours if it has one.
 fn flyers(world: &World) -> [(String, &'static str); 2] {
     [
         (world.title.to_owned(), world.kind.name()),

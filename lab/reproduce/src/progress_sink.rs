@@ -1,10 +1,10 @@
-//! Who is told how a reproduction goes, and how it ended.
+//! Receiver of a reproduction's progress, and the outcome of a reproduction.
 
 use jcas_train::run::Observer;
 
-/// What is told while it runs; also how it is stopped.
+/// Receives progress during a reproduction, and can stop it.
 pub trait ProgressSink: Observer {
-    /// What begins now.
+    /// Reports the part that begins.
     fn chapter(&mut self, title: &str);
 }
 

@@ -1,6 +1,6 @@
-//! What the paper's two success rates imply about its radar: the threshold of detection is
-//! "derived" there and not given, and the sensing range that it comes to is the one unknown that
-//! decides how hard a mission is.
+//! Study of the radar that the paper's two success rates imply. The paper "derives" the detection
+//! threshold and does not give it. The sensing range that corresponds to the threshold decides the
+//! difficulty of a mission.
 
 use crate::campaign::{CampaignSpec, Who};
 use crate::chapter::{Block, Chapter};
@@ -18,14 +18,14 @@ pub const EXPERIMENT: &str = "range";
 /// Name of its figure's files.
 const FIGURE: &str = "success_over_range";
 
-/// Who flies without training: a fleet that ignores what it sees, and one that goes to each hotspot
+/// Scripts of the study: a fleet that ignores its observations, and one that flies to each hotspot
 /// together.
 pub const SCRIPTED: [(&str, BaselineKind, PilotMode); 2] = [
     ("a random walk", BaselineKind::Random, PilotMode::Mid),
     ("`swarm`", BaselineKind::Swarm, PilotMode::Max),
 ];
 
-/// The pilot rule of who learns to choose its density.
+/// Pilot rule of learners that choose the density.
 const PILOT: &str = "adaptive";
 
 /// What the scripts fly.

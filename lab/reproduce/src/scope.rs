@@ -1,4 +1,4 @@
-//! How much of the paper's grid is trained and flown.
+//! Scope of a reproduction: the parts of the paper's grid to train and evaluate.
 
 use crate::fit;
 use crate::text::list;
@@ -28,10 +28,10 @@ pub struct Scope {
     pub paper: Settings,
     /// Cells (N, n) that are trained with the paper's settings.
     pub paper_cells: Vec<(u32, u32)>,
-    /// The pilot densities that are held there; none: it is learnt.
+    /// Pilot densities that are held there; None: the density is learnt.
     pub paper_pilots: Vec<Option<f64>>,
-    /// The one credit that is trained with there; none: every one. What is there of others is shown
-    /// all the same.
+    /// Train only this credit scheme; None trains all. Existing results of the others are still
+    /// reported.
     pub paper_credit: Option<Credit>,
     /// What is changed of the paper's settings, one thing at a time, to see what a result hangs on.
     pub variations: Vec<Variation>,
@@ -83,7 +83,7 @@ pub enum Part {
     Tuned,
     /// The paper's training with one thing changed at a time.
     Variations,
-    /// Who finds hidden hotspots, and how soon.
+    /// Policies that search for hidden hotspots.
     Search,
     /// What adapting the pilot density is worth, and where.
     Pilot,
@@ -106,7 +106,7 @@ impl Part {
     ];
 }
 
-/// Who trains with the paper's settings.
+/// A learner with the paper's settings.
 #[derive(Clone, Debug)]
 pub struct Learner {
     /// Name in the table and in folders.
@@ -118,8 +118,7 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// For people who see what came of it: where it was stopped before the paper's training ends,
-    /// that it was.
+    /// Title in reports, which says so if the training was shorter than the paper's.
     pub fn as_trained(&self) -> String {
         let iterations = self.settings.iterations();
         let whole = Settings::preset(Preset::Paper).iterations();
@@ -241,9 +240,9 @@ impl Scope {
         }
     }
 
-    /// A smaller version of every part, for minutes instead of hours: half the numbers of hotspots,
-    /// fewer missions, a shorter training, and the paper's own training with small networks,
-    /// briefly, for one number of hotspots and a learnt pilot density.
+    /// A smaller version of every part, for minutes instead of hours. It has half the numbers of
+    /// hotspots, fewer episodes and a shorter training. The paper's training is short, with small
+    /// networks, one number of hotspots and a learnt pilot density.
     pub fn quick(seeds: u64) -> Scope {
         let full = Scope::full(seeds);
         let hotspots = vec![3, 7, 11];
@@ -331,7 +330,7 @@ impl Scope {
         Scope { given, ..self }
     }
 
-    /// Who trains with the paper's settings: the two readings of what it says of credit.
+    /// Learners with the paper's settings: its text on credit allows two readings.
     pub fn learners(&self) -> Vec<Learner> {
         let mut own = self.paper.clone();
         uav_credit(&mut own);
@@ -359,9 +358,9 @@ impl Scope {
         learners
     }
 
-    /// The trainings of each learner, in an order in which those that were done when it is stopped
-    /// tell most: numbers of hotspots near the paper's five first, then adaptive pilots, then the
-    /// fleets that the paper gives a success rate for.
+    /// The trainings of each learner, the most informative first, so that a stopped reproduction is
+    /// useful. The order is: numbers of hotspots near the paper's five, adaptive pilots, fleets
+    /// with a success rate in the paper.
     pub fn trainings(&self) -> Vec<Training> {
         let mut trainings = Vec::new();
         for &seed in &self.seeds {

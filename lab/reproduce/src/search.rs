@@ -1,4 +1,4 @@
-//! Who finds hidden hotspots, and how soon.
+//! Study of the search for hidden hotspots.
 
 use crate::campaign::{ADAPTIVE, CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
@@ -12,7 +12,7 @@ use jcas_policy::{BaselineKind, PilotMode};
 /// Name in the table of results.
 const EXPERIMENT: &str = "grid";
 
-/// Scripts that look for what they do not know.
+/// Scripts that search for hidden hotspots.
 fn searchers() -> impl Iterator<Item = BaselineKind> {
     let all = BaselineKind::ALL.into_iter();
     all.filter(|kind| !kind.reads_positions())
@@ -42,7 +42,7 @@ fn query(policy: &str) -> Query<'_> {
     Query::new(EXPERIMENT, Preset::Search.name(), (policy, ADAPTIVE))
 }
 
-/// One cell of the grid: what each searcher came to in it, in the order of the heads.
+/// One cell of the grid: the result of each searcher, in the order of the heads.
 struct Place {
     cell: (u32, u32),
     rows: Vec<Vec<Row>>,

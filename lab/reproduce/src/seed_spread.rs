@@ -1,4 +1,4 @@
-//! How much a training's seed matters, where a cell was trained with several.
+//! Study of the effect of a training's seed, over cells with several seeds.
 
 use crate::campaign::{OURS, pilot_name};
 use crate::chapter::{Block, Chapter};
@@ -59,7 +59,7 @@ fn text(scope: &Scope) -> String {
     )
 }
 
-/// Who may have been trained with several seeds: preset, title, name in the table, pilot rule.
+/// Policies that may have several training seeds: preset, title, name in the table, pilot rule.
 fn flown(scope: &Scope) -> Vec<(Preset, String, &'static str, &'static str)> {
     let pilots = || scope.paper_pilots.iter().map(|&pilot| pilot_name(pilot));
     let mut all = Vec::new();
@@ -90,8 +90,8 @@ struct Spread {
     /// Cells, and those in which the intervals of all seeds have a value in common.
     cells: usize,
     overlapping: usize,
-    /// The greatest difference between two seeds of a cell, as it is for success and as a share of
-    /// the lesser for others; and the cell.
+    /// The greatest difference between two seeds of a cell, with the cell. It is absolute for
+    /// success, and relative to the smaller value for other quantities.
     greatest: f64,
     at: (u32, u32),
 }

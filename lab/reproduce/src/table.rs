@@ -8,10 +8,11 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Which campaign a row is of.
+/// Key of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Key {
-    /// `grid`, `density`, `battery`, `variation`, `range`, `endurance`, or one that begins with `pilot`.
+    /// `grid`, `density`, `battery`, `variation`, `range`, `endurance`, or one that begins with
+    /// `pilot`.
     pub experiment: String,
     /// `mission`, `paper` or `search`.
     pub preset: String,
@@ -33,7 +34,7 @@ pub struct Key {
     pub config_hash: String,
 }
 
-/// A campaign and what it came to.
+/// A row: a campaign and its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // the names are those of the summary's quantities and their intervals
 pub struct Row {
@@ -121,7 +122,7 @@ impl Row {
         self.campaign() == (names, [key.uavs, key.hotspots], key.seed, key.x.to_bits())
     }
 
-    /// What no two rows of a table have in common.
+    /// The columns that identify a row.
     fn campaign(&self) -> ([&String; 4], [u32; 2], u64, u64) {
         let names = [&self.experiment, &self.preset, &self.policy, &self.pilot];
         (
@@ -190,7 +191,7 @@ impl Quantity {
         }
     }
 
-    /// Decimals that a report gives of it.
+    /// Decimals in reports.
     pub const fn digits(self) -> usize {
         match self {
             Quantity::Steps => 1,
@@ -261,7 +262,7 @@ impl Table {
     }
 }
 
-/// Which rows a number is the mean of; what is absent may be anything.
+/// A selection of rows; an absent field matches every value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query<'a> {
     /// As in [`Key`].

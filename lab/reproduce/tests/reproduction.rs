@@ -82,9 +82,10 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
 
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
     let learners = scope().learners().len();
-    // Per cell and preset fifteen baselines and two learned policies; then densities, batteries,
-    // the paper's cells, variations, and per range and cell two scripts and a few trainings; in
-    // each cell five searchers; pilots in four worlds; three who charge, for two chargers.
+    // Each cell and preset has fifteen baselines and two learned policies. Densities, batteries,
+    // the paper's cells and variations follow. Each range and cell has two scripts and a few
+    // trainings. Each cell has five searchers, pilots fly in four worlds, and three scripts charge
+    // with two chargers.
     let paper = 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners;
     let beyond = 4 * 5 + 4 * 2 * 3 + 3 * 2;
     assert_eq!(results.lines().count(), 1 + paper + beyond);

@@ -3,9 +3,9 @@
 //!     cargo bench -p jcas-train --features cuda              # or wgpu, or both
 //!     cargo bench -p jcas-train --features cuda -- 2560      # environment steps of a batch
 //!
-//! Tells what the device is called, UAV samples a second over whole batches (the second of two),
-//! and how far the outputs of one policy are from the processor's. Without a GPU it says so and
-//! ends well.
+//! Prints the name of the device and the UAV samples a second over a whole batch (the second of
+//! two). It also prints the difference of one policy's outputs from the processor's. Without a GPU
+//! it reports that and succeeds.
 
 use burn_tensor::Device;
 use jcas_core::{Config, Preset as World};

@@ -1,12 +1,11 @@
-//! Our side of `python/benchmarks/inference.py`: the network of a policy, flown by jcas-policy and
-//! by the trainer's own forward pass, as often as the other side asks.
+//! Our side of `python/benchmarks/inference.py`: inference of a policy by jcas-policy and by the
+//! trainer's forward pass.
 //!
 //!     inference POLICY UAVS HOTSPOTS OBSERVATIONS
 //!
-//! Writes the observations of 64 missions, f32, to the file OBSERVATIONS. Then reads lines `ours
-//! ROWS CALLS` or
-//! `trainer ROWS CALLS` and answers each with a line, once all calls are made: of a single call, the outputs for those
-//! rows.
+//! Writes the observations of 64 episodes, f32, to the file OBSERVATIONS. Then it reads lines `ours
+//! ROWS CALLS` or `trainer ROWS CALLS`, makes the calls and answers each line. The answer to a
+//! single call is the outputs for these rows.
 
 use std::hint::black_box;
 use std::io::{BufRead, Write};

@@ -1,7 +1,7 @@
 //! Saving a run so that it goes on bit for bit, whenever it was stopped.
 //!
-//! Everything random follows from the seed and the iteration, so a checkpoint between two
-//! iterations needs weights, optimiser moments, statistics and the missions' states: nothing else.
+//! All random numbers follow from the seed and the iteration. So a checkpoint between two
+//! iterations holds only weights, optimiser moments, statistics and the episodes' states.
 
 use crate::error::TrainError;
 use crate::ppo::normalise::Running;
@@ -72,7 +72,7 @@ fn read_statistics(
     Ok(())
 }
 
-/// Writes the run as it stands; `run` names what it is a run of.
+/// Writes the present state of a run; `run` identifies its settings and configurations.
 pub fn save(trainer: &Trainer, run: &str, path: &Path) -> Result<(), TrainError> {
     let mut arrays = Vec::new();
     model_arrays("actor", &trainer.actor, &mut arrays);

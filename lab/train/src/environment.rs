@@ -1,7 +1,7 @@
-//! What the trainer asks of an environment: several equal missions side by side, stepped together.
+//! The interface of an environment: several equal episodes side by side, stepped together.
 //!
-//! The trait is the whole contract between PPO and the simulator, so that the algorithm can be
-//! tested on an environment small enough to know the best return of.
+//! The trait is the whole contract between PPO and the simulator. So tests can run the algorithm on
+//! an environment whose best return is known.
 
 pub mod belief_map;
 pub mod detection_credit;
@@ -47,10 +47,10 @@ impl Shape {
 /// What one step of M missions returns. All buffers are sized by [`StepOut::new`].
 #[derive(Clone, Debug)]
 pub struct StepOut {
-    /// Rewards: the team's of each mission (M), or each UAV's own (M·N), as was asked for.
+    /// Rewards: the team's of each episode (M), or each UAV's own (M·N), as requested.
     pub rewards: Vec<f32>,
-    /// What each UAV's pilot density gained in this step, beside a middling one (M·N), where that
-    /// is asked for.
+    /// Gain of each UAV's pilot density in this step over the middle of the range (M·N), if
+    /// requested.
     pub pilot_gains: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
@@ -112,11 +112,11 @@ pub trait VectorEnvironment: Send {
     /// Observations (M·N × O) and global states (M × S) of the missions as they are now.
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]);
 
-    /// Called before each batch, counted from 0: what is flown may depend on it, and on nothing
-    /// else that a checkpoint does not hold.
+    /// Called before each batch, counted from 0. The task may depend on the batch, and otherwise
+    /// only on what a checkpoint holds.
     fn begin_batch(&mut self, _batch: u64) {}
 
-    /// For each row, that of the last UAV before it in its cell.
+    /// For each row, the row of the last UAV before it in its cell.
     fn companions(&self, out: &mut [Option<usize>]) {
         out.fill(None);
     }
@@ -124,9 +124,9 @@ pub trait VectorEnvironment: Send {
     /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
     fn step(&mut self, actions: &[f32], out: &mut StepOut);
 
-    /// Everything that the future of the missions depends on.
+    /// Serialises everything that the future of the episodes depends on.
     fn save(&self) -> Vec<u8>;
 
-    /// Takes back what [`VectorEnvironment::save`] gave.
+    /// Restores the output of [`VectorEnvironment::save`].
     fn load(&mut self, bytes: &[u8]) -> Result<(), String>;
 }

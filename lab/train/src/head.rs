@@ -1,7 +1,7 @@
 //! Action heads: from the actor's outputs to a motion and a pilot density.
 //!
-//! Both heads give an action pair in [-1, 1]² that the kernel understands; what they keep in the
-//! rollout buffer (`raw`) is the sample before that mapping, since its density is what PPO needs.
+//! Both heads give an action pair in [-1, 1]², which the kernel reads. The rollout buffer holds the
+//! sample before that mapping (`raw`), because PPO needs the sample's density.
 
 pub mod gaussian;
 pub mod hybrid;
@@ -24,11 +24,10 @@ pub struct Densities {
     pub entropies: Tensor<2>,
 }
 
-/// What learning asks of an action head, beside what flying does.
+/// Operations of an action head that only training needs.
 pub trait LearningHead {
-    /// ActionSampling a raw action; returns it with the log-densities of its motion and of its
-    /// pilot. The motion of [`Head::Hybrid`] may be given as a quantile of its distribution, 0 to
-    /// 1.
+    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot. For
+    /// [`Head::Hybrid`], a quantile in [0, 1] may determine the motion.
     fn draw(
         self,
         outputs: &[f32],

@@ -1,7 +1,7 @@
 //! Training of fleets: PPO with one actor shared by all UAVs and a critic on the global state.
 //!
-//! Reads from the outside in: [`settings`] says what a run is told, [`trainer`] what an iteration
-//! does, [`ppo`] how it learns, [`network`] and [`head`] what is learnt.
+//! Start with [`settings`] for the options of a run and [`trainer`] for one iteration. [`ppo`] has
+//! the algorithm; [`network`] and [`head`] have the models.
 
 #![forbid(unsafe_code)]
 

@@ -51,9 +51,9 @@ pub struct Row {
     pub evaluated_mission_steps: Option<f64>,
     /// Wall time of the iteration, evaluation left out.
     pub wall_s: f64,
-    /// Environment steps in each second of it.
+    /// Environment steps a second.
     pub steps_per_s: f64,
-    /// UAV samples in each second of it.
+    /// UAV samples a second.
     pub samples_per_s: f64,
     /// Share of wall time in the simulator.
     pub simulation_share: f64,
@@ -61,8 +61,8 @@ pub struct Row {
     pub inference_share: f64,
     /// Share of wall time learning.
     pub learning_share: f64,
-    /// Not all missions have had the time to end yet: the means are of those that ended first,
-    /// which went well.
+    /// Some episodes have not had the time to end yet. The means are over those that ended early,
+    /// which are the successful ones.
     #[serde(skip)]
     pub first_to_end: bool,
 }

@@ -31,12 +31,12 @@ pub const METRICS: &str = "metrics.csv";
 /// Times and rates of a run in its folder; they differ from run to run.
 pub const SPEED: &str = "speed.json";
 
-/// What to train, and where to put it.
+/// Specification of a run: the task, the settings and the folder.
 #[derive(Clone, Debug)]
 pub struct RunSpec {
-    /// How to train.
+    /// Settings of the trainer.
     pub settings: Settings,
-    /// On which missions; several make one policy for all (network `set`).
+    /// Configurations to train on. Several give one policy for all (network `set`).
     pub configs: Vec<Config>,
     /// Folder of the run.
     pub out: PathBuf,
@@ -46,14 +46,14 @@ pub struct RunSpec {
     pub precision: Precision,
 }
 
-/// What a run begins with.
+/// Start of a run: random weights, or those of another run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Start {
     /// Random weights; a folder that holds a run already is refused.
     Fresh,
     /// Random weights, or the run that the folder holds already.
     Resume,
-    /// What the run in that folder has learnt, under whatever settings; as new as the first.
+    /// The weights, moments and statistics of the run in that folder, under new settings.
     Run(PathBuf),
 }
 
@@ -65,7 +65,7 @@ pub trait Observer {
     fn stop(&mut self) -> bool;
 }
 
-/// Nobody watches.
+/// An observer that ignores everything.
 pub struct NoObserver;
 
 impl Observer for NoObserver {
@@ -218,7 +218,7 @@ impl RunSpec {
         self.conclude(&trainer, &mut speed)
     }
 
-    /// The actor as it stands, apart from the trainer.
+    /// A copy of the present actor.
     pub fn actor(&self, trainer: &Trainer) -> Actor {
         Actor {
             network: trainer.actor.network.clone(),
@@ -240,7 +240,7 @@ impl RunSpec {
         missions
     }
 
-    /// The policy as it stands on every mission it is trained for, in every mode.
+    /// Evaluates the present policy on every configuration of its training, in every mode.
     fn evaluations(&self, actor: &Actor) -> Result<Vec<Evaluation>, TrainError> {
         let episodes = self.settings.evaluation_episodes as u64;
         let policies = Mode::ALL.map(|mode| (mode, actor.fly("policy", mode)));

@@ -1,4 +1,4 @@
-//! Everything a training run can be told.
+//! Settings of a training run.
 
 mod presets;
 
@@ -10,7 +10,7 @@ use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Settings of one training run. A file may give any of them; the rest come from the preset.
+/// The settings of one training run. A file may give any of them; the preset gives the rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
@@ -26,7 +26,7 @@ pub struct Settings {
     pub network: NetworkKind,
     /// Hidden layer widths of the actor.
     pub actor_hidden: Vec<usize>,
-    /// The actor reads which hotspots a tour of all open ones may begin with (set network only).
+    /// The actor reads which hotspots can begin a tour of all unconfirmed ones (set network only).
     pub actor_tours: bool,
     /// Hidden layer widths of the critic.
     pub critic_hidden: Vec<usize>,
@@ -39,7 +39,8 @@ pub struct Settings {
 
     /// Episodes side by side; a multiple of `workers`.
     pub environments: usize,
-    /// Parts that the episodes are dealt to. Results depend on it, not on the cores.
+    /// Number of workers that share the episodes. Results depend on it, and not on the number of
+    /// cores.
     pub workers: usize,
     /// Environment steps (over all episodes) of one batch; a multiple of `environments`.
     pub batch_steps: usize,
@@ -50,7 +51,8 @@ pub struct Settings {
     pub epochs: usize,
     /// Actor samples (one UAV in one step) of a minibatch.
     pub minibatch_rows: usize,
-    /// Critic rows of a minibatch: environment steps, or UAVs' where it sees one of them.
+    /// Critic rows of a minibatch: environment steps, or UAV samples if the critic reads a UAV's
+    /// observation.
     pub critic_minibatch_rows: usize,
     /// Fraction of the UAVs' samples that each epoch visits, in (0, 1].
     pub sample_fraction: f64,
@@ -82,11 +84,11 @@ pub struct Settings {
     pub credit: Credit,
     /// What the pilot density of an action is judged by.
     pub pilot_credit: PilotCredit,
-    /// Pilot density that replaces the policy's, of which only motions are trained then. Absent:
-    /// the policy chooses it.
+    /// Pilot density that replaces the policy's; only motions are trained then. Absent: the policy
+    /// chooses it.
     pub constant_pilot: Option<f64>,
 
-    /// Fields of the configuration that have other values in training.
+    /// Fields of the configuration that training changes, with their values.
     pub config_overrides: BTreeMap<String, serde_json::Value>,
     /// A radar that detects more easily in the first batches. Absent: as configured.
     pub curriculum: Option<Curriculum>,
@@ -119,12 +121,12 @@ pub struct Shaping {
     pub factors: BTreeMap<String, f64>,
     /// Subtracted from the reward of every step.
     pub time_penalty: f64,
-    /// For each confirmation that a UAV is expected to add, wherever the hotspots are.
+    /// For each confirmation that a UAV is expected to add, with known and with hidden hotspots.
     pub detection: f64,
     /// For each confirmed hotspot that a UAV comes to know.
     pub informing: f64,
-    /// Once all hotspots are confirmed, for each cell that a UAV comes nearer to the nearest UAV
-    /// that knows others than it does; nothing in a step in which a UAV is informed.
+    /// For each cell by which a UAV approaches the nearest UAV with other knowledge, once all
+    /// hotspots are confirmed. A step in which a UAV is informed pays nothing.
     pub meeting: f64,
     /// Other weights for small fleets.
     pub small_fleets: Option<SmallFleets>,
@@ -144,9 +146,10 @@ pub enum NetworkKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Credit {
-    /// Every UAV's by the team's, as in the paper: one part in N of it is about what the UAV did.
+    /// The team's reward judges every action, as in the paper. One part in N of it is about the UAV
+    /// itself.
     Team,
-    /// Each UAV's by its own; their mean is the team's.
+    /// Each UAV's own reward judges its actions. The mean over the fleet is the team's.
     Uav,
 }
 
@@ -154,12 +157,12 @@ pub enum Credit {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PilotCredit {
-    /// As its motion: by the advantage.
+    /// The advantage judges it, as it does the motion.
     #[default]
     Return,
-    /// By what it gained in its own step, beside a middling density: detections as `finding_reward`
-    /// weighs them, as if the others sensed as well as they can where that makes them decide more,
-    /// throughput and energy.
+    /// Its gain in its own step judges it, relative to the middle of the range: detections,
+    /// throughput and energy. Detections have the weight `shaping.detection`. The other UAVs count
+    /// with the highest density where that gives the UAV more.
     Step,
 }
 
@@ -167,10 +170,10 @@ pub enum PilotCredit {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ActionSampling {
-    /// Each UAV's by itself.
+    /// Each UAV draws its motion independently.
     #[default]
     Independent,
-    /// UAVs of one cell take quantiles of their distributions that lie apart, from a drawn start.
+    /// UAVs of one cell use spread quantiles of their distributions, from a drawn first one.
     Stratified,
 }
 
@@ -178,22 +181,22 @@ pub enum ActionSampling {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CriticInput {
-    /// The global state: one value for the team, whatever the credit.
+    /// The global state: one value for the team, under either credit.
     State,
     /// The global state and the UAV's own observation: one value for each UAV.
     StateAndUav,
 }
 
-/// A radar that grows harder.
+/// Radar curriculum: the detection threshold rises over the first batches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curriculum {
-    /// Detection threshold of the first batch, dB; 40·log10(a) dB lower sees as well from a times
-    /// as far.
+    /// Detection threshold of the first batch, dB. A threshold 40·log10(a) dB lower gives the same
+    /// odds at a times the distance.
     pub threshold_db: f64,
-    /// Batches after which it is the configuration's.
+    /// Batches after which the threshold is the configuration's.
     pub batches: u64,
-    /// Equal steps in which it gets there; missions start anew with each.
+    /// Number of equal steps of the threshold. Each step restarts all episodes.
     pub stages: u64,
 }
 
@@ -223,8 +226,8 @@ pub struct ShapingWeights {
 }
 
 impl Settings {
-    /// Refuses settings that are out of range or do not go together; the message names the setting,
-    /// its value and what is allowed.
+    /// Refuses settings that are out of range or incompatible. The message names the setting, its
+    /// value and its range.
     pub fn validate(&self) -> Result<(), String> {
         self.check_ranges()?;
         self.check_batches()?;
@@ -316,7 +319,7 @@ impl Settings {
         Ok(())
     }
 
-    /// What is measured by expected confirmations needs a weight on them.
+    /// Settings that use expected confirmations need a weight on detection.
     fn check_detection(&self) -> Result<(), String> {
         let needs = [
             ("pilot_credit: step", self.pilot_credit == PilotCredit::Step),

@@ -26,8 +26,8 @@ pub fn csv_bytes<T: serde::Serialize>(
     writer.into_inner().map_err(TrainError::format(path))
 }
 
-/// Writes under a temporary name beside `path`, flushes to disk and renames, so that a crash at any
-/// moment leaves the old file or the new one.
+/// Writes under a temporary name beside `path`, flushes to disk and renames. A crash at any moment
+/// leaves the old file or the new one.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");

@@ -1,4 +1,4 @@
-//! One training run: collect a batch, look back on it, learn from it.
+//! The training loop: collect a batch, compute its advantages, learn from it.
 
 use crate::device;
 use crate::environment::{Episode, Shape, VectorEnvironment};
@@ -15,30 +15,30 @@ use burn_tensor::Device;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
-/// What one iteration did.
+/// Report of one iteration.
 #[derive(Clone, Debug)]
 pub struct Iteration {
-    /// Counted over the whole run, from 1.
+    /// Number of the iteration in the whole run, from 1.
     pub index: u64,
-    /// Environment steps flown so far.
+    /// Environment steps of the run so far.
     pub environment_steps: u64,
-    /// Missions that ended in it.
+    /// Episodes that ended in this iteration.
     pub finished: Vec<Episode>,
-    /// UpdateStats over the actor's epochs.
+    /// Statistics of the actor's last epoch.
     pub actor: UpdateStats,
-    /// UpdateStats over the critic's epochs.
+    /// Sums over the critic's epochs.
     pub critic: UpdateStats,
     /// 1 − Var(target − value)/Var(target).
     pub explained_variance: f64,
     /// Learning rate of the actor.
     pub learning_rate: f64,
-    /// Epochs that ran before the KL limit, one that was taken back among them.
+    /// Epochs of the actor before the KL limit, including one that was undone.
     pub epochs: usize,
     /// Wall time of the whole iteration.
     pub wall: Duration,
     /// Wall time of collecting.
     pub collecting: Duration,
-    /// Share of collecting that the simulator took, summed over workers.
+    /// Share of the simulator in collecting, in [0, 1], summed over workers.
     pub simulation_share: f64,
     /// Wall time of learning.
     pub learning: Duration,
@@ -46,9 +46,9 @@ pub struct Iteration {
 
 /// A run in progress.
 pub struct Trainer {
-    /// What it was told.
+    /// Settings of the run.
     pub settings: Settings,
-    /// Parts of the missions; equal shapes stand together.
+    /// The workers, each with its share of the episodes. Workers of equal shape are adjacent.
     pub workers: Vec<Box<dyn VectorEnvironment>>,
     /// The policy.
     pub actor: Trainable,
@@ -63,8 +63,8 @@ pub struct Trainer {
     device: Device,
 }
 
-/// Actor and critic networks that the settings ask for. Where fleets are of several sizes, the set
-/// network reads how many UAVs there are.
+/// Actor and critic networks of the settings. With fleets of several sizes, the set network also
+/// reads the number of UAVs.
 fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Network) {
     let sizes = |input: usize, hidden: &[usize], output: usize| {
         let mut sizes = vec![input];
@@ -101,7 +101,7 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
 }
 
 impl Trainer {
-    /// A run from the start. Workers are reset; those of equal shape must stand together.
+    /// Starts a run. Workers are reset; those of equal shape must be adjacent.
     pub fn new(
         settings: Settings,
         mut workers: Vec<Box<dyn VectorEnvironment>>,
@@ -120,7 +120,7 @@ impl Trainer {
         let actor = Trainable::new(actor, 0.01, &mut random);
         let critic = Trainable::new(critic, 1.0, &mut random);
         for (index, worker) in workers.iter_mut().enumerate() {
-            // Missions of one worker take seeds in a row, so workers are set far apart.
+            // The episodes of a worker have consecutive seeds, so seeds of workers are far apart.
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
         if settings.network == NetworkKind::Set
@@ -224,7 +224,7 @@ impl Trainer {
             .collect()
     }
 
-    /// Value units: what the critic's output is multiplied by and added to.
+    /// Value units (offset, scale): a value is the critic's output times scale, plus offset.
     fn value_units(&self) -> (f32, f32) {
         if self.settings.normalise_values && self.value_statistics.count > 0.0 {
             (
@@ -236,7 +236,7 @@ impl Trainer {
         }
     }
 
-    /// Values, advantages and targets of every row.
+    /// Computes values, advantages and targets of every row.
     fn compute_advantages(&self, rollouts: &mut [Rollout]) {
         let input = self.settings.critic_input;
         let (offset, scale) = self.value_units();
@@ -334,8 +334,7 @@ impl Trainer {
                 continue;
             }
             let before = self.actor.clone();
-            // The log shows the last epoch: the one that the policy leaves with, or that it was
-            // kept from.
+            // The log shows the last epoch, which produced the policy or was undone.
             actor_sums = learner.improve_actor(
                 &mut self.actor,
                 settings.head,

@@ -1,5 +1,5 @@
-//! PPO learns from nothing: the toy task from chance to most of what the best policy earns, and
-//! missions of the kernel that a random walk fails.
+//! PPO learns from random weights. The tasks are a toy with a known best return, and episodes of
+//! the kernel in which a random walk fails.
 
 mod support;
 
@@ -126,8 +126,8 @@ fn each_head_learns_from_the_uavs_own_rewards() {
     }
 }
 
-/// Eight UAVs: the team's reward is seven parts about the others, so after as many steps the fleet
-/// whose UAVs are paid each its own earns clearly more.
+/// With eight UAVs, seven eighths of the team's reward are about the others. So after equal steps,
+/// the fleet with each UAV's own reward earns clearly more.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn credit_for_each_uav_learns_faster_than_the_team_s() {

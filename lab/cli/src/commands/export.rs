@@ -18,9 +18,8 @@ Examples:
 /// Write a trained policy as an ONNX graph
 ///
 /// Input `observations` has a row for each UAV. Output `distribution` has the raw outputs of the
-/// action head, and
-/// `actions` the deterministic pairs (u_dir, u_pilot). The number of rows is free; a graph holds for one number of
-/// hotspots and one length of the neighbour list.
+/// action head, and `actions` the deterministic pairs (u_dir, u_pilot). The number of rows is free;
+/// a graph holds for one number of hotspots and one length of the neighbour list.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Export {

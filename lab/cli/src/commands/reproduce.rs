@@ -38,7 +38,7 @@ enum Only {
     Tuned,
     /// The paper's training with one thing changed at a time
     Variations,
-    /// Who finds hidden hotspots, and how soon
+    /// Searches for hidden hotspots
     Search,
     /// What adapting the pilot density is worth, and where
     Pilot,
@@ -48,7 +48,7 @@ enum Only {
     Pages,
 }
 
-/// Whose advantage judges an action.
+/// The advantage that judges an action.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum WhoseCredit {
     /// The team's
@@ -84,14 +84,14 @@ impl Only {
 
 /// Train, fly and draw the paper's results: CSV, SVG, PNG, one HTML report, claims in Markdown
 ///
-/// What is in the folder already is not done again.
+/// Results that are in the folder are not computed again.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Reproduce {
     /// A smaller version of every part, in minutes
     #[arg(long)]
     quick: bool,
-    /// Do only these parts, with commas; the pages show whatever is in the folder
+    /// Do only these parts, with commas; the pages show all results in the folder
     #[arg(long, value_enum, value_name = "PART", value_delimiter = ',')]
     only: Vec<Only>,
     /// Training seeds
@@ -124,7 +124,7 @@ pub struct Reproduce {
 }
 
 impl Reproduce {
-    /// Does what is missing.
+    /// Computes the missing results.
     pub fn run(self) -> Result<Outcome, CliError> {
         let scope = if self.quick {
             Scope::quick(self.seeds)

@@ -1,4 +1,4 @@
-//! `jcas-lab train`: a policy from nothing.
+//! `jcas-lab train`: trains a policy from random weights.
 
 use std::path::PathBuf;
 
@@ -270,7 +270,7 @@ fn assign(table: &mut Table, assignment: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-/// What came of the run, for people.
+/// The summary of a run, as text.
 fn summary(card: &Card, plan: &RunSpec) -> String {
     let mut text = format!(
         "{}: trained for {} environment steps; flown {:?} from now on\n\n",

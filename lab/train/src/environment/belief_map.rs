@@ -1,14 +1,14 @@
-//! What a critic sees of a search beside the global state: where hotspots may still be, and where
-//! the UAVs are.
+//! The critic's map of a search: where hotspots may still be, and where the UAVs are.
 
 use jcas_core::{Model, StateRef};
 
-/// Cells along each axis at most; those of larger grids are drawn several as one.
+/// Upper bound of the cells along each axis. On larger grids, several cells share one.
 const AXIS_MAX: u32 = 32;
-/// What a UAV adds to the cell that it is in.
+/// Value that a UAV adds to its cell.
 const UAV: f32 = 0.5;
 
-/// Maps of some missions: chances of all cells, the highest as 1, then UAVs of all cells.
+/// Maps of several episodes: the chances of all cells, scaled to a maximum of 1, then the UAVs of
+/// all cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchBeliefMap {
     /// Cells of the grid along each axis that are drawn as one.
@@ -19,7 +19,7 @@ pub struct SearchBeliefMap {
 }
 
 impl SearchBeliefMap {
-    /// Of so many missions; nothing is drawn yet.
+    /// Empty maps for `missions` episodes.
     pub fn new(missions: usize, model: &Model<'_>) -> SearchBeliefMap {
         let config = model.config();
         let grid = [config.grid_width, config.grid_height];
@@ -33,18 +33,18 @@ impl SearchBeliefMap {
         }
     }
 
-    /// Floats of a map.
+    /// Number of floats of a map.
     pub fn map_len(&self) -> usize {
         2 * (self.axes[0] * self.axes[1]) as usize
     }
 
-    /// Maps of the missions as they were drawn.
+    /// The maps last drawn, one for each episode.
     pub fn maps(&self) -> &[f32] {
         &self.maps
     }
 
-    /// ActionSampling a mission. `missed`: of each cell of the grid, how likely a hotspot there
-    /// would not be found yet.
+    /// Draws the map of an episode. `missed` has, for each cell of the grid, the chance that a
+    /// hotspot there is not confirmed yet.
     pub fn draw(
         &mut self,
         mission: usize,

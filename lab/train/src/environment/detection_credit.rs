@@ -1,29 +1,29 @@
-//! What each UAV adds to the finding of hotspots: the confirmations that it is expected to make
-//! possible.
+//! Detection credit: the expected confirmations that each UAV adds.
 //!
-//! A difference reward (Wolpert and Tumer, "Optimal payoff functions for members of collectives",
-//! 2001). Known hotspots are where they are. A hidden one is in any cell alike at first, later as
-//! Bayes' rule says of what the fleet's radar would have missed so far: unlike a confirmation this
-//! comes at every step of a search, and without the luck of where the hotspots lie.
+//! It is a difference reward (Wolpert and Tumer, "Optimal payoff functions for members of
+//! collectives", 2001). A known hotspot counts in its cell. The position of a hidden hotspot begins
+//! uniform and follows Bayes' rule, given what the radar would have missed so far. Unlike a
+//! confirmation, this credit arrives at every step of a search and does not depend on the drawn
+//! positions.
 
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 
-/// Chances below this are taken for none.
+/// Chances below this count as zero.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// What the searches of some missions have not found.
+/// State of the credit: what the searches of several episodes have not found yet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DetectionCredit {
     cells: usize,
-    /// Of each mission and cell, where hotspots are hidden: the chance that one there would be
-    /// unconfirmed still; where they are known: how many there are.
+    /// One value for each episode and cell. With hidden hotspots it is the chance that a hotspot
+    /// there is still unconfirmed. With known hotspots it is their number.
     missed: Vec<f64>,
     /// Unconfirmed hotspots of each mission.
     open: Vec<usize>,
     radar: Radar,
 }
 
-/// How far the radar of a UAV reaches at all.
+/// Detection chances of a UAV's radar, for all cells within its reach.
 #[derive(Clone, Debug, PartialEq)]
 struct Radar {
     /// Cells along each axis beyond which no UAV detects.
@@ -33,7 +33,7 @@ struct Radar {
     chances: Vec<[f64; 2]>,
 }
 
-/// That a UAV detects a hotspot.
+/// Chances that a UAV detects a hotspot.
 #[derive(Clone, Copy, Debug)]
 struct Chance {
     uav: usize,
@@ -45,7 +45,7 @@ struct Chance {
 }
 
 impl DetectionCredit {
-    /// Of so many missions, none of which has begun.
+    /// State for `missions` episodes, before the first of them starts.
     pub fn new(missions: usize, model: &Model<'_>) -> DetectionCredit {
         let config = model.config();
         let cells = (config.grid_width * config.grid_height) as usize;
@@ -57,7 +57,7 @@ impl DetectionCredit {
         }
     }
 
-    /// A mission begins: nothing has been looked at.
+    /// Starts an episode, in which no cell has been searched.
     pub fn start(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
         self.missed[mission * self.cells..][..self.cells].fill(1.0);
         self.look(mission, model, state);
@@ -76,11 +76,13 @@ impl DetectionCredit {
         }
     }
 
-    /// Confirmations that each UAV is expected to have added in the step that led to this state:
-    /// that it detects a hotspot and exactly θ − 1 of the others do. And, where there is room for
-    /// it, how many of them it owes to its pilot density not having been in the middle of the
-    /// range, taking of the others' densities and the highest those that make it decide more: else
-    /// none of θ UAVs that all sense little would gain by sensing more alone.
+    /// Writes the confirmations that each UAV is expected to have added in the step that led to
+    /// this state. A UAV adds one if it detects a hotspot and exactly θ − 1 of the others do.
+    ///
+    /// If `by_pilot` has room, it receives the part that is due to the UAV's pilot density,
+    /// relative to the middle of the range. The others count with their own densities or with the
+    /// highest one, whichever gives the UAV more. Otherwise none of θ UAVs that all sense little
+    /// would gain by sensing more alone.
     pub fn gained(
         &mut self,
         mission: usize,
@@ -126,18 +128,18 @@ impl DetectionCredit {
         self.look(mission, model, state);
     }
 
-    /// Of each cell: the chance that a hotspot there would be unconfirmed still, or, where they are
-    /// known, how many are.
+    /// For each cell: the chance that a hotspot there is still unconfirmed, or the number of known
+    /// unconfirmed ones.
     pub fn missed(&self, mission: usize) -> &[f64] {
         &self.missed[mission * self.cells..][..self.cells]
     }
 
-    /// What a run that goes on has to remember.
+    /// The words that a resumed run needs.
     pub fn save(&self) -> impl Iterator<Item = u64> {
         self.missed.iter().map(|missed| missed.to_bits())
     }
 
-    /// Goes on where a run was saved, once its missions have been started.
+    /// Restores saved words, after the episodes have been started.
     pub fn load(&mut self, words: impl Iterator<Item = u64>) {
         for (missed, word) in self.missed.iter_mut().zip(words) {
             *missed = f64::from_bits(word);
@@ -171,7 +173,7 @@ impl Radar {
         }
     }
 
-    /// The UAVs that may detect a hotspot in a cell from where they are, and with what chance.
+    /// The UAVs that may detect a hotspot in a cell, with their chances.
     fn chances_of(
         &self,
         model: &Model<'_>,
@@ -198,13 +200,13 @@ impl Radar {
     }
 }
 
-/// Of some independent events: the chances that exactly 0, 1, … θ − 1 happen of the first and of
-/// the last of them, so that those of all but one are at hand.
+/// Chances that exactly 0, 1, … θ − 1 of several independent events happen. They are kept for every
+/// prefix and suffix of the events, so that any single event can be left out.
 struct Quorum {
     quorum: usize,
-    /// θ chances of the first 0, 1, … events.
+    /// The θ chances of each prefix: the first 0, 1, … events.
     first: Vec<f64>,
-    /// Of the last 0, 1, … events.
+    /// The θ chances of each suffix: the last 0, 1, … events.
     last: Vec<f64>,
 }
 
@@ -240,7 +242,7 @@ impl Quorum {
     }
 }
 
-/// The chances that exactly 0, 1, … θ − 1 of none, one, two, … events happen.
+/// Computes the θ chances of the first none, one, two, … events.
 fn one_by_one(exactly: &mut Vec<f64>, quorum: usize, chances: impl Iterator<Item = f64>) {
     exactly.clear();
     exactly.resize(quorum, 0.0);
@@ -277,8 +279,8 @@ mod tests {
         assert_eq!(unlike.decided_by(2), 0.5);
     }
 
-    /// The chance that at least θ of the UAVs detect a hotspot in a cell, from all outcomes, if
-    /// they have these pilot densities; those without one are away.
+    /// The chance that at least θ UAVs detect a hotspot in a cell, summed over all outcomes. UAVs
+    /// without a pilot density are away.
     fn confirms(sim: &Sim<'_>, model: &Model<'_>, there: Cell, densities: &[Option<f64>]) -> f64 {
         let state = sim.state();
         let chances: Vec<f64> = (0..)
@@ -306,9 +308,9 @@ mod tests {
             .sum()
     }
 
-    // Two steps of a fleet that moves apart, worked out from all outcomes: what each UAV adds is
-    // what the fleet would confirm less without it, and the second step's hotspots are where the
-    // first would have missed them.
+    // A fleet moves apart for two steps, and all outcomes are enumerated. Each UAV adds what the
+    // fleet would confirm less without it. The second step's hotspots are where the first would
+    // have missed them.
     #[test]
     fn a_gain_is_the_difference_that_the_uav_makes_to_what_is_not_found_yet() {
         let config = Config {
@@ -341,7 +343,8 @@ mod tests {
                 .map(|uav| Some(sim.state().pilot_density(uav)))
                 .collect();
             for (uav, (gain, by_pilot)) in gains.iter().zip(by_pilot).enumerate() {
-                // What comes of its own density instead of another, or of being away, in each cell.
+                // The difference made in each cell by its own density, against another one or its
+                // absence.
                 let own = |there, others: &[Option<f64>], instead: Option<f64>| {
                     let mut densities = others.to_vec();
                     densities[uav] = now[uav];
@@ -374,8 +377,8 @@ mod tests {
         }
     }
 
-    // Three UAVs over a known hotspot that all sense as little as they can: each is told that it
-    // should sense more, which alone would confirm next to nothing.
+    // Three UAVs over a known hotspot all have the lowest pilot density. Each is credited for
+    // sensing more, although one alone would confirm almost nothing.
     #[test]
     fn a_quorum_that_senses_little_is_told_to_sense_more() {
         let config = Config {

@@ -1,4 +1,4 @@
-//! jcas missions as the trainer sees them: one slab of states, stepped by the kernel in batch.
+//! Episodes of jcas for the trainer: one slab of states that the kernel steps in batch.
 
 use super::belief_map::SearchBeliefMap;
 use super::detection_credit::DetectionCredit;
@@ -13,12 +13,12 @@ use jcas_core::{Metrics, Model, Scratch};
 use jcas_simd::InstructionSet;
 use std::sync::Arc;
 
-/// What training changes about the missions it flies.
+/// Changes that training makes to the reward and the actions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RewardShaping {
     /// Factor on each reward component.
     pub factors: [f64; COMPONENTS],
-    /// Those of them that a pilot density has to do with in the same step; 0 elsewhere.
+    /// The factors of the components that a pilot density affects in the same step; 0 elsewhere.
     pilot_factors: [f64; COMPONENTS],
     /// Subtracted in every step.
     pub time_penalty: f64,
@@ -28,14 +28,15 @@ pub struct RewardShaping {
     pub critic_survey: bool,
     /// Paid to each UAV for each confirmed hotspot that it comes to know.
     pub informing: f64,
-    /// Paid to each UAV, once all is confirmed, for each cell nearer to somebody who knows others.
+    /// Paid to each UAV, once all hotspots are confirmed, for each cell nearer to a UAV with other
+    /// knowledge.
     pub meeting: f64,
-    /// Pilot action held, whatever the policy says.
+    /// Pilot action that replaces the policy's.
     pub constant_pilot: Option<f32>,
 }
 
 impl RewardShaping {
-    /// Of fleets of so many UAVs, from the settings' names; an unknown component is refused.
+    /// The shaping of the settings for fleets of a given size. An unknown component is an error.
     pub fn new(
         settings: &Settings,
         uavs: usize,
@@ -77,19 +78,19 @@ impl RewardShaping {
         paid(components, &self.factors) - self.time_penalty
     }
 
-    /// What of a UAV's reward comes of its pilot density in the same step.
+    /// The part of a UAV's reward that is due to its pilot density in the same step.
     fn pilot_gain(&self, components: &[f64], by_pilot: f64) -> f64 {
         paid(components, &self.pilot_factors) + self.detection * by_pilot
     }
 }
 
-/// Components by their factors, summed.
+/// The sum of the components times their factors.
 fn paid(components: &[f64], factors: &[f64; COMPONENTS]) -> f64 {
     let each = components.iter().zip(factors);
     each.map(|(component, factor)| component * factor).sum()
 }
 
-/// Missions of one configuration side by side.
+/// Episodes of one configuration side by side.
 pub struct Fleet {
     task: TrainingTask,
     stage: u64,
@@ -106,13 +107,13 @@ pub struct Fleet {
     uav_components: Vec<f64>,
     informing: KnowledgeCredit,
     informed: Informed,
-    /// Where it is paid for.
+    /// The detection credit, if it has a weight.
     finding: Option<DetectionCredit>,
-    /// Where the critic sees it.
+    /// The critic's map, if the critic reads one.
     survey: Option<SearchBeliefMap>,
-    /// What training pays each UAV of a mission besides, and what it is paid for.
+    /// Additional rewards of each UAV of an episode, with the gains that they pay for.
     extra: [Vec<f64>; 2],
-    /// Confirmations that each UAV of a mission owes to its pilot density.
+    /// Confirmations of each UAV of an episode that are due to its pilot density.
     by_pilot: Vec<f64>,
     rewards: Vec<f32>,
     ended: [Vec<u8>; 2],
@@ -158,7 +159,7 @@ impl Fleet {
         fleet
     }
 
-    /// What missions of a stage are flown with.
+    /// Enters a stage: builds the model and the credits for its episodes.
     fn enter(&mut self, stage: u64) {
         self.stage = stage;
         self.model = self.task.model(stage);
@@ -185,7 +186,7 @@ impl Fleet {
         self.look();
     }
 
-    /// Lets credit count from the states as they are.
+    /// Restarts the credits from the present states.
     fn look(&mut self) {
         let states = self.states.chunks_exact(self.model.state_words());
         for (m, state) in states.enumerate() {
@@ -197,7 +198,7 @@ impl Fleet {
         }
     }
 
-    /// ActionSampling the missions as they are, where the critic sees that.
+    /// Draws the maps of the present states, if the critic reads them.
     fn draw(&mut self) {
         let (Some(survey), Some(finding)) = (&mut self.survey, &self.finding) else {
             return;
@@ -209,12 +210,12 @@ impl Fleet {
         }
     }
 
-    /// Floats of the global state that the kernel does not write.
+    /// Number of floats of the global state that the kernel does not write.
     fn survey_len(&self) -> usize {
         self.survey.as_ref().map_or(0, SearchBeliefMap::map_len)
     }
 
-    /// What the critic sees of each mission: the state, and behind it the map that was last drawn.
+    /// Writes the critic's input of each episode: the state, then the map that was last drawn.
     fn join(&self, states: &[f32], out: &mut [f32]) {
         let (state_len, map_len) = (self.model.global_len(), self.survey_len());
         let maps = self.survey.as_ref().map_or(&[][..], SearchBeliefMap::maps);
@@ -225,10 +226,9 @@ impl Fleet {
         }
     }
 
-    /// The rewards of a mission's step: every UAV's is its own of the kernel's and what training
-    /// pays it besides, so that their mean is the team's with the fleet's mean of that. A mission
-    /// that ended has begun anew: what completed it was news to somebody, nothing else is known of
-    /// it.
+    /// Computes the rewards of an episode's step. A UAV's reward is the kernel's plus the
+    /// additional rewards of training; the team's is the mean over the fleet. An episode that ended
+    /// has been reset, so only the knowledge that completed it counts.
     fn pay(&mut self, m: usize, out: &mut StepOut) {
         let words = self.model.state_words();
         let state = &self.states[m * words..(m + 1) * words];
@@ -380,8 +380,8 @@ impl VectorEnvironment for Fleet {
             }
         }
         if !out.finished.is_empty() {
-            // With the maps of before the step: what is searched now is of the missions that
-            // follow.
+            // The maps are those before the step, because the present states belong to the next
+            // episodes.
             self.join(&self.final_global, &mut out.final_global);
         }
     }
@@ -395,7 +395,8 @@ impl VectorEnvironment for Fleet {
             .collect()
     }
 
-    /// The stage, the states, what has not been found where that is paid for; observations follow.
+    /// Restores the stage, the states and, if it has a weight, the detection credit. The
+    /// observations follow from these.
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
         let finding = self.finding.as_ref().map_or(0, DetectionCredit::words);
         let expected = (1 + self.states.len() + finding) * 8;
@@ -437,7 +438,7 @@ impl VectorEnvironment for Fleet {
 }
 
 impl Episode {
-    /// What the log keeps of a mission.
+    /// The summary of an episode for the log.
     pub fn of(metrics: &Metrics) -> Episode {
         Episode {
             return_sum: metrics.return_sum,
@@ -455,7 +456,7 @@ mod tests {
     use crate::settings::{Curriculum, Preset};
     use jcas_core::Config;
 
-    // From a radar that detects nothing to that of the preset, and back by what was saved.
+    // The test goes from a radar that detects nothing to the preset's, and back by a saved state.
     #[test]
     fn a_stage_pays_for_what_its_own_radar_detects() {
         let settings = Settings {

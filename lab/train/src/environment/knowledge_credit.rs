@@ -1,34 +1,36 @@
-//! How each UAV takes part in the informing of the fleet: hotspots that it has come to know, and,
-//! once all are confirmed, cells that it has come nearer to somebody who knows others than it does.
+//! Knowledge credit: each UAV's share in informing the fleet. It counts the hotspots that a UAV
+//! comes to know. Once all are confirmed, it also counts the cells by which a UAV approaches one
+//! with other knowledge.
 //!
-//! A mission ends when everybody knows everything, and what it pays for that goes to all alike. Two
-//! groups out of each other's reach learn from this that the way to each other is theirs.
+//! An episode ends when every UAV knows every hotspot, and its reward is the same for all. With
+//! this credit, two groups out of radio range learn to approach each other.
 
 use jcas_core::{Model, StateRef};
 
-/// What the UAVs of some missions knew when they were last looked at, and where.
+/// State of the credit: the knowledge and the distances of the UAVs of several episodes at the last
+/// step.
 #[derive(Clone, Debug)]
 pub struct KnowledgeCredit {
     uavs: usize,
     /// Hotspots that each UAV knows to be confirmed.
     known: Vec<u32>,
-    /// Manhattan distance of each UAV to the nearest that knows others; 0 where there is none, or
-    /// something is left to confirm.
+    /// Manhattan distance of each UAV to the nearest UAV with other knowledge. It is 0 without such
+    /// a UAV, or while a hotspot is unconfirmed.
     ways: Vec<u32>,
 }
 
-/// What the UAVs of a mission did since it was last looked at.
+/// Gains of the UAVs of an episode since the last step.
 #[derive(Clone, Debug, Default)]
 pub struct Informed {
-    /// Hotspots that each has come to know.
+    /// Hotspots that each UAV has come to know.
     pub hotspots: Vec<f64>,
-    /// Cells that each has come nearer to the nearest UAV that knows others; nobody's in a step
-    /// that tells somebody something, for then it is another.
+    /// Cells by which each UAV has approached the nearest UAV with other knowledge. All are 0 in a
+    /// step that informs a UAV, because the nearest one may then be another.
     pub cells: Vec<f64>,
 }
 
 impl KnowledgeCredit {
-    /// Of so many missions of so many UAVs each, none of which has been looked at.
+    /// State for `missions` episodes of `uavs` UAVs, before the first observation.
     pub fn new(missions: usize, uavs: usize) -> KnowledgeCredit {
         KnowledgeCredit {
             uavs,
@@ -37,7 +39,7 @@ impl KnowledgeCredit {
         }
     }
 
-    /// Looks at a mission: whatever it was before, all counts from here.
+    /// Starts an episode: gains count from this state on.
     pub fn start(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
         let place = mission * self.uavs..(mission + 1) * self.uavs;
         let ways = &mut self.ways[place.clone()];
@@ -58,7 +60,7 @@ impl KnowledgeCredit {
         }
     }
 
-    /// What each UAV of a mission did since it was last looked at.
+    /// Computes the gains of each UAV of an episode since the last step.
     pub fn gained(
         &mut self,
         mission: usize,
@@ -84,7 +86,8 @@ impl KnowledgeCredit {
         }
     }
 
-    /// The same of a mission that has just been completed, where everybody knows all.
+    /// Computes the gains of an episode that has just been completed, in which every UAV knows
+    /// every hotspot.
     pub fn completed(&self, mission: usize, model: &Model<'_>, out: &mut Informed) {
         let all = model.hotspot_count() as f64;
         let known = &self.known[mission * self.uavs..][..self.uavs];
@@ -105,9 +108,9 @@ mod tests {
     const LEFT: f32 = 0.0;
     const RIGHT: f32 = 0.4;
 
-    // UAVs walk apart and back, where nobody hears anybody: each gains what its row of knowledge
-    // gained, and what it lacked where a mission is completed. Once all is confirmed, ways count,
-    // worked out from the cells.
+    // UAVs without links walk apart and back. Each gains the new entries of its row of knowledge,
+    // and all that it lacks when an episode is completed. Once all hotspots are confirmed,
+    // approaches count; the test computes them from the cells.
     #[test]
     fn news_is_what_rows_of_knowledge_gain_and_ways_lead_to_others() {
         let config = Config {

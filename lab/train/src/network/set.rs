@@ -1,10 +1,9 @@
 //! Networks over sets: shared encoders for hotspots and UAVs, pooled by attention and by sum.
 //!
-//! Neither the order of hotspots and neighbours nor their number matters, so one set of weights
-//! flies any fleet against any number of hotspots. Some features are worked out rather than learnt,
-//! because a sum over pairs would cost a layer to learn, and a tour many: how near a hotspot is in
-//! cells, how many UAVs are at or around it, and, where a network is to read that, which hotspots a
-//! tour may begin with.
+//! The output does not depend on the order of hotspots and neighbours, and their number is free. So
+//! one set of weights serves any fleet and any number of hotspots. Some features are computed,
+//! because learning them would take one layer or several. These are the distance of a hotspot in
+//! cells and the UAVs at and around it. An option adds the hotspots that can begin a tour.
 
 mod features;
 
@@ -241,8 +240,8 @@ pub(super) fn actor(
         weights.0.by_ref().take(4).for_each(drop);
         Tensor::zeros([rows, UAV_WIDTH], &device)
     } else {
-        // An empty slot is all zeros, the field for the bias too, so after the second layer it
-        // holds relu(b): taking that off the sum is cheaper than masking every slot.
+        // An empty slot is all zeros, including the field for the bias. After the second layer it
+        // holds relu(b), and subtracting that from the sum is cheaper than a mask.
         let embedded = matrix(slots, SLOT_FIELDS + 1, &device);
         let embedded = relu(weights.augmented(embedded));
         let (weight, bias) = (weights.take(), weights.take());

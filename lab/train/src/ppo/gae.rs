@@ -1,9 +1,10 @@
 //! Generalised advantage estimation (Schulman et al., 2015).
 //!
 //! δ_t = r_t + γ·V(s_{t+1}) − V(s_t);  A_t = δ_t + γ·λ·A_{t+1}.
-//! A *terminated* mission has no next state: V(s_{t+1}) = 0. A *truncated* one has, only nobody
-//! flew on: V of its own last state stands there, not that of the mission that began after it.
-//! Either way the sum over A stops, since the next row belongs to another mission.
+//!
+//! A *terminated* episode has no next state: V(s_{t+1}) = 0. After a *truncated* one, V(s_{t+1}) is
+//! V of its own last state, not of the next episode's first. In both cases the sum over A stops,
+//! because the next row belongs to another episode.
 
 /// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values
 /// may each be the team's (T × M) or the UAVs' own (T × M·N).
@@ -14,7 +15,7 @@ pub struct Trajectories<'a> {
     pub rewards: &'a [f32],
     /// V(s_t).
     pub values: &'a [f32],
-    /// V of the state that the step really led to, before any new start; as many as `values`.
+    /// V of the state after the step, before a reset; the same shape as `values`.
     pub next_values: &'a [f32],
     /// The mission ended by itself in this step.
     pub terminated: &'a [bool],
@@ -22,9 +23,9 @@ pub struct Trajectories<'a> {
     pub truncated: &'a [bool],
 }
 
-/// Advantages A_t, one for each UAV where rewards or values are (T × M·N), else one for the team (T
-/// × M); and value targets A_t + V(s_t), as many as values: where one value stands for the team and
-/// UAVs are paid each its own, their mean.
+/// Returns advantages A_t and value targets A_t + V(s_t). Advantages are (T × M·N) if rewards or
+/// values are, else (T × M). Targets have the shape of the values; a team's target is the mean over
+/// its UAVs.
 pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (Vec<f32>, Vec<f32>) {
     let &Trajectories {
         environments,
@@ -37,7 +38,7 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
     let missions = terminated.len();
     let (per_reward, per_value) = (rewards.len() / missions, values.len() / missions);
     let streams = per_reward.max(per_value);
-    // An entry of the team's stands for every UAV of it.
+    // An entry of the team stands for each of its UAVs.
     let of = |entries: &[f32], per_mission: usize, row: usize, stream: usize| {
         entries[row * per_mission + stream % per_mission]
     };
@@ -81,7 +82,8 @@ mod tests {
         }
     }
 
-    // γ = ½, λ = ½. By hand, from the end: δ_2 = 3 + ½·4 − 3 = 2, A_2 = 2;
+    // γ = ½, λ = ½. Computed by hand from the end:
+    // δ_2 = 3 + ½·4 − 3 = 2, A_2 = 2;
     // δ_1 = 2 + ½·3 − 2 = 1.5, A_1 = 1.5 + ¼·2 = 2; δ_0 = 1 + ½·2 − 1 = 1, A_0 = 1 + ¼·2 = 1.5.
     #[test]
     fn an_open_trajectory_bootstraps_from_its_last_state() {
@@ -101,7 +103,7 @@ mod tests {
         close(&targets, &[2.5, 4.0, 5.0]);
     }
 
-    // Terminated at row 1: δ_1 = 2 − 2 = 0 whatever stands in next_values; A_0 = 1 + ¼·0.
+    // Terminated at row 1: δ_1 = 2 − 2 = 0 for any next_values; A_0 = 1 + ¼·0.
     // Row 2 begins a new mission, and its advantage must not leak into row 1.
     #[test]
     fn a_terminated_mission_has_no_next_value() {
@@ -156,9 +158,10 @@ mod tests {
         close(&advantages, &[1.5, 1.75, 2.0, 3.0, 2.0, 29.0]);
     }
 
-    // γ = ½, λ = ½, one mission of two UAVs, cut after two steps. One value for both, V = (1, 2),
-    // then 4: UAV 0 earns (1, 2): δ_1 = 2 + ½·4 − 2 = 2, δ_0 = 1 + ½·2 − 1 = 1, A = (1.5, 2). UAV 1
-    // earns (3, 6): δ_1 = 6, δ_0 = 3, A = (4.5, 6). The targets are V plus the means, 3 and 4.
+    // γ = ½, λ = ½, one episode of two UAVs, truncated after two steps. Both UAVs share the values
+    // V = (1, 2), then 4. UAV 0 earns (1, 2): δ_1 = 2 + ½·4 − 2 = 2, δ_0 = 1 + ½·2 − 1 = 1, A =
+    // (1.5, 2). UAV 1 earns (3, 6): δ_1 = 6, δ_0 = 3, A = (4.5, 6). The targets are V plus the
+    // means, 3 and 4.
     #[test]
     fn uavs_paid_each_its_own_share_one_value() {
         let (advantages, targets) = advantages(
@@ -177,8 +180,8 @@ mod tests {
         close(&targets, &[4.0, 6.0]);
     }
 
-    // The same with a value of each UAV's own: each gets what it would alone; and with a reward of
-    // the team's, which counts for both.
+    // With a value for each UAV, each gets the advantage that it would get alone. A team's reward
+    // counts for both.
     #[test]
     fn uavs_with_values_of_their_own_do_not_mix() {
         let alone = |rewards: &[f32], values: &[f32], next_values: &[f32], environments: usize| {

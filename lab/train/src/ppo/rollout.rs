@@ -1,4 +1,4 @@
-//! Collecting experience: each worker flies its missions for T steps, then the critic looks back.
+//! Collection of experience: each worker steps its episodes T times.
 
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::LearningHead;
@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
-/// What one worker saw in T steps of its M missions, time-major.
+/// Experience of one worker in T steps of its M episodes, time-major.
 #[derive(Clone, Debug)]
 pub struct Rollout {
     /// Sizes of the worker's environment.
@@ -312,9 +312,9 @@ mod tests {
     use crate::settings::{Preset, Settings};
     use jcas_core::Config;
 
-    // Of weights that are all zero every motion is as likely: of ten UAVs on the depot two take
-    // each, the first time, whatever is drawn; multiples of φ⁻¹ leave one or three of ten points in
-    // a fifth of the circle at most.
+    // With zero weights all motions are equally likely. So of ten UAVs on the depot two take each
+    // motion in the first step, for any draw. Multiples of φ⁻¹ leave at least one and at most three
+    // of ten points in a fifth of the circle.
     #[test]
     fn uavs_of_a_cell_share_out_their_motions() {
         let settings = Settings::preset(Preset::Tuned);

@@ -1,7 +1,7 @@
 //! The PPO update: minibatches cut into shards, one gradient a shard, summed in a fixed order.
 //!
-//! A shard is a fixed number of rows whatever the machine, and the sum over shards runs in their
-//! order, so the cores change when a gradient is ready, never what it is.
+//! A shard has the same number of rows on every machine, and the sum over shards has a fixed order.
+//! So the number of cores changes the time of a gradient, and never its value.
 
 use crate::environment::Shape;
 use crate::head::LearningHead;
@@ -45,7 +45,7 @@ type Row = (u32, u32);
 /// Rows of one shape that are worked on together.
 type Shard = Vec<Row>;
 
-/// What a learner over shards is told.
+/// Settings of the minibatches and the optimiser.
 #[derive(Clone, Copy, Debug)]
 pub struct MinibatchSettings {
     /// Rows of a minibatch.
@@ -63,19 +63,19 @@ pub struct MinibatchSettings {
 pub struct ActorObjective {
     /// Clip range ε.
     pub clip: f32,
-    /// What ratios of actions worse than expected count at most.
+    /// Bound on the ratio for negative advantages (dual clip). None: no bound.
     pub dual_clip: Option<f32>,
     /// Weight of the entropy bonus.
     pub entropy: f64,
     /// Share of rows to visit.
     pub sample_fraction: f64,
-    /// The pilot density is held, whatever is drawn: only motions are judged.
+    /// The pilot density is constant, so only motions are trained.
     pub pilot_held: bool,
 }
 
 impl ActorObjective {
-    /// What PPO maximises: the advantages times the ratios, as far as those are within the clip
-    /// range or make it less.
+    /// The objective that PPO maximises: min(ratio · A, clipped ratio · A), with the dual clip's
+    /// bound.
     fn gain(&self, ratio: Tensor<2>, advantages: Tensor<2>) -> Tensor<2> {
         let clipped = ratio.clone().clamp(1.0 - self.clip, 1.0 + self.clip);
         let gain = (ratio * advantages.clone()).min_pair(clipped * advantages.clone());
@@ -94,11 +94,11 @@ pub struct CriticObjective {
     pub input: CriticInput,
     /// Share of rows to visit.
     pub sample_fraction: f64,
-    /// What its output is added to and multiplied by to give a value.
+    /// Value units (offset, scale): a value is the output times scale, plus offset.
     pub units: (f32, f32),
 }
 
-/// UpdateStats over rows of what the log shows.
+/// Statistics for the log, summed over rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UpdateStats {
     /// Rows.
@@ -111,14 +111,14 @@ pub struct UpdateStats {
     pub kl: f64,
     /// Rows whose ratio was clipped.
     pub clipped: f64,
-    /// Norms of the gradients, and how many.
+    /// Sum of the gradients' norms.
     pub gradient_norm: f64,
     /// Updates made.
     pub updates: f64,
 }
 
 impl UpdateStats {
-    /// Adds another learner.
+    /// Adds the statistics of another update.
     pub fn merge(&mut self, other: &UpdateStats) {
         self.rows += other.rows;
         self.loss += other.loss;
@@ -159,7 +159,7 @@ fn shards(
     shards
 }
 
-/// Everything that a learner needs besides the network.
+/// Learner: the batch and the device that an update uses besides the network.
 pub struct Learner<'a> {
     /// The batch.
     pub rollouts: &'a [Rollout],
@@ -450,9 +450,9 @@ mod tests {
     use crate::environment::StepOut;
     use crate::settings::{Credit, PilotCredit};
 
-    // By hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one, one of 10 counts 3
-    // for a bad one, one of 0.5 counts 0.5 for a good one and 0.8 for a bad one. Where the bound
-    // decides nothing is left to learn.
+    // Computed by hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one. A ratio of
+    // 10 counts 3 for a bad action. A ratio of 0.5 counts 0.5 for a good action and 0.8 for a bad
+    // one. Where the bound applies, the gradient is 0.
     #[test]
     fn bad_actions_count_without_bound_but_for_the_dual_clip() {
         let device = Device::flex().autodiff();

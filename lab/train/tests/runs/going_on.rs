@@ -68,8 +68,7 @@ fn a_run_is_not_overwritten_nor_continued_with_other_settings() {
     std::fs::remove_dir_all(first.out).unwrap();
 }
 
-/// Begun with what another run has learnt, a run of no steps ends with its weights, whatever it
-/// would have trained with.
+/// A run of no steps that starts from another run ends with that run's weights, under any settings.
 #[test]
 fn a_run_begins_with_what_another_has_learnt() {
     let first = plan("taught", settings(NetworkKind::Set));

@@ -107,7 +107,7 @@ impl Observer for Successes {
     }
 }
 
-/// In missions of 40 steps nobody fails within the first batch of 32: who has ended there has
+/// Episodes of 40 steps cannot fail within the first batch of 32: all that end there have
 /// succeeded.
 #[test]
 fn the_success_of_the_first_to_end_is_called_so() {

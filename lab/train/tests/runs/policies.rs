@@ -103,8 +103,8 @@ fn a_policy_that_does_not_fit_is_refused() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// A set network that reads tags flies alike whether the mission shows them or not; it reads no
-/// other maps than those that it was trained with.
+/// A set network that reads tags acts alike with and without tags in the configuration. It refuses
+/// maps other than those of its training.
 #[test]
 fn the_set_network_numbers_the_uavs_where_the_mission_does_not() {
     let tagged = Config {
@@ -216,9 +216,9 @@ fn sampled_flights_repeat() {
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
-/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads. Needs
-/// a Python with `onnx` and `onnxruntime`: where `JCAS_ONNX_PYTHON` names one, as `.ci/python.sh`
-/// does, it must have it; without that, `python3` serves if it happens to.
+/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads. The
+/// test needs a Python with `onnx` and `onnxruntime`. A Python that `JCAS_ONNX_PYTHON` names must
+/// have both; without the variable, `python3` is used if it has both.
 #[test]
 fn onnxruntime_gives_the_same_actions() {
     let named = std::env::var("JCAS_ONNX_PYTHON").ok();

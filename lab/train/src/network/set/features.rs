@@ -1,7 +1,7 @@
-//! What the set networks read of a row, laid out for their matrix products.
+//! Input features of the set networks, laid out for their matrix products.
 //!
-//! None of it has a gradient, so plain loops work it out once, outside the tensor library: as
-//! tensor operations, distances and counts took many small passes over memory.
+//! The features have no gradient, so plain loops compute them once, outside the tensor library. As
+//! tensor operations, they took many small passes over memory.
 
 use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS};
 use crate::environment::Shape;
@@ -17,8 +17,8 @@ fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
     dx.abs() * x_cells + dy.abs() * y_cells
 }
 
-/// What the actor reads of observations (rows × 11 + 4n + 3k + added), laid out as
-/// [`Actor::widths`] says.
+/// The actor's features of observations (rows × 11 + 4n + 3k + added), laid out as in
+/// [`Actor::widths`].
 pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Vec<f32> {
     let (n, k) = (shape.hotspots, shape.neighbour_slots);
     let length = shape.observation_len;
@@ -70,8 +70,8 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
     out
 }
 
-/// What the critic reads of global states (rows × 6N + 4n + 4 + survey), each followed by a UAV's
-/// observation where the critic is of UAVs, laid out as [`Critic::widths`] says.
+/// The critic's features of global states (rows × 6N + 4n + 4 + survey), laid out as in
+/// [`Critic::widths`]. A UAV's observation follows each state if the critic values single UAVs.
 pub(in crate::network) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Vec<f32> {
     let (agents, n) = (shape.agents, shape.hotspots);
     let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON + critic.survey;

@@ -103,8 +103,8 @@ impl Builder<'_> {
         self.graph.swap(&rank)
     }
 
-    /// `tours::rate` of all hotspots at once: rows × hotspots × 1. Tours are taken one stop after the other, rows × first
-    /// × hotspot.
+    /// `tours::rate` of all hotspots at once: rows × hotspots × 1. Tours are taken one stop after
+    /// the other, rows × first × hotspot.
     fn tours(&mut self, hotspots: &Value, far: &Value, n: usize, shape: &Shape) -> Value {
         let (x, y) = (self.field(hotspots, 0), self.field(hotspots, 1));
         let (others_x, others_y) = (self.graph.swap(&x), self.graph.swap(&y));
