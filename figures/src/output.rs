@@ -18,8 +18,8 @@ const PNG_SCALE: u32 = 2;
 const OVERSAMPLING: u32 = 2;
 /// plotters writes whole numbers into SVG, so the picture is drawn larger and shown smaller.
 const SVG_SCALE: u32 = 8;
-/// Downward shift of text in PNG files, as a fraction of its size. The library plotters centres a line by
-/// its box, whose upper part is empty above most letters.
+/// Downward shift of text in PNG files, as a fraction of its size. The library plotters centres a
+/// line by its box, whose upper part is empty above most letters.
 const PNG_TEXT_SINK: f64 = 0.12;
 
 /// The reason why a figure could not be drawn or written.

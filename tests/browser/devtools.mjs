@@ -19,7 +19,7 @@ const FLAGS = [
 /** Time limit for a missing event. It is no bound on speed, and far above the time on a busy
  * machine. */
 const PATIENCE_MS = 300_000;
-/** For the browser to end by itself. */
+/** Time limit for the browser to end by itself. */
 const GOODBYE_MS = 30_000;
 
 export async function openBrowser() {
@@ -112,7 +112,8 @@ export async function openBrowser() {
     return page;
   }
 
-  /** What the thread that draws `page` did during `action`: the timeline's events, in order. */
+  /** The activity of the thread that draws `page` during `action`: the timeline's events, in order.
+   * */
   async function trace(page, action) {
     const events = [];
     const complete = new Promise((resolve) => {

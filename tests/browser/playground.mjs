@@ -53,7 +53,7 @@ async function lastHash(page) {
   return text(page, '#hash');
 }
 
-/** What the program answers to the very question that the page asks. */
+/** The program's answer to the same request that the page sends. */
 async function nativeHash(base, { preset = 'mission', set = {}, policy = 'teams', pilot = 'adaptive', seed = 1, moved = [], deeds = [] }) {
   const question = { ask: 'fly', config: { preset, ...set }, policy, pilot, seed, moved, deeds };
   const reply = await fetch(`${base}answer`, { method: 'POST', body: JSON.stringify(question) });
@@ -135,15 +135,13 @@ async function fitsAPhone(page) {
   assert.deepEqual(nameless, [], 'inputs without a label');
 }
 
-/** A hundred UAVs that fly to the horizon. */
+/** A mission of a hundred UAVs that lasts until the horizon. */
 const LARGE = { policy: 'random', set: { uav_count: 100, hotspot_count: 11, quorum: 100 } };
 const FRAMES = 130;
 
-/**
- * Work of a frame while a large mission plays, in ms of the page's own thread: script, style, layout and painting, not
- * the time that it waits for a processor. Time is counted in frames, so that a busy machine draws the same ones. Figures
- * to read, no bound to meet.
- */
+/** The cost of a frame while a large mission plays, in ms of the page's own thread. It covers
+ * script, style, layout and painting, without waiting for a processor. Time is counted in frames,
+ * so that a busy machine draws the same frames. The figures are informative and have no limit. */
 async function frameWork(browser) {
   const page = await open(browser, addressOf(file, LARGE, 10));
   await page.countTimeInFrames();

@@ -20,7 +20,7 @@ const steps = [header, ...rest.slice(0, -1)];
 const last = steps.length - 1;
 const url = pathToFileURL(resolve(pagePath)).href;
 
-/** What a person sees, read from the document alone. */
+/** The displayed state, read from the document alone. */
 const SHOWN = `(() => {
   const text = (selector) => document.querySelector(selector).textContent.trim();
   const ids = (selector, name) => [...document.querySelectorAll(selector)].map((node) => Number(node.dataset[name])).sort((a, b) => a - b);

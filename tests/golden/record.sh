@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Records every golden trace again, from the root of the repository. Only for a deliberate change of the
-# model or of the trace format: what these files hold is what every build has to reproduce.
-# What each scenario is there for, and that it does reach it, is in tests/tests/golden.rs.
+# Records every golden trace again, from the root of the repository. Run it only for a deliberate
+# change of the model or of the trace format, since every build has to reproduce these files. The
+# purpose of each scenario is in tests/tests/golden.rs, which checks it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

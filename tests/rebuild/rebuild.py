@@ -1,13 +1,14 @@
-"""Rebuilds recorded episodes from docs/model.md alone: from a trace's configuration, seed and actions.
+"""Rebuilds recorded episodes from docs/model.md and a trace's configuration, seed and actions.
 
     python3 tests/rebuild/rebuild.py TRACE...
 
-Every whole number, set and cell has to be the trace's; reals, the twelve components of the reward among them, may
-differ by rounding (1e-9). Nothing here is taken from the kernel: each function is a sentence of the page.
+Every whole number, set and cell has to equal the trace's. Reals may differ by rounding (1e-9), the
+twelve components of the reward included. The script takes nothing from the kernel: each function is
+a sentence of the page.
 
-Two fields of a trace are not rebuilt. `observation_hash` and `state_hash` are hashes of bits: the first needs the
-kernel's own order of roundings, the second the layout of its memory, and the page promises neither.
-`jcas trace verify` and `jcas_trace_verify` hold a build to both.
+Two fields of a trace are not rebuilt: `observation_hash` and `state_hash` are hashes of bits. The
+first needs the kernel's order of roundings, the second the layout of its memory. The page promises
+neither. `jcas trace verify` and `jcas_trace_verify` check both.
 """
 
 import json
@@ -181,7 +182,7 @@ class Mission:
         return goal, c["shaping_charge_weight"] * charging / self.n * clean
 
     def rewarded(self, before, informed, confirmed, spent, emitted):
-        """The components of this step's reward; the arguments are those of the state before, and this step's."""
+        """The components of this step's reward, from the previous state and this step."""
         c = self.c
         found, told = len(self.confirmed) - len(confirmed), len(self.informed) - len(informed)
         complete, over = len(self.informed) == self.m, self.t == c["horizon_steps"]
@@ -297,7 +298,7 @@ def near(what, ours, theirs):
 
 
 def rebuild(path):
-    """Fly one trace again and compare every line."""
+    """Replay one trace and compare every line."""
     with open(path, encoding="utf-8") as file:
         lines = [json.loads(line) for line in file]
     header, steps = lines[0], lines[1:-1]

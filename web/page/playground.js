@@ -75,7 +75,7 @@ function listen() {
   $('stage').addEventListener('pointerdown', beginDrag);
 }
 
-/** A value as a person types it: a number, null, or a word. */
+/** Reads a value as a person types it: a number, null, or a word. */
 function read(text) {
   try {
     return JSON.parse(text);
@@ -91,7 +91,7 @@ function set(field, value) {
   change({ set: fields });
 }
 
-/** Another seed is another mission: what was done to the last one means nothing there. */
+/** Another seed is another mission, in which earlier interventions have no meaning. */
 function newSeed(seed) {
   change({ seed: seed % 2 ** 32, moved: [], deeds: [] }, 0);
 }
@@ -153,7 +153,7 @@ function describeField() {
   $('field-doc').textContent = `${field.doc} Unit: ${field.unit}; from ${field.low} to ${field.high}.`;
 }
 
-/** How far one UAV sees, and why a quorum has to be near. */
+/** Shows the range of one UAV's radar, and why a quorum has to be near. */
 function drawRadar(radar, config) {
   const bar = (share) => `<b style="height:${(76 * share).toFixed(1)}%"></b>`;
   $('radar').innerHTML = radar.map(({ cells, high, quorum }) => `<i>${bar(high)}${bar(quorum)}<span>${cells}</span></i>`).join('');
@@ -187,7 +187,7 @@ function takeControls(on) {
   describeSelection(Math.floor(player.time));
 }
 
-/** Steers step t of a UAV, in place of what was decided for it before, and shows that step. */
+/** Steers step t of a UAV in place of an earlier decision, and shows that step. */
 function steer(motion) {
   const t = Math.floor(player.time) + 1;
   const { uav } = player.selection;
@@ -217,7 +217,7 @@ function onMissionKey(event) {
   return true;
 }
 
-/** A hotspot follows the pointer; where it is dropped, the mission is flown with it. */
+/** A hotspot follows the pointer; the mission runs with the cell where it is dropped. */
 function beginDrag(event) {
   const group = event.target.closest('.hotspot');
   if (!group) return;

@@ -37,7 +37,7 @@ pub enum ConfigCommand {
 pub struct Show {
     #[command(flatten)]
     mission: MissionOptions,
-    /// How to print it; toml and json can be read back with --config
+    /// Output format; toml and json can be read back with --config
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
     /// The same as --format json

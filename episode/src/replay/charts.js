@@ -59,7 +59,7 @@ function createChart(parent, lastStep, plan, onSeek) {
   }
 }
 
-/** A number with its sign in front, and no sign on a zero. */
+/** Formats a number with its sign in front, and a zero without a sign. */
 function fixed(value, digits, plus = '') {
   const text = Math.abs(value).toFixed(digits);
   if (Number(text) === 0) return text;

@@ -49,14 +49,14 @@ function moved(hotspots, moves = []) {
   return now.size ? hotspots.map((cell, id) => now.get(id) ?? cell) : hotspots;
 }
 
-/** How many UAVs know each hotspot. */
+/** The number of UAVs that know each hotspot. */
 function countKnowers({ hotspotCount }, frame) {
   const count = new Array(hotspotCount).fill(0);
   for (const known of frame.knowledge) for (const hotspot of known) count[hotspot] += 1;
   return count;
 }
 
-/** Moves of the whole fleet up to each frame. */
+/** The number of moves of the whole fleet up to each frame. */
 function countMoves(frames) {
   frames[0].moves = 0;
   for (let t = 1; t < frames.length; t += 1) {
@@ -66,14 +66,14 @@ function countMoves(frames) {
   }
 }
 
-/** The step at which each id first stands in a frame's set; undefined when it never does. */
+/** The step at which each id is first in a frame's set; undefined when it never is. */
 function firstSteps(frames, count, setOf) {
   const at = new Array(count).fill(undefined);
   frames.forEach((frame, t) => { for (const id of setOf(frame)) at[id] ??= t; });
   return at;
 }
 
-/** [x, y, step of the first visit by any UAV] of every cell that was visited. */
+/** [x, y, step of the first visit by any UAV] of every visited cell. */
 function firstVisits({ frames }) {
   const seen = new Map();
   frames.forEach((frame, t) => {
@@ -139,7 +139,7 @@ function readSeries({ frames, uavCount, hotspotCount }) {
 /** A UAV that charges just above the threshold and falls below it again is on the same return. */
 const SAME_RETURN_STEPS = 10;
 
-/** What happened and when, in the order of the steps; `kind` is also the class that colours it. */
+/** The events in the order of their steps; `kind` is also the class that colours an event. */
 function readEvents({ frames, end, lastStep, hotspotCount, uavCount }) {
   const events = [];
   const lastReturning = new Array(uavCount).fill(-Infinity);

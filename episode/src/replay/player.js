@@ -26,7 +26,7 @@ if (JSON.parse($('episode').textContent)) {
   readAddress();
 }
 
-/** Shows an episode in place of the one before. */
+/** Shows an episode in place of the previous one. */
 function open(data) {
   episode = readEpisode(data);
   for (const id of ['stage', 'event-lane', 'tiles', 'charts', 'fleet', 'inspector', 'events', 'rewards']) $(id).replaceChildren();
@@ -57,13 +57,13 @@ function writeHeader() {
   $('footer').textContent = `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. The page is one file and loads nothing. Press ? for the keys.`;
 }
 
-/** Small seeds as people type them, derived ones as the trace has them. */
+/** A small seed is shown in decimal, as people type it; a derived one as in the trace. */
 function shortSeed(hex) {
   const seed = BigInt(hex);
   return seed < 1_000_000n ? `${seed}` : `0x${seed.toString(16)}`;
 }
 
-/** One lane of marks above the slider: events of the same step are stacked. */
+/** One lane of marks above the slider; events of the same step are stacked. */
 function drawEventLane() {
   const lane = $('event-lane');
   lane.setAttribute('viewBox', '0 0 1000 24');
@@ -126,7 +126,7 @@ function setPlaying(playing) {
   requestAnimationFrame(tick);
 }
 
-/** Pausing settles on the nearest step, so that what is shown is always a step of the trace. */
+/** A pause moves to the nearest step, so that the page always shows a step of the trace. */
 function playOrPause() {
   const wasPlaying = player.playing;
   setPlaying(!wasPlaying);
@@ -183,7 +183,7 @@ function caption(t) {
   return `${frame.confirmed.size} of ${episode.hotspotCount} hotspots confirmed, ${frame.informed.size} known to every UAV.`;
 }
 
-/** `#t=12&uav=3` or `#t=12&hotspot=1`. */
+/** The address has the form `#t=12&uav=3` or `#t=12&hotspot=1`. */
 function readAddress() {
   const parameters = new URLSearchParams(location.hash.slice(1));
   const number = (name, limit) => {

@@ -10,7 +10,7 @@ function element(parent, name, attributes = {}) {
   return node;
 }
 
-/** Writes what is not there yet: what is written is laid out again. */
+/** Writes only changed values, since each write causes a new layout. */
 function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
@@ -59,7 +59,7 @@ function createStage(svg, episode, onSelect) {
     for (let y = 0; y < config.grid_height; y += every) label(-margin * 0.5, height - (y + 0.5) * CELL, y);
   }
 
-  /** A square for each cell of the search maps; none without maps. */
+  /** A square for each cell of the search maps; nothing without maps. */
   function drawSearched() {
     if (!episode.searchedAt) return [];
     return Array.from(episode.searchedAt[0], (_, cell) => {
@@ -108,7 +108,7 @@ function createStage(svg, episode, onSelect) {
     return { group, title, known, ripples };
   }
 
-  /** The number stands above the UAVs, so that it can be read while they gather on the hotspot. */
+  /** The number stands above the UAVs, so that it is readable while they gather on the hotspot. */
   function drawTag(cell, id) {
     const group = element(svg, 'g', { class: 'hotspot-tag', transform: tagPlace(cell) });
     element(group, 'circle', { r: glyph * 0.2 });
@@ -132,7 +132,7 @@ function createStage(svg, episode, onSelect) {
     return { group, title, halo, learn, body, ring };
   }
 
-  /** The UAVs in each cell that has any, by "x,y". */
+  /** The UAVs of each occupied cell, by "x,y". */
   function cells(t) {
     const byCell = new Map();
     episode.frames[t].positions.forEach(([x, y], id) => {
@@ -143,7 +143,7 @@ function createStage(svg, episode, onSelect) {
     return byCell;
   }
 
-  /** Where each UAV stands in frame t and how large: UAVs of one cell are fanned out over it. */
+  /** The place and size of each UAV in frame t: the UAVs of one cell are spread over it. */
   function layout(t) {
     if (layouts[t]) return layouts[t];
     const places = new Array(uavCount);
@@ -170,7 +170,7 @@ function createStage(svg, episode, onSelect) {
     if (stepChanged) drawStep(t, frame, selection);
   }
 
-  /** How many stand where too many gather for their names to be read. */
+  /** Shows the number of UAVs in a cell that holds too many for their names to be readable. */
   function drawCounts(t) {
     counts.replaceChildren();
     for (const [key, ids] of cells(t)) {
