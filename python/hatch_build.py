@@ -1,7 +1,7 @@
 """Builds the kernel's shared library with Cargo and puts it into the wheel.
 
-The library is loaded at run time by its C interface, so it depends on no version of Python: one
-wheel serves them all, and its tag names the platform alone.
+The library is loaded at run time by its C interface, so it depends on no version of Python. One
+wheel serves all versions, and its tag names the platform only.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
-"""The batch through Python beside the same batch called from C code's side, in one run.
+"""Measures the batch step through Python beside the bare C calls, in one run.
 
     python python/benchmarks/batch_rate.py
 
 Both make the same calls of the shared library with the same buffers. `kernel` times
-`jcas_batch_step` alone, in a bare loop; `vector env` times `make_vec(...).step(...)` as it comes,
-with its checks, arrays of the caller's own and infos; `views` the same with `copy=False` and
-`SameStep`, with two sets of buffers and with one. With --command (a `jcas` binary) the Rust
-program's own `jcas bench` runs in the same rounds.
+`jcas_batch_step` alone in a loop. `vector env` times `make_vec(...).step(...)` with its defaults:
+checks, copied arrays and infos. `views` times it with `copy=False` and `SameStep`, with two sets
+of buffers and with one. With --command (a `jcas` binary), `jcas bench` runs in the same rounds.
 """
 
 from __future__ import annotations

@@ -3,10 +3,10 @@
     pip install "./python[benchmark]"
     python python/benchmarks/compare.py --agents 10 --targets 5
 
-Every case runs in a process of its own, with one thread or as many as there are cores, in
-interleaved rounds; the table gives the median. A case whose package is missing says so. PufferLib
-builds only in an environment of their own (`pip install pufferlib==1.0.1 filelock psutil`): give
-its interpreter with --pufferlib-python.
+Every case runs in its own process, with one thread or one for each core. Rounds are interleaved,
+and the table gives the median. A case whose package is missing says so. PufferLib needs an
+environment of its own (`pip install pufferlib==1.0.1 filelock psutil`), whose interpreter
+--pufferlib-python names.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ CASES: dict[str, tuple[str, str]] = {
 
 
 def rate(step: Callable[[], Any], agent_steps: int, seconds: float) -> float:
-    """Agent-steps a second of a step that moves so many agents."""
+    """Measure the agent-steps per second of a `step` that makes `agent_steps`."""
     for _ in range(3):
         step()
     steps, began = 0, time.perf_counter()

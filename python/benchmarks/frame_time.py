@@ -1,10 +1,10 @@
-"""How long a picture takes.
+"""Measures the time of a picture.
 
     python python/benchmarks/frame_time.py
 
-Fleets fly at random; each frame is that of `env.render()`, from the state of the simulation to an
-array. Processor time of one core, median and least of the frames after the first ten, which fill
-the stock of kept pieces.
+Fleets act at random. A frame is one `env.render()`, from the state of the simulation to an array.
+The program prints the median and the least processor time on one core. It leaves out the first ten
+frames, which fill the cache of sprites.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-"""How long a network takes: jcas-policy beside onnxruntime and the trainer's own forward pass.
+"""Measures a network in jcas-policy, in onnxruntime and in the trainer's own forward pass.
 
     cargo build --release --manifest-path lab/Cargo.toml -p jcas-train --example inference
     cargo lab export POLICY --uavs 15 --hotspots 7 -o POLICY/policy.onnx
     python python/benchmarks/inference.py --command lab/target/release/examples/inference POLICY...
 
-POLICY: folders of trained policies, each with an ONNX graph for the N and n given. A batch is a
-number of missions whose UAVs' observations are handed over at once: N rows each. All three compute
-the same rows, and are seen to agree. One core, one thread each, in turns; processor time, the least
-disturbed tenth of the turns and their median.
+POLICY names folders of trained policies, each with an ONNX graph for the given N and n. A batch is
+a number of missions whose observations, N rows each, are passed in one call. All three compute the
+same rows, and the program checks that they agree. Each runs on one thread of one core, in turns.
+The results are the processor time of the fastest tenth of the turns and the median.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ import numpy as np
 import onnxruntime
 
 Run = Callable[[int], np.ndarray]
-"""Makes that many calls; of a single one, gives the outputs."""
+"""A function that makes a number of calls, and returns the outputs of a single call."""
 
 
 class Library:
-    """The worker's side: the network flown by jcas-policy, or by the trainer."""
+    """A worker process that runs the network in jcas-policy or in the trainer."""
 
     def __init__(self, command: Path, policy: Path, uavs: int, hotspots: int, seen: Path) -> None:
         self.process = subprocess.Popen(
@@ -43,7 +43,7 @@ class Library:
         self.run("ours", 1)(1)  # the observations are written before it answers
 
     def run(self, who: str, rows: int) -> Run:
-        """Calls of "ours" or of the "trainer" for so many rows."""
+        """Return the calls of "ours" or of the "trainer" for a number of rows."""
 
         def run(calls: int) -> np.ndarray:
             assert self.process.stdin is not None and self.process.stdout is not None
@@ -64,7 +64,7 @@ def session(policy: Path) -> onnxruntime.InferenceSession:
 
 
 def onnx(of: onnxruntime.InferenceSession, rows: np.ndarray) -> Run:
-    """Bound to memory in advance, which leaves out what Python adds to a call."""
+    """Bind the arrays in advance, which leaves out Python's overhead in a call."""
     binding = of.io_binding()
     binding.bind_cpu_input(of.get_inputs()[0].name, rows)
     binding.bind_output(of.get_outputs()[0].name)

@@ -2,11 +2,11 @@
 
     python3 python/benchmarks/peers.py
 
-Builds the C library, compiles two C programs and makes an environment under `target/peers` with the
-peers, all run on the CPU (some 5 GB with PyTorch; a peer that cannot be had is left out with a
-word). Needs cargo, cc and Python 3.11. Every case runs in a process of its own on one thread, in
-interleaved rounds, and tells agent-steps per second of processor time, user and system; the table
-gives the median. They do not compute the same: the last column says what each does.
+The program builds the C library and compiles two C programs. It installs the peers, which all run
+on the CPU, into an environment under `target/peers` (5 GB with PyTorch). It reports a peer that
+cannot be installed and leaves it out. It needs cargo, cc and Python 3.11. Every case runs in its
+own process on one thread, in interleaved rounds. The table gives the median agent-steps per second
+of processor time, user and system. The cases compute different models, which the last column names.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ CASES = {
 
 
 def rate(step: Callable[[], Any], agent_steps: int, seconds: float) -> float:
-    """Agent-steps per second of processor time of a step that moves so many agents."""
+    """Measure the agent-steps per processor-second of a `step` that makes `agent_steps`."""
 
     def spent() -> float:
         usage = resource.getrusage(resource.RUSAGE_SELF)
@@ -140,8 +140,7 @@ def prepare() -> dict[str, list[str]]:
     if not python.exists():
         run(sys.executable, "-m", "venv", str(TARGET / "venv"))
         run(str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "uv")
-    # PyTorch's compiler for GPUs can stay away; its CUDA libraries, without which it does not load,
-    # cannot.
+    # PyTorch does not load without its CUDA libraries, but it does without its GPU compiler.
     overrides = TARGET / "overrides.txt"
     overrides.write_text('triton; sys_platform == "never"\n')
     for package in PACKAGES:

@@ -2,19 +2,19 @@
 
     python python/benchmarks/time_to_success.py --command target/release/jcas
 
-The paper's preset at N = 10, n = 5 unless told otherwise; three seeds, the trainers in turns. Time
-is processor time, user and system, of a trainer's whole tree of processes (read from /proc, so on
-Linux), which other programs on the machine do not lengthen; each run ends at the last of the shares
-of success, after the paper's 2.5e5 environment steps, or when its processor time is up. Success is
-what a trainer sees in its own missions, sampled actions, as a mean over the last hundred, from the
-hundredth on: the first to end are those that went well.
+The defaults are the paper's preset at N = 10, n = 5 and three seeds, with the trainers in turns.
+Time is the processor time, user and system, of a trainer's whole tree of processes. It is read from
+/proc, so the program needs Linux. Other programs on the machine do not lengthen it. A run ends at
+the highest success rate asked for, after the paper's 2.5e5 environment steps, or when its processor
+time is used up. The success rate is the mean over the trainer's last hundred episodes with sampled
+actions. It is reported from the hundredth on, because successful episodes end first.
 
-`jcas` is `jcas-lab train` as it comes: the set network of the training `tuned`, a categorical
-motion and a Beta pilot density. The others train an MLP of 512-256-128 with normal actions by PPO
-with the paper's rate, discount, clip and epochs, on batches of 4096 environment steps: `jcas-paper`
-is `jcas-lab train --train-preset paper`; it and RLlib have one actor for all UAVs beside a critic
-of the global state, while Stable-Baselines3 sees every UAV as a mission of its own, and its critic
-reads one observation.
+`jcas` is `jcas-lab train` with its defaults: the set network of the preset `tuned`, a categorical
+motion and a Beta pilot density. The others train an MLP of 512-256-128 with normal actions by PPO.
+They have the paper's rate, discount, clip and epochs, on batches of 4096 environment steps.
+`jcas-paper` is `jcas-lab train --train-preset paper`. It and RLlib have one actor for all UAVs and
+a critic of the global state. Stable-Baselines3 treats every UAV as a separate episode, and its
+critic reads one observation.
 """
 
 from __future__ import annotations
@@ -195,7 +195,7 @@ def rows(file: Path) -> list[dict[str, str]]:
 
 
 def jcas_command(out: Path, seed: int, options: argparse.Namespace) -> list[str]:
-    """With a checkpoint after each batch, because that is when progress goes on file."""
+    """Start RLlib with a checkpoint after each batch, because progress is written with it."""
     return [
         options.command, "train", "--preset", options.preset, *mission(options), "--steps", STEPS,
         "--seed", str(seed),
@@ -237,7 +237,7 @@ def rllib_command(out: Path, seed: int, options: argparse.Namespace) -> list[str
 
 
 def rllib_progress(out: Path) -> tuple[int, float] | None:
-    """RLlib tells the mean of up to a hundred missions; after three batches it is of a hundred."""
+    """Read RLlib's mean of up to a hundred episodes, which is of a hundred after three batches."""
     batches = rows(out / "progress.csv")
     if not batches:
         return None

@@ -8,10 +8,9 @@ import pytest
 # Windows open on no screen, and Ray reports to nobody.
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-# Ray's workers run at a nice value of 15 by themselves: on a busy machine the tests would hardly go
-# on.
+# Ray starts its workers with a nice value of 15, which stalls the tests on a busy machine.
 os.environ.setdefault("RAY_worker_niceness", "0")
-# Ray reads this when it is imported: who does not know the word cannot join the test's cluster.
+# Ray reads this when it is imported. Only processes with this token can join the test's cluster.
 os.environ.setdefault("RAY_AUTH_MODE", "token")
 os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
 

@@ -17,7 +17,7 @@ FIELDS = {"uav_count": 3, "hotspot_count": 2, "horizon_steps": 12}
 
 
 class Parallel:
-    """Drives an environment by one vocabulary, whatever its own is."""
+    """Drives every kind of environment by one interface."""
 
     make = staticmethod(lambda **options: jcas.parallel_env(**FIELDS, **options))
 

@@ -132,7 +132,7 @@ def test_two_nodes_train_and_survive_a_killed_runner(cluster):
     ).build_algo()
     try:
         places = where(algorithm)
-        # A node has room for one runner, so that there is one on each.
+        # A node has room for one runner, so each node has one.
         assert len(places) == 2 and len({node for node, _ in places}) == 2
         returns = [iteration_row(algorithm.train(), 0.0)["team_return"] for _ in range(3)]
 

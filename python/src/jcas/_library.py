@@ -1,4 +1,4 @@
-"""The kernel's shared library: found, loaded, and its statuses turned into errors."""
+"""Finds and loads the kernel's shared library, and turns its statuses into errors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MESSAGE_CAPACITY = 1024
 _BUSY = "the object is in use by another thread: give each thread its own, or use a lock"
 
 TextCall: TypeAlias = "Callable[[ctypes.Array[ctypes.c_char] | None, int, object], int]"
-"""A call that gives a text: where to, how many bytes fit, and where its length goes."""
+"""A call that writes a text. It takes a buffer, its capacity and the address of the length."""
 
 _ERRORS: dict[int, type[JcasError]] = {
     _abi.JCAS_ERROR_CONFIG: ConfigError,
@@ -73,16 +73,16 @@ lib = _load()
 
 
 def fail(status: int, message: str = "") -> None:
-    """Raise the error of a status, with the kernel's own words where it has some."""
+    """Raise the error of a status, with the kernel's message if it has one."""
     own = _BUSY if status == _abi.JCAS_ERROR_BUSY else lib.jcas_status_string(status).decode()
     words = message or own
     raise _ERRORS.get(status, JcasError)(words, status)
 
 
 def fail_saying(status: int, message: TextCall) -> None:
-    """Raise the error of a status with the words that an object keeps of its last refusal.
+    """Raise the error of a status with the message that an object keeps of its last refusal.
 
-    Of a call that found it in use it keeps none, and another thread may be using it by now.
+    A call that finds the object in use keeps no message, and another thread may be using it now.
     """
     words = ""
     if status != _abi.JCAS_ERROR_BUSY:
@@ -92,7 +92,7 @@ def fail_saying(status: int, message: TextCall) -> None:
 
 
 def check(status: int) -> None:
-    """Raise unless a status is good."""
+    """Raise the error of a status unless it means success."""
     if status:
         fail(status)
 
@@ -106,7 +106,7 @@ def check_with_message(call: Callable[[ctypes.Array[ctypes.c_char], int], int]) 
 
 
 def read_text(call: TextCall) -> str:
-    """Make a call that gives a text: once for its length, once for itself."""
+    """Make a call that writes a text: once for its length, once for the text."""
     length = ctypes.c_size_t()
     check(call(None, 0, ctypes.byref(length)))
     text = ctypes.create_string_buffer(length.value + 1)

@@ -1,9 +1,8 @@
 """Checks of arguments, before any of them reaches the kernel.
 
-The kernel takes addresses and lengths on trust of their kind, and ctypes cuts numbers to their
-width without a word; so every number and every array passes through here first. NumPy users' habits
-hold: whole numbers of any integer type, arrays and lists of any real dtype and memory order are
-converted.
+The kernel cannot check the type behind an address, and ctypes silently truncates numbers. So every
+number and every array passes through here first. As in NumPy, whole numbers of any integer type are
+converted, and arrays and lists of any real dtype and memory order.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ def seed_of(name: str, value: Any) -> int:
 
 
 def seeds_of(name: str, values: Any, count: int) -> npt.NDArray[np.uint64]:
-    """Return so many seeds as the kernel takes them."""
+    """Return `count` seeds as an array for the kernel."""
     try:
         given = list(values)
     except TypeError:
@@ -106,7 +105,7 @@ def writable(name: str, out: Any, shape: tuple[int, ...]) -> Floats:
 
 
 def flags(name: str, values: Any, count: int) -> npt.NDArray[np.bool_]:
-    """Return so many truth values as an array."""
+    """Return `count` truth values as an array."""
     array = np.asarray(values) if _is_regular(values) else np.empty(0, object)
     if array.dtype != np.bool_ or array.shape != (count,):
         raise ArgumentError(
@@ -136,7 +135,7 @@ def read_file(path: Path) -> bytes:
 
 
 def snapshot_of(name: str, value: Any) -> bytes:
-    """Return saved bytes, from whatever holds bytes."""
+    """Return saved bytes from any object with the buffer protocol."""
     try:
         return bytes(memoryview(value))
     except TypeError:

@@ -106,7 +106,7 @@ class Config(Mapping[str, Any]):
 
     @property
     def hash(self) -> int:
-        """The fingerprint that states, snapshots and traces carry."""
+        """Fingerprint of the configuration, which states, snapshots and traces carry."""
         value = ctypes.c_uint64()
         check(lib.jcas_config_hash(ctypes.byref(self._record), ctypes.byref(value)))
         return value.value
@@ -117,7 +117,7 @@ class Config(Mapping[str, Any]):
 
     @staticmethod
     def fields() -> list[dict[str, Any]]:
-        """Every field there is: its name, unit, legal range and meaning."""
+        """Return every field with its name, unit, legal range and meaning."""
         return list(json.loads(read_text(lib.jcas_config_fields)))
 
 

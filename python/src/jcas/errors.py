@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class JcasError(Exception):
-    """Any failure of jcas. `status` is the number of the C interface, 0 where none is behind it."""
+    """Any error of jcas. `status` is the C interface's status code, or 0 for errors of Python."""
 
     def __init__(self, message: str, status: int = 0) -> None:
         super().__init__(message)
@@ -12,11 +12,11 @@ class JcasError(Exception):
 
 
 class ConfigError(JcasError, ValueError):
-    """A configuration is not legal; the message names the field, its value and what is allowed."""
+    """A configuration is not legal; the message names the field, its value and its range."""
 
 
 class ArgumentError(JcasError, ValueError):
-    """An argument is not what it must be; the message names it, its value and what is allowed."""
+    """An argument is not allowed; the message names it, its value and the allowed values."""
 
 
 class ActionError(JcasError, ValueError):
@@ -24,7 +24,7 @@ class ActionError(JcasError, ValueError):
 
 
 class EpisodeOverError(JcasError, RuntimeError):
-    """A step was asked for after the end of the episode. Reset first."""
+    """A step was called after the end of the episode. Reset first."""
 
 
 class BusyError(JcasError, RuntimeError):
@@ -36,7 +36,7 @@ class BusyError(JcasError, RuntimeError):
 
 
 class ResetNeededError(JcasError, RuntimeError):
-    """Something was asked of an environment that has not been reset yet."""
+    """The call needs an environment that has been reset."""
 
 
 class SnapshotError(JcasError, ValueError):
@@ -48,15 +48,15 @@ class PolicyError(JcasError, ValueError):
 
 
 class MissingFileError(JcasError, FileNotFoundError):
-    """A file that was named is not there, or cannot be read."""
+    """A named file does not exist or cannot be read."""
 
 
 class TraceError(JcasError, ValueError):
-    """A trace file cannot be read, or its steps do not come out as recorded."""
+    """A trace file cannot be read, or its replay differs from the recording."""
 
 
 class MissingDependencyError(JcasError, ImportError):
-    """An optional package is needed for what was asked."""
+    """The call needs an optional package that is not installed."""
 
     def __init__(self, package: str, purpose: str, extra: str) -> None:
         super().__init__(f"{purpose} needs {package}: pip install 'jcas[{extra}]'")

@@ -1,8 +1,8 @@
-"""Flies a policy over many missions and reports on them in the form of `jcas evaluate`.
+"""Evaluates a policy over many episodes and reports in the form of `jcas evaluate`.
 
-Mission k of a campaign has the seed that the command gives it, so both fly the same missions.
-Success intervals are Wilson's and equal the command's; those of the means are bootstrap percentiles
-as there, but from NumPy's resamples, so that their last digits differ.
+Episode k of a campaign has the seed that the command gives it, so both run the same episodes.
+Success intervals are Wilson's and equal the command's. Intervals of means are bootstrap percentiles
+in both. They use NumPy's resamples here, so their last digits differ.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BOOTSTRAP_SEED = 0x6A6361732D636931
 WILSON_Z = 1.959963984540054
 
 Act = Callable[[npt.NDArray[np.float32]], npt.NDArray[np.float32]]
-"""From observations [missions, N, observation length] to actions [missions, N, 2]."""
+"""A function from observations [missions, N, observation length] to actions [missions, N, 2]."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Report:
-    """What a campaign came to."""
+    """The results of a campaign."""
 
     policy: str
     uavs: int
@@ -170,7 +170,7 @@ def evaluate(
 
 
 def _fly(act: Act | Policy, model: Model, seeds: list[int], threads: int) -> npt.NDArray[np.void]:
-    """Fly one mission for each seed, all at once; a member that has ended flies on unheeded."""
+    """Run one episode for each seed in one batch. Steps after a member's end do not count."""
     batch = Batch(model, len(seeds), threads=threads)
     buffers = BatchBuffers(model, len(seeds))
     batch.reset(np.array(seeds, dtype=np.uint64), buffers)

@@ -1,4 +1,4 @@
-"""The model: a legal configuration with everything that can be worked out before the first step."""
+"""The model: a legal configuration with the tables that are computed before the first step."""
 
 from __future__ import annotations
 
@@ -111,9 +111,8 @@ class Model:
     def sensing_range(self, pilot_density: float, probability: float = 0.1) -> float:
         """Return the range in cells at which a radar detects a hotspot with a given probability.
 
-        The range is 0 where the probability is not reached even in the UAV's own cell.
-
-        Between the middles of cells the probability is taken to fall evenly.
+        The probability is interpolated linearly between the middles of cells. The range is 0 where
+        the probability is not reached even in the UAV's own cell.
         """
         key = round(pilot_density, 3), probability
         if key not in self._ranges:
@@ -154,7 +153,7 @@ class Model:
         }
 
     def observation_space(self, uavs: int | None = None) -> spaces.Box:
-        """Describe one UAV's observation, or the rows of so many UAVs."""
+        """Return the space of one UAV's observation, or of the rows of `uavs` UAVs."""
         low = np.full(self.observation_len, -1.0, np.float32)
         high = np.ones(self.observation_len, np.float32)
         high[4] = self._throughput_max()

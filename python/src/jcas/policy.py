@@ -1,8 +1,8 @@
 """Trained policies on disk: the card of a folder, and a writer for other trainers.
 
-A policy lies in a folder: weights (`policy.safetensors`) and a card (`policy.json`) that says what
-it is and what it was trained on. `jcas-lab train` and `jcas.rllib` write both; :class:`jcas.Policy`
-flies them.
+A policy is a folder with weights (`policy.safetensors`) and a card (`policy.json`). The card
+describes the policy and its training. `jcas-lab train` and `jcas.rllib` write both, and
+:class:`jcas.Policy` runs them.
 """
 
 from __future__ import annotations
@@ -77,10 +77,10 @@ class MlpPolicy:
         """Write weights and card.
 
         Args:
-            folder: where to; made if it is not there.
+            folder: the folder to write to, which is made if it does not exist.
             name: of the policy, in reports.
             config: what it was trained on.
-            about: whatever else the card should tell, such as the trainer's settings.
+            about: further entries of the card, such as the trainer's settings.
 
         """
         try:

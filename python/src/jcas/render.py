@@ -1,7 +1,7 @@
 """Draws a mission: a map of the fleet and a panel of its state, as an RGB array.
 
-What does not change during a mission is drawn once and kept (`_background`); everything that moves
-is put onto a copy of it out of kept pieces (:mod:`jcas.sprites`), so that a frame takes
+The parts that do not change during a mission are drawn once and cached (`_background`). Moving
+parts are pasted onto a copy from cached sprites (:mod:`jcas.sprites`), so a frame takes
 milliseconds.
 """
 
@@ -27,9 +27,9 @@ PANEL_ROWS_MAX = 20
 LEGEND_PX = 158
 LEGEND_ROW_PX = 17
 APART_CELLS_MIN, APART_PX_MIN = 0.28, 9.0
-"""UAVs of one cell stand at least so far apart, and reach over its edge where they are many."""
+"""Least distance between UAVs of one cell. Many UAVs reach over the cell's edge."""
 NUMBERED_COUNT_MAX = 12
-"""So many UAVs of one cell keep their numbers."""
+"""At most this many UAVs of one cell are drawn with their numbers."""
 APART_COUNT_MAX = 25
 """More UAVs than this in one cell are drawn as one disc with their number."""
 
@@ -65,7 +65,7 @@ def cell_side_px(width: int, height: int) -> int:
 
 
 class _Plan:
-    """Where the cells and UAVs of a scene lie in the picture, in pixels."""
+    """The positions of a scene's cells and UAVs in the picture, in pixels."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -128,7 +128,7 @@ class _Plan:
 def _background(
     width: int, height: int, depots: tuple[tuple[int, int], ...], searched_by: str
 ) -> Any:
-    """Everything that stays as it is: paper, frame, names of readings, legend."""
+    """Draw the parts that never change: paper, frame, names of readings, legend."""
     from PIL import Image, ImageDraw
 
     from . import sprites
@@ -156,7 +156,7 @@ def _background(
 
 
 def _shade(image: Any, plan: _Plan) -> None:
-    """Tint the searched cells and what the fleet's radars reach."""
+    """Tint the searched cells and the cells within the radars' range."""
     from PIL import Image, ImageDraw
 
     from . import sprites

@@ -1,7 +1,7 @@
 """Stable-Baselines3 over the batch call: every UAV of every mission is one of its environments.
 
-All UAVs share one policy, as in the paper; Stable-Baselines3 sees M · N environments that happen to
-end together and to be paid alike within a mission.
+All UAVs share one policy, as in the paper. Stable-Baselines3 sees M · N environments. Those of one
+mission end together and receive the same reward.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a picture of a mission needs to know, apart from how it is drawn."""
+"""The data that a picture of a mission shows."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Scene:
     grounded: npt.NDArray[np.bool_]
     returning: npt.NDArray[np.bool_]
     links: npt.NDArray[np.bool_]
-    """Who hears whom, [N, N], symmetric."""
+    """Radio links between UAVs, symmetric, [N, N]."""
     depots: npt.NDArray[np.integer]
     hotspots: npt.NDArray[np.integer]
     confirmed: npt.NDArray[np.bool_]
@@ -36,7 +36,7 @@ class Scene:
     searched: npt.NDArray[np.bool_]
     """Cells that count as searched, [H, W]."""
     sensing_range: npt.NDArray[np.floating]
-    """How far each radar detects one hotspot in ten, in cells, [N]."""
+    """Range in cells at which each radar detects a hotspot with probability 0.1, [N]."""
     searched_by: str = "visited cells"
     """What `searched` shows, for the legend."""
     outcome: str = ""

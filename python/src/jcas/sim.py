@@ -37,7 +37,7 @@ REWARD_NAMES = _reward_names()
 
 @dataclass(frozen=True)
 class StepOutcome:
-    """What a step came to: the team's reward, and whether and how the episode ended."""
+    """The result of a step: the team's reward, and whether and how the episode ended."""
 
     reward: float
     terminated: bool
@@ -166,7 +166,7 @@ class Sim:
         return _cells(self.uavs())
 
     def batteries_uj(self) -> npt.NDArray[np.uint64]:
-        """What the batteries hold, in microjoules, [N]."""
+        """Charges of the batteries in microjoules, [N]."""
         return self.uavs()["battery_uj"].copy()
 
     def soc(self) -> npt.NDArray[np.float64]:
@@ -190,7 +190,7 @@ class Sim:
         return self.hotspots()["informed"] != 0
 
     def links(self) -> npt.NDArray[np.bool_]:
-        """Who hears whom, [N, N]."""
+        """Radio links between UAVs, symmetric, [N, N]."""
         return self._flags(lib.jcas_sim_get_links, (self.model.uav_count, self.model.uav_count))
 
     def knowledge(self) -> npt.NDArray[np.bool_]:
@@ -233,7 +233,7 @@ class Sim:
         return components
 
     def metrics(self) -> dict[str, Any]:
-        """What the episode came to, so far."""
+        """Metrics of the episode so far."""
         metrics = _abi.jcas_metrics(struct_size=ctypes.sizeof(_abi.jcas_metrics))
         self._check(lib.jcas_sim_get_metrics(self.handle, ctypes.byref(metrics)))
         values = {
@@ -265,13 +265,13 @@ class Sim:
         self._check(lib.jcas_sim_load(self.handle, saved, len(saved)))
 
     def fork(self) -> Sim:
-        """Return an independent twin in the same state."""
+        """Return an independent copy with the same state."""
         twin = Sim(self.model)
         self._check(lib.jcas_sim_fork(self.handle, twin.handle))
         return twin
 
     def scene(self, trail: tuple[npt.NDArray[np.uint32], ...] = ()) -> Scene:
-        """What a picture of this moment shows."""
+        """The scene of this moment, for a picture."""
         config, uavs, hotspots = self.model.config, self.uavs(), self.hotspots()
         episode, metrics = self.episode(), self.metrics()
         searching = config["search_maps"] == "shared"

@@ -35,16 +35,16 @@ Array = npt.NDArray[Any]
 
 
 class FleetVectorEnv(VectorEnv[Array, Any, Array]):
-    """M missions side by side. Each sub-environment is a whole fleet. Made by :func:`make_vec`.
+    """A vector environment of M fleets, made by :func:`make_vec`.
 
-    A sub-environment's observation is [N, observation length], its action [N, 2]; rewards,
-    terminations and truncations are the team's, one for each mission, so their arrays have the
-    shape [M].
+    Each sub-environment is a whole fleet. Its observation is [N, observation length], its action
+    [N, 2]. Rewards, terminations and truncations belong to the team, so their arrays have the shape
+    [M].
 
-    The arrays that :meth:`reset` and :meth:`step` return are yours. With `copy=False` they are the
-    ones that the kernel writes, of which there are `buffer_sets`, used in turn: with two, what a
-    step returned stays as it is until the step after the next; with one, as in Gymnasium's own
-    vector environments, the next step writes over it.
+    The caller owns the arrays that :meth:`reset` and :meth:`step` return. With `copy=False` they
+    are the kernel's own, in `buffer_sets` sets that alternate. With two sets, the next step keeps
+    the arrays and the one after overwrites them. With one set, as in Gymnasium's own vector
+    environments, the next step overwrites them.
     """
 
     @shows_fields
@@ -203,8 +203,8 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def _step_and_begin(self, encoded: npt.NDArray[np.float32], buffers: BatchBuffers) -> None:
         """Step the fleets that fly, and begin the next episode of those that ended a step ago.
 
-        The kernel steps all or none, so the ended ones fly along from their new beginning and are
-        put back to it.
+        The kernel steps all fleets or none. So the ended ones are reset, stepped along and then put
+        back to their start.
         """
         waiting = np.flatnonzero(self._ended).tolist()
         moving = encoded.copy()

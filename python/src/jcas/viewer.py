@@ -25,7 +25,7 @@ class Viewer:
         self._clock: Any = None
 
     def show(self, frame: npt.NDArray[np.uint8]) -> None:
-        """Show one frame, at most so many a second as asked for."""
+        """Show one frame, and wait as long as the frame rate requires."""
         pygame = self._pygame
         if self._window is None:
             pygame.display.init()

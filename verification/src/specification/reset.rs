@@ -43,7 +43,7 @@ impl Specification {
             terminated: false,
             truncated: false,
         };
-        // All UAVs at the depot are linked before the first step.
+        // The first observation shows the links among the start cells.
         self.link_up(&mut world);
         world
     }

@@ -1,8 +1,8 @@
-"""A training run on file: progress, checkpoints, going on after a stop, and the policy at its end.
+"""A training run in a folder: progress, checkpoints, resuming, and the trained policy.
 
-A folder holds `progress.csv`, a row for each iteration; `checkpoint`, RLlib's own state with
-`run.json` beside it; and, once the run has ended, `policy.safetensors` and `policy.json`. A
-checkpoint appears whole or not at all.
+The folder holds `progress.csv` with a row for each iteration, and `checkpoint` with RLlib's state
+and `run.json`. Once the run has ended it also holds `policy.safetensors` and `policy.json`. A
+checkpoint is written atomically.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class Run:
     def train(self, algorithm: Any, steps: int, checkpoint_every: int) -> bool:
         """Train until `steps` environment steps are sampled; return False if Ctrl-C stopped it.
 
-        Whether it ends or is stopped, a checkpoint of the last iteration is left.
+        Either way, a checkpoint of the last iteration is written.
         """
         began, before = time.monotonic(), float(self.last["seconds"])
         if self._resumes:
@@ -173,7 +173,7 @@ class Run:
 
 
 def iteration_row(result: dict[str, Any], seconds: float) -> dict[str, Any]:
-    """Pick what is worth keeping out of RLlib's result.
+    """Pick the row of `progress.csv` out of RLlib's result.
 
     Runners that are late by more than RLlib waits for, or that died, leave an iteration without
     samples.
