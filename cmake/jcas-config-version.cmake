@@ -1,4 +1,4 @@
-# The version of this package. Below 1.0 a new minor version may change the interface.
+# The version check of find_package(jcas). Below 1.0 a new minor version may change the interface.
 set(PACKAGE_VERSION 0.1.0)
 if(PACKAGE_FIND_VERSION VERSION_GREATER PACKAGE_VERSION
         OR NOT PACKAGE_FIND_VERSION_MAJOR STREQUAL 0

@@ -1,8 +1,10 @@
-# find_package(jcas): the targets
-#   jcas::jcas     shared where BUILD_SHARED_LIBS is on or only the shared library is there, else static
-#   jcas::shared   the shared library
-#   jcas::static   the static library
-# Found from the place of this file, so that the installed tree can be moved.
+# The package file of find_package(jcas), which defines these targets.
+#
+# - jcas::shared is the shared library, and jcas::static is the static library.
+# - jcas::jcas is the static library, or the shared one if BUILD_SHARED_LIBS is on or only that is
+#   installed.
+#
+# Paths are relative to this file, so that the installed tree can be moved.
 
 get_filename_component(_jcas_prefix "${CMAKE_CURRENT_LIST_DIR}" ABSOLUTE)
 while(NOT EXISTS "${_jcas_prefix}/include/jcas.h" AND NOT EXISTS "${_jcas_prefix}/include/jcas/jcas.h")

@@ -40,8 +40,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Stands before everything that the library exports. Define JCAS_SHARED where a Windows program uses the
- * shared library. */
+/* Precedes every declaration. Define JCAS_SHARED in a Windows program that uses the shared
+ * library. */
 #ifndef JCAS_API
 #if defined(_WIN32) && defined(JCAS_SHARED)
 #define JCAS_API __declspec(dllimport)
@@ -50,7 +50,7 @@
 #endif
 #endif
 
-/* The compiler warns where a status is not read. Define it empty to turn the warning off. */
+/* Makes the compiler warn if a status is not read. Define it empty to turn the warning off. */
 #ifndef JCAS_NODISCARD
 #if defined(__GNUC__)
 #define JCAS_NODISCARD __attribute__((warn_unused_result))
@@ -1905,40 +1905,39 @@ JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
 /* The rules of every function
  *
  * Statuses. Every function that can fail returns a jcas_status: JCAS_OK (0) or a negative
- *   JCAS_ERROR_... After an error every output, buffer and handle is as it was, with two
- *   exceptions: the length of a text that did not fit, and the actions of jcas_policy_act_batch
- *   where a network gives no finite number. `Statuses:` at a declaration lists what it can return,
- *   without JCAS_ERROR_. INTERNAL is always possible, and BUSY where a jcas_sim, jcas_batch or
- *   jcas_policy is passed.
+ *   JCAS_ERROR_... code. An error leaves every output, buffer and handle unchanged, with two
+ *   exceptions. One is the length of a text that did not fit. The other is the actions of
+ *   jcas_policy_act_batch if a network output is not finite. `Statuses:` at a declaration lists the
+ *   errors that it can return, without JCAS_ERROR_. INTERNAL is always possible, and so is BUSY if
+ *   a jcas_sim, jcas_batch or jcas_policy is passed.
  * Memory. ..._new takes memory from the system. ..._init builds in memory of the caller, whose size
- *   ..._layout gives. Both end with ..._free; every other object ends before its model. Pointers
- *   that are passed in are not kept, with three exceptions: the memory of ..._init, the model of an
- *   object, and what a jcas_recorder points to. Only ..._new and jcas_policy_load allocate, in one
- *   piece for each object. So a program with an allocator of its own gives it to everything by
- *   ..._layout and ..._init. Baselines plan on the heap (jcas_policy_baseline). Threads of a batch
- *   have stacks from the system. Where memory or threads cannot be had, the status is RESOURCES;
- *   nothing aborts.
- * Pointers. Not NULL unless the function says so. A pointer that is NULL or misaligned gives a
- *   status. So do a handle of the wrong kind, closed or copied elsewhere, and a wrong number of
- *   elements. Beyond that the caller promises that the memory is there, and that outputs overlap
- *   nothing.
+ *   ..._layout returns. ..._free ends both kinds, and every other object must end before its
+ *   model. The library keeps no pointer that is passed in, with three exceptions: the memory of
+ *   ..._init, the model of an object, and the pointers in a jcas_recorder. Only ..._new and
+ *   jcas_policy_load allocate, in one piece for each object. A program with its own allocator
+ *   therefore uses ..._layout and ..._init. Baselines plan on the heap (jcas_policy_baseline).
+ *   Threads of a batch have stacks from the system. If the system refuses memory or threads, the
+ *   status is RESOURCES; nothing aborts.
+ * Pointers. A pointer must not be NULL unless the function says so. The library returns a status
+ *   for a NULL or misaligned pointer and for a wrong number of elements. It does so too for a
+ *   handle that is of the wrong kind, was freed, or was copied to another address. Beyond that the
+ *   caller promises that the memory is valid and that outputs overlap nothing.
  * Structs that may grow begin with struct_size. Set it to the sizeof of the struct before the call,
  *   unless the function takes it as an argument. A struct grows at its end and with the minor
  *   version of the interface. The library accepts every size that the struct has had since the last
  *   major version. Today that is exactly its sizeof; any other size is STRUCT_SIZE.
  * Messages. `message`, where a function has one, receives the reason why a configuration, a policy
  *   or a trace was refused: a C string, cut to message_capacity bytes. It is untouched otherwise,
- *   and may be NULL. A legal configuration may still be hopeless: with a quorum above N nothing is
- *   ever confirmed.
+ *   and may be NULL. A legal configuration may still be unsolvable: with a quorum above N no
+ *   hotspot is ever confirmed.
  * Threads. Any number of threads may use a const jcas_model at once. One thread at a time may use a
  *   jcas_sim, jcas_batch or jcas_policy; functions that take it as const may run at once with each
- *   other. A call that finds the object in use otherwise returns BUSY and has done nothing. That
- *   holds for other threads, for calls from within a jcas_run_tasks or jcas_write of a call on the
- *   same object, and for ..._free. BUSY cannot guard memory: once ..._free has returned OK, no call
- *   may use the object or be about to. As others may have called since, ..._message says nothing
- *   about a call that was BUSY. The library has no global state; a batch's threads are its own and
- *   end with it. A batch with threads steps only in the process that built it: after a fork the
- *   child gets FORKED and builds its own.
+ *   other. Any other concurrent call returns BUSY and does nothing. That holds for other threads,
+ *   for calls from within a jcas_run_tasks or jcas_write of a call on the same object, and for
+ *   ..._free. BUSY cannot guard memory: once ..._free has returned OK, no call may use the object.
+ *   ..._message does not describe a call that was BUSY. The library has no global state; the
+ *   threads of a batch end with it. A batch with threads steps only in the process that built it:
+ *   after a fork the child gets FORKED and builds another one.
  * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
  *   elements, sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
  */

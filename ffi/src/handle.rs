@@ -7,8 +7,8 @@
 //! | block | content |
 //! | --- | --- |
 //! | model | [`ModelBlock`], then the words of its tables |
-//! | simulation | [`SimBlock`], then the words of the state, of the working memory, and a spare state |
-//! | batch | [`BatchBlock`](crate::batch_block::BatchBlock), then its states, working memory and threads |
+//! | simulation | [`SimBlock`], then the words of the state, the working memory and a spare state |
+//! | batch | [`BatchBlock`](crate::batch_block::BatchBlock), then states, working memory, threads |
 //! | policy | [`PolicyBlock`](crate::policy_block::PolicyBlock), then what its network works with |
 
 use std::alloc::{Layout, alloc, dealloc};

@@ -1,4 +1,4 @@
-//! Tests of the thread pool and of the mark of an object under loom. loom runs every interleaving
+//! Tests of the thread pool and of the mark of an object under loom. It runs every interleaving
 //! of a few threads that the memory model allows, up to a number of preemptions.
 //!
 //! `.ci/loom.sh` runs these tests. A lost wake-up shows as a deadlock, and a data race or a broken

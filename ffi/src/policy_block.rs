@@ -304,7 +304,7 @@ impl PolicyBlock {
         actions: &mut [f32],
     ) -> Result<(), Fault> {
         let state = model.state(words)?;
-        // SAFETY: only this call uses the block; its words are no part of it.
+        // SAFETY: only this call uses the block, which does not contain its words.
         match unsafe { &mut (*at).pilot } {
             Pilot::Network(learned) => {
                 // SAFETY: the block was laid out with these lengths.

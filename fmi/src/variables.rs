@@ -129,7 +129,7 @@ pub const OUTPUTS: [Output; 21] = [
         Kind::Float64,
         &[Extent::Uavs],
         None,
-        "Share of the waveform that each UAV gave to pilots.",
+        "Fraction of the waveform that each UAV uses for pilots.",
     ),
     (
         "throughput",
@@ -157,7 +157,7 @@ pub const OUTPUTS: [Output; 21] = [
         Kind::Boolean,
         &[Extent::Uavs, Extent::Uavs],
         None,
-        "Who hears whom.",
+        "Radio graph: true where two UAVs are neighbours.",
     ),
     (
         "hotspot_cell",
@@ -185,14 +185,14 @@ pub const OUTPUTS: [Output; 21] = [
         Kind::UInt32,
         &[],
         None,
-        "How many hotspots are confirmed.",
+        "Number of hotspots that are confirmed.",
     ),
     (
         "informed_count",
         Kind::UInt32,
         &[],
         None,
-        "How many hotspots every UAV knows.",
+        "Number of hotspots that every UAV knows.",
     ),
     (
         "mean_throughput",
@@ -241,14 +241,14 @@ pub const OUTPUTS: [Output; 21] = [
         Kind::Boolean,
         &[],
         None,
-        "Every hotspot is informed; the state holds from here on.",
+        "Every hotspot is informed; the state no longer changes.",
     ),
     (
         "truncated",
         Kind::Boolean,
         &[],
         None,
-        "The horizon ended the mission; the state holds from here on.",
+        "The horizon ended the episode; the state no longer changes.",
     ),
     (
         "state_hash",
@@ -287,12 +287,12 @@ const SPECIAL: [Special; 12] = {
         (HOTSPOT_COUNT, "hotspot_count", Kind::UInt64, Structural, &[], None, SIZE,
          "Waste hotspots to find (n)."),
         (PRESET, "preset", Kind::String, Parameter, &[], None, None,
-         "Preset that fields which are not set are taken from."),
+         "Preset of the fields that are not set."),
         (SEED, "seed", Kind::UInt64, Parameter, &[], None, None,
-         "Seed of the episode: the same seed is the same mission, bit for bit."),
+         "Seed of the episode, which determines every random draw."),
         (POLICY, "policy", Kind::String, Parameter, &[], None, None,
-         "Baseline, or trained policy among the resources, that flies the fleet; \
-          empty: the input actions do."),
+         "Baseline, or trained policy among the resources, that controls the fleet; \
+          if empty, the input actions do."),
         (PILOT, "pilot", Kind::String, Parameter, &[], None, None,
          "Pilot density of a baseline: a number, min, mid, max or adaptive."),
         (OWN_POSITIONS, "own_positions", Kind::Boolean, Parameter, &[], None, None,
@@ -304,7 +304,7 @@ const SPECIAL: [Special; 12] = {
         (POSITIONS, "positions", Kind::UInt32, Input, &[Uavs, Two], None, None,
          "Cell (x, y) of each UAV, read while own_positions is true."),
         (LINKS, "links", Kind::Boolean, Input, &[Uavs, Uavs], None, None,
-         "Who hears whom, symmetric, read while own_links is true."),
+         "Symmetric radio graph, read while own_links is true."),
     ]
 };
 

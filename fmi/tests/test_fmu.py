@@ -1,6 +1,6 @@
-"""The unit in FMPy: valid, the same bits as through Python, several in one process, saved states, refusals.
+"""Tests of the unit in FMPy: validity, the bits of the Python interface, saved states, refusals.
 
-JCAS_FMU=target/fmu/jcas.fmu pytest fmi/tests
+Run them by `JCAS_FMU=target/fmu/jcas.fmu pytest fmi/tests`.
 """
 
 import os
