@@ -1,4 +1,4 @@
-//! What a run reports of each iteration, as CSV and as TensorBoard events.
+//! Metrics of each iteration, as CSV and as TensorBoard events.
 
 pub mod tensorboard;
 
@@ -73,7 +73,7 @@ fn mean(episodes: &[Episode], of: impl Fn(&Episode) -> f64) -> Option<f64> {
 }
 
 impl Row {
-    /// Of an iteration that flew `steps` environment steps and as many UAV samples as `samples`.
+    /// The row of an iteration with `steps` environment steps and `samples` UAV samples.
     pub fn of(iteration: &Iteration, steps: u64, samples: u64) -> Row {
         let finished = &iteration.finished;
         let wall = iteration.wall.as_secs_f64().max(1e-9);

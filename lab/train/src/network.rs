@@ -12,7 +12,7 @@ use crate::environment::Shape;
 use burn_tensor::{Device, Tensor, TensorData};
 use serde::{Deserialize, Serialize};
 
-/// Which function of the input the network computes.
+/// Architecture of a network.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Architecture {
@@ -30,20 +30,21 @@ pub enum Architecture {
         /// Fields that search maps and tags add to what a UAV knows of itself.
         #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
-        /// It also reads how many UAVs there are, after those.
+        /// Whether it also reads the number of UAVs, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
-        /// And how hotspots are rated as beginnings of a tour, worked out from the rest.
+        /// Whether it also reads how well each hotspot begins a tour, computed from the rest.
         #[serde(default, skip_serializing_if = "is_false")]
         tours: bool,
     },
-    /// The same over UAVs and hotspots of the global state; one output, the value.
+    /// Shared encoders over UAVs and hotspots of the global state, with one output: the value.
     SetCritic {
-        /// The value is one UAV's, whose observation follows the global state; else the team's.
+        /// Whether the value is one UAV's, whose observation follows the global state; else it is
+        /// the team's.
         of_uav: bool,
         /// Widths of the hidden layers after pooling.
         hidden: Vec<usize>,
-        /// As the actor's, of the observation.
+        /// Fields that search maps and tags add to the observation.
         #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
         /// Fields at the end of the global state that show where hotspots may still be.
@@ -87,7 +88,7 @@ pub struct Param {
     pub rows: usize,
     /// Columns (outputs of a layer).
     pub columns: usize,
-    /// Where it starts in the parameter vector.
+    /// Index of its first entry in the parameter vector.
     pub offset: usize,
 }
 
@@ -178,9 +179,9 @@ impl Network {
             .collect()
     }
 
-    /// What the network reads of inputs (rows × fields) of missions of this shape: rows ×
-    /// [`Network::features_len`]. It has no gradient and does not depend on the weights, so that a
-    /// batch works it out once for all its epochs.
+    /// Features (rows × [`Network::features_len`]) of inputs (rows × fields) of this shape. They
+    /// have no gradient and do not depend on the weights, so a batch computes them once for all
+    /// epochs.
     pub fn features(&self, inputs: &[f32], shape: &Shape) -> Vec<f32> {
         match &self.architecture {
             Architecture::Mlp { .. } => inputs.to_vec(),
@@ -221,7 +222,7 @@ impl Network {
         }
     }
 
-    /// Outputs (rows × outputs) for the features of missions of this shape, where the weights are.
+    /// Outputs (rows × outputs) for features of this shape, on the device of the weights.
     pub fn forward(&self, weights: &[Tensor<2>], features: Vec<f32>, shape: &Shape) -> Tensor<2> {
         match &self.architecture {
             Architecture::Mlp { sizes } => {
@@ -249,7 +250,7 @@ impl Network {
     }
 }
 
-/// Gradient of all blocks as one flat vector; a block that the loss does not touch gives zeros.
+/// Gradient of all blocks as one flat vector; a block that does not affect the loss gives zeros.
 pub fn flat_gradient(
     network: &Network,
     weights: &[Tensor<2>],

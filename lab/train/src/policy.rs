@@ -1,4 +1,4 @@
-//! A trained actor as a policy that flies missions, reads files and is read by others.
+//! A trained actor as a policy: inference, files and exports.
 
 pub mod files;
 pub mod onnx;
@@ -14,14 +14,14 @@ use jcas_policy::network::Flight;
 use jcas_policy::strata::FleetStarts;
 use jcas_simd::InstructionSet;
 
-/// What an actor computes, apart from how it is used.
+/// An actor: a network with its weights, head and scaling of inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actor {
     /// Its network.
     pub network: Network,
     /// Its weights.
     pub parameters: Vec<f32>,
-    /// Which distribution its outputs describe.
+    /// Action head, the distribution of its outputs.
     pub head: Head,
     /// Normalisation of observations.
     pub inputs: Affine,
@@ -30,8 +30,7 @@ pub struct Actor {
 }
 
 impl Actor {
-    /// Ready to fly, by the code that every host flies stored policies with; reports call it
-    /// `name`.
+    /// Builds the policy for the inference that every host uses; `name` is its name in reports.
     #[must_use]
     pub fn fly(&self, name: &str, mode: Mode) -> Trained {
         let note = files::read_besides(&self.network.architecture).trim_start();
@@ -42,7 +41,7 @@ impl Actor {
         trained.with_flight(self.flight(mode))
     }
 
-    /// How it is flown in this mode.
+    /// The acting mode with the actor's held pilot action.
     #[must_use]
     pub fn flight(&self, mode: Mode) -> Flight {
         Flight {

@@ -1,10 +1,10 @@
-//! The mission as training flies it: some fields of its configuration changed, its radar eased in.
+//! The training task: a configuration with changed fields and a radar curriculum.
 
 use crate::settings::{Curriculum, Settings};
 use jcas_core::{Config, Model};
 use std::sync::Arc;
 
-/// A mission while training, from the first batch to the last.
+/// The task of a run, from the first batch to the last.
 #[derive(Clone)]
 pub struct TrainingTask {
     model: Arc<Model<'static>>,
@@ -17,8 +17,8 @@ fn built(config: Config) -> Result<Arc<Model<'static>>, String> {
 }
 
 impl TrainingTask {
-    /// The mission of a configuration under these settings; what the configuration does not allow
-    /// is refused.
+    /// The task of a configuration under these settings. A value that the configuration does not
+    /// allow is an error.
     pub fn new(config: &Config, settings: &Settings) -> Result<TrainingTask, String> {
         let mut fields = serde_json::to_value(config).map_err(|error| error.to_string())?;
         for (name, value) in &settings.config_overrides {
@@ -58,7 +58,7 @@ impl TrainingTask {
         }
     }
 
-    /// What is flown in a stage. Models of two stages take no states of each other.
+    /// The model of a stage. A model refuses states of another stage's model.
     pub fn model(&self, stage: u64) -> Arc<Model<'static>> {
         match self.curriculum {
             Some(Curriculum {

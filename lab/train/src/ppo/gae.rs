@@ -82,9 +82,13 @@ mod tests {
         }
     }
 
-    // γ = ½, λ = ½. Computed by hand from the end:
+    // γ = ½, λ = ½. The expected values were computed by hand, from the end:
+    //
     // δ_2 = 3 + ½·4 − 3 = 2, A_2 = 2;
-    // δ_1 = 2 + ½·3 − 2 = 1.5, A_1 = 1.5 + ¼·2 = 2; δ_0 = 1 + ½·2 − 1 = 1, A_0 = 1 + ¼·2 = 1.5.
+    //
+    // δ_1 = 2 + ½·3 − 2 = 1.5, A_1 = 1.5 + ¼·2 = 2;
+    //
+    // δ_0 = 1 + ½·2 − 1 = 1, A_0 = 1 + ¼·2 = 1.5.
     #[test]
     fn an_open_trajectory_bootstraps_from_its_last_state() {
         let (advantages, targets) = advantages(

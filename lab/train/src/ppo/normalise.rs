@@ -15,7 +15,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Nothing seen yet; scales nothing until something is.
+    /// Empty statistics, which scale nothing.
     pub fn new(fields: usize) -> Running {
         Running {
             count: 0.0,
@@ -53,7 +53,7 @@ impl Running {
         self.count = total;
     }
 
-    /// Standard deviation of each field; 1 where nothing varies, so that nothing is blown up.
+    /// Standard deviation of each field; 1 for a constant field.
     pub fn scale(&self) -> Vec<f32> {
         self.deviation
             .iter()

@@ -20,9 +20,9 @@ pub struct Rollout {
     pub steps: usize,
     /// T × M·N × O.
     pub observations: Vec<f32>,
-    /// What the actor reads of them, T × M·N × [`Network::features_len`].
+    /// The actor's features of the observations, T × M·N × [`Network::features_len`].
     pub actor_features: Vec<f32>,
-    /// What the critic reads of its rows (by the learner).
+    /// The critic's features of its rows (by the learner).
     pub critic_features: Vec<f32>,
     /// T × M × S.
     pub global: Vec<f32>,
@@ -32,15 +32,15 @@ pub struct Rollout {
     pub log_probs: Vec<f32>,
     /// T × M, or T × M·N where each UAV is paid its own.
     pub rewards: Vec<f32>,
-    /// What each pilot density gained in its step, T × M·N; empty where nobody asks.
+    /// Gain of each pilot density in its step, T × M·N; empty if not requested.
     pub pilot_gains: Vec<f32>,
     /// T × M.
     pub terminated: Vec<bool>,
     /// T × M.
     pub truncated: Vec<bool>,
-    /// What steps led to where the next row does not hold it.
+    /// States after a step that the next row does not hold.
     pub final_states: Vec<FinalState>,
-    /// Missions finished meanwhile.
+    /// Episodes that ended.
     pub finished: Vec<Episode>,
     /// Advantages, T × M or T × M·N (by the learner).
     pub advantages: Vec<f32>,
@@ -54,7 +54,7 @@ pub struct Rollout {
     pub inference: Duration,
 }
 
-/// The state that a mission's step led to.
+/// The state after an episode's step.
 #[derive(Clone, Debug)]
 pub struct FinalState {
     /// Mission and step, a row of T × M.
@@ -67,19 +67,19 @@ pub struct FinalState {
 
 /// The actor as the workers use it: weights on a device without gradients.
 pub struct ActingPolicy<'a> {
-    /// Which distribution.
+    /// Action head.
     pub head: Head,
-    /// How its motions are drawn.
+    /// Sampling of its motions.
     pub action_sampling: ActionSampling,
     /// Actor network.
     pub network: &'a Network,
     /// Its parameters.
     pub parameters: &'a [f32],
-    /// Where it runs.
+    /// Device of the weights.
     pub device: &'a Device,
 }
 
-/// Flies `steps` steps of every mission of `environment`.
+/// Steps every episode of `environment` `steps` times.
 pub fn collect(
     environment: &mut dyn VectorEnvironment,
     policy: &ActingPolicy,
@@ -218,7 +218,7 @@ impl Rollout {
         }
     }
 
-    /// Appends what the critic sees in one of its rows.
+    /// Appends the critic's input of one of its rows.
     pub fn write_critic_row(&self, input: CriticInput, row: usize, out: &mut Vec<f32>) {
         let Shape {
             agents,
@@ -238,7 +238,7 @@ impl Rollout {
         }
     }
 
-    /// What the critic sees in all its rows.
+    /// The critic's inputs of all its rows.
     pub fn critic_inputs(&self, input: CriticInput) -> Vec<f32> {
         let rows = self.critic_rows(input);
         let mut out = Vec::with_capacity(rows * input.len(&self.shape));
@@ -248,7 +248,7 @@ impl Rollout {
         out
     }
 
-    /// What it sees in the final_states, one after the other.
+    /// The critic's inputs of the final states, one after the other.
     pub fn final_inputs(&self, input: CriticInput) -> Vec<f32> {
         let mut out = Vec::new();
         for last in &self.final_states {
@@ -265,7 +265,7 @@ impl Rollout {
         out
     }
 
-    /// V(s_{t+1}) of every row from the values of all rows and of the final_states.
+    /// V(s_{t+1}) of every row, from the values of all rows and of the final states.
     pub fn next_values(&self, values: &[f32], final_values: &[f32]) -> Vec<f32> {
         let per_mission = values.len() / self.missions();
         let later = self.shape.environments * per_mission;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// A network with its weights and their optimiser.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trainable {
-    /// What it computes.
+    /// Architecture and layout.
     pub network: Network,
     /// Its weights.
     pub parameters: Vec<f32>,
@@ -90,7 +90,7 @@ impl ActorObjective {
 /// The critic's objective.
 #[derive(Clone, Copy, Debug)]
 pub struct CriticObjective {
-    /// What it sees.
+    /// Input of the critic.
     pub input: CriticInput,
     /// Share of rows to visit.
     pub sample_fraction: f64,
