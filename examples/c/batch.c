@@ -1,5 +1,5 @@
-/* Many environments at once, as a learner steps them: contiguous buffers, worker threads, automatic
- * resets, and what each finished episode came to.
+/* Steps many environments at once, as a learner does: contiguous buffers, worker threads, automatic
+ * resets, and the metrics of each finished episode.
  *
  *   cc batch.c $(pkg-config --cflags --libs jcas) && ./a.out [environments [threads]]
  */
@@ -28,8 +28,9 @@ static void *allocate(size_t count, size_t size)
     return memory;
 }
 
-/* From its own observation, a UAV flies to the first hotspot that is not confirmed: after five numbers of
- * its own, each hotspot has its offset along x and y, whether it is confirmed, and whether it is known. */
+/* A UAV flies to the first hotspot that is not confirmed, by its own observation. Five entries of the
+ * UAV come first. Each hotspot then has four: its offset along x and y, whether it is confirmed, and
+ * whether it is known. */
 static void act(const float *observation, uint32_t hotspots, float *action)
 {
     const float *target = observation + 5;

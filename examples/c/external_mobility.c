@@ -1,12 +1,13 @@
-/* A host that owns motion and radio: it moves the UAVs on its own continuous map and decides who hears
- * whom; the kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated: model,
+/* A host that owns motion and radio. It moves the UAVs on its own continuous map and supplies the
+ * links. The kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated: model,
  * simulation and recording live in static arenas.
  *
  *   cc external_mobility.c $(pkg-config --cflags --libs jcas) -lm && ./a.out
  *
- * With the name of a file the mission is recorded there, with what the host supplied:
+ * With a file name, the mission is recorded there together with the host's values:
  *
- *   ./a.out flight.jsonl && jcas trace verify flight.jsonl && jcas replay flight.jsonl -o flight.html
+ *   ./a.out flight.jsonl && jcas trace verify flight.jsonl
+ *   jcas replay flight.jsonl -o flight.html
  */
 #include <jcas.h>
 #include <math.h>
@@ -30,7 +31,7 @@ static void stop_on(int32_t status, const char *what)
     }
 }
 
-/* The host's flight model: straight toward the middle of a cell, at most one cell's side a step. */
+/* The host's flight model moves a UAV straight to the middle of a cell, at most one side a step. */
 static void fly(struct aircraft *aircraft, jcas_hotspot target)
 {
     double dx = (target.x + 0.5) * CELL_M - aircraft->x_m;
@@ -41,7 +42,7 @@ static void fly(struct aircraft *aircraft, jcas_hotspot target)
     aircraft->y_m += part * dy;
 }
 
-/* The host's radio: whoever is in range hears. */
+/* The host's radio links each pair of UAVs in range. */
 static void link_up(const struct aircraft *fleet, uint8_t *links)
 {
     for (int i = 0; i < N; i++)

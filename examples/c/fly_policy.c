@@ -1,10 +1,12 @@
-/* A trained fleet flies a mission: the policy is a file of weights, nothing else is needed.
+/* Flies a mission with a trained policy, for which its file of weights is enough.
  *
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) && ./a.out policies/fleet/policy.safetensors
  *
- * In place of a file, the name of a baseline: random, greedy, swarm, teams, sweep, line, frontier or relay.
+ * The argument may also name a baseline: random, greedy, swarm, teams, sweep, line, frontier or
+ * relay.
  *
- * The mission is the first that `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy ...` flies, to the last bit.
+ * The mission is the first of `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy POLICY`, bit
+ * for bit.
  */
 #include <jcas.h>
 #include <inttypes.h>

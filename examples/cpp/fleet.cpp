@@ -1,5 +1,5 @@
-// A fleet that looks ahead: before each step it forks the simulation, tries each hotspot as a
-// common target for a few steps in the fork, and flies to the one with the best return.
+// A fleet that looks ahead. Before each step it forks the simulation and tries each hotspot as a
+// common target for a few steps. It then flies to the one with the best return.
 //
 //     c++ -std=c++17 fleet.cpp $(pkg-config --cflags --libs jcas) && ./a.out
 #include <jcas.hpp>
@@ -30,7 +30,7 @@ std::vector<float> gather(const jcas::sim &sim, const jcas_hotspot &target)
     return actions;
 }
 
-// The return of flying toward one target from here, in a fork.
+// Returns the return of flying toward one target from the present state, in a fork.
 double expected_return(const jcas::sim &sim, jcas::sim &fork, const jcas_hotspot &target)
 {
     fork.fork_from(sim).check();

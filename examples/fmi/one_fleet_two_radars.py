@@ -1,8 +1,8 @@
-"""Two units in one co-simulation: one flies the fleet, the other sees with a second radar from the same UAVs.
+"""Two units in one co-simulation: one moves the fleet, the other adds a second radar.
 
-The first unit is flown by a baseline. At every communication point its cells become the second
-unit's positions and its radio graph the second unit's links, so that both missions are those of one
-fleet, once with the paper's radar and once with one that reaches half as far.
+A baseline steers the first unit. At every communication point its cells become the second unit's
+positions, and its radio graph the second unit's links. So both missions are those of one fleet,
+once with the paper's radar and once with one of half its range.
 
     cargo xtask fmu
     python examples/fmi/one_fleet_two_radars.py target/fmu/jcas.fmu [PLOT.png]
@@ -21,11 +21,13 @@ STEPS = 60
 
 
 class Unit:
-    """An instance of the unit, its variables by name."""
+    """An instance of the unit, with its variables by name."""
 
     def __init__(self, fmu: str, name: str, uavs: int, hotspots: int) -> None:
         description = read_model_description(fmu)
-        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
+        self.references = {
+            variable.name: variable.valueReference for variable in description.modelVariables
+        }
         self.fmu = FMU3Slave(
             guid=description.guid,
             unzipDirectory=extract(fmu),
@@ -34,7 +36,9 @@ class Unit:
         )
         self.fmu.instantiate(loggingOn=True)
         self.fmu.enterConfigurationMode()
-        self.fmu.setUInt64([self.references["uav_count"], self.references["hotspot_count"]], [uavs, hotspots])
+        self.fmu.setUInt64(
+            [self.references["uav_count"], self.references["hotspot_count"]], [uavs, hotspots]
+        )
         self.fmu.exitConfigurationMode()
         self.uavs, self.hotspots = uavs, hotspots
 
@@ -73,7 +77,10 @@ def main(fmu: str, plot: str | None) -> None:
         payload.step(step * STEP_S)
         confirmed.append([unit.get("UInt32", "confirmed_count")[0] for unit in (fleet, payload)])
     for name, unit, count in zip(("150 m", " 75 m"), (fleet, payload), confirmed[-1], strict=True):
-        print(f"radar of {name}: {count} of {hotspots} confirmed, state {unit.get('UInt64', 'state_hash')[0]:#018x}")
+        print(
+            f"radar of {name}: {count} of {hotspots} confirmed, "
+            f"state {unit.get('UInt64', 'state_hash')[0]:#018x}"
+        )
         unit.fmu.terminate()
         unit.fmu.freeInstance()
 
@@ -83,7 +90,9 @@ def main(fmu: str, plot: str | None) -> None:
         matplotlib.use("Agg")
         from matplotlib import pyplot
 
-        pyplot.step(STEP_S * np.arange(1, STEPS + 1), confirmed, where="post", label=["150 m", "75 m"])
+        pyplot.step(
+            STEP_S * np.arange(1, STEPS + 1), confirmed, where="post", label=["150 m", "75 m"]
+        )
         pyplot.xlabel("time (s)")
         pyplot.ylabel("hotspots confirmed")
         pyplot.legend(title="sensing range")

@@ -1,10 +1,9 @@
-// jcas inside ns-3: ns-3 moves the UAVs and its Wi-Fi decides who hears whom; jcas, through its C
+// jcas inside ns-3. ns-3 moves the UAVs, and its Wi-Fi determines the links. jcas, through its C
 // interface, does sensing, consensus, energy, carbon and reward.
 //
-// A policy of jcas decides where each UAV flies and how much of the waveform it senses with: a
-// trained network from its file, or a baseline by its name. In each step of 10 s every UAV
-// broadcasts one beacon over ad-hoc 802.11a near the end of the step. Two UAVs are linked in that
-// step if each heard the other.
+// A policy of jcas decides each UAV's motion and pilot density. It is a trained network from a file,
+// or a baseline by its name. In each step of 10 s every UAV broadcasts one beacon over ad-hoc
+// 802.11a near the end of the step. Two UAVs are linked in that step if each heard the other.
 //
 // The same mission is flown twice by the same policy: once over the links that Wi-Fi made, once
 // over those of jcas's own link budget.
@@ -13,9 +12,8 @@
 //     ./fleet --policy=../../policies/fleet/policy.safetensors --trace=flight.jsonl
 //     ./fleet --preset=search --policy=line --uavs=15 --hotspots=7 --exponent=3.5
 //
-// With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied:
-// `jcas trace verify flight.jsonl` flies it again without ns-3, `jcas replay flight.jsonl` shows
-// it.
+// With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied.
+// `jcas trace verify flight.jsonl` replays it without ns-3, and `jcas replay flight.jsonl` shows it.
 #include <jcas.hpp>
 
 #include "ns3/constant-velocity-mobility-model.h"
@@ -51,7 +49,7 @@ struct Options {
     std::string trace;
 };
 
-// One mission: the host's side of it.
+// The host's side of one mission.
 class Mission {
 public:
     Mission(const Options &options, bool wifi_links);
@@ -95,7 +93,7 @@ jcas_config Configure(const Options &options)
     return config;
 }
 
-// What a file holds; a baseline of that name where there is no file.
+// Returns the policy in a file, or the baseline of that name if there is no such file.
 jcas::policy Load(const jcas::model &model, const std::string &name)
 {
     std::ifstream file(name, std::ios::binary);
@@ -227,7 +225,7 @@ std::size_t Mission::IndexOf(const ns3::Address &address) const
     return std::find(m_addresses.begin(), m_addresses.end(), address) - m_addresses.begin();
 }
 
-// The cell that a direction leads to, on the grid.
+// Returns the cell in a direction, clamped to the grid.
 jcas_cell Mission::Target(const jcas_uav &uav, float direction) const
 {
     const int motion = std::min(4, static_cast<int>((direction + 1) / 2 * 5));
@@ -250,7 +248,7 @@ jcas_cell Mission::CellOf(std::uint32_t uav) const
             cell(at.y, m_config.cell_size_m, m_config.grid_height)};
 }
 
-// At most one cell's side in a step, straight to the middle of the cell.
+// Moves a UAV straight to the middle of a cell, at most one cell's side in a step.
 void Mission::Steer(std::uint32_t uav, jcas_cell target)
 {
     auto model = m_nodes.Get(uav)->GetObject<ns3::ConstantVelocityMobilityModel>();

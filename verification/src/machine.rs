@@ -1,12 +1,12 @@
 //! A machine that makes random sequences of every public call, and judges each call.
 //!
-//! What a model checker does for a fleet of two, this does at length for fleets of every size. A
-//! call that is accepted leaves a valid state, and after every whole step the state of the
-//! specification. A call that is refused leaves every word as it was. Rubbish fills working memory
-//! before each call, so that a call that reads it is noticed.
+//! The model checker covers fleets of two UAVs; this machine samples fleets of every size. An
+//! accepted call must leave a valid state, and a whole step the state of the specification. A
+//! refused call must leave every word unchanged. Random words fill working memory before each call,
+//! so a call that reads them is noticed.
 //!
 //! A sequence is a list of words, and each word stands for one call. So a failing sequence can be
-//! made shorter word by word.
+//! shortened word by word.
 
 use crate::comparison;
 use crate::sampling::{self, Dice};
@@ -16,7 +16,7 @@ use jcas_core::{Error, Model, Scratch, StateMut};
 
 mod host;
 
-/// What a sequence may do.
+/// The kinds of calls that a sequence may make.
 const CALLS: [Call; 32] = [
     Call::Step,
     Call::Step,
@@ -80,14 +80,14 @@ enum Call {
     CommunicateOver,
 }
 
-/// What a sequence came to.
+/// Counts of a sequence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// Whole steps, each counted once for every UAV.
+    /// Agent-steps: whole steps times UAVs.
     pub agent_steps: u64,
-    /// Whole steps compared with the specification, counted likewise.
+    /// Agent-steps that were compared with the specification.
     pub compared: u64,
-    /// The same, of fleets of eight UAVs and more.
+    /// Compared agent-steps of fleets of eight UAVs and more.
     pub compared_from_eight: u64,
     /// Calls that were accepted, by kind.
     pub accepted: [u64; KINDS],
@@ -117,7 +117,7 @@ impl Tally {
     }
 }
 
-/// What the specification knows of a state.
+/// The specification's side of a state.
 #[derive(Clone)]
 struct Shadow {
     /// The state before the step under way. None once a host has moved UAVs after keeping some on
@@ -125,7 +125,7 @@ struct Shadow {
     world: Option<World>,
     /// The actions of that step.
     actions: Vec<(f32, f32)>,
-    /// What the host owns of it so far.
+    /// The host's values of that step so far.
     host: Host,
 }
 
@@ -134,7 +134,7 @@ struct Machine<'m> {
     spec: Specification,
     words: Vec<u64>,
     scratch: Vec<u64>,
-    /// A world to choose actions in where the specification does not know the present one.
+    /// A world for choosing actions while the specification does not know the present one.
     start: World,
     shadow: Shadow,
     saved: Option<(Vec<u8>, Shadow)>,
@@ -144,7 +144,7 @@ struct Machine<'m> {
 /// Plays the calls that `calls` stand for on the model that `seed` stands for.
 ///
 /// # Errors
-/// The first call that did not do what it must.
+/// Returns a description of the first call with a wrong result.
 pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
     let mut dice = Dice::new(seed);
     let config = if dice.one_in(500) {
@@ -237,7 +237,7 @@ impl Machine<'_> {
         self.check()
     }
 
-    /// The state is valid, and the specification's where that has come as far.
+    /// Checks that the state is valid, and between steps equal to the specification's.
     fn check(&self) -> Result<(), String> {
         let state = self
             .model
@@ -250,7 +250,7 @@ impl Machine<'_> {
         }
     }
 
-    /// A call on the open state, with working memory full of rubbish.
+    /// Makes a call on the state, with working memory full of random words.
     fn open<T>(
         &mut self,
         dice: &mut Dice,
@@ -274,7 +274,7 @@ impl Machine<'_> {
         self.shadow.host = Host::default();
     }
 
-    /// Flies on, whatever the phase.
+    /// Makes up to 60 whole steps or parts of steps, from any phase.
     fn fly(&mut self, dice: &mut Dice) -> Done {
         for _ in 0..dice.integer(1, 60) {
             if self.phase().is_over() {
@@ -290,7 +290,7 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Actions for the coming step, and the same as the kernel takes them.
+    /// Draws actions for the coming step, and returns them also in the kernel's form.
     fn choose(&mut self, dice: &mut Dice) -> Vec<f32> {
         let pilot = sampling::pilot(dice);
         let world = self.shadow.world.as_ref().unwrap_or(&self.start);
@@ -314,7 +314,7 @@ impl Machine<'_> {
         }
     }
 
-    /// The part of a step that belongs to a phase.
+    /// Makes the part of a step that belongs to a phase.
     fn part(&mut self, part: Phase, dice: &mut Dice) -> Done {
         let in_order = self.phase() == part;
         let kept = self.shadow.actions.clone();
@@ -346,7 +346,7 @@ impl Machine<'_> {
         }
     }
 
-    /// A step is whole: the specification makes it too.
+    /// Makes a completed step in the specification too.
     fn ended(&mut self, reward: f64) -> Done {
         let uavs = self.model.uav_count() as u64;
         let host = std::mem::take(&mut self.shadow.host);
@@ -378,7 +378,7 @@ impl Machine<'_> {
         accepted_if(loaded.is_ok() && saved.is_ok() && again == bytes)
     }
 
-    /// A snapshot with one bit of it changed, cut or grown.
+    /// Loads a snapshot with one bit changed, or a shorter or longer one.
     fn load_damaged(&mut self, dice: &mut Dice) -> Done {
         let mut bytes = vec![0; self.model.save_len()];
         self.model
@@ -419,11 +419,11 @@ impl Machine<'_> {
     }
 }
 
-/// How a call ended, where not accepted.
+/// The outcome of a call that was not accepted.
 enum Refusal {
-    /// It was refused, as it should be.
+    /// The call was refused, as it should be.
     Refused,
-    /// It did what it should not.
+    /// The call had a wrong result.
     Wrong(String),
 }
 

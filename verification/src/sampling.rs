@@ -5,7 +5,7 @@ use crate::specification::{Specification, World};
 use jcas_core::config::Depots;
 use jcas_core::{Cell, Config, MapDirections, Preset, SearchMaps, TargetVisibility, UavTag};
 
-/// A stream of random numbers of its own, apart from every draw of the model.
+/// A stream of random numbers, independent of the model's draws.
 #[derive(Clone, Debug)]
 pub struct Dice {
     seed: u64,
@@ -13,44 +13,45 @@ pub struct Dice {
 }
 
 impl Dice {
-    /// The stream of a seed.
+    /// Returns the stream of a seed.
     pub fn new(seed: u64) -> Self {
         Dice { seed, rolls: 0 }
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.rolls += 1;
         first_u64(block(self.seed, [self.rolls, 0, 0, 0xD1CE]))
     }
 
-    /// An integer in `low..=high`.
+    /// Returns an integer in `low..=high`.
     pub fn integer(&mut self, low: u32, high: u32) -> u32 {
         low + (self.bits() % (u64::from(high - low) + 1)) as u32
     }
 
-    /// A real in `low..high`.
+    /// Returns a real in `low..high`.
     pub fn real(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.bits() >> 11) as f64 / 9_007_199_254_740_992.0)
     }
 
-    /// True one time in `n`.
+    /// Returns true one time in `n`.
     pub fn one_in(&mut self, n: u32) -> bool {
         self.integer(1, n) == 1
     }
 }
 
-/// Sizes at which the kernel's path changes, and those beside them.
+/// Fleet sizes at which the kernel's path changes, and the sizes next to them.
 ///
-/// Blocks of UAVs and words of sets end there, and the search for neighbours in buckets begins.
+/// Blocks of UAVs and words of sets end at these sizes. The neighbour search in buckets starts at
+/// one of them.
 pub const SEAMS: [u32; 18] = [
     1, 2, 7, 8, 9, 15, 16, 17, 31, 32, 33, 47, 48, 49, 63, 64, 65, 100,
 ];
 
-/// The most UAVs that are drawn.
+/// The largest fleet that is drawn.
 pub const UAVS_MAX: u32 = 100;
 
-/// A number of UAVs, two times in three at a seam.
+/// Draws a number of UAVs, two times in three one of `SEAMS`.
 pub fn fleet_size(dice: &mut Dice) -> u32 {
     if dice.one_in(3) {
         dice.integer(1, UAVS_MAX)
@@ -59,13 +60,13 @@ pub fn fleet_size(dice: &mut Dice) -> u32 {
     }
 }
 
-/// A legal configuration of a fleet of any size, far from the defaults in many fields.
+/// Draws a legal configuration of any fleet size, far from the defaults in many fields.
 pub fn configuration(dice: &mut Dice) -> Config {
     let uavs = fleet_size(dice);
     configuration_of(dice, uavs)
 }
 
-/// The same for a number of UAVs.
+/// Draws a legal configuration for a number of UAVs.
 pub fn configuration_of(dice: &mut Dice, uavs: u32) -> Config {
     let preset = if dice.one_in(2) {
         Preset::Mission
@@ -85,7 +86,7 @@ pub fn configuration_of(dice: &mut Dice, uavs: u32) -> Config {
     c
 }
 
-/// Search maps and what observations show of them.
+/// Draws the settings of search maps and their observation.
 fn search(dice: &mut Dice, c: &mut Config) {
     let tags = [UavTag::Off, UavTag::Index];
     c.uav_tag = tags[dice.integer(0, 1) as usize];
@@ -114,7 +115,7 @@ fn mission(dice: &mut Dice, c: &mut Config) {
     }
     let cells = c.grid_width * c.grid_height;
     c.hotspot_count = dice.integer(1, 9.min(cells - 1));
-    // A step of a large fleet takes as long as many of a small one.
+    // A step of a large fleet takes as long as many steps of a small one.
     c.horizon_steps = dice.integer(1, 40.min(8 + 600 / c.uav_count));
     c.quorum = dice.integer(1, 4);
     c.cell_size_m = dice.real(1.0, 120.0);
@@ -127,7 +128,7 @@ fn mission(dice: &mut Dice, c: &mut Config) {
     }
 }
 
-/// A legal configuration of a large fleet on a wide grid.
+/// Draws a legal configuration of a large fleet on a wide grid.
 ///
 /// The kernel sorts its UAVs into several buckets, and a set of UAVs or hotspots takes two words.
 pub fn large_configuration(dice: &mut Dice) -> Config {
@@ -148,7 +149,7 @@ pub fn large_configuration(dice: &mut Dice) -> Config {
     c
 }
 
-/// Up to four distinct cells that leave room for the hotspots; often none, the default.
+/// Draws up to four distinct depots that leave room for the hotspots, and often none, the default.
 fn depots(dice: &mut Dice, c: &Config) -> Depots {
     let room = c.grid_width * c.grid_height - c.hotspot_count;
     let wanted = dice.integer(0, 4.min(room));
@@ -196,7 +197,7 @@ fn radio(dice: &mut Dice, c: &mut Config) {
     }
 }
 
-/// Batteries from a few steps' worth to more than an episode's.
+/// Draws batteries that last from a few steps to more than an episode.
 fn energy(dice: &mut Dice, c: &mut Config) {
     c.step_duration_s = dice.real(1.0, 60.0);
     c.battery_capacity_kwh = dice.real(0.0005, 0.02);
@@ -248,20 +249,20 @@ fn weights(dice: &mut Dice, c: &mut Config) {
     c.shaping_unconfirmed_weight = dice.real(0.0, 3.0);
 }
 
-/// How a fleet is flown through an episode.
+/// A rule that chooses the actions of a fleet in an episode.
 #[derive(Clone, Copy, Debug)]
 pub enum Pilot {
-    /// Anything, within and outside of [-1, 1], infinities too.
+    /// Random values within and outside of [-1, 1], infinities included.
     Anything,
     /// Each UAV to its nearest unconfirmed hotspot.
     Greedy,
     /// All UAVs to the first unconfirmed hotspot.
     Swarm,
-    /// UAV i to hotspot i mod n, whatever is known: the fleet spreads.
+    /// UAV i to hotspot i mod n, known or not, so that the fleet spreads.
     Spread,
 }
 
-/// One of the ways to fly.
+/// Draws one of the rules.
 pub fn pilot(dice: &mut Dice) -> Pilot {
     match dice.integer(0, 2) {
         0 => Pilot::Anything,
@@ -270,7 +271,7 @@ pub fn pilot(dice: &mut Dice) -> Pilot {
     }
 }
 
-/// The fleet's actions for the coming step.
+/// Returns the fleet's actions for the coming step.
 pub fn actions(
     dice: &mut Dice,
     pilot: Pilot,
@@ -288,7 +289,7 @@ pub fn actions(
     actions
 }
 
-/// The hotspot that UAV i flies to.
+/// Returns the hotspot that UAV i flies to.
 fn target(pilot: Pilot, world: &World, i: usize) -> Option<usize> {
     if matches!(pilot, Pilot::Spread) {
         return Some(i % world.hotspot.len());
@@ -309,7 +310,7 @@ fn target(pilot: Pilot, world: &World, i: usize) -> Option<usize> {
     choice.map(|(_, j)| j)
 }
 
-/// The middle of the bin of the motion that brings UAV i nearer to hotspot j.
+/// Returns the middle of the bin of a motion that brings UAV i nearer to hotspot j.
 fn toward(world: &World, i: usize, j: usize) -> f32 {
     let (here, there) = (world.position[i], world.hotspot[j]);
     if there.y > here.y {
@@ -325,7 +326,7 @@ fn toward(world: &World, i: usize, j: usize) -> f32 {
     }
 }
 
-/// One component of an action: mostly within [-1, 1], often on an edge.
+/// Draws one component of an action, mostly within [-1, 1] and often on an edge.
 fn component(dice: &mut Dice) -> f32 {
     const EDGES: [f32; 12] = [
         -1.0,

@@ -1,4 +1,4 @@
-//! Rewards of each UAV: their mean is the team's, and a confirmation takes nothing from anyone.
+//! Rewards of each UAV: their mean is the team's, and a confirmation lowers none of them.
 
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::{Model, Sim, StateRef};
@@ -8,8 +8,8 @@ use jcas_verification::specification::{Specification, World};
 /// Missions flown, each with a configuration of its own.
 const MISSIONS: u64 = 500;
 
-/// Whether numbers are the mean of others but for rounding, which is that of the largest among them
-/// and of the potentials that a shaping term is the difference of.
+/// Whether numbers are the mean of others up to rounding. The rounding is relative to the largest of
+/// them, and to the potentials whose difference a shaping term is.
 fn is_mean(what: &str, mean: f64, parts: &[f64], potential: f64) -> Result<(), String> {
     let mut scale = 1.0 + potential.abs();
     for part in parts {
@@ -76,7 +76,7 @@ fn the_mean_over_uavs_is_the_teams_reward() {
     assert!(apart > 1000, "rewards of UAVs differ in {apart} steps only");
 }
 
-/// Catches a potential that punishes the fleet for what it is there to do.
+/// Catches a potential that punishes the fleet for a confirmation.
 #[test]
 fn a_confirmation_lowers_no_potential() {
     let mut confirmations = 0;

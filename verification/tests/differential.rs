@@ -1,8 +1,8 @@
 //! The kernel against the specification, step by step, on random missions.
 //!
-//! Catches any disagreement between the fast kernel and the model as it is written
-//! down: every integer, set and flag of every state, every reward component, every
-//! entry of every observation.
+//! Catches any difference between the kernel and the written model. The tests compare every
+//! integer, set and flag of every state, every reward component and every entry of every
+//! observation.
 
 use jcas_core::Config;
 use jcas_verification::mission::fly;

@@ -1,8 +1,8 @@
 //! The kernel against the specification where a host owns positions, detections, links, batteries
 //! and hotspots.
 //!
-//! Catches a host's value that the kernel takes up otherwise than written down, an invalid state
-//! after it, a ledger that no longer balances, a snapshot that forgets it.
+//! Catches a host's value that the kernel uses in another way than `docs/model.md` says. Catches an
+//! invalid state after it, a ledger that does not balance, and a snapshot that loses it.
 
 use jcas_core::{Cell, Config, Error, Model, Sim};
 use jcas_verification::comparison::{self, Outcome};
@@ -67,7 +67,7 @@ fn fly(config: Config, dice: &mut Dice) -> Result<World, String> {
     Ok(world)
 }
 
-/// Batteries set and hotspots moved, in both.
+/// Sets batteries and moves hotspots in both.
 fn between_steps(
     spec: &Specification,
     world: &mut World,
@@ -105,7 +105,7 @@ fn between_steps(
 
 type Step = (Vec<(f32, f32)>, Host);
 
-/// One step by parts, with whatever the host owns of it.
+/// Makes one step by parts, with the values that the host supplies.
 fn step(
     spec: &Specification,
     world: &mut World,

@@ -1,8 +1,9 @@
-/* The C batch call, as the peers beside it are measured:
+/* Measures the C batch call in the same way as its peers.
  *
  *   cc -O2 jcas_batch.c -lm libjcas.a && ./a.out SECONDS ENVIRONMENTS [UAVS HOTSPOTS]
  *
- * prints agent-steps per second of processor time, with observations, rewards and automatic resets, on one thread.
+ * The program prints agent-steps per second of processor time on one thread, with observations,
+ * rewards and automatic resets.
  */
 #include <jcas.h>
 #include <stdio.h>

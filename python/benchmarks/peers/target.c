@@ -1,7 +1,8 @@
-/* A fleet that steers to goals, after the task of PufferLib's Ocean environment `target`, told again from its rules:
- * 15 agents turn and change their speed in a plane, 7 goals move elsewhere when they are reached, and every agent
- * observes the way to each goal and each agent, its heading, its last reward and its place: 48 reals. Kinematics and
- * distances, nothing else: what a step can cost where there is no model. None of PufferLib's source is in it.
+/* A fleet that steers to goals, written anew from the rules of PufferLib's Ocean environment `target`.
+ * 15 agents turn and change their speed in a plane. 7 goals move elsewhere when they are reached.
+ * Every agent observes 48 reals: the offset of each goal and each agent, its heading, its last reward
+ * and its position. It computes kinematics and distances only, so it shows the cost of a step without
+ * a model. It holds none of PufferLib's source.
  *
  *   cc -O2 target.c -lm && ./a.out SECONDS ENVIRONMENTS
  *
@@ -63,7 +64,7 @@ static void begin(world *w, uint32_t seed)
     }
 }
 
-/* Action: a turn of nine and a change of speed of five, both about a middle that changes nothing. */
+/* An action is one of nine turns and one of five changes of speed. The middle ones change nothing. */
 static void step(world *w, const uint8_t *actions, float *observations, float *rewards)
 {
     for (int i = 0; i < AGENTS; i++) {

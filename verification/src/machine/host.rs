@@ -1,5 +1,4 @@
-//! The calls by which a host owns something, legal and illegal, and what the specification hears of
-//! them.
+//! Legal and illegal calls of a host, and their effect on the specification.
 
 use super::{Done, Machine, judge};
 use crate::sampling::Dice;
@@ -16,7 +15,7 @@ impl Machine<'_> {
         })
     }
 
-    /// Any cell, one time in ten off the grid.
+    /// Draws any cell, one time in ten off the grid.
     fn any_cell(&self, dice: &mut Dice) -> Cell {
         let config = self.model.config();
         let beyond = u32::from(dice.one_in(10));
@@ -155,7 +154,7 @@ impl Machine<'_> {
     pub(super) fn set_hotspots(&mut self, dice: &mut Dice) -> Done {
         let count = self.model.hotspot_count();
         let mut cells: Vec<Cell> = Vec::new();
-        // Often legal: a cell that would not be is drawn again a few times.
+        // An illegal cell is drawn again a few times, so that the call is often legal.
         for _ in 0..count {
             let mut cell = self.any_cell(dice);
             for _ in 0..20 {
@@ -244,7 +243,7 @@ impl Machine<'_> {
     }
 }
 
-/// A charge of a battery, often none or all of it.
+/// Draws the charge of a battery, which is often zero or the capacity.
 fn any_charge(dice: &mut Dice, capacity: u64) -> u64 {
     match dice.integer(0, 9) {
         0 => 0,
