@@ -33,7 +33,7 @@ pub const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   1    a verification or comparison found a difference
-  2    something given is not acceptable: an option, a field, the content of a file
+  2    an input is not acceptable: an option, a field, or the content of a file
   3    a file could not be read or written
   130  stopped by Ctrl-C";
 

@@ -6,7 +6,7 @@ use jcas_core::Cell;
 use jcas_episode::plan_file::PlanFile;
 use serde_json::{Value, json};
 
-/// Mean radius of the earth.
+/// Mean radius of the earth, in metres.
 const EARTH_RADIUS_M: f64 = 6_371_008.8;
 /// Side of a cell in the picture, in pixels.
 const CELL_PX: f64 = 44.0;
@@ -23,7 +23,7 @@ pub struct Place {
     pub latitude: f64,
     /// Longitude, in degrees east.
     pub longitude: f64,
-    /// Altitude above the depot.
+    /// Altitude above the depot, in metres.
     pub altitude_m: f64,
 }
 

@@ -227,7 +227,7 @@ fn check_size(config: &Config) -> Result<(), String> {
         ("uav_count x horizon_steps", agent_steps, MOST_AGENT_STEPS),
     ] {
         if value > most {
-            return Err(format!("{field} = {value}: the page flies at most {most}"));
+            return Err(format!("{field} = {value}: the page runs at most {most}"));
         }
     }
     Ok(())

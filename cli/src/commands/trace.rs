@@ -179,7 +179,7 @@ impl Verdict {
         match &self.difference {
             None => format!("{path}: reproduced, {} steps\n", self.steps),
             Some(difference) => format!(
-                "{path}: differs at {difference} (recorded by {}, flown again by {})\n",
+                "{path}: differs at {difference} (recorded by {}, replayed by {})\n",
                 self.recorded_by, self.verified_by
             ),
         }
