@@ -28,9 +28,9 @@ static void *allocate(size_t count, size_t size)
     return memory;
 }
 
-/* A UAV flies to the first hotspot that is not confirmed, by its own observation. Five entries of the
- * UAV come first. Each hotspot then has four: its offset along x and y, whether it is confirmed, and
- * whether it is known. */
+/* A UAV flies to the first hotspot that is not confirmed, by its own observation. Five entries of
+ * the UAV come first. Each hotspot then has four: its offset along x and y, whether it is
+ * confirmed, and whether it is known. */
 static void act(const float *observation, uint32_t hotspots, float *action)
 {
     const float *target = observation + 5;

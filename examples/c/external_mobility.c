@@ -1,6 +1,6 @@
 /* A host that owns motion and radio. It moves the UAVs on its own continuous map and supplies the
- * links. The kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated: model,
- * simulation and recording live in static arenas.
+ * links. The kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated:
+ * model, simulation and recording live in static arenas.
  *
  *   cc external_mobility.c $(pkg-config --cflags --libs jcas) -lm && ./a.out
  *

@@ -70,7 +70,7 @@ int main()
                 best_actions = gather(sim, hotspot);
             }
         }
-        if (best_actions.empty()) // all are confirmed: meet where the first was, and tell each other
+        if (best_actions.empty()) // All are confirmed: meet at the first and share knowledge.
             best_actions = gather(sim, sim.hotspots().front());
         outcome = sim.step(best_actions).take();
     }

@@ -1,8 +1,8 @@
 // jcas inside ns-3. ns-3 moves the UAVs, and its Wi-Fi determines the links. jcas, through its C
 // interface, does sensing, consensus, energy, carbon and reward.
 //
-// A policy of jcas decides each UAV's motion and pilot density. It is a trained network from a file,
-// or a baseline by its name. In each step of 10 s every UAV broadcasts one beacon over ad-hoc
+// A policy of jcas decides each UAV's motion and pilot density. It is a trained network from a
+// file, or a baseline by its name. In each step of 10 s every UAV broadcasts one beacon over ad-hoc
 // 802.11a near the end of the step. Two UAVs are linked in that step if each heard the other.
 //
 // The same mission is flown twice by the same policy: once over the links that Wi-Fi made, once
@@ -13,7 +13,7 @@
 //     ./fleet --preset=search --policy=line --uavs=15 --hotspots=7 --exponent=3.5
 //
 // With --trace the mission over Wi-Fi is recorded, with the positions and links that ns-3 supplied.
-// `jcas trace verify flight.jsonl` replays it without ns-3, and `jcas replay flight.jsonl` shows it.
+// `jcas trace verify flight.jsonl` replays it without ns-3. `jcas replay flight.jsonl` shows it.
 #include <jcas.hpp>
 
 #include "ns3/constant-velocity-mobility-model.h"

@@ -128,10 +128,10 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
 
         `infos["reward_components"]` is [M, 12], in the order of :data:`jcas.REWARD_NAMES`. Where an
         episode ended, `infos["final_info"]` holds its metrics. With `SameStep`,
-        `infos["final_obs"]` holds its last observation, and `infos["_final_obs"]` says where that
-        is; with `NextStep` the step after ignores the ended fleet's action, begins its next episode
-        and pays nothing. With `global_state=True`, `infos["global_state"]` is the critic's view,
-        [M, global length].
+        `infos["final_obs"]` holds its last observation, and `infos["_final_obs"]` marks the ended
+        fleets. With `NextStep`, the step after ignores the ended fleet's action, begins its next
+        episode and gives a reward of 0. With `global_state=True`, `infos["global_state"]` is the
+        critic's view, [M, global length].
         """
         encoded = encode_fleet_action(self._kind, actions, self._action_shape)
         self._need_reset("step")
