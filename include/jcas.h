@@ -643,11 +643,11 @@ typedef int32_t (*jcas_write)(const char *bytes, size_t count, void *context);
 typedef struct jcas_recorder {
     /// sizeof(jcas_recorder).
     uint32_t struct_size;
-    /// Set it to 0.
+    /// Reserved; set it to 0.
     uint32_t reserved;
     /// The function that takes the trace; not NULL.
     jcas_write write;
-    /// Passed to `write`.
+    /// The pointer that is passed to `write`.
     void *write_context;
     /// The name of the policy for the header of the trace, in UTF-8; NULL means "host".
     const char *policy;
@@ -677,11 +677,11 @@ typedef struct jcas_batch_options {
     /// Threads that step at once, including the caller's. 1 starts no thread. 0 means one for each
     /// processor. With `run` it is the number of tasks of a step, and no thread is started.
     uint32_t threads;
-    /// Set it to 0.
+    /// Reserved; set it to 0.
     uint32_t reserved;
     /// The function that runs the tasks of a step, or NULL for the library's own threads.
     jcas_run_tasks run;
-    /// Passed to `run`.
+    /// The pointer that is passed to `run`.
     void *run_context;
 } jcas_batch_options;
 
@@ -691,7 +691,7 @@ typedef struct jcas_batch_options {
 typedef struct jcas_batch_out {
     /// sizeof(jcas_batch_out).
     uint32_t struct_size;
-    /// Set it to 0.
+    /// Reserved; set it to 0.
     uint32_t reserved;
     /// M * uav_count * observation_len: the observation of each UAV. After an automatic reset it is
     /// the first one of the new episode.

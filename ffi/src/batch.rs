@@ -40,11 +40,11 @@ pub struct jcas_batch_options {
     /// Threads that step at once, including the caller's. 1 starts no thread. 0 means one for each
     /// processor. With `run` it is the number of tasks of a step, and no thread is started.
     pub threads: u32,
-    /// Set it to 0.
+    /// Reserved; set it to 0.
     pub reserved: u32,
     /// The function that runs the tasks of a step, or NULL for the library's own threads.
     pub run: jcas_run_tasks,
-    /// Passed to `run`.
+    /// The pointer that is passed to `run`.
     pub run_context: *mut c_void,
 }
 
@@ -91,7 +91,7 @@ pub unsafe extern "C" fn jcas_batch_new(
         let out = unsafe { place(batch) }?;
         let plan = Plan::new(environments as usize, threads as usize, None)?;
         let memory = Memory::allocate(plan.layout(model.get())?)?;
-        // SAFETY: memory of ours with this layout.
+        // SAFETY: the library allocated this memory with this layout.
         let block = unsafe { BatchBlock::build(model, plan, memory) }?;
         out.put(block.cast());
         Ok(())

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`BatchBlock`] | the mark of calls, the pool of threads, sizes, where the other parts begin |
 //! | words | the states, two spare states, the working memory of each share |
-//! | metrics | what each environment's episode came to, while a step hands them out |
+//! | metrics | the metrics of ended episodes, while a step passes them on |
 //! | taken | one flag a share: whether a thread has taken it in the present step |
 //! | threads | handles of the batch's own threads |
 
@@ -204,7 +204,7 @@ impl BatchBlock {
         for index in 0..batch.plan.threads {
             // SAFETY: the pool stays in the block until `stop_threads`.
             let Some(thread) = (unsafe { start(pool) }) else {
-                // SAFETY: as many as were started.
+                // SAFETY: `count` threads were started.
                 unsafe { Self::stop_threads(block, index) };
                 return Err(Fault::Status(JCAS_ERROR_RESOURCES));
             };
@@ -238,9 +238,9 @@ impl BatchBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and no other thread frees the batch.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block, of which nothing else is looked at.
+        // SAFETY: the block is alive, and only its mark is read.
         unsafe { &(*at).in_use }.change()?.keep();
         // SAFETY: by the mark, only this call and the batch's own threads use the block.
         let batch = unsafe { &(*at).batch };
@@ -264,9 +264,9 @@ impl BatchBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and the batch is not freed for `'a`.
     pub(crate) unsafe fn open<'a>(at: *mut Self) -> Result<(&'a mut Batch, Changing<'a>), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block, of which nothing else is looked at.
+        // SAFETY: the block is alive, and only its mark is read.
         let mark = unsafe { &(*at).in_use }.change()?;
         // SAFETY: by the mark, only this call uses the batch; its threads use the pool.
         Ok((unsafe { &mut (*at).batch }, mark))
@@ -277,9 +277,9 @@ impl BatchBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and the batch is not freed for `'a`.
     pub(crate) unsafe fn see<'a>(at: *const Self) -> Result<(&'a Batch, Reading<'a>), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block, of which nothing else is looked at.
+        // SAFETY: the block is alive, and only its mark is read.
         let mark = unsafe { &(*at).in_use }.read()?;
         // SAFETY: by the mark, no call changes the batch.
         Ok((unsafe { &(*at).batch }, mark))

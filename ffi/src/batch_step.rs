@@ -27,7 +27,7 @@ use crate::status::{
 pub struct jcas_batch_out {
     /// sizeof(jcas_batch_out).
     pub struct_size: u32,
-    /// Set it to 0.
+    /// Reserved; set it to 0.
     pub reserved: u32,
     /// M * uav_count * observation_len: the observation of each UAV. After an automatic reset it is
     /// the first one of the new episode.
@@ -87,7 +87,7 @@ unsafe impl Record for jcas_batch_out {}
 /// As [`BatchBlock::open`].
 unsafe fn change(batch: *mut jcas_batch, act: impl FnOnce(&mut Batch) -> Result<(), Fault>) -> i32 {
     guard(|| {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         let (batch, _mark) = unsafe { BatchBlock::open(batch.cast()) }?;
         let done = act(batch);
         batch.refusal = done.err();
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn jcas_batch_reset(
     global_count: usize,
 ) -> jcas_status {
     let (observations, global) = ((observations, observation_count), (global, global_count));
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe { reset(batch, None, (seeds, seed_count), observations, global) }
 }
 
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn jcas_batch_reset_some(
     global_count: usize,
 ) -> jcas_status {
     let (observations, global) = ((observations, observation_count), (global, global_count));
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe {
         reset(
             batch,

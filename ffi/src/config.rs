@@ -298,7 +298,7 @@ impl Field for f64 {
     }
 }
 
-/// NaN leaves a real number to be derived.
+/// NaN means that a real number is derived.
 impl Field for Option<f64> {
     type C = f64;
 
@@ -325,7 +325,7 @@ impl Field for Depots {
         depots
     }
 
-    /// None: how many of the cells are depots is in another field.
+    /// This is None, as the number of depots is in another field.
     fn from_c(_name: &'static str, _cells: Self::C) -> Result<Self, ConfigError> {
         Ok(Self::CENTRE)
     }

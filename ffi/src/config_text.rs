@@ -15,7 +15,7 @@ use crate::status::{Fault, JCAS_ERROR_CONFIG, guard, jcas_status};
 /// # Safety
 /// As [`message`].
 pub(crate) unsafe fn refuse(error: impl Display, buffer: *mut c_char, capacity: usize) -> Fault {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe { message(&Said(error), buffer, capacity) };
     Fault::Status(JCAS_ERROR_CONFIG)
 }
@@ -29,12 +29,12 @@ pub(crate) unsafe fn legal(
     buffer: *mut c_char,
     capacity: usize,
 ) -> Result<Config, Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let record = unsafe { read_record(config) }?;
     let checked = record
         .to_core()
         .and_then(|config| config.validate().map(|()| config));
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     checked.map_err(|error| unsafe { refuse(error, buffer, capacity) })
 }
 
@@ -268,18 +268,18 @@ unsafe fn from_text(
     message_capacity: usize,
     parse: impl Fn(&str) -> Result<Config, TextError>,
 ) -> Result<(), Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let text = unsafe { bytes(text.cast(), text_length) }?;
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let out = unsafe { sized_record(config, struct_size) }?;
     let refused = match std::str::from_utf8(text).map(parse) {
         Ok(Ok(config)) => {
             out.put(jcas_config::from_core(&config));
             return Ok(());
         }
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         Ok(Err(error)) => unsafe { refuse(error, message, message_capacity) },
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         Err(_) => unsafe { refuse("the text is not UTF-8", message, message_capacity) },
     };
     Err(refused)

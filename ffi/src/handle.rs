@@ -121,7 +121,7 @@ impl Memory {
         size: usize,
         layout: Layout,
     ) -> Result<(*mut u8, Self), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check_lent(at, size, layout) }?;
         let ours = false;
         Ok((at, Self { layout, ours }))
@@ -220,9 +220,9 @@ pub(crate) unsafe fn check<B: Block>(at: *const B) -> Result<(), Fault> {
 /// # Safety
 /// The conditions of [`check`] hold, and the model is not freed for `'a`.
 pub(crate) unsafe fn model<'a>(at: *const ModelBlock) -> Result<&'a ModelBlock, Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe { check(at) }?;
-    // SAFETY: a living model block; nobody has it for change.
+    // SAFETY: a living model block; no call changes it.
     Ok(unsafe { &*at })
 }
 
@@ -262,7 +262,7 @@ impl ModelBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and no other thread uses the model.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         let block = unsafe { model(at) }?;
         if block.users.load(Ordering::Acquire) != 0 {
             return Err(Fault::Status(JCAS_ERROR_IN_USE));
@@ -312,9 +312,9 @@ pub(crate) struct Seen<'a> {
 /// # Safety
 /// The conditions of [`check`] hold, and the simulation is not freed for `'a`.
 pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe { check(at) }?;
-    // SAFETY: a living block, of which nothing else is looked at.
+    // SAFETY: the block is alive, and only its mark is read.
     let mark = unsafe { &(*at).in_use }.change()?;
     // SAFETY: what is read here never changes while the block lives.
     let (model, state, scratch) = unsafe { ((*at).model, (*at).state_words, (*at).scratch_words) };
@@ -346,7 +346,7 @@ pub(crate) unsafe fn change(
     act: impl FnOnce(&mut Open<'_>) -> Result<(), Fault>,
 ) -> i32 {
     guard(|| {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         let mut sim = unsafe { open(at) }?;
         let done = act(&mut sim);
         *sim.refusal = done.err();
@@ -359,9 +359,9 @@ pub(crate) unsafe fn change(
 /// # Safety
 /// The conditions of [`check`] hold, and the simulation is not freed for `'a`.
 pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe { check(at) }?;
-    // SAFETY: a living block, of which nothing else is looked at.
+    // SAFETY: the block is alive, and only its mark is read.
     let mark = unsafe { &(*at).in_use }.read()?;
     // SAFETY: by the mark, no call changes the block.
     let block = unsafe { &*at };
@@ -418,9 +418,9 @@ impl SimBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and no other thread frees the simulation.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block, of which nothing else is looked at.
+        // SAFETY: the block is alive, and only its mark is read.
         unsafe { &(*at).in_use }.change()?.keep();
         // SAFETY: by the mark, only this call uses the block.
         let block = unsafe { &mut *at };

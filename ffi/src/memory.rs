@@ -224,7 +224,7 @@ pub(crate) unsafe fn put_layout(
     alignment: *mut usize,
     layout: impl FnOnce() -> Result<Layout, Fault>,
 ) -> Result<(), Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let (size, alignment) = unsafe { (place(size)?, place(alignment)?) };
     let layout = layout()?;
     size.put(layout.size());
@@ -362,7 +362,7 @@ pub(crate) unsafe fn text_out<T: Text + ?Sized>(
     capacity: usize,
     length: *mut usize,
 ) -> Result<(), Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let length = unsafe { place(length) }?;
     if buffer.is_null() && capacity != 0 {
         return Err(Fault::Status(JCAS_ERROR_NULL));

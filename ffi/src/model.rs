@@ -88,7 +88,7 @@ pub unsafe extern "C" fn jcas_model_new(
         // SAFETY: the caller's promise for `model`; looked at before anything is allocated.
         unsafe { place(model) }?;
         let memory = Memory::allocate(ModelBlock::layout(&config)?)?;
-        // SAFETY: the memory is ours, `model` is the caller's.
+        // SAFETY: the library allocated the memory, and the caller promised `model`.
         unsafe { build(config, memory, model) }
     })
 }
@@ -263,9 +263,9 @@ unsafe fn build(
     memory: (*mut u8, Memory),
     out: *mut *mut jcas_model,
 ) -> Result<(), Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let out = unsafe { place(out) }?;
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let block = unsafe { ModelBlock::build(config, memory) }?;
     out.put(block.cast());
     Ok(())
@@ -282,7 +282,7 @@ mod tests {
             .enumerate()
         {
             let given = jcas_observation_field_name(index as u32);
-            // SAFETY: a static C string.
+            // SAFETY: the text is a static C string.
             let given = unsafe { std::ffi::CStr::from_ptr(given) };
             assert_eq!(given.to_str(), Ok(*name));
         }

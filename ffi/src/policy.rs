@@ -46,12 +46,12 @@ unsafe fn network(
     // SAFETY: the caller's promise; the slice does not outlive the call.
     let file: &'static [u8] = unsafe { bytes(file, length) }?;
     let network = Network::read(file).map_err(|error| {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { message(&Said(error), buffer, capacity) };
         Fault::Status(JCAS_ERROR_CORRUPT)
     })?;
     network.check(model).map_err(|error| {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { message(&Said(&error), buffer, capacity) };
         fault(error)
     })?;
@@ -157,7 +157,7 @@ pub unsafe extern "C" fn jcas_policy_load(
         let (network, file) =
             unsafe { network(model.get(), file, length, message, message_capacity) }?;
         let memory = Memory::allocate(PolicyBlock::layout(model.get(), Some(&network))?)?;
-        // SAFETY: memory of ours with this layout.
+        // SAFETY: the library allocated this memory with this layout.
         let block = unsafe { PolicyBlock::build_network(model, &network, file, memory) }?;
         out.put(block.cast());
         Ok(())
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn jcas_policy_baseline(
             Fault::Status(JCAS_ERROR_ARGUMENT)
         })?;
         let memory = Memory::allocate(PolicyBlock::layout(model.get(), None)?)?;
-        // SAFETY: memory of ours with this layout.
+        // SAFETY: the library allocated this memory with this layout.
         let block = unsafe { PolicyBlock::build_baseline(model, kind, mode, memory) };
         out.put(block.cast());
         Ok(())
@@ -239,7 +239,7 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
         };
         // SAFETY: the caller's promise for `policy`.
         let _mark = unsafe { PolicyBlock::hold(policy.cast()) }?;
-        // SAFETY: held.
+        // SAFETY: this call holds the policy.
         unsafe { PolicyBlock::set_mode(policy.cast(), mode) };
         Ok(())
     })
@@ -271,7 +271,7 @@ pub unsafe extern "C" fn jcas_policy_act(
         let actions = unsafe { output(actions, action_count, sim.model.action_len()) }?;
         // SAFETY: the caller's promise for `policy`.
         let _mark = unsafe { PolicyBlock::hold(policy.cast()) }?;
-        // SAFETY: held.
+        // SAFETY: this call holds the policy.
         unsafe { PolicyBlock::plan(policy.cast(), 0, sim.model, sim.words) }?;
         // SAFETY: as above.
         unsafe { PolicyBlock::act(policy.cast(), 0, sim.model, sim.words, actions) }
@@ -303,7 +303,7 @@ pub unsafe extern "C" fn jcas_policy_act_batch(
         let each = actions.chunks_exact_mut(batch.model().action_len());
         for index in 0..each.len() {
             let words = batch.state(index)?;
-            // SAFETY: held.
+            // SAFETY: this call holds the policy.
             unsafe { PolicyBlock::plan(policy.cast(), index, batch.model(), words) }?;
         }
         for (index, actions) in each.enumerate() {

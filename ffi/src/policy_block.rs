@@ -99,7 +99,7 @@ struct Parts<'a> {
 /// `at` has the layout of [`PolicyBlock::layout`] for these lengths, initialised, and nothing else
 /// uses the words after it for `'a`.
 unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let words = unsafe { words_after(at, lengths.words()) };
     let (kernel, rest) = words.split_at_mut(lengths.kernel_words);
     // SAFETY: every pattern of bits is two floats, of half the alignment; the words are not used
@@ -214,7 +214,7 @@ impl PolicyBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and no other thread frees the policy.
     pub(crate) unsafe fn free(at: *mut Self) -> Result<(), Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { Self::hold(at) }?.keep();
         // SAFETY: by the mark, only this call uses the block, which is read out whole and not used
         // again.
@@ -233,9 +233,9 @@ impl PolicyBlock {
     /// # Safety
     /// The conditions of [`check`] hold, and the policy is not freed for `'a`.
     pub(crate) unsafe fn hold<'a>(at: *mut Self) -> Result<Changing<'a>, Fault> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check(at) }?;
-        // SAFETY: a living block, of which nothing else is looked at.
+        // SAFETY: the block is alive, and only its mark is read.
         unsafe { &(*at).in_use }.change()
     }
 

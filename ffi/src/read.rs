@@ -386,7 +386,7 @@ mod tests {
     fn reward_names_are_the_kernels() {
         for (index, name) in reward::NAMES.iter().enumerate() {
             let given = jcas_reward_name(index as u32);
-            // SAFETY: a static C string.
+            // SAFETY: the text is a static C string.
             let given = unsafe { std::ffi::CStr::from_ptr(given) };
             assert_eq!(given.to_str(), Ok(*name));
         }

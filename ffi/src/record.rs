@@ -31,11 +31,11 @@ pub type jcas_write =
 pub struct jcas_recorder {
     /// sizeof(jcas_recorder).
     pub struct_size: u32,
-    /// Set it to 0.
+    /// Reserved; set it to 0.
     pub reserved: u32,
     /// The function that takes the trace; not NULL.
     pub write: jcas_write,
-    /// Passed to `write`.
+    /// The pointer that is passed to `write`.
     pub write_context: *mut c_void,
     /// The name of the policy for the header of the trace, in UTF-8; NULL means "host".
     pub policy: *const c_char,
@@ -287,10 +287,10 @@ unsafe fn text<'a>(
     buffer: *mut c_char,
     capacity: usize,
 ) -> Result<&'a str, Fault> {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     let bytes = unsafe { bytes(trace.cast(), length) }?;
     std::str::from_utf8(bytes).map_err(|_| {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { message("the trace is not UTF-8", buffer, capacity) };
         Fault::Status(JCAS_ERROR_CORRUPT)
     })
@@ -299,7 +299,7 @@ unsafe fn text<'a>(
 /// # Safety
 /// As [`message`].
 unsafe fn say(error: &VerifyError<'_>, buffer: *mut c_char, capacity: usize) -> Fault {
-    // SAFETY: passed on.
+    // SAFETY: the caller's promises, passed on.
     unsafe { message(&Said(error), buffer, capacity) };
     Fault::Status(match error.problem {
         Problem::OtherModel => JCAS_ERROR_MODEL_MISMATCH,

@@ -69,7 +69,7 @@ impl Workspace {
         model: &Model<'_>,
     ) -> Result<Self, Fault> {
         let layout = Self::layout(model)?;
-        // SAFETY: passed on.
+        // SAFETY: the caller's promises, passed on.
         unsafe { check_lent(at.cast(), size, layout) }?;
         // SAFETY: large enough, as was just checked.
         unsafe { at.cast::<u8>().write_bytes(0, layout.size()) };

@@ -94,7 +94,7 @@ pub unsafe extern "C" fn jcas_sim_new(
         // SAFETY: the caller's promise for `sim`.
         let out = unsafe { place(sim) }?;
         let memory = Memory::allocate(SimBlock::layout(model.get())?)?;
-        // SAFETY: memory of ours with this layout.
+        // SAFETY: the library allocated this memory with this layout.
         let block = unsafe { SimBlock::build(model, memory) }?;
         out.put(block.cast());
         Ok(())

@@ -133,7 +133,7 @@ impl fmt::Display for Fault {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Status(status) => {
-                // SAFETY: a static C string.
+                // SAFETY: the text is a static C string.
                 let words = unsafe { CStr::from_ptr(jcas_status_string(*status)) };
                 out.write_str(words.to_str().unwrap_or_default())
             }
@@ -145,7 +145,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Runs the body of an exported function. A panic, which would be a fault of ours, ends here.
+/// Runs the body of an exported function. A panic, which would be a fault of the library, becomes a
+/// status.
 #[inline]
 pub(crate) fn guard(body: impl FnOnce() -> Result<(), Fault>) -> jcas_status {
     match catch_unwind(AssertUnwindSafe(body)) {

@@ -54,7 +54,7 @@ impl fmt::Display for Problem<'_> {
             Self::OtherModel => out.write_str("the simulation has another configuration"),
             Self::Kernel(error) => error.fmt(out),
             Self::Config(error) => error.fmt(out),
-            Self::Differs(field) => write!(out, "{field} differs from what is flown"),
+            Self::Differs(field) => write!(out, "{field} differs from the replay"),
             Self::Memory => out.write_str("a fault of the library itself"),
         }
     }

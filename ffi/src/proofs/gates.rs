@@ -237,7 +237,7 @@ mod statuses {
     #[test]
     fn each_status_of_the_header_has_words_of_its_own() {
         let words = |status: i32| {
-            // SAFETY: a static C string.
+            // SAFETY: the text is a static C string.
             unsafe { CStr::from_ptr(jcas_status_string(status)) }
         };
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../include/jcas.h");
