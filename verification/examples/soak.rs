@@ -1,4 +1,4 @@
-//! Random missions, sequences of calls and batches, until the agent-steps asked for are made:
+//! Runs random missions, sequences of calls and batches for a given number of agent-steps:
 //!
 //! ```console
 //! $ cargo run --release -p jcas-verification --example soak -- 1e9 out/soak.txt
@@ -9,10 +9,9 @@
 //! turns, on one of the machine's other instruction sets. Their bits have to be the same. Such a
 //! step counts once. Sizes are those of `sampling::fleet_size`.
 //!
-//! The file holds how far the run has come; the same command goes on from there. The third argument
-//! is a seed, zero where it is missing: runs of different seeds make different rounds. A difference
-//! ends the run, which prints what reproduces it. A failing sequence of calls is made shorter
-//! first.
+//! The file holds the progress of the run, and the same command resumes it. The third argument is a
+//! seed, zero by default: runs of different seeds make different rounds. A difference ends the run,
+//! which prints how to reproduce it. A failing sequence of calls is shortened first.
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Model, Scratch};
@@ -39,10 +38,10 @@ const ENVIRONMENTS: usize = 4;
 /// Steps of a batch.
 const BATCH_STEPS: u32 = 60;
 
-/// The first difference, as text.
+/// The text that describes the first difference.
 type Outcome = Result<(), String>;
 
-/// How far a run has come.
+/// The progress of a run.
 #[derive(Default)]
 struct Soak {
     seed: u64,
@@ -140,7 +139,7 @@ fn play_sequences(seed: u64) -> Result<Tally, String> {
     Ok(tally.into_inner())
 }
 
-/// What one instruction set makes of a batch.
+/// The outputs of a batch on one instruction set.
 struct SetFlight {
     set: InstructionSet,
     states: Vec<u64>,
@@ -200,7 +199,7 @@ impl SetFlight {
             .map_err(|error| error.to_string())
     }
 
-    /// The first output of which a bit differs.
+    /// Returns the first output that differs in a bit.
     fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let bits = |ours: &[f32], theirs: &[f32]| {
             let mut pairs = ours.iter().zip(theirs);
@@ -279,7 +278,7 @@ fn text(progress: &Soak) -> String {
     words.join(" ")
 }
 
-/// How far an earlier run of the seed has come.
+/// Reads the progress of an earlier run of the seed.
 fn read(path: &Path, seed: u64) -> Result<Soak, String> {
     let Ok(text) = std::fs::read_to_string(path) else {
         return Ok(Soak {

@@ -25,18 +25,18 @@ pub struct Proof {
     pub package: String,
     /// Full path of the harness within its crate.
     pub harness: String,
-    /// What it shows, in one sentence.
+    /// The claim, in one sentence.
     pub claim: String,
-    /// For which inputs.
+    /// The inputs for which it holds.
     pub bound: String,
     /// Rows of ASSUMPTIONS.md that it rests on.
     pub assumptions: Vec<String>,
     /// Number of its cover properties; all must be satisfied.
     pub covers: u32,
-    /// Seconds that Kani took on two busy cores; 0 where nobody has measured it.
+    /// Seconds that Kani took on two busy cores; 0 if it has not been measured.
     #[serde(default)]
     pub measured_s: u64,
-    /// Seconds that it may take where nobody has measured it.
+    /// Estimated seconds, for a harness that has not been measured.
     #[serde(default)]
     pub estimated_s: u64,
     /// SAT solver that Kani is asked to use.

@@ -35,7 +35,7 @@ pub struct Run {
     pub sources: BTreeMap<String, String>,
 }
 
-/// What one run said of one harness.
+/// The outcome of one run for one harness.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outcome {
@@ -67,7 +67,7 @@ pub struct Outcome {
     pub note: Option<String>,
 }
 
-/// What a run shows about a claim.
+/// The verdict of a run about a claim.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ProofVerdict {
@@ -77,7 +77,7 @@ pub enum ProofVerdict {
     Failed,
     /// No answer within the time limit.
     NotSolved,
-    /// The run was ended before its time limit, and says nothing.
+    /// The run was ended before its time limit, so it shows nothing.
     Unfinished,
 }
 
