@@ -268,7 +268,8 @@ mod tests {
         let copied = with_members(manifest).unwrap();
         assert_eq!(
             copied,
-            "[workspace]\nmembers = [\"core\", \"ffi\", \"policy\", \"verification\"]\n[profile]\n"
+            "[workspace]\nmembers = [\"core\", \"ffi\", \"plan\", \"policy\", \"simd\", \"trace\", \
+             \"verification\"]\n[profile]\n"
         );
         assert!(with_members("[workspace]\n").is_err());
     }
