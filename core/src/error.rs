@@ -115,6 +115,13 @@ pub enum Error {
     Argument(ConfigError),
     /// The state belongs to a model with another configuration, or was never reset.
     ModelMismatch,
+    /// The working memory of a step has fewer words than the model needs.
+    ScratchTooSmall {
+        /// Words that it must have at least.
+        words_min: usize,
+        /// Words that it has.
+        words: usize,
+    },
     /// A part of the step was called out of its order.
     OutOfOrder {
         /// What was called.
@@ -149,6 +156,10 @@ impl fmt::Display for Error {
             } => write!(out, "{what} has {got} elements: must have {expected}"),
             Self::ModelMismatch => out.write_str(
                 "the state was never reset or belongs to another configuration: reset it with this model",
+            ),
+            Self::ScratchTooSmall { words_min, words } => write!(
+                out,
+                "the scratch has {words} words: must have at least {words_min}"
             ),
             Self::OutOfOrder { called, after } => {
                 write!(out, "{called} was called out of order: {after} comes first")

@@ -1,6 +1,7 @@
 //! Working memory of a step: nothing in it outlives a call. One per thread serves any number of states.
 
 use crate::bits;
+use crate::error::Error;
 use crate::graph;
 use crate::lanes::{self, Lanes};
 use crate::model::Model;
@@ -34,10 +35,19 @@ impl<'a> Scratch<'a> {
             .max(pairs)
     }
 
-    /// Uses the caller's memory; `None` if it has fewer than [`Scratch::words_for`] words.
-    #[must_use]
-    pub fn new(model: &Model<'_>, words: &'a mut [u64]) -> Option<Self> {
-        (words.len() >= Self::words_for(model)).then_some(Self { words })
+    /// Uses the caller's memory.
+    ///
+    /// # Errors
+    /// [`Error::ScratchTooSmall`] if it has fewer than [`Scratch::words_for`] words.
+    pub fn new(model: &Model<'_>, words: &'a mut [u64]) -> Result<Self, Error> {
+        let words_min = Self::words_for(model);
+        if words.len() < words_min {
+            return Err(Error::ScratchTooSmall {
+                words_min,
+                words: words.len(),
+            });
+        }
+        Ok(Self { words })
     }
 
     /// A set of cells.
@@ -120,4 +130,28 @@ pub(crate) struct Tally<'a> {
 impl Tally<'_> {
     /// Words per UAV.
     const WORDS: usize = 7;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::string::ToString;
+    use std::{format, vec};
+
+    use super::*;
+    use crate::config::Config;
+
+    #[test]
+    fn memory_that_lacks_a_word_is_refused_as_too_small() {
+        let config = Config::default();
+        let mut tables = vec![0; Model::table_words(&config).unwrap()];
+        let model = Model::new_in(config, &mut tables).unwrap();
+        let words_min = Scratch::words_for(&model);
+        let mut memory = vec![0; words_min];
+        assert!(Scratch::new(&model, &mut memory).is_ok());
+        let words = words_min - 1;
+        let refused = Scratch::new(&model, &mut memory[..words]).unwrap_err();
+        assert_eq!(refused, Error::ScratchTooSmall { words_min, words });
+        let message = format!("the scratch has {words} words: must have at least {words_min}");
+        assert_eq!(refused.to_string(), message);
+    }
 }

@@ -47,8 +47,8 @@ impl<'m> Sim<'m> {
             words,
             scratch,
         } = self;
-        let reset = Scratch::new(model, scratch).map(|mut s| model.reset(words, &mut s, seed));
-        debug_assert_eq!(reset, Some(Ok(())), "the memory has the model's own size");
+        let reset = Scratch::new(model, scratch).and_then(|mut s| model.reset(words, &mut s, seed));
+        debug_assert_eq!(reset, Ok(()), "the memory has the model's own size");
     }
 
     fn with<T>(
@@ -56,8 +56,7 @@ impl<'m> Sim<'m> {
         act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let mut state = self.model.state_mut(&mut self.words)?;
-        let mut scratch =
-            Scratch::new(self.model, &mut self.scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(self.model, &mut self.scratch)?;
         act(self.model, &mut state, &mut scratch)
     }
 

@@ -369,7 +369,7 @@ impl Batch {
             scratch,
             ..
         } = self.parts_mut();
-        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(model, scratch)?;
         for (m, words) in states.chunks_exact_mut(model.state_words()).enumerate() {
             visit(model, m, words, &mut scratch)?;
         }

@@ -244,7 +244,7 @@ impl<'a> BatchJob<'a> {
                 },
             )
         };
-        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(model, scratch)?;
         InstructionSet::best().batch_step(
             model,
             states,

@@ -436,7 +436,7 @@ impl SimBlock {
 
 impl Open<'_> {
     pub(crate) fn reset(&mut self, seed: u64) -> Result<(), Fault> {
-        let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(self.model, self.scratch)?;
         self.model.reset(self.words, &mut scratch, seed)?;
         *self.recording = None;
         Ok(())
@@ -462,7 +462,7 @@ impl Open<'_> {
             spare,
             ..
         } = self;
-        let mut working = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        let mut working = Scratch::new(model, scratch)?;
         model.reset(spare, &mut working, seed)?;
         let recording = Recording::begin(sink, workspace, names, model, spare, scratch)?;
         self.words.copy_from_slice(self.spare);
@@ -502,7 +502,7 @@ impl Open<'_> {
         &mut self,
         act: impl FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>) -> Result<T, Error>,
     ) -> Result<T, Fault> {
-        let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(self.model, self.scratch)?;
         let acted = self
             .model
             .state_mut(self.words)

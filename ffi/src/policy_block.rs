@@ -8,7 +8,7 @@
 use std::alloc::Layout;
 use std::slice;
 
-use jcas_core::{Error, Model, Scratch, StateRef, observation};
+use jcas_core::{Model, Scratch, StateRef, observation};
 use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
 use jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode};
 use jcas_simd::InstructionSet;
@@ -326,7 +326,7 @@ fn fly(
     state: &StateRef<'_>,
     actions: &mut [f32],
 ) -> Result<(), Fault> {
-    let mut scratch = Scratch::new(model, parts.kernel).ok_or(Error::ModelMismatch)?;
+    let mut scratch = Scratch::new(model, parts.kernel)?;
     observation::observe(model, state, &mut scratch, parts.observations)?;
     learned
         .network

@@ -2,8 +2,8 @@
 
 use std::ffi::{c_char, c_void};
 
+use jcas_core::Scratch;
 use jcas_core::observation;
-use jcas_core::{Error, Scratch};
 
 use crate::handle::{Memory, Open, SimBlock, change, model, see};
 use crate::memory::{Words, input, output, place, put_layout, record, text_out};
@@ -190,7 +190,7 @@ pub unsafe extern "C" fn jcas_sim_observe(
         // SAFETY: the caller's promise for `observations`.
         let out = unsafe { output(observations, count, expected) }?;
         let state = sim.model.state(sim.words)?;
-        let mut scratch = Scratch::new(sim.model, sim.scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(sim.model, sim.scratch)?;
         Ok(observation::observe(sim.model, &state, &mut scratch, out)?)
     };
     // SAFETY: the caller's promise for `sim`.

@@ -120,6 +120,8 @@ impl Fault {
                 Error::Length { .. } => JCAS_ERROR_LENGTH,
                 Error::Argument(_) => JCAS_ERROR_ARGUMENT,
                 Error::ModelMismatch => JCAS_ERROR_MODEL_MISMATCH,
+                // Every handle sizes its own scratch.
+                Error::ScratchTooSmall { .. } => JCAS_ERROR_INTERNAL,
                 Error::OutOfOrder { .. } => JCAS_ERROR_OUT_OF_ORDER,
                 Error::EpisodeOver => JCAS_ERROR_EPISODE_OVER,
                 Error::Corrupt(_) => JCAS_ERROR_CORRUPT,
@@ -169,5 +171,12 @@ mod tests {
             Ok(())
         });
         assert_eq!(status, JCAS_ERROR_INTERNAL);
+    }
+
+    #[test]
+    fn a_scratch_of_the_library_that_is_too_small_is_its_own_fault() {
+        let model = jcas_core::Model::new(jcas_core::Config::default()).expect("a legal default");
+        let refused = jcas_core::Scratch::new(&model, &mut []).expect_err("no memory");
+        assert_eq!(Fault::from(refused).status(), JCAS_ERROR_INTERNAL);
     }
 }

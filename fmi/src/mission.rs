@@ -65,7 +65,7 @@ impl Mission {
     }
 
     fn reset(&mut self) -> Result<(), String> {
-        let mut scratch = Scratch::new(&self.model, &mut self.scratch).ok_or("scratch memory")?;
+        let mut scratch = Scratch::new(&self.model, &mut self.scratch).map_err(said)?;
         self.model
             .reset(&mut self.words, &mut scratch, self.setup.seed)
             .map_err(said)?;
@@ -123,7 +123,7 @@ impl Mission {
             Some(pilot) => {
                 let state = model.state(words).map_err(said)?;
                 if pilot.reads_observations() {
-                    let mut scratch = Scratch::new(model, scratch).ok_or("scratch memory")?;
+                    let mut scratch = Scratch::new(model, scratch).map_err(said)?;
                     observation::observe(model, &state, &mut scratch, observations)
                         .map_err(said)?;
                     pilot.see(observations);
@@ -150,7 +150,7 @@ impl Mission {
             ..
         } = self;
         let mut state = model.state_mut(words)?;
-        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(model, scratch)?;
         model.step_begin(&mut state, actions)?;
         if setup.own_positions {
             let cells: Vec<Cell> = inputs

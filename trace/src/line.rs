@@ -35,7 +35,7 @@ impl Hashes {
         scratch: &mut [u64],
         observations: &mut [f32],
     ) -> Result<Self, Error> {
-        let mut scratch = Scratch::new(model, scratch).ok_or(Error::ModelMismatch)?;
+        let mut scratch = Scratch::new(model, scratch)?;
         observation::observe(model, &model.state(words)?, &mut scratch, observations)?;
         Ok(Self {
             observations: hash::reals(observations),

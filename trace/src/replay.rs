@@ -146,7 +146,7 @@ impl<'r> Replay<'r> {
             return Err(Problem::OtherModel);
         }
         let mut scratch =
-            Scratch::new(simulation.model, simulation.scratch).ok_or(Problem::Memory)?;
+            Scratch::new(simulation.model, simulation.scratch).or(Err(Problem::Memory))?;
         let reset = simulation
             .model
             .reset(simulation.words, &mut scratch, header.seed);
@@ -200,7 +200,7 @@ impl Simulation<'_> {
     where
         F: FnOnce(&Model<'_>, &mut StateMut<'_>, &mut Scratch<'_>, &[f32]) -> Result<(), Error>,
     {
-        let mut scratch = Scratch::new(self.model, self.scratch).ok_or(Problem::Memory)?;
+        let mut scratch = Scratch::new(self.model, self.scratch).or(Err(Problem::Memory))?;
         let mut state = self.model.state_mut(self.words).map_err(Problem::Kernel)?;
         act(self.model, &mut state, &mut scratch, self.actions).map_err(Problem::Kernel)
     }

@@ -159,7 +159,7 @@ fn measure_batch(
     let count = environments as usize;
     let mut states = vec![0; count * model.state_words()];
     let mut scratch_words = vec![0; Scratch::words_for(model)];
-    let mut scratch = Scratch::new(model, &mut scratch_words).ok_or(Error::ModelMismatch)?;
+    let mut scratch = Scratch::new(model, &mut scratch_words)?;
     let mut observations = vec![0.0; count * model.uav_count() * model.observation_len()];
     let mut rewards = vec![0.0; count];
     let (mut terminated, mut truncated) = (vec![0; count], vec![0; count]);
