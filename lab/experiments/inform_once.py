@@ -1,0 +1,115 @@
+"""The paper's PPO over the sensing range, with informing paid once.
+
+Each row of the table is one policy in one cell: a random walk, or PPO with the paper's settings.
+The script can be stopped at any time. It goes on where the table ends, and an unfinished training
+resumes from its checkpoint.
+
+    python lab/experiments/inform_once.py --jcas target/release/jcas \\
+        --lab lab/target/release/jcas-lab --runs out/inform_once
+"""
+
+import argparse
+import csv
+import json
+import subprocess
+import time
+from pathlib import Path
+
+TABLE = Path(__file__).parent.parent / "results" / "inform_once.csv"
+EPISODES = 1000
+KEY = ("reading", "range_m", "uavs", "hotspots", "pilot", "seed", "policy")
+QUANTITIES = {
+    "success": "success_rate",
+    "steps": "mission_steps_mean",
+    "energy_kwh": "energy_kwh_mean",
+    "throughput": "throughput_mean",
+    "return": "return_mean",
+}
+FIELDS = [*KEY, "episodes"]
+FIELDS += [name + end for name in QUANTITIES for end in ("", "_low", "_high")]
+FIELDS += ["train_seconds"]
+
+# What each reading of the paper's reward changes of the preset `paper`.
+READINGS = {
+    "every step": ["inform_payment=every_step"],
+    "once": ["inform_payment=once"],
+    "once, no throughput": ["inform_payment=once", "reward_throughput=0"],
+}
+
+
+def cells():
+    """Yields the cells in the order of their worth: the best range first, then seeds and n."""
+    for range_m in (175, 150, 162.5, 187.5, 200, 137.5, 125, 212.5, 225):
+        for uavs in (10, 15):
+            yield ("once", range_m, uavs, 5, "mid", 0, "random")
+            yield ("once", range_m, uavs, 5, "adaptive", 0, "ppo")
+    for range_m in (150, 175):
+        for uavs in (10, 15):
+            for reading in ("every step", "once, no throughput"):
+                yield (reading, range_m, uavs, 5, "adaptive", 0, "ppo")
+    for seed in (1, 2):
+        for range_m in (175, 162.5, 187.5):
+            for uavs in (10, 15):
+                yield ("once", range_m, uavs, 5, "adaptive", seed, "ppo")
+    for uavs in (10, 15, 5, 20):
+        for hotspots in (3, 7, 9, 11):
+            yield ("once", 175, uavs, hotspots, "adaptive", 0, "ppo")
+        yield ("once", 175, uavs, 5, "0.3", 0, "ppo")
+
+
+def finished():
+    """Returns the keys of the rows that the table holds."""
+    if not TABLE.exists():
+        return set()
+    with TABLE.open(newline="") as table:
+        return {tuple(row[name] for name in KEY) for row in csv.DictReader(table)}
+
+
+def run(options, cell):
+    """Trains where the policy is PPO, evaluates, and appends one row to the table."""
+    reading, range_m, uavs, hotspots, pilot, seed, policy = cell
+    config = ["--preset", "paper", "--uavs", str(uavs), "--hotspots", str(hotspots)]
+    for change in [*READINGS[reading], f"sensing_range_m={range_m}"]:
+        config += ["--set", change]
+    seconds = ""
+    if policy == "ppo":
+        words = reading.replace(",", "").replace(" ", "_")
+        folder = f"{options.runs}/{words}-{range_m}m-{uavs}x{hotspots}-{pilot}-s{seed}"
+        train = [options.lab, "train", "--train-preset", "paper", *config, "--seed", str(seed)]
+        train += ["--threads", "1", "--out", folder, "--resume"]
+        if pilot != "adaptive":
+            train += ["--train-set", f"constant_pilot={pilot}"]
+        begun = time.monotonic()
+        subprocess.run(train, check=True)
+        seconds = round(time.monotonic() - begun)
+        fly = [folder, "--mode", "sampled"]
+    else:
+        fly = [policy, "--pilot", pilot]
+    evaluate = [options.jcas, "evaluate", *fly, *config, "--episodes", str(EPISODES), "--json"]
+    report = json.loads(subprocess.run(evaluate, check=True, capture_output=True).stdout)
+    row = dict(zip(KEY, cell, strict=True)) | {"episodes": EPISODES, "train_seconds": seconds}
+    for name, field in QUANTITIES.items():
+        for end in ("", "_low", "_high"):
+            row[name + end] = report[field + end]
+    new = not TABLE.exists()
+    with TABLE.open("a", newline="") as table:
+        writer = csv.DictWriter(table, FIELDS, lineterminator="\n")
+        if new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def main():
+    """Runs every cell that the table lacks."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--jcas", required=True, help="path of the command jcas")
+    parser.add_argument("--lab", required=True, help="path of the command jcas-lab")
+    parser.add_argument("--runs", required=True, help="folder of the trainings")
+    options = parser.parse_args()
+    for cell in cells():
+        if tuple(map(str, cell)) not in finished():
+            run(options, cell)
+
+
+if __name__ == "__main__":
+    main()
