@@ -3,7 +3,7 @@
 //! A [`Config`] becomes an immutable [`Model`]; a [`Model`] steps states, each one slab of words in the
 //! caller's memory. No allocation, no I/O, no clock, no global, no `unsafe`; every loop is bounded by the
 //! configuration and every public function returns a value or a typed [`Error`]. With the feature `alloc`,
-//! [`Sim`] keeps a state in memory of its own.
+//! `Sim` keeps a state in memory of its own.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {

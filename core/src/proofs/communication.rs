@@ -150,7 +150,7 @@ pub fn buckets_link_the_pairs_that_pairs_link() {
     place_radios(&model, &mut words);
     let (mut pairs, mut buckets) = (words, words);
     let mut scratch: [u64; TRIO_SCRATCH_WORDS] = kani::any();
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+    let mut scratch = Scratch::new(&model, &mut scratch).ok().unwrap();
     let layout = *model.layout();
     let mut pairs = StateMut::split(layout, &mut pairs[..model.state_words()]);
     let mut buckets = StateMut::split(layout, &mut buckets[..model.state_words()]);
@@ -233,8 +233,8 @@ pub fn working_memory_does_not_matter_to_consensus() {
     let mut other = one;
     let mut scratch: [u64; SCRATCH_WORDS] = kani::any();
     let mut zeros = [0; SCRATCH_WORDS];
-    let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
-    let mut zeros = Scratch::new(&model, &mut zeros).unwrap();
+    let mut scratch = Scratch::new(&model, &mut scratch).ok().unwrap();
+    let mut zeros = Scratch::new(&model, &mut zeros).ok().unwrap();
     crate::knowledge::communicate(&model, &mut open(&model, &mut one), &mut scratch);
     crate::knowledge::communicate(&model, &mut open(&model, &mut other), &mut zeros);
     kani::cover!(view(&model, &one).informed(0), "an informed hotspot");

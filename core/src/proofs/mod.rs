@@ -16,7 +16,9 @@ macro_rules! given {
     };
     ($scratch:ident for $model:ident) => {
         let mut words: [u64; $crate::proofs::state::SCRATCH_WORDS] = kani::any();
-        let mut $scratch = $crate::scratch::Scratch::new(&$model, &mut words).unwrap();
+        let mut $scratch = $crate::scratch::Scratch::new(&$model, &mut words)
+            .ok()
+            .unwrap();
     };
 }
 

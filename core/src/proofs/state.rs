@@ -71,7 +71,7 @@ pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
 pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
     let mut words = [0; STATE_WORDS];
     let mut scratch = [0; SCRATCH_WORDS];
-    let mut scratch = Scratch::new(model, &mut scratch).unwrap();
+    let mut scratch = Scratch::new(model, &mut scratch).ok().unwrap();
     let steps = between(0, u64::from(model.config().horizon_steps));
     model
         .reset(&mut words[..model.state_words()], &mut scratch, kani::any())
