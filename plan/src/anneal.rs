@@ -36,7 +36,7 @@ const UNKNOWN: u32 = u32::MAX - 1;
 /// A gain smaller than this is no gain.
 const RESOLUTION: f64 = 1e-9;
 
-/// How long and from which seed to anneal.
+/// Settings of an annealing: its length and its seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Moves to try.
@@ -54,7 +54,7 @@ impl Default for Settings {
     }
 }
 
-/// How far an annealing is.
+/// The progress of an annealing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Moves tried.
@@ -110,7 +110,7 @@ struct Move {
 }
 
 impl<'p, 'm> Annealer<'p, 'm> {
-    /// Begins with these trajectories.
+    /// Makes an annealing that begins with these trajectories.
     #[must_use]
     pub fn new(problem: &'p Problem<'m>, paths: Paths, seed: u64) -> Self {
         let (steps, stride) = (problem.steps, problem.odds.stride());
@@ -201,7 +201,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         (best.1, false)
     }
 
-    /// Tries one move of the UAV whose turn it is. Whether it was made.
+    /// Tries one move of the UAV whose turn it is. Returns whether the move was made.
     pub fn try_move(&mut self, temperature: f64) -> bool {
         if !self.propose() {
             return false;
@@ -455,7 +455,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         (value <= most).then_some(value)
     }
 
-    /// Makes the proposal.
+    /// Applies the proposal to the present trajectories.
     fn make(&mut self) {
         let (first, last) = (self.moved.first, self.moved.last);
         for step in first..=last {

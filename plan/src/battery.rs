@@ -1,4 +1,4 @@
-//! Whether a battery lasts for a trajectory.
+//! A check that a battery lasts for a trajectory.
 
 use jcas_core::energy::settle;
 use jcas_core::motion::{destination, nearest, toward};

@@ -12,8 +12,8 @@ pub(crate) const UAVS_MAX: usize = 128;
 /// UAV is nearest.
 ///
 /// With u = x + y and v = x - y, Manhattan distance is the larger of the two differences. The
-/// centre is then that of the bounding box. Where it is no cell, the best cell around it is taken. Among
-/// equals that is the one with the least total distance, then the first.
+/// centre is then that of the bounding box. Where it is no cell, the best cell around it is taken.
+/// Among equals that is the one with the least total distance, then the first.
 #[must_use]
 pub fn meeting_cell(cells: &[Cell], width: u32, height: u32) -> Cell {
     let middle = |of: fn(i64, i64) -> i64| {

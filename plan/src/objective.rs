@@ -2,8 +2,8 @@
 //!
 //! Detections are independent. Let m_c(t) be the chance that a hotspot in cell c is unconfirmed
 //! after t steps. It is a product over the steps: of the chance that fewer than θ UAVs detect it.
-//! Hotspots are independent given their cells. The chance F(t) that all are confirmed is a
-//! product over the groups. A group of n hotspots with weights w_c has the factor (Σ w_c (1 - m_c(t)))^n.
+//! Hotspots are independent given their cells. The chance F(t) that all are confirmed is a product
+//! over the groups. A group of n hotspots with weights w_c has the factor (Σ w_c (1 - m_c(t)))^n.
 //! For n distinct and equally likely cells it is the mean of Π (1 - m_c(t)) over all sets of n.
 //!
 //! The mission ends G(t) steps after the last confirmation, at step t. G counts the steps until the

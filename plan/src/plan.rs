@@ -1,4 +1,4 @@
-//! Plans: what is asked for, what is found.
+//! Plans, and the two functions that make one.
 
 use alloc::vec::Vec;
 use core::ops::ControlFlow;

@@ -1,4 +1,4 @@
-//! What is to be planned: a fleet as it is, hotspots as they may be, the steps that are left.
+//! A mission to plan: the fleet as it is, the prior of the hotspots, the steps left.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -44,7 +44,7 @@ impl Situation {
         }
     }
 
-    /// As a state has it.
+    /// Takes the situation from a state.
     #[must_use]
     pub fn of(state: &StateRef<'_>) -> Self {
         let uavs = 0..state.uav_count();

@@ -17,9 +17,9 @@ use crate::targets::{Targets, index_of};
 
 /// Plans before the first step, and anew in each radio component whose knowledge has changed.
 ///
-/// A component plans for its members by what they know: their own cells and charges, the hotspots
-/// that they know, and the plan that they share with the others. It takes the others to fly on by
-/// that plan. All members of a component compute the same plan, bit by bit.
+/// A component plans for its members by what they know. That is their own cells and charges, the
+/// hotspots that they know, and the plan that they share with the others. It assumes that the
+/// others follow that plan. All members of a component compute the same plan, bit by bit.
 #[derive(Clone, Debug)]
 pub struct Replanner {
     settings: Settings,

@@ -10,7 +10,7 @@ use crate::error::PlanError;
 /// Hotspots that share one prior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// How many hotspots.
+    /// Number of hotspots.
     pub count: u32,
     /// Probability of each cell, row by row; the sum is 1.
     pub weights: Vec<f64>,

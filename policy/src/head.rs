@@ -1,48 +1,51 @@
 //! Action heads: from a network's outputs to a motion and a pilot density.
 //!
-//! Draws come from the kernel's generator under the purpose for policies, as a function of the mission's
-//! seed, the step and the UAV: block 0 is the motion's (or the normals'), the others are the pilot's.
+//! Draws come from the kernel's generator under the purpose for policies. They are a function of
+//! the episode's seed, the step and the UAV. Block 0 holds the motion's draw (or the normals), and
+//! the other blocks the pilot density's.
 
 mod beta;
 
 use jcas_core::rng::{self, Purpose};
 
-/// Motions of the paper, in the order of their bins: up, down, left, right, stay.
+/// The number of motions. In the order of their bins they are up, down, left, right, stay.
 pub const MOTIONS: usize = 5;
 
 /// Bounds of a normal's log standard deviation.
 const LOG_STD: [f32; 2] = [-2.3, 1.0];
 
-/// Which distribution a network's outputs describe.
+/// An action head: the distribution that the outputs of a network describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Head {
-    /// An independent normal for each of the two action components: two means, two log deviations.
+    /// An independent normal for each of the two action components. Outputs: two means, two log
+    /// standard deviations.
     Gaussian,
-    /// A categorical motion and a Beta-distributed pilot density: five logits, then the two Beta
-    /// parameters before α, β = 1 + softplus.
+    /// A categorical motion and a Beta-distributed pilot density. Outputs: five logits, then x for
+    /// each of α, β = 1 + softplus(x).
     Hybrid,
 }
 
-/// How actions follow from the distribution.
+/// An acting mode: how actions follow from the distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Mode {
     /// The most likely motion and the mean pilot density.
     Deterministic,
-    /// A draw; which draw follows from the mission's seed.
+    /// A draw that is a function of the seed of the episode.
     Sampled,
-    /// Motions shared out: UAVs of one cell take quantiles of theirs that lie apart. The mean pilot density.
+    /// Stratified motions and the mean pilot density: UAVs of one cell take quantiles that lie
+    /// apart.
     Stratified,
 }
 
 impl Mode {
-    /// Every mode; those that draw least come first.
+    /// All modes, in ascending order of randomness.
     pub const ALL: [Self; 3] = [Self::Deterministic, Self::Stratified, Self::Sampled];
 
-    /// Its name in files and reports.
+    /// The name of the mode in files and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -59,14 +62,14 @@ impl Mode {
     }
 }
 
-/// Which draw.
+/// The key of a draw: the draw is a function of these fields alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Draw {
-    /// Seed of the mission.
+    /// Seed of the episode.
     pub seed: u64,
     /// Step.
     pub t: u32,
-    /// UAV.
+    /// Index of the UAV.
     pub uav: u32,
 }
 
@@ -75,7 +78,7 @@ impl Draw {
         rng::block(self.seed, self.t, self.uav, index, Purpose::Policy)
     }
 
-    /// The motion's, in [0, 1).
+    /// The uniform number of the motion, in [0, 1).
     pub(crate) fn unit(self) -> f64 {
         let block = self.block(0);
         rng::unit(u64::from(block[0]) | u64::from(block[1]) << 32)
@@ -92,12 +95,12 @@ fn between(value: f32, low: f32, high: f32) -> f32 {
     }
 }
 
-/// In (0, 1]: never the zero that a logarithm cannot take.
+/// Returns a number in (0, 1]. It excludes zero, whose logarithm is infinite.
 fn unit_above_zero(low: u32, high: u32) -> f64 {
     1.0 - rng::unit(u64::from(low) | u64::from(high) << 32)
 }
 
-/// Two independent standard normals (G. E. P. Box and M. E. Muller, 1958).
+/// Returns two independent standard normals (G. E. P. Box and M. E. Muller, 1958).
 fn normals(block: [u32; 4]) -> [f64; 2] {
     let radius = libm::sqrt(-2.0 * libm::log(unit_above_zero(block[0], block[1])));
     let angle = core::f64::consts::TAU * rng::unit(u64::from(block[2]) | u64::from(block[3]) << 32);
@@ -111,7 +114,7 @@ fn softplus(x: f32) -> f64 {
     above + libm::log1p(libm::exp(-x.abs()))
 }
 
-/// The direction action in the middle of a motion's bin.
+/// The action u_dir in the middle of the bin of a motion.
 #[must_use]
 pub fn motion_centre(motion: usize) -> f32 {
     -0.8 + 0.4 * motion as f32
@@ -126,7 +129,7 @@ impl Head {
         }
     }
 
-    /// Outputs that a network has with this head.
+    /// The number of outputs of a network with this head.
     #[must_use]
     pub const fn outputs(self) -> usize {
         match self {
@@ -135,8 +138,8 @@ impl Head {
         }
     }
 
-    /// The action (u_dir, u_pilot) that stands for the whole distribution: the most likely motion
-    /// and the mean pilot density. `outputs` holds [`Head::outputs`] numbers.
+    /// The action (u_dir, u_pilot) of the deterministic mode: the most likely motion and the mean
+    /// pilot density. `outputs` holds [`Head::outputs`] numbers.
     #[must_use]
     pub fn deterministic(self, outputs: &[f32]) -> [f32; 2] {
         match self {
@@ -156,7 +159,7 @@ impl Head {
         }
     }
 
-    /// The motion at a quantile of its distribution, 0 to 1, and the mean pilot density.
+    /// The motion at a quantile of its distribution, in [0, 1), with the mean pilot density.
     pub(crate) fn at_quantile(self, outputs: &[f32], quantile: f64) -> [f32; 2] {
         match self {
             Self::Gaussian => {
@@ -207,7 +210,7 @@ fn mean_pilot(outputs: &[f32]) -> f32 {
     2.0 * (alpha / (alpha + beta)) as f32 - 1.0
 }
 
-/// The motion in whose bin a quantile of the normal lies.
+/// The motion with the bin that holds a quantile of the normal.
 fn normal_motion_at(outputs: &[f32], quantile: f64) -> usize {
     let log_std = between(outputs[2], LOG_STD[0], LOG_STD[1]);
     let scale = core::f64::consts::SQRT_2 * libm::exp(f64::from(log_std));
@@ -222,7 +225,7 @@ fn normal_motion_at(outputs: &[f32], quantile: f64) -> usize {
     motion
 }
 
-/// The motion in whose share a quantile of the categorical distribution lies.
+/// The motion at a quantile of the categorical distribution.
 fn motion_at(logits: &[f32], quantile: f64) -> usize {
     let mut max = logits[0];
     for &logit in &logits[1..MOTIONS] {
@@ -253,7 +256,8 @@ mod tests {
         (0..DRAWS).map(move |t| head.sample(outputs, Draw { seed: 3, t, uav: 1 }))
     }
 
-    // The frequency of each motion, and mean and variance of the pilot: α/(α+β), αβ/((α+β)²(α+β+1)).
+    // The test compares the frequency of each motion, and the mean and variance of the pilot
+    // density: α/(α+β), αβ/((α+β)²(α+β+1)).
     #[test]
     fn hybrid_samples_follow_the_distribution() {
         for pilot in [[2.0f32, 0.0], [-40.0, -40.0], [-3.0, 5.0]] {
@@ -283,8 +287,9 @@ mod tests {
         }
     }
 
-    // Of evenly spaced quantiles each motion takes its share: softmax, or what lies of N(0.1, e^-1) in each bin of
-    // width 0.4 and beyond the outer ones (Φ from a table: 0.0285, 0.1789, 0.3997, 0.3058, 0.0871).
+    // Evenly spaced quantiles give each motion its share. For the categorical distribution the
+    // shares are the softmax. For N(0.1, e⁻¹) they are its mass in each bin of width 0.4 and beyond
+    // the outer ones. By a table of Φ these are 0.0285, 0.1789, 0.3997, 0.3058, 0.0871.
     #[test]
     fn quantiles_share_out_the_distribution() {
         let total: f64 = [0.0f64, 1.0, -1.0, 0.5, 0.0].iter().map(|x| x.exp()).sum();
@@ -310,7 +315,8 @@ mod tests {
         }
     }
 
-    // Means 0.1 and -0.2, deviations e⁻² and e⁻¹·⁵: clipping is five deviations away or rare.
+    // With means 0.1 and -0.2 and deviations e⁻² and e⁻¹·⁵, clipping is five deviations away or
+    // rare.
     #[test]
     fn gaussian_samples_follow_the_distribution() {
         let outputs = [0.1f32, -0.2, -2.0, -1.5];

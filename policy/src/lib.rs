@@ -1,8 +1,8 @@
-//! Policies: whatever turns the state of a mission into the next actions.
+//! Policies: programs that choose the next actions of a fleet from the state of its episode.
 //!
-//! [`network`] flies trained networks without the standard library, without allocating, with the same bits
-//! on every platform. With the feature `baselines` (needs the standard library), the scripted ones of [`baselines`] come
-//! along.
+//! [`network`] runs trained networks without the standard library and without allocation. It gives
+//! the same bits on every platform. The feature `baselines`, which needs the standard library, adds
+//! the scripted policies of [`baselines`].
 #![cfg_attr(not(feature = "baselines"), no_std)]
 #![forbid(unsafe_code)]
 
@@ -24,17 +24,17 @@ use core::fmt::Display;
 
 use jcas_core::{Model, StateRef};
 
-/// Decides the actions of a whole fleet, step by step.
+/// A policy: it chooses the actions of a whole fleet, step by step.
 pub trait Policy: Send {
-    /// What reports and traces call it.
+    /// The name of the policy in reports and traces.
     fn name(&self) -> &str;
 
-    /// What reports and traces call its choice of pilot density: a pilot mode, or `learned`.
+    /// The name of the choice of pilot density in reports and traces: a pilot mode, or `learned`.
     fn pilot(&self) -> &dyn Display {
         &"learned"
     }
 
-    /// Called before the first step of every episode. All randomness has to follow from `seed`.
+    /// Called before the first step of every episode. All randomness must follow from `seed`.
     fn reset(&mut self, model: &Model<'_>, seed: u64) {
         let _ = (model, seed);
     }
@@ -44,11 +44,12 @@ pub trait Policy: Send {
         false
     }
 
-    /// Hands over what the UAVs observe, one row for each UAV.
+    /// Passes what the UAVs observe: one row of `Model::observation_len` numbers for each UAV.
     fn see(&mut self, observations: &[f32]) {
         let _ = observations;
     }
 
-    /// Writes (u_dir, u_pilot) of each UAV into `actions`, whose length is twice the number of UAVs.
+    /// Writes (u_dir, u_pilot) of each UAV into `actions`. Its length is twice the number of UAVs,
+    /// and each component lies in [-1, 1].
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]);
 }

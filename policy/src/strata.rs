@@ -1,13 +1,14 @@
-//! Who takes which part of a distribution, where UAVs of one cell are to divide as it says.
+//! Stratified sampling: UAVs in one cell take different parts of their distribution of motions.
 //!
-//! UAVs of a cell see much the same, so that their distributions are alike. If each draws for itself, five of ten
-//! may go where seven should. Here they take quantiles φ⁻¹ apart, in the order of their index: any number of
-//! multiples of the golden ratio, turned around the unit circle, lie evenly on it (V. T. Sós, 1958). Where they begin
-//! follows from the step and from the first of them, so that over the steps each UAV takes every part as often as
-//! if it drew. What a UAV has to know besides its own observation is who shares its cell.
+//! UAVs of a cell observe nearly the same, so their distributions are alike. With independent
+//! draws, five of ten may go where seven should. Here they take quantiles φ⁻¹ apart, in the order
+//! of their index. Multiples of the golden ratio, turned around the unit circle, lie evenly on it
+//! for any count (V. T. Sós, 1958). The first quantile follows from the phase seed, the step and
+//! the first UAV of the cell. Over the steps, each UAV thus takes every part as often as with
+//! independent draws. Besides its own observation, a UAV has to know which UAVs share its cell.
 //!
-//! So all missions of a fleet unfold alike, well or badly. Which of many ways it is, the policy's file may say: numbers
-//! from which the beginnings of a phase follow.
+//! Stratified actions are deterministic given the phase seeds, so a bad seed is bad in every
+//! episode. A policy file may therefore carry chosen seeds, one for each phase.
 
 use jcas_core::StateRef;
 
@@ -16,26 +17,26 @@ use crate::head::Draw;
 /// φ⁻¹ = (√5 - 1)/2.
 const TURN: f64 = 0.618_033_988_749_895;
 
-/// Phases of a mission: steps 0 and 1, 2 and 3, 4 to 7, 8 to 15, and all that follow.
+/// Number of phases of an episode: steps 0 and 1, 2 and 3, 4 to 7, 8 to 15, and all later ones.
 pub const PHASES: usize = 5;
 
-/// What the beginnings of each phase follow from.
+/// The phase seeds of one fleet: the seed of the first quantile in each phase.
 pub type Starts = [u16; PHASES];
 
-/// Fleets of how many sizes have starts of their own, at most.
+/// The maximum number of fleet sizes with phase seeds of their own.
 pub const FLEETS_MAX: usize = 8;
 
-/// The starts of fleets, by the number of their UAVs; all 0 where nothing is said.
+/// The phase seeds of fleets, by the number of their UAVs. All are 0 where the file states none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FleetStarts {
-    /// From the smallest fleet to the largest.
+    /// Entries in ascending order of fleet size.
     fleets: [(u32, Starts); FLEETS_MAX],
     len: usize,
 }
 
 impl FleetStarts {
-    /// Of numbers of UAVs and their starts, from the smallest fleet to the largest; none where that is not their order,
-    /// or where they are more than [`FLEETS_MAX`].
+    /// Takes pairs of a number of UAVs and its phase seeds, in strictly ascending order of UAVs.
+    /// Returns `None` for another order, or for more than [`FLEETS_MAX`] pairs.
     #[must_use]
     pub fn new(fleets: impl IntoIterator<Item = (u32, Starts)>) -> Option<Self> {
         let mut all = Self::default();
@@ -49,13 +50,14 @@ impl FleetStarts {
         Some(all)
     }
 
-    /// Numbers of UAVs, each with its starts.
+    /// The numbers of UAVs, each with its phase seeds, in ascending order.
     #[must_use]
     pub fn fleets(&self) -> &[(u32, Starts)] {
         &self.fleets[..self.len]
     }
 
-    /// Those of the largest fleet that is not larger, or else of the smallest.
+    /// The phase seeds for `uavs` UAVs: those of the largest listed fleet that is not larger. For a
+    /// fleet smaller than all listed ones, they are those of the smallest.
     #[must_use]
     pub fn of(&self, uavs: u32) -> Starts {
         let fleets = self.fleets();
@@ -70,14 +72,14 @@ fn phase(t: u32) -> usize {
     if bits < PHASES { bits } else { PHASES - 1 }
 }
 
-/// The quantile that many turns after `start`, in [0, 1).
+/// The quantile `turns` golden-ratio turns after `start`, in [0, 1).
 #[must_use]
 pub fn turned(start: f64, turns: usize) -> f64 {
     let far = start + TURN * turns as f64;
     far - libm::floor(far)
 }
 
-/// Where a UAV's motion lies in its distribution, in [0, 1).
+/// The quantile of a UAV's motion in its distribution, in [0, 1).
 pub(crate) fn quantile(state: &StateRef<'_>, uav: usize, starts: Starts) -> f64 {
     let cell = state.cell(uav);
     let mut before = (0..uav).filter(|&other| state.cell(other) == cell);
@@ -122,7 +124,7 @@ mod tests {
         }
     }
 
-    /// Quantiles of nine UAVs over the first steps of a mission in which nobody moves.
+    /// Returns the quantiles of nine UAVs over the first steps of an episode without movement.
     fn quantiles(seed: u64, starts: Starts) -> Vec<Vec<f64>> {
         let model = Model::new(Config {
             uav_count: 9,
@@ -142,8 +144,8 @@ mod tests {
         (0..90).map(of_step).collect()
     }
 
-    // All nine begin on the depot. Of nine points that multiples of φ⁻¹ leave on a circle of length 1, neighbours are
-    // φ⁻⁴, φ⁻⁵ or φ⁻⁶ apart: 0.146, 0.090, 0.056.
+    // All nine begin on the depot. Nine multiples of φ⁻¹ lie on a circle of length 1. Neighbours
+    // are then φ⁻⁴, φ⁻⁵ or φ⁻⁶ apart: 0.146, 0.090, 0.056.
     #[test]
     fn uavs_of_a_cell_take_quantiles_that_lie_evenly() {
         for mut step in quantiles(5, [0; 5]) {

@@ -1,4 +1,4 @@
-//! A trained network as a policy: its weights and its working memory beside it.
+//! A trained network as a policy, with its weights and its working memory.
 
 use std::sync::Arc;
 
@@ -7,12 +7,13 @@ use jcas_core::{Model, StateRef};
 use crate::Policy;
 use crate::network::{Flight, FlyError, LINE_LEN, LoadError, Network, Note, Product, line_offset};
 
-/// A trained fleet, flying one mission at a time, every UAV from its own observation. A clone shares the weights.
+/// A trained policy, which runs one episode at a time. Every UAV acts from its own observation. A
+/// clone shares the weights.
 #[derive(Clone)]
 pub struct Trained {
     name: String,
     network: Network,
-    /// From `first` on, which begins a line of the caches.
+    /// The weights begin at index `first`, which is aligned to a cache line.
     weights: Arc<[f32]>,
     first: usize,
     flight: Option<Flight>,
@@ -21,10 +22,10 @@ pub struct Trained {
 }
 
 impl Trained {
-    /// Reads the bytes of a `policy.safetensors`; reports call it `name`.
+    /// Reads the bytes of a `policy.safetensors`. Reports use `name`.
     ///
     /// # Errors
-    /// [`LoadError`] where they are no policy.
+    /// [`LoadError`] if the bytes do not hold a policy.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, LoadError> {
         let len = Network::read(bytes)?.weights_len();
         let mut weights: Arc<[f32]> = vec![0.0; len + LINE_LEN].into();
@@ -43,7 +44,7 @@ impl Trained {
         })
     }
 
-    /// Flown otherwise than its file says.
+    /// Replaces the way of acting that the file states.
     #[must_use]
     pub fn with_flight(self, flight: Flight) -> Self {
         Self {
@@ -52,7 +53,7 @@ impl Trained {
         }
     }
 
-    /// Flown by another compilation of the innermost loops, with the same results.
+    /// Replaces the compilation of the innermost loops. The results stay the same.
     #[must_use]
     pub fn with_product(self, product: Product) -> Self {
         Self {
@@ -61,24 +62,25 @@ impl Trained {
         }
     }
 
-    /// What its file says about how it is flown.
+    /// What its file states about how the policy acts.
     #[must_use]
     pub const fn note(&self) -> Note {
         self.network.note()
     }
 
-    /// Whether it reads what the UAVs of this model observe.
+    /// Checks that the policy can read the observations of this model.
     ///
     /// # Errors
-    /// [`FlyError`] says what does not fit.
+    /// [`FlyError`] states what does not fit.
     pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
         self.network.check(model)
     }
 
-    /// The network's outputs, one row for each observation of missions of this model.
+    /// Returns the network's outputs, one row for each observation. `observations` holds rows of
+    /// `Model::observation_len` numbers.
     ///
     /// # Errors
-    /// [`FlyError`] where the mission does not fit.
+    /// [`FlyError`] if the model does not fit.
     pub fn outputs(
         &mut self,
         model: &Model<'_>,
@@ -113,7 +115,7 @@ impl Policy for Trained {
     }
 
     /// # Panics
-    /// In a mission that [`Trained::check`] refuses.
+    /// It panics with a model that [`Trained::check`] refuses.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         let flight = self
             .flight

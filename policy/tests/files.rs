@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 const FLEET: &[u8] = include_bytes!("../../policies/fleet/policy.safetensors");
 
-/// A safetensors file of f32 arrays.
+/// Returns a safetensors file of f32 arrays.
 fn file(note: &str, arrays: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
     let mut header = String::from("{");
     if !note.is_empty() {
@@ -30,7 +30,7 @@ fn file(note: &str, arrays: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
     bytes
 }
 
-/// Two layers, 17 → 3 → 4, as one UAV and one hotspot without neighbours need them (11 + 4 fields, …).
+/// Returns an MLP of two layers, `fields` → 3 → 4.
 fn small_mlp(note: &str, fields: usize) -> Vec<u8> {
     let weights = (0..3 * fields).map(|k| (k % 5) as f32 - 2.0).collect();
     file(
@@ -185,8 +185,8 @@ fn a_policy_refuses_missions_that_it_cannot_read() {
     assert_eq!(network.check(&hidden), Err(FlyError::Visibility));
 }
 
-// Two UAVs and one hotspot give the two layers their inputs; every sum is written out in the order in
-// which it is promised, so that the outputs are the same to the last bit.
+// Two UAVs and one hotspot give the two layers their inputs. Every sum is written out in the
+// promised order, so that the outputs are the same to the last bit.
 #[test]
 fn an_mlp_is_the_sum_in_the_order_of_its_inputs() {
     let model = model(Config {
@@ -229,7 +229,7 @@ fn an_mlp_is_the_sum_in_the_order_of_its_inputs() {
 }
 
 proptest! {
-    /// Any one byte of the header, or any few of the file, changed.
+    /// One byte of the header, or a few bytes of the file, are changed.
     #[test]
     fn a_damaged_file_is_read_or_refused(
         edits in prop::collection::vec((0usize..2200, any::<u8>()), 1..4),
@@ -247,7 +247,7 @@ proptest! {
         }
     }
 
-    /// Headers made of JSON's own pieces, which get further than random bytes.
+    /// Headers are made of JSON's own pieces, which get further than random bytes.
     #[test]
     fn any_header_is_read_or_refused(
         pieces in prop::collection::vec(prop::sample::select(vec![

@@ -1,25 +1,29 @@
-//! Who takes which seat, for the least total cost (H. W. Kuhn, 1955; J. Munkres, 1957).
+//! The assignment of rows to columns with the least total cost (H. W. Kuhn, 1955; J. Munkres,
+//! 1957).
 
 use super::memory::{OutOfMemory, collect, filled};
 
-/// Seats or rows that there are none of.
+/// A marker for no row and no column.
 const NONE: usize = usize::MAX;
 
-/// The column of each row of a square matrix of costs, row by row, for the least sum. Of several it is the
-/// one that grows row by row, along the first column of least slack.
+/// Returns the column of each row of a square matrix of costs, given row by row, with the least
+/// sum. Among several solutions it returns the one built row by row along the first column of least
+/// slack.
 ///
-/// Costs the cube of the number of rows.
+/// The time grows with the cube of the number of rows.
 pub(super) fn cheapest(costs: &[i64], size: usize) -> Result<Vec<usize>, OutOfMemory> {
     let cost = |row: usize, column: usize| costs[row * size + column];
     let mut column_of = filled(NONE, size)?;
     let mut row_of = filled(NONE, size)?;
-    // Prices: that of a row and that of a column are together at most the cost, and equal it where they meet.
+    // The price of a row plus the price of a column is at most the cost. They equal it where the
+    // two are matched.
     let least = (0..size).map(|row| (0..size).map(|column| cost(row, column)).min().unwrap_or(0));
     let mut row_price = collect(least)?;
     let mut column_price = filled(0, size)?;
     let mut rows = Vec::new();
     rows.try_reserve_exact(size)?;
-    // Of each column: by which row it is reached, or its least slack so far and from which row.
+    // Each column has the row that it is reached from, or its least slack so far and the row of
+    // that slack.
     let mut reached_from = filled(NONE, size)?;
     let mut slack = filled(0, size)?;
     let mut slack_from = filled(NONE, size)?;
@@ -86,7 +90,8 @@ mod tests {
     use super::cheapest;
 
     proptest! {
-        /// Few costs, so that many assignments are as cheap as the cheapest.
+        /// The test draws from few different costs, so that several assignments share the least
+        /// cost.
         #[test]
         fn of_the_cheapest_it_is_that_of_the_textbook(
             size in 1usize..12,

@@ -1,4 +1,4 @@
-//! A baseline: a way to steer, a choice of pilot density, and what all baselines share.
+//! A baseline: a steering rule, a choice of pilot density, and the parts that all baselines share.
 
 use core::fmt::Display;
 
@@ -25,8 +25,8 @@ impl BaselineKind {
     /// Builds the baseline.
     ///
     /// # Errors
-    /// [`PolicyError::Hidden`] where it reads positions that the model withholds from the UAVs,
-    /// [`PolicyError::PilotOutOfRange`] where the mission does not allow the pilot density.
+    /// [`PolicyError::Hidden`] if it reads positions that the model hides.
+    /// [`PolicyError::PilotOutOfRange`] if the model does not allow the pilot density.
     pub fn build(
         self,
         model: &Model<'_>,
@@ -40,7 +40,7 @@ impl BaselineKind {
         Ok(self.build_privileged(pilot))
     }
 
-    /// Builds the baseline even where it reads positions that the UAVs do not know.
+    /// Builds the baseline even if it reads positions that the UAVs do not know.
     #[must_use]
     pub fn build_privileged(self, pilot: PilotMode) -> Baseline {
         let way = match self {
@@ -63,10 +63,10 @@ impl BaselineKind {
         }
     }
 
-    /// The baseline of this name.
+    /// Returns the baseline of this name.
     ///
     /// # Errors
-    /// [`PolicyError::UnknownPolicy`].
+    /// [`PolicyError::UnknownPolicy`] if no baseline has this name.
     pub fn named(text: &str) -> Result<Self, PolicyError<'_>> {
         Self::ALL
             .into_iter()
@@ -75,7 +75,7 @@ impl BaselineKind {
     }
 }
 
-/// A way to steer, without a detour through the heap.
+/// A steering rule, stored without a heap allocation.
 #[derive(Debug)]
 enum Way {
     Random(Random),
@@ -103,7 +103,7 @@ impl Way {
     }
 }
 
-/// A baseline, ready to fly.
+/// A baseline: a scripted policy.
 #[derive(Debug)]
 pub struct Baseline {
     kind: BaselineKind,
@@ -113,19 +113,21 @@ pub struct Baseline {
 }
 
 impl Baseline {
-    /// As [`Policy::reset`], where memory may end.
+    /// Resets like [`Policy::reset`], and returns an error if memory runs out.
     ///
     /// # Errors
-    /// [`OutOfMemory`]: it has to be called again before the next action.
+    /// [`OutOfMemory`] if memory runs out. The call must then succeed once before the next action.
     pub fn try_reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
         self.motions = filled(Motion::Stay, model.uav_count())?;
         self.way.steering().reset(model, seed)
     }
 
-    /// The part of [`Policy::act`] in which memory may end: decides the motions.
+    /// Chooses the motions of a step. This is the part of [`Policy::act`] that can run out of
+    /// memory.
     ///
     /// # Errors
-    /// [`OutOfMemory`]: called again in the same state it decides as if it had not failed.
+    /// [`OutOfMemory`] if memory runs out. A later call in the same state gives the same motions as
+    /// without the failure.
     pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), OutOfMemory> {
         self.motions.fill(Motion::Stay);
         if (0..model.hotspot_count()).all(|hotspot| state.confirmed(hotspot)) {
@@ -135,7 +137,8 @@ impl Baseline {
         self.way.steering().steer(model, state, &mut self.motions)
     }
 
-    /// Writes the actions that [`Baseline::try_plan`] has decided in this state.
+    /// Writes the actions that [`Baseline::try_plan`] has chosen in this state: (u_dir, u_pilot) of
+    /// each UAV.
     pub fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         for (uav, action) in actions.chunks_exact_mut(2).enumerate() {
             let motion = if stays_to_charge(model, state, uav) {
@@ -159,13 +162,13 @@ impl Policy for Baseline {
     }
 
     /// # Panics
-    /// Where memory ends: see [`Baseline::try_reset`].
+    /// It panics if memory runs out; [`Baseline::try_reset`] does not.
     fn reset(&mut self, model: &Model<'_>, seed: u64) {
         self.try_reset(model, seed).expect("memory for a plan");
     }
 
     /// # Panics
-    /// Where memory ends: see [`Baseline::try_plan`].
+    /// It panics if memory runs out; [`Baseline::try_plan`] does not.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         self.try_plan(model, state).expect("memory for a plan");
         self.write(model, state, actions);

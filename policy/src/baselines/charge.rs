@@ -1,14 +1,14 @@
-//! When a UAV that stands on a depot should go on charging.
+//! The rule for how long a UAV on a depot charges.
 
 use jcas_core::{Model, StateRef};
 
 const UJ_PER_KWH: f64 = 3.6e12;
 
-/// Whether a UAV on a depot stays there until its charge is worth a flight.
+/// Returns whether a UAV on a depot stays there to charge.
 ///
-/// Without it a UAV leaves as soon as its battery reaches the return-to-base threshold, falls below it
-/// one cell later, and turns back. It leaves with enough above the threshold for a flight across the
-/// grid (width + height - 2 moves), or full.
+/// Without this rule a UAV leaves as soon as its battery reaches the return-to-base threshold. One
+/// cell later the battery falls below it, and the UAV turns back. With the rule it leaves when
+/// full, or with enough above the threshold to cross the grid (width + height - 2 moves).
 #[must_use]
 pub fn stays_to_charge(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> bool {
     let config = model.config();

@@ -1,4 +1,4 @@
-//! `charging` and `clean`: tours whose UAVs see to their batteries before the autopilot has to.
+//! `charging` and `clean`: tours of UAVs that return to charge before the autopilot sends them.
 
 use jcas_core::energy::kwh;
 use jcas_core::motion::toward;
@@ -9,18 +9,20 @@ use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 use super::teams::Teams;
 
-/// A battery counts as full from this share of its capacity on: what a step spends is never charged to the end.
+/// The share of its capacity from which a battery counts as full. It is below 1 because each step
+/// spends energy.
 const FULL: f64 = 0.98;
-/// Steps that a UAV can afford to wait for clean energy.
+/// Steps that a UAV can wait for clean energy on its reserve.
 const PATIENCE_STEPS: f64 = 40.0;
-/// Energy counts as clean while its intensity is in this share of its range.
+/// The share of its range up to which a carbon intensity counts as clean.
 const CLEAN: f64 = 0.2;
 
-/// Flies as [`Teams`] with those whose charge lasts. A UAV goes home when its charge is no more than the way
-/// to the nearest depot takes, or the autopilot would send it, and stays until its battery is full.
+/// Steers like [`Teams`] with the UAVs that need not charge. A UAV flies home when its charge is
+/// below what the way to the nearest depot takes, or below the threshold of the autopilot. It stays
+/// there until its battery is full.
 ///
-/// With `clean`, it leaves with a reserve and waits beside the depot until the carbon intensity that the next
-/// step bills is low, or its reserve is spent.
+/// With `clean`, it flies home earlier, with a reserve, and waits beside the depot. It enters the
+/// depot when the carbon intensity billed in the next step is low, or when the reserve is spent.
 #[derive(Clone, Debug)]
 pub struct Charging {
     teams: Teams,
@@ -31,7 +33,7 @@ pub struct Charging {
 }
 
 impl Charging {
-    /// Charges at whatever intensity.
+    /// Charges at any carbon intensity.
     #[must_use]
     pub fn greedy(pilot: PilotMode) -> Self {
         Self {
@@ -51,11 +53,11 @@ impl Charging {
         }
     }
 
-    /// Charge at which a UAV so far from a depot sets out for it, kWh.
+    /// Returns the charge, in kWh, below which a UAV `way` cells from a depot flies home.
     fn needed_kwh(&self, model: &Model<'_>, way: u32) -> f64 {
         let config = model.config();
         let step_kwh = kwh(model.energy().most_asked_uj());
-        // The step that takes it away from home is taken before it is seen here.
+        // The UAV may move one cell farther before the next decision, and must then come back.
         let home_kwh = f64::from(way + 2) * step_kwh;
         let waiting_kwh = config.hover_energy_kwh
             + config.comm_energy_kwh
@@ -72,7 +74,7 @@ impl Charging {
         let here = state.cell(uav);
         let carbon = model.carbon();
         let dirty = carbon.normalised(state.carbon_intensity_mg_per_kwh()) > CLEAN;
-        // A step more in place, and the autopilot still leaves the choice.
+        // With this charge the UAV can hover one more step before the autopilot takes over.
         let least_kwh =
             model.config().rtb_threshold_kwh + 2.0 * kwh(model.energy().most_asked_uj());
         let can_wait = kwh(state.battery_uj(uav)) >= least_kwh;
@@ -132,7 +134,8 @@ mod tests {
     use jcas_core::config::Depots;
     use jcas_core::{Config, Metrics, Sim};
 
-    /// Batteries of about sixty moves that a step at a depot fills.
+    /// Returns a configuration with batteries for about sixty moves, which one step at a depot
+    /// fills.
     fn config() -> Config {
         Config {
             uav_count: 10,
@@ -186,7 +189,7 @@ mod tests {
             intensity(BaselineKind::Charging),
             intensity(BaselineKind::Clean),
         );
-        // Who flies over a depot charges as well, at whatever intensity.
+        // UAVs that fly over a depot also charge, at any intensity.
         assert!((greedy - 0.325).abs() < 0.01, "{greedy}");
         assert!(clean < 0.92 * greedy, "{clean} {greedy}");
     }

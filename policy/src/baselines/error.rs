@@ -1,10 +1,10 @@
-//! Why a baseline cannot be had.
+//! The errors of building a baseline.
 
 use core::fmt;
 
 use super::kind::BaselineKind;
 
-/// Why a baseline cannot be had.
+/// A reason for which a baseline cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PolicyError<'a> {
@@ -12,16 +12,16 @@ pub enum PolicyError<'a> {
     UnknownPolicy(&'a str),
     /// No pilot mode has this name.
     UnknownPilot(&'a str),
-    /// The mission does not allow this pilot density.
+    /// The model does not allow this pilot density.
     PilotOutOfRange {
-        /// What was asked for.
+        /// The requested density.
         density: f64,
-        /// The least that is allowed.
+        /// The minimum of the model.
         low: f64,
-        /// The most that is allowed.
+        /// The maximum of the model.
         high: f64,
     },
-    /// It needs positions that are hidden.
+    /// The baseline reads positions that the model hides.
     Hidden(BaselineKind),
 }
 

@@ -1,4 +1,4 @@
-//! `frontier` and `relay`: teams that fly to what has not been looked at.
+//! `frontier` and `relay`: teams that fly to cells that they have not searched.
 
 use core::ops::Range;
 
@@ -9,25 +9,27 @@ use super::memory::{OutOfMemory, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 
-/// A step of flight is worth two steps of a cell's age.
+/// The age of a cell, in steps, that outweighs one step of flight.
 const STEPS_PER_CELL: i64 = 2;
-/// What a cell that was never looked at is worth above any that was.
+/// The bonus of a cell that was never searched, above that of every searched cell.
 const UNSEARCHED: i64 = 1 << 30;
-/// What being near the target of another team costs.
+/// The penalty for being near the target of another team.
 const CROWDED: i64 = 1 << 20;
-/// What a target out of every other target's reach costs a team that stays in touch.
+/// The penalty, for a team that stays connected, of a target out of radio reach of every other
+/// target.
 const OUT_OF_TOUCH: i64 = 1 << 40;
-/// Targets of two teams that stay in touch lie at least this many cells apart, where there is a choice.
+/// The least distance in cells of the targets of two connected teams, where there is a choice.
 const RELAYS_APART_CELLS: u32 = 2;
-/// Targets of two teams lie at least this many cells apart, where there is a choice.
+/// The least distance in cells of the targets of two teams, where there is a choice.
 const APART_CELLS: u32 = 4;
 
-/// Teams of θ UAVs, each on its way to the nearest cell that has not been looked at, apart from the others;
-/// when all have been, to those that it has not seen for longest.
+/// Teams of θ UAVs, each on its way to the nearest cell that it has not searched, apart from the
+/// other teams. When all cells are searched, a team flies to those that it has not seen for
+/// longest.
 ///
-/// What a team believes looked at is the search map of its first UAV that can fly; without search maps, the
-/// cells that any UAV has visited. With `connected`, a team chooses among targets within reach of another team's, and
-/// gives up a move that would cut the fleet in two.
+/// A team takes the search map of its first UAV that can fly. Without search maps it takes the
+/// cells that any UAV has visited. With `connected`, a team chooses among targets within radio
+/// reach of another team's. It also gives up a move that would disconnect the fleet.
 #[derive(Clone, Debug)]
 pub struct Frontier {
     pilot: PilotMode,
@@ -41,11 +43,11 @@ pub struct Frontier {
 struct Near {
     /// Targets of the other teams.
     targets: Vec<Cell>,
-    /// Teams that can fly, and who leads them.
+    /// Teams that can fly, each with the index of its lead UAV.
     leads: Vec<(usize, usize)>,
-    /// Where these are.
+    /// The cells of the leads.
     cells: Vec<Cell>,
-    /// For [`Reach::in_one_piece`].
+    /// Working memory of [`Reach::in_one_piece`].
     order: Vec<usize>,
 }
 
@@ -53,12 +55,12 @@ struct Near {
 struct Team {
     uavs: Range<usize>,
     target: Option<Cell>,
-    /// The step at which each cell was last believed to be looked at; `None`: never.
+    /// The step at which the team believes each cell was last searched. `None` stands for never.
     looked_at: Vec<Option<u32>>,
 }
 
 impl Frontier {
-    /// Teams that go their own ways.
+    /// Teams that choose their targets independently of radio links.
     #[must_use]
     pub fn new(pilot: PilotMode) -> Self {
         Self {
@@ -69,7 +71,7 @@ impl Frontier {
         }
     }
 
-    /// Teams that stay within radio reach of each other, directly or through others.
+    /// Teams that stay connected by radio, directly or through other teams.
     #[must_use]
     pub fn connected(pilot: PilotMode) -> Self {
         Self {
@@ -140,12 +142,12 @@ impl Steering for Frontier {
 }
 
 impl Team {
-    /// Its first UAV that goes where it is told.
+    /// Returns the lead: the first UAV of the team that can fly.
     fn lead(&self, state: &StateRef<'_>) -> Option<usize> {
         self.uavs.clone().find(|&uav| can_fly(state, uav))
     }
 
-    /// Takes over what its lead believes looked at, and what lies around it now.
+    /// Updates the searched cells by the map of the lead and by the cells around it.
     fn look(&mut self, model: &Model<'_>, state: &StateRef<'_>, lead: usize) {
         let config = model.config();
         let radius = config.search_map_radius_m / config.cell_size_m;
@@ -165,7 +167,8 @@ impl Team {
         }
     }
 
-    /// Whether the target is none any more: it has been looked at since it was chosen.
+    /// Returns whether the team needs a new target: it has none, or the present one has been
+    /// searched in this step.
     fn arrived(&self, model: &Model<'_>, now: u32) -> bool {
         self.target.is_none_or(|cell| {
             let index = (cell.y * model.config().grid_width + cell.x) as usize;
@@ -173,7 +176,7 @@ impl Team {
         })
     }
 
-    /// The cell that is worth most.
+    /// Returns the cell of the highest worth.
     fn choose(
         &self,
         model: &Model<'_>,
@@ -216,8 +219,8 @@ impl Team {
 }
 
 impl Frontier {
-    /// Takes back moves, team by team, after which the leads' graph would fall apart. Where that stops them
-    /// all, they make for the first team's target together.
+    /// Cancels moves, team by team, that would disconnect the graph of the leads. If that stops all
+    /// teams, they fly to the target of the first team together.
     fn stay_connected(&mut self, model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
         let config = model.config();
         let Near {
@@ -230,7 +233,7 @@ impl Frontier {
         let teams = self.teams.iter().enumerate();
         leads.extend(teams.filter_map(|(team, of)| of.lead(state).map(|lead| (team, lead))));
         let reach = Reach::of(model, self.pilot);
-        // Teams before `index` have made their moves; those after it are where they were.
+        // Teams before `index` have moved; those after it are in their present cells.
         cells.clear();
         cells.extend(leads.iter().map(|&(_, lead)| state.cell(lead)));
         let mut somebody_moves = false;
@@ -265,7 +268,7 @@ impl Frontier {
     }
 }
 
-/// Which cells hear each other while UAVs sense.
+/// The radio links between cells while UAVs sense at the pilot density of the policy.
 struct Reach<'m> {
     model: &'m Model<'m>,
     density: f64,
@@ -285,9 +288,9 @@ impl<'m> Reach<'m> {
         throughput >= self.model.config().link_throughput_min
     }
 
-    /// Whether every cell is reached from the first, hearing by hearing.
+    /// Returns whether the graph of links connects all cells.
     fn in_one_piece(&self, cells: &[Cell], order: &mut [usize]) -> bool {
-        // Those reached come first in the order.
+        // The cells reached so far come first in the order.
         let order = &mut order[..cells.len()];
         for (index, place) in order.iter_mut().enumerate() {
             *place = index;
@@ -323,7 +326,8 @@ mod tests {
     use crate::baselines::BaselineKind;
     use jcas_core::{Config, Preset, Sim};
 
-    /// Flies one search and says how often some UAV was out of reach of the rest, and how many steps it took.
+    /// Runs one search. Returns in how many steps the fleet was disconnected, and how many steps it
+    /// took.
     fn fly(kind: BaselineKind, seed: u64) -> (usize, u32) {
         let config = Config {
             uav_count: 12,
@@ -377,7 +381,7 @@ mod tests {
             team.choose(&model, here, &[Cell { x: 3, y: 3 }], None, 5),
             far
         );
-        // All looked at: the one that was so long ago, if it is not too far.
+        // All cells are searched: the oldest one is chosen, unless it is too far.
         team.looked_at = vec![Some(90); 144];
         team.looked_at[12 * 9 + 9] = Some(1);
         assert_eq!(team.choose(&model, here, &[], None, 95), far);

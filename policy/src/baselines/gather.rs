@@ -1,4 +1,5 @@
-//! What a fleet does once every hotspot is confirmed: meet, so that all learn of all.
+//! The end of an episode: the fleet gathers once every hotspot is confirmed, to share this
+//! knowledge.
 
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
@@ -7,11 +8,11 @@ use super::steering::can_fly;
 
 /// Sends every UAV toward the meeting point of the fleet.
 ///
-/// The meeting point is the Manhattan centre: the cell from which the farthest UAV is nearest, so that
-/// the last pair to meet meets as early as it can. It is found anew in each step; on the way the fleet
-/// shrinks to within the range of its links, and the mission ends as soon as the graph connects.
-/// A grounded UAV away from a depot can be told nothing any more and does not count; a UAV that returns
-/// to its base counts where it is.
+/// The meeting point is the Manhattan centre: the cell with the least distance to the farthest UAV.
+/// The last two UAVs thus meet as early as they can. It is computed anew in each step. The fleet
+/// contracts until its links connect it, and the episode ends then. A grounded UAV away from a
+/// depot can no longer be informed and does not count. A UAV that returns to its base counts in its
+/// present cell.
 pub fn gather(model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
     let meeting_point = manhattan_centre(model, state);
     for (uav, motion) in motions.iter_mut().enumerate() {
@@ -19,9 +20,10 @@ pub fn gather(model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
     }
 }
 
-/// In the rotated coordinates u = x + y, v = x - y Manhattan distance is the larger of the two
-/// differences, so the centre sought is that of the bounding box. It need not be a cell; of the cells
-/// around it the best is taken, the one with the least total distance among equals.
+/// Returns the cell with the least distance to the farthest UAV. In the rotated coordinates u = x +
+/// y, v = x - y, Manhattan distance is the larger of the two differences. The centre is therefore
+/// that of the bounding box. If it is not a cell, the best cell around it is taken. Among equals
+/// that is the one with the least total distance.
 fn manhattan_centre(model: &Model<'_>, state: &StateRef<'_>) -> Cell {
     let any_flies = (0..model.uav_count()).any(|uav| can_fly(state, uav));
     let cells = || {

@@ -6,8 +6,8 @@ use jcas_core::{Model, Motion, StateRef};
 use super::memory::OutOfMemory;
 use super::steering::Steering;
 
-/// Every UAV for itself. As the fleet starts from one cell, most of it flies together all the same;
-/// ties go to the hotspot with the lower index.
+/// The policy `greedy`, in which every UAV steers for itself. As the fleet starts in one cell, most
+/// UAVs still fly together. Ties go to the hotspot with the lower index.
 #[derive(Clone, Debug, Default)]
 pub struct Greedy;
 

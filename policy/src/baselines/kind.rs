@@ -1,8 +1,8 @@
-//! Which baselines there are.
+//! The names of the baselines.
 
 use core::fmt;
 
-/// Which baseline.
+/// A baseline by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BaselineKind {
     /// [`Random`](super::Random).
@@ -42,7 +42,7 @@ impl BaselineKind {
         Self::Clean,
     ];
 
-    /// As it is typed.
+    /// The name of the baseline.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl BaselineKind {
         }
     }
 
-    /// Whether it steers by the positions of hotspots that no UAV knows yet.
+    /// Returns whether it steers by the positions of hotspots that no UAV knows yet.
     #[must_use]
     pub fn reads_positions(self) -> bool {
         matches!(

@@ -1,4 +1,5 @@
-//! `line`: lines abreast that sweep the grid, in the formation that is expected to find everything soonest.
+//! `line`: lines abreast that sweep the grid, in the formation with the least expected time to
+//! confirm all.
 
 use core::ops::Range;
 
@@ -9,27 +10,28 @@ use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
 
-/// Most lines, and most strips side by side that a line takes one after the other.
+/// The maximum number of lines, and of strips that a line sweeps one after the other.
 const MOST: u32 = 4;
-/// Parts of a strip's width over which a line may spread, in thirds: 0 is a flock.
+/// The maximum spread of a line, in thirds of the width of its strip. A spread of 0 is a flock.
 const THIRDS: u32 = 3;
-/// Steps over which a formation is judged.
+/// The number of steps over which a formation is evaluated.
 const STEPS: usize = 60;
-/// Cells along each axis, at most, for which it is judged.
+/// The maximum number of cells along each axis at which a formation is evaluated.
 const SAMPLES: u32 = 12;
 
-/// Lines of UAVs abreast, each with a band of the grid, which it sweeps strip by strip, to and fro.
+/// Lines of UAVs abreast, each with a band of the grid, which it sweeps strip by strip, back and
+/// forth.
 ///
-/// How many lines, how many strips and how wide a line spreads is chosen once for each model: the
-/// formation flown from the depot for which hotspots in random cells are all confirmed soonest, in
-/// expectation. A flock confirms surely and looks at little at a time; a wide line looks at much, and
-/// only as far as three of it detect a hotspot in the same step.
+/// The numbers of lines and strips and the spread of a line are chosen once for each model. The
+/// chosen formation confirms hotspots in random cells in the least expected time, starting from the
+/// depot. A flock confirms reliably but covers few cells at a time. A wide line covers many cells,
+/// but confirms only where a quorum of it detects a hotspot in the same step.
 #[derive(Clone, Debug)]
 pub struct Line {
     pilot: PilotMode,
     chosen: Option<(u64, Formation)>,
     rows: Vec<Row>,
-    /// Where each UAV that can fly is.
+    /// The cell of each UAV that can fly.
     cells: Vec<Option<Cell>>,
 }
 
@@ -40,20 +42,20 @@ struct Formation {
     thirds: u32,
 }
 
-/// One line under way: the stations that it takes, and where on them each of its UAVs has its place.
+/// A line with its stations, and the place of each of its UAVs at them.
 #[derive(Clone, Debug)]
 struct Row {
     uavs: Range<usize>,
-    /// Offset across of each UAV from the station.
+    /// Offset of each UAV from the station, across the sweep, in cells.
     places: Vec<i64>,
-    /// (across, along).
+    /// The stations as (across, along), in cells.
     stations: Vec<(i64, i64)>,
     next: usize,
     forward: bool,
 }
 
 impl Line {
-    /// With the pilot density that the lines will sense with, which decides how they fly.
+    /// Builds the policy for the pilot density of the lines, which decides their formation.
     #[must_use]
     pub fn new(pilot: PilotMode) -> Self {
         Self {
@@ -96,7 +98,7 @@ impl Steering for Line {
     }
 }
 
-/// Width across the sweep and length along it, and whether x runs along.
+/// Returns the width across the sweep, the length along it, and whether x runs along it.
 fn extents(model: &Model<'_>) -> (i64, i64, bool) {
     let (w, h) = (model.config().grid_width, model.config().grid_height);
     (i64::from(w.min(h)), i64::from(w.max(h)), w > h)
@@ -113,7 +115,7 @@ fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<Row>, OutOfMemory
         let share = |end: i64| (end as usize) * uavs / formation.lines as usize;
         let uavs = share(line)..share(line + 1);
         let band = line * along / lines..(line + 1) * along / lines;
-        // The end of the band that is nearer to where the fleet starts comes first.
+        // The sweep begins at the end of the band that is nearer to the start of the fleet.
         let near_first = (start - band.start).abs() <= (start - (band.end - 1)).abs();
         let length = band.end - band.start;
         let stations = collect((0..strips * length).map(|station| {
@@ -144,7 +146,7 @@ fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<Row>, OutOfMemory
 }
 
 impl Row {
-    /// The cell of a UAV of the line at its present station.
+    /// Returns the cell of a UAV of the line at its present station.
     fn place(&self, model: &Model<'_>, index: usize) -> Cell {
         let (across, _, transposed) = extents(model);
         let (x, y) = self.stations[self.next];
@@ -157,7 +159,8 @@ impl Row {
         }
     }
 
-    /// Goes on to the next station once most of those who can fly are in their places; back at the end.
+    /// Advances to the next station once most of the UAVs that can fly are in place, and turns back
+    /// at the end.
     fn advance(&mut self, model: &Model<'_>, cells: &[Option<Cell>]) {
         let last = self.stations.len() - 1;
         let mut flying = 0;
@@ -182,7 +185,8 @@ impl Row {
     }
 }
 
-/// The formation that is expected to confirm all hotspots soonest; the simplest among equals.
+/// Returns the formation with the least expected time to confirm all hotspots, and the simplest one
+/// among equals.
 fn choose(model: &Model<'_>, density: f64) -> Result<Formation, OutOfMemory> {
     let (across, along, _) = extents(model);
     let mut best = Formation {
@@ -209,11 +213,12 @@ fn choose(model: &Model<'_>, density: f64) -> Result<Formation, OutOfMemory> {
     Ok(best)
 }
 
-/// Expected steps until all hotspots are confirmed, each in a random cell, at most [`STEPS`].
+/// Returns the expected steps until all hotspots are confirmed, each in a random cell, at most
+/// [`STEPS`].
 ///
-/// After t steps a hotspot in cell c is unconfirmed with probability m_c(t) = prod (1 - Q), Q that at
-/// least θ of the UAVs detect it in one step. With m the mean over cells, all n are confirmed with
-/// probability (1 - m)^n.
+/// Let Q be the probability that at least θ of the UAVs detect a hotspot in cell c in one step.
+/// After t steps it is unconfirmed with probability m_c(t) = prod (1 - Q). With m the mean over
+/// cells, all n are confirmed with probability (1 - m)^n.
 fn expected_steps(
     model: &Model<'_>,
     density: f64,
@@ -251,7 +256,7 @@ fn expected_steps(
     Ok(expected)
 }
 
-/// Cells spread evenly over the grid.
+/// Returns cells spread evenly over the grid.
 fn sample(width: u32, height: u32) -> impl Iterator<Item = Cell> {
     let axis = |extent: u32| {
         let count = extent.min(SAMPLES);
@@ -260,7 +265,7 @@ fn sample(width: u32, height: u32) -> impl Iterator<Item = Cell> {
     axis(height).flat_map(move |y| axis(width).map(move |x| Cell { x, y }))
 }
 
-/// The probability of a detection for every offset.
+/// A table of the probability of a detection for every offset.
 struct Detection {
     width: u32,
     probabilities: Vec<f64>,
@@ -284,8 +289,8 @@ impl Detection {
     }
 }
 
-/// The probability that fewer than θ UAVs detect a hotspot in one step, each with its own probability; for
-/// each number k below θ, `exactly[k]` is then that of k.
+/// Returns the probability that fewer than θ UAVs detect a hotspot in one step, each with its own
+/// probability. It sets `exactly[k]` to the probability of k detections, for each k below θ.
 fn below_quorum(
     exactly: &mut [f64],
     detection: &Detection,

@@ -1,9 +1,9 @@
-//! Memory for plans: asked for, never taken for granted.
+//! Allocation for plans that returns an error when memory runs out.
 
 use core::fmt;
 use std::collections::TryReserveError;
 
-/// Memory for a plan could not be had.
+/// The error of a failed allocation for a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfMemory;
 
@@ -21,7 +21,7 @@ impl From<TryReserveError> for OutOfMemory {
     }
 }
 
-/// A list of these items, with room for as many as there can be where that is known.
+/// Collects the items, with room for as many as their size hint states.
 pub(super) fn collect<T>(items: impl Iterator<Item = T>) -> Result<Vec<T>, OutOfMemory> {
     let mut list = Vec::new();
     list.try_reserve(items.size_hint().1.unwrap_or(0))?;
@@ -31,7 +31,7 @@ pub(super) fn collect<T>(items: impl Iterator<Item = T>) -> Result<Vec<T>, OutOf
     Ok(list)
 }
 
-/// A list of `count` times the same.
+/// Returns a list of `count` equal values.
 pub(super) fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, OutOfMemory> {
     let mut list = Vec::new();
     list.try_reserve_exact(count)?;
@@ -39,7 +39,7 @@ pub(super) fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, OutOfMe
     Ok(list)
 }
 
-/// One more at the end.
+/// Appends an item.
 pub(super) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), OutOfMemory> {
     list.try_reserve(1)?;
     list.push(item);

@@ -1,4 +1,4 @@
-//! The scripted policies that every learned one is compared with.
+//! The baselines: scripted policies that every learned policy is compared with.
 //!
 //! # What a baseline reads
 //!
@@ -7,24 +7,24 @@
 //! | `random` | nothing: five equally likely motions | no |
 //! | `greedy` | each UAV's own cell, the hotspots' cells and which are confirmed | positions |
 //! | `swarm` | all UAVs' cells, the hotspots' cells and which are confirmed | positions |
-//! | `teams` | all UAVs' cells and who can fly, the hotspots' cells and which are confirmed | positions |
-//! | `sweep` | all UAVs' cells and who can fly; of the hotspots only how many are left | no |
+//! | `teams` | cells of UAVs that can fly, hotspots' cells and which are confirmed | positions |
+//! | `sweep` | cells of UAVs that can fly; of the hotspots only the number left | no |
 //! | `line` | as `sweep` | no |
-//! | `frontier` | as `sweep`, and for each team the search map of one of its UAVs (without maps, the visited cells); targets of the other teams | no |
+//! | `frontier` | as `sweep`; a search map per team (or visited cells), other teams' targets | no |
 //! | `relay` | as `frontier`, and the link budget between teams | no |
 //! | `charging` | as `teams`, and every UAV's charge | positions |
 //! | `clean` | as `charging`, and the carbon intensity of the next step | positions |
 //!
-//! *Privileged* means: it reads the positions of hotspots that no UAV knows. With
-//! `target_visibility = "known"` (the paper) every UAV observes these positions, so nobody is
-//! privileged. With `"hidden"` they are withheld, and [`BaselineKind::build`] refuses the
-//! baselines that read them; [`BaselineKind::build_privileged`] builds them all the same, as a bound from
-//! above or as a teacher.
+//! A *privileged* baseline reads the positions of hotspots that no UAV knows. With
+//! `target_visibility = "known"` (the paper) every UAV observes these positions, so no baseline is
+//! privileged. With `"hidden"` they are withheld, and [`BaselineKind::build`] refuses the baselines
+//! that read them. [`BaselineKind::build_privileged`] builds them anyway, as an upper bound or as a
+//! teacher.
 //!
-//! All of them, once every hotspot is confirmed, gather so that those who know less meet those who know
-//! more ([`gather()`]); this and the decision to stay on a depot until a flight is worth while
-//! ([`stays_to_charge`]) are shared. Both read what every UAV knows and its charge, which a real fleet would
-//! have to exchange: the baselines are centralised, the learned policies are not.
+//! Once every hotspot is confirmed, all baselines gather, so that UAVs share what they know
+//! ([`gather()`]). All stay on a depot until a flight is worth while ([`stays_to_charge`]). Both
+//! rules read the knowledge and the charge of every UAV, which a real fleet would have to exchange.
+//! The baselines are centralised; the learned policies are not.
 
 mod assignment;
 mod baseline;

@@ -1,4 +1,4 @@
-//! How a baseline sets its pilot density.
+//! The choice of pilot density of a baseline.
 
 use core::fmt;
 
@@ -6,26 +6,27 @@ use jcas_core::{Config, Model, StateRef, TargetVisibility};
 
 use super::error::PolicyError;
 
-/// `adaptive` senses at full pilot density within this Manhattan distance of an unconfirmed hotspot.
+/// The Manhattan distance in cells of an unconfirmed hotspot within which `adaptive` senses at full
+/// pilot density.
 ///
-/// With the default radar a UAV detects with probability 0.16 in the hotspot's own cell, 0.01 one cell
-/// away and less than 0.001 beyond, so pilots farther off only cost throughput. One cell rather than
-/// none: the density is chosen before the move and used after it.
+/// With the default radar a UAV detects with probability 0.16 in the hotspot's own cell and 0.01
+/// one cell away. Beyond, it is less than 0.001, so pilots only cost throughput there. The range is
+/// one cell, not zero, as the density is chosen before the move and used after it.
 pub const ADAPTIVE_RANGE_CELLS: u32 = 1;
 
-/// The choice of pilot density.
+/// A rule for the pilot density of a UAV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PilotMode {
-    /// Always the least: the best links, the weakest sensing.
+    /// The rule always takes the minimum: the best links, the weakest sensing.
     Min,
-    /// Always halfway.
+    /// The rule always takes the mean of minimum and maximum.
     Mid,
-    /// Always the most: the best sensing, the weakest links.
+    /// The rule always takes the maximum: the best sensing, the weakest links.
     Max,
-    /// The most near an unconfirmed hotspot, the least elsewhere. Where positions are hidden: the most
-    /// while any hotspot is unconfirmed.
+    /// The rule takes the maximum near an unconfirmed hotspot and the minimum elsewhere. With
+    /// hidden positions, it takes the maximum while any hotspot is unconfirmed.
     Adaptive,
-    /// Always this density, kept within the mission's bounds.
+    /// The rule always takes this density, clipped to the bounds of the model.
     Held(f64),
 }
 
@@ -33,13 +34,13 @@ impl PilotMode {
     /// All modes that have a name.
     pub const ALL: [Self; 4] = [Self::Min, Self::Mid, Self::Max, Self::Adaptive];
 
-    /// As it is typed.
+    /// The name of the mode, or the density in decimal digits.
     #[must_use]
     pub fn name(self) -> String {
         self.to_string()
     }
 
-    /// As it is typed, where it is no density.
+    /// The name of the mode; `None` for a fixed density.
     const fn word(self) -> Option<&'static str> {
         match self {
             Self::Min => Some("min"),
@@ -50,10 +51,10 @@ impl PilotMode {
         }
     }
 
-    /// The mode of this name, or the density that the text says.
+    /// Parses the name of a mode, or a density.
     ///
     /// # Errors
-    /// [`PolicyError::UnknownPilot`].
+    /// [`PolicyError::UnknownPilot`] if the text is neither.
     pub fn named(text: &str) -> Result<Self, PolicyError<'_>> {
         let held = || {
             text.parse()
@@ -67,10 +68,10 @@ impl PilotMode {
             .ok_or(PolicyError::UnknownPilot(text))
     }
 
-    /// Refuses a density that the mission does not allow.
+    /// Checks that the model allows the density.
     ///
     /// # Errors
-    /// [`PolicyError::PilotOutOfRange`].
+    /// [`PolicyError::PilotOutOfRange`] if it does not.
     pub fn check(self, config: &Config) -> Result<(), PolicyError<'static>> {
         let (low, high) = (config.pilot_density_min, config.pilot_density_max);
         match self {
@@ -81,7 +82,8 @@ impl PilotMode {
         }
     }
 
-    /// The action component u_pilot that is held throughout a mission; none where it adapts.
+    /// The action component u_pilot that is constant throughout an episode. `None` for the adaptive
+    /// mode.
     #[must_use]
     pub fn held(self, config: &Config) -> Option<f32> {
         match self {
@@ -93,7 +95,7 @@ impl PilotMode {
         }
     }
 
-    /// The action component u_pilot of one UAV.
+    /// The action component u_pilot of one UAV, in [-1, 1].
     #[must_use]
     pub fn action(self, model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f32 {
         let adapted = || {
@@ -122,7 +124,7 @@ impl PilotMode {
     }
 }
 
-/// The action component u_pilot that gives a density: the kernel's map, inverted.
+/// The action component u_pilot, in [-1, 1], that gives a density: the inverse of the kernel's map.
 #[must_use]
 pub fn action_of(config: &Config, density: f64) -> f32 {
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);

@@ -1,7 +1,7 @@
-//! How likely a team is to reach the quorum.
+//! The probability that a team reaches the quorum.
 
-/// The probability that at least `quorum` of `team` UAVs detect in one step, each with probability
-/// `detection`: the upper tail of a binomial distribution.
+/// Returns the probability that at least `quorum` of `team` UAVs detect in one step, each with
+/// probability `detection`. It is the upper tail of a binomial distribution.
 #[must_use]
 pub fn quorum_probability(team: usize, quorum: usize, detection: f64) -> f64 {
     if quorum == 0 {
@@ -14,7 +14,8 @@ pub fn quorum_probability(team: usize, quorum: usize, detection: f64) -> f64 {
         return 1.0;
     }
     let miss = 1.0 - detection;
-    // P(exactly k), from k = 0 upward; the sum below the quorum is what is missing from one.
+    // The loop sums P(exactly k) from k = 0 up to the quorum; the result is the complement of the
+    // sum.
     let mut exactly = libm::pow(miss, team as f64);
     let mut below = 0.0;
     for k in 0..quorum {

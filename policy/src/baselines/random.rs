@@ -6,8 +6,8 @@ use jcas_core::{Model, Motion, StateRef};
 use super::memory::OutOfMemory;
 use super::steering::Steering;
 
-/// A random walk. Its draws are a pure function of the episode's seed, the step and the UAV, under a
-/// purpose of their own, so that they share no draw with the kernel.
+/// A random walk. Its draws are a pure function of the episode's seed, the step and the UAV. They
+/// have a purpose of their own, so they share no draw with the kernel.
 #[derive(Clone, Debug, Default)]
 pub struct Random {
     seed: u64,

@@ -1,20 +1,22 @@
-//! The shortest way through several cells.
+//! A short route through several cells.
 
 use jcas_core::Cell;
 
 use super::memory::{OutOfMemory, collect, filled};
 
-/// Up to this many cells the order is optimal: the table has 2^n rows.
+/// The maximum number of cells with an optimal order: the table has 2^n rows.
 const EXACT_MAX: usize = 11;
 
-/// Beyond this many the way is not improved: the cost grows faster than the way shortens.
+/// The maximum number of cells for which 2-opt improves the route: its cost grows faster than the
+/// route shortens.
 const IMPROVED_MAX: usize = 128;
 
-/// An order in which to visit `targets` from `start` by a short way, and its length in steps. Optimal for
-/// few targets (M. Held and R. M. Karp, 1962), else the nearest next, improved by reversals (2-opt).
+/// Returns an order in which to visit `targets` from `start` on a short route, and its length in
+/// steps. The order is optimal for few targets (M. Held and R. M. Karp, 1962). Otherwise it visits
+/// the nearest cell next, improved by reversals (2-opt).
 ///
 /// # Errors
-/// [`OutOfMemory`].
+/// [`OutOfMemory`] if memory runs out.
 pub fn route(start: Cell, targets: &[Cell]) -> Result<(Vec<usize>, u32), OutOfMemory> {
     let order = if targets.len() <= EXACT_MAX {
         shortest(start, targets)?
@@ -39,7 +41,8 @@ fn length(start: Cell, targets: &[Cell], order: &[usize]) -> u32 {
     steps
 }
 
-/// `best[set][last]`: the shortest way through the set that ends in `last`, and what comes before it.
+/// Finds the shortest order. `best[set][last]` holds the length of the shortest route through the
+/// set that ends in `last`, and the cell before it.
 fn shortest(start: Cell, targets: &[Cell]) -> Result<Vec<usize>, OutOfMemory> {
     let count = targets.len();
     let mut best = filled((u32::MAX, usize::MAX), (1 << count) * count)?;
@@ -85,8 +88,8 @@ fn nearest_next(start: Cell, targets: &[Cell]) -> Result<Vec<usize>, OutOfMemory
     Ok(order)
 }
 
-/// Reverses stretches of the way while that shortens it. Each pass over all stretches costs their
-/// number; the number of passes is bounded by that of the targets.
+/// Reverses sections of the route while that shortens it. A pass visits all sections, and the
+/// number of passes is at most that of the targets.
 fn improve(start: Cell, targets: &[Cell], order: &mut [usize]) {
     let cell = |order: &[usize], position: usize| targets[order[position]];
     for _ in 0..order.len() {

@@ -1,24 +1,27 @@
-//! How a baseline moves, and who can.
+//! The steering of baselines, and the UAVs that they can steer.
 
 use jcas_core::{Model, Motion, StateRef};
 
 use super::memory::OutOfMemory;
 
-/// How a baseline moves while hotspots are unconfirmed.
+/// A steering rule: it moves the fleet while hotspots are unconfirmed.
 pub trait Steering: Send {
-    /// Before the first step of an episode.
+    /// Called before the first step of an episode.
     ///
     /// # Errors
-    /// [`OutOfMemory`]: it has to be called again before anything is steered.
+    /// [`OutOfMemory`] if memory runs out. The call must then succeed once before the next call of
+    /// [`Steering::steer`].
     fn reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
         let _ = (model, seed);
         Ok(())
     }
 
-    /// Writes each UAV's motion. Motions of UAVs that are grounded or return to base have no effect.
+    /// Writes the motion of each UAV. Motions of UAVs that are grounded or return to base have no
+    /// effect.
     ///
     /// # Errors
-    /// [`OutOfMemory`]: called again in the same state it steers as if it had not failed.
+    /// [`OutOfMemory`] if memory runs out. A later call in the same state gives the same motions as
+    /// without the failure.
     fn steer(
         &mut self,
         model: &Model<'_>,
@@ -27,7 +30,7 @@ pub trait Steering: Send {
     ) -> Result<(), OutOfMemory>;
 }
 
-/// Whether a UAV goes where it is told: neither grounded, nor on its way to a depot, nor charging.
+/// Returns whether a UAV follows its action: it is neither grounded nor returning to base.
 pub(super) fn can_fly(state: &StateRef<'_>, uav: usize) -> bool {
     !state.grounded(uav) && !state.returning(uav)
 }

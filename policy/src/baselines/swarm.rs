@@ -6,8 +6,9 @@ use jcas_core::{Cell, Model, Motion, StateRef};
 use super::memory::OutOfMemory;
 use super::steering::{Steering, can_fly};
 
-/// One flock. A quorum in one step is a matter of numbers: ten UAVs over a hotspot confirm it in about
-/// five steps where five need thirty, so that flying apart rarely pays with few UAVs.
+/// The policy `swarm`, in which all UAVs fly as one flock. With the quorum in one step, numbers
+/// count: ten UAVs confirm a hotspot in about five steps, and five UAVs in thirty. Flying apart
+/// thus rarely pays with few UAVs.
 #[derive(Clone, Debug, Default)]
 pub struct Swarm;
 
@@ -26,8 +27,9 @@ impl Steering for Swarm {
     }
 }
 
-/// The unconfirmed hotspot at the least Manhattan distance from the centroid of the UAVs that can fly
-/// (of all, where none can). Scaled by the number of UAVs, so that all is exact.
+/// Returns the unconfirmed hotspot at the least Manhattan distance from the centroid of the UAVs
+/// that can fly. If none can fly, all count. Distances are scaled by the number of UAVs, so that
+/// they are exact.
 fn nearest_to_centroid(model: &Model<'_>, state: &StateRef<'_>) -> Option<Cell> {
     let any_flies = (0..model.uav_count()).any(|uav| can_fly(state, uav));
     let (mut count, mut sum_x, mut sum_y) = (0u64, 0u64, 0u64);

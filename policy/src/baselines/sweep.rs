@@ -1,4 +1,4 @@
-//! `sweep`: boustrophedon coverage, the one baseline that searches.
+//! `sweep`: boustrophedon coverage of the grid in lanes.
 
 use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
@@ -8,14 +8,14 @@ use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
 use super::steering::{Steering, can_fly};
 
-/// Detection is taken into account up to this many cells from a lane.
+/// The maximum distance from a lane, in cells, at which detection is taken into account.
 const REACH_CELLS: u32 = 4;
 
-/// Teams that mow the grid lane by lane, as an ox ploughs, and turn back at the end.
+/// Teams that sweep the grid lane by lane, in alternating directions, and turn back at the end.
 ///
-/// Each team has a band of the grid and keeps together, since a quorum has to detect in the same step.
-/// How many teams there are and how far their lanes lie apart is chosen once for each episode, so that
-/// a hotspot anywhere is confirmed within the horizon with the highest probability.
+/// Each team has a band of the grid and flies together, since a quorum has to detect in the same
+/// step. The number of teams and the spacing of lanes are chosen once for each episode. The choice
+/// maximises the probability that a hotspot in a random cell is confirmed within the horizon.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     pilot: PilotMode,
@@ -32,7 +32,7 @@ struct Team {
 }
 
 impl Sweep {
-    /// With the pilot density that the teams will sense with, which decides how they fly.
+    /// Builds the policy for the pilot density of the teams, which decides their lanes.
     #[must_use]
     pub fn new(pilot: PilotMode) -> Self {
         Self {
@@ -87,8 +87,9 @@ impl Steering for Sweep {
 }
 
 impl Team {
-    /// Moves on to the next cell of the path once enough of the team are in this one: most of those who
-    /// can fly, and a quorum where there is one. Begins at the end of the path that is nearer.
+    /// Advances along the path once enough UAVs of the team are in the present cell. Enough are
+    /// most of those that can fly, and at least a quorum if they are that many. The path begins at
+    /// its nearer end.
     fn advance(&mut self, flying: impl Iterator<Item = Cell> + Clone, quorum: usize) {
         let Some(first) = flying.clone().next() else {
             return;
@@ -117,7 +118,8 @@ impl Team {
     }
 }
 
-/// The cells of a band's lanes, every second lane backwards, with the cells between two lanes.
+/// Returns the cells of the lanes of a band, every second lane reversed, with the cells between two
+/// lanes.
 fn lanes(
     band: core::ops::Range<u32>,
     spacing: u32,
@@ -127,13 +129,13 @@ fn lanes(
     let width = band.end - band.start;
     let count = width.div_ceil(spacing);
     let between = spacing.saturating_sub(1);
-    // Centred, so that no edge of the band lies farther from a lane than it has to.
+    // The lanes are centred, which minimises the distance of the edges of the band from a lane.
     let margin = (width - 1 - (count - 1) * spacing) / 2;
     let cells = count * along + (count - 1) * between;
     let mut path = filled(Cell::default(), cells as usize)?;
     for (place, cell) in (0..).zip(&mut path) {
         let (lane, step) = (place / (along + between), place % (along + between));
-        // Along the lane, then across to the next from where it ends.
+        // The path follows the lane, then crosses from its end to the next.
         let (along_it, across) = (step.min(along - 1), step.saturating_sub(along - 1));
         *cell = Cell {
             x: band.start + margin + lane * spacing + across,
@@ -155,7 +157,8 @@ fn lanes(
     Ok(path)
 }
 
-/// The number of teams and the spacing of lanes with the best chance; the fewest teams among equals.
+/// Returns the number of teams and the spacing of lanes with the best chance; the fewest teams
+/// among equals.
 fn choose(model: &Model<'_>, density: f64, across: u32, along: u32) -> (usize, u32) {
     let teams_max =
         (model.uav_count() / (model.config().quorum as usize).max(1)).clamp(1, across as usize);
@@ -173,11 +176,12 @@ fn choose(model: &Model<'_>, density: f64, across: u32, along: u32) -> (usize, u
     best
 }
 
-/// The probability that a hotspot anywhere is confirmed within the horizon.
+/// Returns the probability that a hotspot in a random cell is confirmed within the horizon.
 ///
-/// One pass at lateral distance o confirms with c(o) = 1 - prod_a (1 - Q(p(o, a))), a along the lane and
-/// Q the quorum's probability for the team. With k passes within the horizon it is 1 - (1 - c)^k; with
-/// less than one pass, only that part of the grid is seen.
+/// One pass at lateral distance o confirms with c(o) = 1 - prod_a (1 - Q(p(o, a))). Here a runs
+/// along the lane, and Q is the probability of a quorum for the team. With k passes within the
+/// horizon the probability is 1 - (1 - c)^k. With less than one pass, only that part of the grid is
+/// seen.
 fn chance(
     model: &Model<'_>,
     density: f64,
@@ -194,7 +198,8 @@ fn chance(
     let reach = REACH_CELLS.min(along - 1);
     let confirmed_at = |offset: u32| {
         let missed_from = |along: u32| {
-            // Probabilities depend on the distance alone; the longer side of the grid has room for `along`.
+            // Probabilities depend on the distance alone, so `along` is measured on the longer side
+            // of the grid, which has room for it.
             let detection = if model.config().grid_width > model.config().grid_height {
                 model.detection_probability(along, offset, density)
             } else {
@@ -202,7 +207,7 @@ fn chance(
             };
             1.0 - quorum_probability(team, quorum, detection)
         };
-        // Before and after the hotspot alike.
+        // The cells before and after the hotspot count alike, hence the square.
         let missed: f64 = missed_from(0)
             * (1..=reach)
                 .map(|along| {
@@ -216,7 +221,7 @@ fn chance(
             1.0 - libm::pow(missed, passes)
         }
     };
-    // Offsets from the nearest of two lanes that lie `spacing` apart.
+    // These are the offsets from the nearest of two lanes that lie `spacing` apart.
     (0..spacing)
         .map(|place| confirmed_at(place.min(spacing - place)))
         .sum::<f64>()

@@ -10,37 +10,39 @@ use super::quorum::quorum_probability;
 use super::route::route;
 use super::steering::{Steering, can_fly};
 
-/// Above this many UAVs the assignment keeps the teams as they were formed, nearest first: the optimal
-/// one costs the cube of their number.
+/// The maximum number of UAVs with an optimal assignment, which costs the cube of their number.
+/// Larger fleets keep the teams as they were formed, nearest first.
 const OPTIMAL_ASSIGNMENT_UAVS_MAX: usize = 256;
 
-/// No more teams than this, to bound the cost of planning for very large fleets.
+/// The maximum number of teams, which bounds the cost of planning for very large fleets.
 const TEAMS_MAX: usize = 64;
 
-/// Divides the fleet over several hotspots where that is quicker than flying together.
+/// Teams of at least the quorum, which divide the hotspots where that is quicker than flying
+/// together.
 ///
-/// Planned anew whenever a hotspot is confirmed or a UAV begins or ceases to fly:
-/// 1. one team is forecast along the shortest way through all hotspots left ([`route()`]), several along
-///    the nearest next, each with its mean wait for a quorum; the division that finishes first is taken;
-/// 2. teams take the hotspots in reach: one after the other the one whose nearest team is nearest;
-/// 3. who flies where: least total distance over all UAVs (Kuhn and Munkres).
+/// The plan is made anew when a hotspot is confirmed, or when a UAV starts or stops flying:
+/// 1. The time of each division is forecast from the mean waits for a quorum. One team takes the
+///    shortest route through all hotspots left ([`route()`]), and several teams the nearest next.
+///    The division that finishes first is taken.
+/// 2. Teams take hotspots one after the other: first the hotspot with the nearest team.
+/// 3. UAVs are assigned to teams for the least total distance (Kuhn and Munkres).
 #[derive(Clone, Debug)]
 pub struct Teams {
     pilot: PilotMode,
     target_of_uav: Vec<Option<Cell>>,
     situation: Situation,
-    /// Whether the targets are those of the situation.
+    /// Whether the targets belong to the present situation.
     planned: bool,
 }
 
-/// What a plan depends on.
+/// The state that a plan depends on.
 #[derive(Clone, Debug, Default)]
 struct Situation {
     confirmed: Vec<bool>,
     flying: Vec<bool>,
 }
 
-/// A hotspot and how many UAVs are sent there.
+/// A hotspot, and the number of UAVs sent there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Errand {
     target: Cell,
@@ -48,7 +50,7 @@ struct Errand {
 }
 
 impl Teams {
-    /// With the pilot density that the teams will sense with, which decides how large they have to be.
+    /// Builds the policy for the pilot density of the teams, which decides their size.
     #[must_use]
     pub fn new(pilot: PilotMode) -> Self {
         Self {
@@ -103,7 +105,7 @@ impl Steering for Teams {
 }
 
 impl Teams {
-    /// Steers with those who are said to fly; who does not stays.
+    /// Steers the UAVs for which `flies` holds; the others stay.
     pub(super) fn steer_with(
         &mut self,
         model: &Model<'_>,
@@ -127,7 +129,7 @@ impl Teams {
     }
 }
 
-/// Sets each flag anew. Whether any has changed.
+/// Sets each flag anew. Returns whether any has changed.
 fn update(flags: &mut [bool], now: impl Fn(usize) -> bool) -> bool {
     let mut changed = false;
     for (index, flag) in flags.iter_mut().enumerate() {
@@ -142,7 +144,8 @@ fn indices(flags: &[bool], wanted: bool) -> Result<Vec<usize>, OutOfMemory> {
     collect((0..flags.len()).filter(|&index| flags[index] == wanted))
 }
 
-/// The errands of the division into teams that is forecast to finish first, and each UAV's.
+/// Returns the errands of the division that is forecast to finish first, and the index of each
+/// UAV's errand.
 fn best_errands(
     model: &Model<'_>,
     pilot: PilotMode,
@@ -153,7 +156,7 @@ fn best_errands(
     let detection = model.detection_probability(0, 0, pilot.sensing_density(model));
     let wait = |team: usize| 1.0 / quorum_probability(team, quorum, detection).max(1e-9);
 
-    // One team: the shortest way through all.
+    // A single team takes the shortest route through all hotspots.
     let (order, steps) = route(centroid(uavs), left)?;
     let together = Errand {
         target: left[order[0]],
@@ -162,7 +165,7 @@ fn best_errands(
     let mut best = (filled(together, 1)?, filled(0, uavs.len())?);
     let mut best_steps = f64::from(steps) + left.len() as f64 * wait(uavs.len());
     let most = left.len().min(uavs.len() / quorum.max(1)).min(TEAMS_MAX);
-    // Every small number; of the large ones each half as large again.
+    // Every small number of teams is tried; above, each number is half as large again as the last.
     let numbers = std::iter::successors(Some(2), |&teams| Some((teams + 1).max(teams * 3 / 2 - 3)));
     for teams in numbers.take_while(|&teams| teams <= most) {
         let (errands, formed) = choose_errands(uavs, left, teams)?;
@@ -174,8 +177,8 @@ fn best_errands(
     Ok(best)
 }
 
-/// When several teams would have confirmed everything and met, if every wait for a quorum took its mean
-/// and every team went on to the nearest hotspot that nobody has taken.
+/// Forecasts the step at which several teams have confirmed everything and met. Every wait for a
+/// quorum takes its mean, and every team goes on to the nearest free hotspot.
 fn forecast(
     uavs: &[Cell],
     left: &[Cell],
@@ -206,7 +209,7 @@ fn forecast(
             target,
         );
     }
-    // The others fly to the team that is last.
+    // The other teams fly to the team that is last.
     let (last_steps, last) = done
         .iter()
         .copied()
@@ -218,7 +221,7 @@ fn forecast(
         .fold(last_steps, f64::max))
 }
 
-/// The cell nearest to the mean position.
+/// Returns the cell nearest to the mean position.
 fn centroid(uavs: &[Cell]) -> Cell {
     let mean = |of: fn(&Cell) -> u32| {
         let sum: u64 = uavs.iter().map(|cell| u64::from(of(cell))).sum();
@@ -230,8 +233,8 @@ fn centroid(uavs: &[Cell]) -> Cell {
     }
 }
 
-/// Forms teams of equal size, one after the other: of all hotspots left the one whose nearest free UAVs
-/// have the least way to go. Returns the errands and each UAV's.
+/// Forms teams of equal size, one after the other. Each takes the hotspot left with the least total
+/// distance to its nearest free UAVs. Returns the errands, and the index of each UAV's errand.
 fn choose_errands(
     uavs: &[Cell],
     left: &[Cell],
@@ -257,19 +260,20 @@ fn choose_errands(
     Ok((errands, errand_of))
 }
 
-/// UAVs in one cell that have no errand yet: they are alike, and most fleets fly in few cells.
+/// UAVs in one cell that have no errand yet. They are interchangeable, and most fleets fly in few
+/// cells.
 struct Group {
     cell: Cell,
-    /// How many.
+    /// Number of UAVs.
     count: usize,
-    /// The first of them.
+    /// Index of the first UAV.
     first: usize,
-    /// Distance from a target, then the place before it was sorted by.
+    /// Sort key: the distance from a target, then the place before sorting.
     key: u64,
 }
 
 impl Group {
-    /// Takes one UAV after the other.
+    /// Takes the UAVs one after the other.
     fn take(&mut self, next: &[usize]) -> impl Iterator<Item = usize> {
         std::iter::from_fn(move || {
             self.count = self.count.checked_sub(1)?;
@@ -280,7 +284,7 @@ impl Group {
     }
 }
 
-/// The groups, and the next UAV of the group of each.
+/// Returns the groups, and for each UAV the next one of its group.
 fn groups(uavs: &[Cell]) -> Result<(Vec<Group>, Vec<usize>), OutOfMemory> {
     let mut groups: Vec<Group> = Vec::new();
     let mut next = filled(0, uavs.len())?;
@@ -302,7 +306,7 @@ fn groups(uavs: &[Cell]) -> Result<(Vec<Group>, Vec<usize>), OutOfMemory> {
     Ok((groups, next))
 }
 
-/// Brings the nearest groups to the front; those as near as each other keep their order.
+/// Sorts the groups by distance from a target; groups at equal distance keep their order.
 fn sort(groups: &mut [Group], target: Cell) {
     for (place, group) in (0..).zip(groups.iter_mut()) {
         group.key = u64::from(group.cell.manhattan(target)) << 32 | place;
@@ -310,7 +314,7 @@ fn sort(groups: &mut [Group], target: Cell) {
     groups.sort_unstable_by_key(|group| group.key);
 }
 
-/// What the nearest `team` free UAVs have to fly in total.
+/// Returns the total distance, in steps, of the nearest `team` free UAVs.
 fn steps_to(target: Cell, groups: &mut [Group], team: usize) -> u64 {
     sort(groups, target);
     let (mut missing, mut steps) = (team, 0);
@@ -322,7 +326,8 @@ fn steps_to(target: Cell, groups: &mut [Group], team: usize) -> u64 {
     steps
 }
 
-/// The errand of each UAV for the least total distance; every errand gets its number of UAVs.
+/// Returns the errand of each UAV for the least total distance; every errand gets its number of
+/// UAVs.
 fn assign(uavs: &[Cell], errands: &[Errand]) -> Result<Vec<usize>, OutOfMemory> {
     let teams = errands.iter().enumerate();
     let seats = collect(teams.flat_map(|(index, errand)| std::iter::repeat_n(index, errand.team)))?;

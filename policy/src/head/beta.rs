@@ -3,18 +3,20 @@
 use super::{Draw, normals};
 use jcas_core::rng;
 
-/// Tries for one gamma variate. Each is accepted with a probability above 0.95.
+/// The maximum number of tries for one gamma variate. Each try is accepted with a probability above
+/// 0.95.
 const TRIES: u32 = 32;
 
-/// X/(X + Y) of two gamma variates, in [0, 1].
+/// Draws X/(X + Y) from two gamma variates, in [0, 1].
 pub(super) fn sample(alpha: f64, beta: f64, draw: Draw) -> f64 {
     let x = gamma(alpha, 1, draw);
     let y = gamma(beta, 1 + 2 * TRIES, draw);
     x / (x + y)
 }
 
-/// A gamma variate of shape at least 1, from two blocks for each try (G. Marsaglia and W. W. Tsang, 2000).
-/// Where no try is accepted, once in 10⁴⁰ times, it is near the mode.
+/// Draws a gamma variate of shape at least 1 (G. Marsaglia and W. W. Tsang, 2000). Each try takes
+/// two blocks. If all tries are rejected, which has a probability of 10⁻⁴⁰, the result is near the
+/// mode.
 fn gamma(shape: f64, first: u32, draw: Draw) -> f64 {
     let d = shape - 1.0 / 3.0;
     let c = 1.0 / libm::sqrt(9.0 * d);

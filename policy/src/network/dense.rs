@@ -1,47 +1,47 @@
-//! Products of rows of numbers with a matrix, with the same bits everywhere.
+//! Products of rows with a matrix, with the same bits on every platform.
 //!
-//! Each output is its own sum, taken over the inputs in their order: start + x₀w₀ + x₁w₁ + …, every product
-//! and every sum rounded. Only different outputs are worked out side by side, so that no width of a register
-//! changes a result. An input of zero adds nothing to a sum and is left out: after a ReLU that is half of
-//! them or more.
+//! Each output is a sum of its own, taken over the inputs in their order: start + x₀w₀ + x₁w₁ + ….
+//! Every product and every sum is rounded. Only different outputs are computed side by side, so the
+//! width of a register changes no result. An input of zero adds nothing to a sum and is left out:
+//! after a ReLU that is half of the inputs or more.
 
 use super::product::Product;
 
-/// Outputs in one vector. Rows of outputs are padded to a multiple of it, with zeros.
+/// The number of outputs in one vector. Zeros pad rows of outputs to a multiple of this number.
 pub(crate) const LANES: usize = 16;
 
-/// Outputs whose weights for one input lie together.
+/// The number of outputs with adjacent weights for one input.
 pub(crate) const PANEL: usize = 64;
 
-/// Length of a padded row.
+/// Returns the length of a padded row.
 pub(crate) const fn padded(outputs: usize) -> usize {
     outputs.div_ceil(LANES) * LANES
 }
 
-/// One layer's place in the weights.
+/// The layout of one layer in the weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Layer {
     pub(crate) inputs: usize,
     pub(crate) outputs: usize,
-    /// Where its matrix begins: panel after panel of [`PANEL`] outputs, the last of what is left, in each one
-    /// input after the other.
+    /// The index of the matrix. It is stored in panels of [`PANEL`] outputs, of which the last may
+    /// be narrower. A panel holds the weights of one input after the other.
     pub(crate) weight: usize,
-    /// Where its bias begins, padded; none where something else is added.
+    /// The index of the padded bias. `None` if something else is added instead.
     pub(crate) bias: Option<usize>,
 }
 
-/// Rows that a layer reads.
+/// The rows that a layer reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows<'a> {
     pub(crate) values: &'a [f32],
-    /// From one row to the next.
+    /// Distance from one row to the next, in numbers.
     pub(crate) stride: usize,
-    /// Each number counts as max(x, 0), and what is no number as 0.
+    /// Whether each number counts as max(x, 0), and a NaN as 0.
     pub(crate) rectified: bool,
 }
 
 impl<'a> Rows<'a> {
-    /// Rows as they are.
+    /// Makes rows that are read unchanged.
     pub(crate) const fn plain(values: &'a [f32], stride: usize) -> Self {
         Self {
             values,
@@ -50,7 +50,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Rows behind a ReLU.
+    /// Makes rows that are read through a ReLU.
     pub(crate) const fn rectified(values: &'a [f32], stride: usize) -> Self {
         Self {
             values,
@@ -61,12 +61,12 @@ impl<'a> Rows<'a> {
 }
 
 impl Layer {
-    /// Length of a row of outputs.
+    /// Returns the length of a padded row of outputs.
     pub(crate) const fn width(&self) -> usize {
         padded(self.outputs)
     }
 
-    /// Where the weight of an input for an output is.
+    /// Returns the index of the weight of an input for an output.
     pub(crate) const fn at(&self, input: usize, output: usize) -> usize {
         let first = output / PANEL * PANEL;
         let left = self.width() - first;
@@ -74,7 +74,7 @@ impl Layer {
         self.weight + first * self.inputs + input * panel + output % PANEL
     }
 
-    /// Its bias, padded; nothing where it has none.
+    /// Returns the padded bias; it is empty if there is none.
     pub(crate) fn bias<'w>(&self, weights: &'w [f32]) -> &'w [f32] {
         match self.bias {
             Some(bias) => &weights[bias..bias + self.width()],
@@ -82,7 +82,7 @@ impl Layer {
         }
     }
 
-    /// `outputs` = rows · W + b, of which the layer reads the first numbers of each row.
+    /// Computes `outputs` = rows · W + b. The layer reads the first numbers of each row.
     pub(crate) fn apply(
         &self,
         product: Product,
@@ -93,7 +93,7 @@ impl Layer {
         self.apply_from(product, weights, self.bias(weights), rows, outputs);
     }
 
-    /// As [`Layer::apply`] with something else in place of b: one padded row, or nothing for zeros.
+    /// Computes `outputs` = rows · W + `start`. `start` is one padded row, or empty for zeros.
     pub(crate) fn apply_from(
         &self,
         product: Product,
@@ -115,7 +115,7 @@ impl Layer {
     }
 }
 
-/// max(x, 0) of each; what is no number becomes 0.
+/// Replaces each number by max(x, 0), and a NaN by 0.
 pub(crate) fn relu(values: &mut [f32]) {
     for value in values {
         *value = if *value > 0.0 { *value } else { 0.0 };

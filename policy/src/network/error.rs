@@ -1,8 +1,8 @@
-//! Why a network cannot be read or flown.
+//! The errors of loading and running a network.
 
 use core::fmt::{self, Write};
 
-/// Name of an array in a file, such as `trunk.0.weight`.
+/// The name of an array in a file, such as `trunk.0.weight`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ArrayName {
     pub(crate) stem: &'static str,
@@ -24,7 +24,7 @@ impl fmt::Display for ArrayName {
     }
 }
 
-/// Takes what is written off the front of a text.
+/// A writer that strips each written text off the front of a text.
 struct Remaining<'a>(&'a str);
 
 impl Write for Remaining<'_> {
@@ -35,22 +35,22 @@ impl Write for Remaining<'_> {
 }
 
 impl ArrayName {
-    /// Whether a text is this name.
+    /// Returns whether a text is this name.
     pub(crate) fn is(self, text: &str) -> bool {
         let mut remaining = Remaining(text);
         write!(remaining, "{self}").is_ok() && remaining.0.is_empty()
     }
 }
 
-/// Why bytes are no policy that can be flown.
+/// A reason for which bytes do not hold a policy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// The file ends before what its header promises.
+    /// The file is shorter than its header states.
     Truncated,
-    /// The header is none of a safetensors file that holds a policy.
+    /// The header is not that of a safetensors file with a policy.
     Header(&'static str),
-    /// The arrays are those of no network known here.
+    /// The arrays form no known network.
     UnknownNetwork,
     /// An array is missing.
     Missing(ArrayName),
@@ -63,25 +63,25 @@ pub enum LoadError {
     },
     /// An array's shape does not fit those before it.
     Shape {
-        /// Which.
+        /// The array.
         array: ArrayName,
-        /// Rows and columns that would fit; 0 where any would.
+        /// Rows and columns that fit; 0 stands for any number.
         expected: [usize; 2],
         /// Its rows and columns.
         got: [usize; 2],
     },
     /// A weight is NaN or infinite, or a scale is not positive.
     Value {
-        /// Which array.
+        /// The array.
         array: ArrayName,
-        /// Which element of it.
+        /// Index of the element, row by row.
         index: usize,
     },
-    /// There are more layers than are read.
+    /// The network has more layers than [`DEPTH_MAX`](super::DEPTH_MAX).
     Depth,
-    /// The outputs belong to no action head: 4 (gaussian) or 7 (hybrid) would.
+    /// The number of outputs fits no action head: 4 (gaussian) or 7 (hybrid).
     Outputs(usize),
-    /// The note of the file does not say what it should.
+    /// The entry `jcas` of the metadata is malformed.
     Note(&'static str),
     /// The memory for weights has the wrong size.
     Memory {
@@ -135,31 +135,32 @@ impl fmt::Display for LoadError {
 
 impl core::error::Error for LoadError {}
 
-/// Why a policy cannot fly a mission.
+/// A reason for which a policy cannot act in an episode of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FlyError {
-    /// It reads other observations than this mission has.
+    /// The policy reads other observations than those of the model.
     Observation {
-        /// Fields that it reads, of an MLP in all, of a set network beside hotspots and neighbours.
+        /// Fields that the policy reads. For an MLP these are all fields, and for a set network
+        /// those beside hotspots and neighbours.
         expected: usize,
-        /// Fields of that kind in this mission.
+        /// Fields of that kind in the model.
         got: usize,
     },
-    /// It was trained with hotspots hidden and this mission shows them, or the reverse.
+    /// The policy was trained with hotspots hidden and the model shows them, or the reverse.
     Visibility,
     /// A buffer has the wrong length.
     Length {
-        /// Which.
+        /// The name of the buffer.
         what: &'static str,
         /// Elements needed.
         expected: usize,
         /// Elements given.
         got: usize,
     },
-    /// The network's outputs for this observation are no numbers.
+    /// The network's outputs for a UAV are not finite.
     NotFinite {
-        /// Whose.
+        /// Index of the UAV.
         uav: usize,
     },
 }

@@ -1,17 +1,17 @@
 //! Arrays in a safetensors file, read in place.
 //!
-//! The file is eight bytes with the length of its header (little-endian), the header, a JSON object that
-//! gives each array's type, shape and place, and the arrays' bytes. Everything is checked once, when the
-//! file is opened; every loop consumes at least one byte of the header.
+//! The file begins with eight bytes: the length of its header (little-endian). The header is a JSON
+//! object with the type, shape and place of each array. The bytes of the arrays follow. Everything
+//! is checked once, when the file is opened. Every loop consumes at least one byte of the header.
 
 use half::f16;
 
 use super::error::{ArrayName, LoadError};
 
-/// Longest header that is read, in bytes.
+/// The maximum length of a header, in bytes.
 pub const HEADER_MAX: usize = 1 << 20;
 
-/// Type of an array's elements.
+/// The type of the elements of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Element {
     /// IEEE 754 binary16.
@@ -29,7 +29,7 @@ impl Element {
     }
 }
 
-/// One array, within the file.
+/// An array within the file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Array<'a> {
     pub(crate) name: &'a str,
@@ -40,7 +40,7 @@ pub(crate) struct Array<'a> {
 }
 
 impl Array<'_> {
-    /// Its elements, row by row, widened to f32.
+    /// Returns the elements, row by row, widened to f32.
     pub(crate) fn values(&self) -> impl Iterator<Item = f32> {
         self.bytes
             .chunks_exact(self.element.width())
@@ -52,19 +52,19 @@ impl Array<'_> {
     }
 }
 
-/// A file whose header has been checked.
+/// A file with a header that has been checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct File<'a> {
     header: &'a str,
     data: &'a [u8],
-    /// Arrays that the header names.
+    /// The number of arrays in the header.
     pub(crate) count: usize,
     /// The entry `jcas` of the file's metadata; empty where there is none.
     pub(crate) note: &'a str,
 }
 
-/// Where an array lies in `data_len` bytes: from `start` to `end`, which must hold `elements` of `width`
-/// bytes each.
+/// Returns the range of an array in `data_len` bytes. It goes from `start` to `end`, and must hold
+/// `elements` of `width` bytes each.
 pub(crate) fn place(
     [start, end]: [usize; 2],
     elements: usize,
@@ -82,7 +82,7 @@ pub(crate) fn place(
     }
 }
 
-/// The header of a file and the data after it.
+/// Splits a file into its header and the data after it.
 pub(crate) fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), LoadError> {
     let (length, rest) = bytes.split_first_chunk::<8>().ok_or(LoadError::Truncated)?;
     let length = u64::from_le_bytes(*length);
@@ -93,7 +93,7 @@ pub(crate) fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), LoadError> {
         .ok_or(LoadError::Truncated)
 }
 
-/// A number with one more decimal digit at its end; none where it is too large.
+/// Appends a decimal digit to a number. Returns `None` on overflow.
 pub(crate) fn with_digit(number: usize, digit: u8) -> Option<usize> {
     number.checked_mul(10)?.checked_add(usize::from(digit))
 }
@@ -126,7 +126,7 @@ impl<'a> File<'a> {
         Ok(file)
     }
 
-    /// The array of a name, if there is one.
+    /// Returns the array of a name, if the file has it.
     pub(crate) fn find(&self, name: ArrayName) -> Result<Option<Array<'a>>, LoadError> {
         let mut entries = Entries::new(*self)?;
         while let Some(entry) = entries.next()? {
@@ -182,7 +182,7 @@ impl<'a> Entries<'a> {
         self.array(name).map(|array| Some(Entry::Array(array)))
     }
 
-    /// The value of `jcas` in an object of strings.
+    /// Reads an object of strings and returns the value of `jcas`.
     fn metadata(&mut self) -> Result<&'a str, LoadError> {
         self.expect(b'{')?;
         let (mut first, mut note) = (true, "");
@@ -271,7 +271,8 @@ impl<'a> Entries<'a> {
         }
     }
 
-    /// Whether another element follows in a list; takes the comma before it, or what closes the list.
+    /// Returns whether another element follows in a list. Consumes the comma before it, or the
+    /// closing byte.
     fn follows(&mut self, first: bool, close: u8) -> Result<bool, LoadError> {
         self.skip_space();
         if self.peek() == Some(close) {
@@ -284,7 +285,7 @@ impl<'a> Entries<'a> {
         Ok(true)
     }
 
-    /// A string as it is written; an escape stays one.
+    /// Reads a string verbatim, without resolving escapes.
     fn string(&mut self) -> Result<&'a str, LoadError> {
         self.expect(b'"')?;
         let start = self.at;
@@ -304,7 +305,7 @@ impl<'a> Entries<'a> {
         Err(LoadError::Header("ends within a string"))
     }
 
-    /// A list of at most two numbers, and how many there are.
+    /// Reads a list of at most two numbers, and returns their count with them.
     fn numbers(&mut self) -> Result<([usize; 2], usize), LoadError> {
         self.expect(b'[')?;
         let (mut numbers, mut count) = ([0; 2], 0);

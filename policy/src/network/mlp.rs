@@ -4,19 +4,20 @@ use super::dense::Rows;
 use super::plan::{Mlp, Stack};
 use super::product::Product;
 
-/// Normalised inputs are clipped to this many standard deviations.
+/// The bound at which normalised inputs are clipped, in standard deviations.
 const CLIP: f32 = 10.0;
 
-/// Rows worked out together.
+/// The number of rows that are multiplied together.
 pub(crate) const ROWS: usize = 16;
 
 impl Stack {
-    /// Elements of working memory for `rows` rows.
+    /// The length of the working memory for `rows` rows, in numbers.
     pub(crate) fn scratch_len(&self, rows: usize) -> usize {
         2 * rows * self.width_max()
     }
 
-    /// Applies the layers to rows of [`Stack::inputs`] numbers; the outputs of each row, padded.
+    /// Applies the layers to rows of [`Stack::inputs`] numbers. Returns the padded outputs of each
+    /// row.
     pub(crate) fn apply<'s>(
         &self,
         product: Product,
@@ -43,12 +44,12 @@ impl Stack {
 }
 
 impl Mlp {
-    /// Elements of working memory.
+    /// The length of the working memory, in numbers.
     pub(crate) fn scratch_len(&self) -> usize {
         ROWS * self.stack.inputs() + self.stack.scratch_len(ROWS)
     }
 
-    /// Outputs for at most [`ROWS`] observations, padded.
+    /// Computes the padded outputs for at most [`ROWS`] observations.
     pub(crate) fn outputs<'s>(
         &self,
         product: Product,

@@ -1,20 +1,21 @@
-//! Inference of trained networks: the same bits on every platform, in memory that the caller gives.
+//! Inference of trained networks in memory of the caller, with the same bits on every platform.
 //!
-//! A [`Network`] is laid out from the bytes of a safetensors file; its weights go into a slice of
-//! [`Network::weights_len`] numbers, and flying it takes working memory of [`Network::scratch_len`]. Two
-//! families are known, by the names of their arrays:
+//! A [`Network`] is laid out from the bytes of a safetensors file. Its weights take a slice of
+//! [`Network::weights_len`] numbers. A call takes working memory of [`Network::scratch_len`]
+//! numbers. There are two families, told apart by the names of their arrays:
 //!
-//! - an MLP: `0.weight` (inputs × outputs), `0.bias`, `1.weight`, …, and where its inputs are normalised
-//!   `inputs.offset` and `inputs.scale`;
-//! - a set network, for any number of hotspots and neighbours: `neighbour.0`, `neighbour.1`,
-//!   `hotspot.0`, `hotspot.own`, `hotspot.1`, `hotspot.2`, `hotspot.others`, `score`, `trunk.0`, ….
+//! - An MLP has `0.weight` (inputs × outputs), `0.bias`, `1.weight`, and so on. If its inputs are
+//!   normalised, it also has `inputs.offset` and `inputs.scale`.
+//! - A set network takes any number of hotspots and neighbours. It has `neighbour.0`,
+//!   `neighbour.1`, `hotspot.0`, `hotspot.own`, `hotspot.1`, `hotspot.2`, `hotspot.others`,
+//!   `score`, `trunk.0`, and so on.
 //!
-//! Widths are read from the shapes, and so is how many fields of an observation are the UAV's own. Weights
-//! are f32 or f16. The outputs of the last layer decide the action head. What does not fit is refused,
-//! with the array's name.
+//! The shapes give the widths, and the number of fields of an observation that are the UAV's own.
+//! Weights are f32 or f16. The outputs of the last layer decide the action head. A file that does
+//! not fit is refused, with the name of the array.
 //!
-//! Sums are taken in the order of the inputs, none is fused with its product, and exponentials come from
-//! the pinned libm.
+//! Sums are taken in the order of the inputs. No product is fused with a sum, and exponentials come
+//! from the pinned libm.
 
 mod dense;
 mod error;
@@ -45,17 +46,18 @@ use file::File;
 use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
 use set::Sizes;
 
-/// Numbers in a line of the caches. Weights are read fastest where they begin with one.
+/// Numbers (f32) in a cache line. Weights are read fastest where they begin at one.
 pub const LINE_LEN: usize = 16;
 
-/// Numbers before the first line of the caches that begins in `memory`; fewer than [`LINE_LEN`].
+/// Returns the index of the first number in `memory` that begins a cache line. It is less than
+/// [`LINE_LEN`].
 #[must_use]
 pub fn line_offset(memory: &[f32]) -> usize {
     let offset = memory.as_ptr().align_offset(LINE_LEN * size_of::<f32>());
     offset.min(LINE_LEN - 1)
 }
 
-/// A network, laid out. Its weights are the caller's.
+/// The layout of a network. The caller holds the weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Network {
     kind: Kind,
@@ -65,18 +67,19 @@ pub struct Network {
     product: Product,
 }
 
-/// How a policy is flown.
+/// The way a policy acts: the acting mode, the pilot density and the phase seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
     /// How actions follow from the distribution.
     pub mode: Mode,
-    /// The action u_pilot held, whatever the network says; none: it chooses.
+    /// The action u_pilot that overrides that of the network, in [-1, 1]. `None` keeps that of the
+    /// network.
     pub pilot: Option<f32>,
-    /// How fleets begin, where the mode is stratified.
+    /// The phase seeds of the stratified mode.
     pub starts: FleetStarts,
 }
 
-/// The action component u_pilot that gives a density: the kernel's map, inverted.
+/// The action component u_pilot, in [-1, 1], that gives a density: the inverse of the kernel's map.
 #[must_use]
 pub fn pilot_action(config: &Config, density: f64) -> f32 {
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);
@@ -93,7 +96,7 @@ pub fn pilot_action(config: &Config, density: f64) -> f32 {
     }
 }
 
-/// Sizes of a model's observations, and what a policy reads besides.
+/// Returns the sizes of a model's observations, and of the inputs that a policy reads besides.
 fn sizes(model: &Model<'_>, note: Note) -> Sizes {
     let config = model.config();
     Sizes {
@@ -122,19 +125,20 @@ fn length(what: &'static str, expected: usize, got: usize) -> Result<(), FlyErro
 }
 
 impl Network {
-    /// Lays out the network in the bytes of a safetensors file and checks its weights, but keeps none.
+    /// Lays out the network in the bytes of a safetensors file and checks its weights, without
+    /// storing them.
     ///
     /// # Errors
-    /// [`LoadError`] where the bytes are no such file or its arrays are no network known here;
-    /// [`LoadError::Value`] where a weight is no finite number.
+    /// [`LoadError`] if the bytes are not such a file, or if its arrays form no known network.
+    /// [`LoadError::Value`] if a weight is not finite.
     pub fn read(bytes: &[u8]) -> Result<Self, LoadError> {
         Self::read_into(bytes, None)
     }
 
-    /// As [`Network::read`], and puts its weights into [`Network::weights_len`] numbers.
+    /// Reads like [`Network::read`], and stores the weights in [`Network::weights_len`] numbers.
     ///
     /// # Errors
-    /// As [`Network::read`]; [`LoadError::Memory`] where `weights` has another length.
+    /// The errors of [`Network::read`]. [`LoadError::Memory`] if `weights` has another length.
     pub fn load(bytes: &[u8], weights: &mut [f32]) -> Result<Self, LoadError> {
         Self::read_into(bytes, Some(weights))
     }
@@ -156,31 +160,31 @@ impl Network {
         })
     }
 
-    /// Flown by another compilation of the innermost loops, with the same results.
+    /// Replaces the compilation of the innermost loops. The results stay the same.
     #[must_use]
     pub const fn with_product(self, product: Product) -> Self {
         Self { product, ..self }
     }
 
-    /// Numbers that its weights take.
+    /// The length of the weights, in numbers.
     #[must_use]
     pub const fn weights_len(&self) -> usize {
         self.weights_len
     }
 
-    /// Which distribution its outputs describe.
+    /// The action head: the distribution that the outputs describe.
     #[must_use]
     pub const fn head(&self) -> Head {
         self.head
     }
 
-    /// What its file says about how it is flown.
+    /// What the file states about how the policy acts.
     #[must_use]
     pub const fn note(&self) -> Note {
         self.note
     }
 
-    /// As its file says, in missions of this configuration.
+    /// The way of acting that the file states, for this configuration.
     #[must_use]
     pub fn flight(&self, config: &Config) -> Flight {
         Flight {
@@ -193,8 +197,8 @@ impl Network {
         }
     }
 
-    /// Numbers of working memory that [`Network::act`] and [`Network::outputs`] take for missions of this
-    /// model.
+    /// The length of the working memory of [`Network::act`] and [`Network::outputs`] for this
+    /// model, in numbers.
     #[must_use]
     pub fn scratch_len(&self, model: &Model<'_>) -> usize {
         match &self.kind {
@@ -203,22 +207,23 @@ impl Network {
         }
     }
 
-    /// Refuses a mission whose observations it cannot read.
+    /// Refuses a model with observations that the network cannot read.
     ///
     /// # Errors
-    /// [`FlyError::Observation`], [`FlyError::Visibility`].
+    /// [`FlyError::Observation`] if the number of fields differs. [`FlyError::Visibility`] if the
+    /// policy was trained with the other visibility.
     pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
         let sizes = sizes(model, self.note);
         let of_sets = HOTSPOT_FIELDS * sizes.hotspots + SLOT_FIELDS * sizes.slots;
         let (expected, got) = match &self.kind {
             Kind::Mlp(mlp) => (mlp.stack.inputs(), sizes.observation_len),
             Kind::Set(set) => (
-                // What no observation shows does not count.
+                // The fleet size is no part of an observation, so it does not count.
                 set.own_fields() - usize::from(sizes.fleet_size),
                 sizes.observation_len.saturating_sub(of_sets),
             ),
         };
-        // A set network that reads a tag where the mission shows none numbers the UAVs itself.
+        // A set network that reads a tag numbers the UAVs itself if observations have none.
         let numbers = matches!(self.kind, Kind::Set(_)) && model.config().uav_tag == UavTag::Off;
         if expected != got && !(numbers && expected == got + 1) {
             return Err(FlyError::Observation { expected, got });
@@ -259,10 +264,11 @@ impl Network {
         Ok(())
     }
 
-    /// The network's outputs for any number of observations, one row of [`Head::outputs`] for each.
+    /// Computes the network's outputs for any number of observations. `out` takes one row of
+    /// [`Head::outputs`] numbers for each.
     ///
     /// # Errors
-    /// [`FlyError`] where the mission or the length of a buffer does not fit.
+    /// [`FlyError`] if the model or the length of a buffer does not fit.
     pub fn outputs(
         &self,
         weights: &[f32],
@@ -281,12 +287,13 @@ impl Network {
         })
     }
 
-    /// Writes (u_dir, u_pilot) of each UAV: `observations` is what they observe in `state`, one row for
-    /// each. Draws are a function of the state's seed and time.
+    /// Writes (u_dir, u_pilot) of each UAV into `actions`. `observations` holds what the UAVs
+    /// observe in `state`, one row for each. Draws are a function of the seed and step of the
+    /// state.
     ///
     /// # Errors
-    /// [`FlyError`] where the mission or the length of a buffer does not fit, or where an output is no
-    /// finite number; the actions are unspecified then.
+    /// [`FlyError`] if the model or the length of a buffer does not fit, or if an output is not
+    /// finite. The actions are unspecified then.
     #[allow(clippy::too_many_arguments)]
     pub fn act(
         &self,

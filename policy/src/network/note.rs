@@ -1,8 +1,8 @@
-//! What a policy's file says about how it is flown: the entry `jcas` of its metadata.
+//! The metadata of a policy's file about how the policy acts: its entry `jcas`.
 //!
-//! `key=value` pairs, one space between them, such as `mode=stratified target_visibility=hidden
-//! pilot_density=0.15 starts=5:3:0:1:2:8,10:1:7:0:0:4 fleet_size=read`. Files of other trainers, and older ones (`{}`),
-//! say nothing.
+//! The entry holds pairs `key=value` with one space between them. An example is `mode=stratified
+//! target_visibility=hidden pilot_density=0.15 starts=5:3:0:1:2:8,10:1:7:0:0:4 fleet_size=read`.
+//! Files of other trainers, and older ones (`{}`), state nothing.
 
 use jcas_core::TargetVisibility;
 
@@ -10,18 +10,20 @@ use super::error::LoadError;
 use crate::head::Mode;
 use crate::strata::{FleetStarts, Starts};
 
-/// How a policy is flown.
+/// The metadata of a policy: how it acts, and what it reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Note {
-    /// How actions follow from the distribution.
+    /// The acting mode.
     pub mode: Mode,
-    /// What it was trained with; none where the file does not say.
+    /// The visibility that the policy was trained with; `None` if the file does not state it.
     pub target_visibility: Option<TargetVisibility>,
-    /// Pilot density held, whatever the network says; none: it chooses.
+    /// The pilot density that overrides that of the network, in (0, 1]. `None` keeps that of the
+    /// network.
     pub pilot_density: Option<f64>,
-    /// How fleets begin that are flown stratified.
+    /// The phase seeds of the stratified mode.
     pub starts: FleetStarts,
-    /// A set network's last own field is the number of UAVs, which no observation shows.
+    /// Whether the last own field of a set network is the number of UAVs, which no observation
+    /// holds.
     pub fleet_size: bool,
 }
 
@@ -72,7 +74,7 @@ impl Note {
                 }
                 Some(("starts", starts)) => {
                     note.starts = read_starts(starts).ok_or(LoadError::Note(
-                        "starts: must be UAVs and five numbers, with colons, of at most eight fleets, with commas, the smallest first",
+                        "starts: must be UAVS:A:B:C:D:E for at most eight fleets, with commas between, the smallest first",
                     ))?;
                 }
                 Some(("fleet_size", "read")) => note.fleet_size = true,
@@ -81,7 +83,7 @@ impl Note {
                 }
                 _ => {
                     return Err(LoadError::Note(
-                        "must be of mode=, target_visibility=, pilot_density=, starts= and fleet_size=",
+                        "keys: must be mode, target_visibility, pilot_density, starts or fleet_size",
                     ));
                 }
             }

@@ -1,27 +1,28 @@
-//! Which network a file holds, and where its weights go.
+//! The layout of the network in a file, and of its weights in memory.
 
 use super::dense::{Layer, padded};
 use super::error::{ArrayName, LoadError};
 use super::file::{Array, File};
 use crate::head::Head;
 
-/// Most layers of an MLP, or after the pooling of a set network.
+/// The maximum number of layers of an MLP, or of the trunk of a set network.
 pub const DEPTH_MAX: usize = 8;
 
-/// Widest layer.
+/// The maximum width of a layer.
 const WIDTH_MAX: usize = 1 << 16;
 
-/// Fields of an observation, by block; what comes after the slots is the UAV's own again.
+/// The numbers of fields in the blocks of an observation. The fields after the slots belong to the
+/// UAV again.
 pub(crate) const OWN_FIRST: usize = 5;
 pub(crate) const HOTSPOT_FIELDS: usize = 4;
 pub(crate) const SLOT_FIELDS: usize = 3;
-/// Those of the observation, distance, here, near, and UAVs at and around it; a network may also read how it is rated
-/// as the beginning of a tour.
+/// The number of features of a hotspot: its fields, the distance, two nearnesses, and the UAVs at
+/// and around it. A network may also read its rating as the first stop of a tour.
 pub(crate) const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
-/// Most attention heads.
+/// The maximum number of attention heads.
 pub(crate) const HEADS_MAX: usize = 16;
 
-/// Layers one after the other.
+/// A sequence of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stack {
     layers: [Layer; DEPTH_MAX],
@@ -41,21 +42,21 @@ impl Stack {
         self.layers[self.depth - 1].outputs
     }
 
-    /// Length of the longest padded row between layers.
+    /// Returns the length of the longest padded row between layers.
     pub(crate) fn width_max(&self) -> usize {
         self.layers().iter().map(Layer::width).fold(0, usize::max)
     }
 }
 
-/// Where an MLP's weights are.
+/// The layout of the weights of an MLP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Mlp {
     pub(crate) stack: Stack,
-    /// Where offsets and scales of the inputs begin, if they are normalised.
+    /// The index of the offsets of the inputs, which the scales follow, if inputs are normalised.
     pub(crate) normalisation: Option<usize>,
 }
 
-/// Where a set network's weights are.
+/// The layout of the weights of a set network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Set {
     pub(crate) neighbour: [Layer; 2],
@@ -67,18 +68,18 @@ pub(crate) struct Set {
 }
 
 impl Set {
-    /// Whether it reads how hotspots are rated as beginnings of a tour.
+    /// Whether the network reads ratings of hotspots as the first stop of a tour.
     pub(crate) fn tours(&self) -> bool {
         self.hotspot[0].inputs > HOTSPOT_FEATURES
     }
 
-    /// Fields of the observation that belong to neither a hotspot nor a neighbour.
+    /// Returns the number of fields that belong to neither a hotspot nor a neighbour.
     pub(crate) fn own_fields(&self) -> usize {
         self.own.inputs - self.neighbour[1].outputs
     }
 }
 
-/// Which network.
+/// A network of one of the known families.
 // Without allocation, neither can lie elsewhere.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +88,7 @@ pub(crate) enum Kind {
     Set(Set),
 }
 
-/// Reads arrays in a fixed order, into the weights or only to lay them out.
+/// A reader of arrays in a fixed order, which stores the weights or only lays them out.
 struct Reader<'f, 'w> {
     file: File<'f>,
     weights: Option<&'w mut [f32]>,
@@ -107,7 +108,7 @@ impl<'f> Reader<'f, '_> {
         self.file.find(name)?.ok_or(LoadError::Missing(name))
     }
 
-    /// A matrix whose rows (0: any number) have to be as many as the layer before gives.
+    /// Reads a matrix, which must have the expected rows and columns; 0 stands for any number.
     fn matrix(&mut self, name: ArrayName, expected: [usize; 2]) -> Result<Layer, LoadError> {
         let array = self.array(name)?;
         let got = array.shape;
@@ -137,7 +138,7 @@ impl<'f> Reader<'f, '_> {
         Ok(layer)
     }
 
-    /// A row of `length` numbers; where it begins.
+    /// Reads a row of `length` numbers, and returns its index in the weights.
     fn row(&mut self, name: ArrayName, length: usize) -> Result<usize, LoadError> {
         let array = self.array(name)?;
         if array.shape != [1, length] {
@@ -153,7 +154,7 @@ impl<'f> Reader<'f, '_> {
         Ok(first)
     }
 
-    /// Checks the values of an array, and puts each into its place of the weights where there are any.
+    /// Checks the values of an array, and stores each in the weights if there are any.
     fn values(
         &mut self,
         name: ArrayName,
@@ -169,7 +170,7 @@ impl<'f> Reader<'f, '_> {
         Ok(())
     }
 
-    /// A matrix and what is added to its product.
+    /// Reads a matrix and its bias.
     fn layer(
         &mut self,
         stem: &'static str,
@@ -304,8 +305,8 @@ fn finite(array: ArrayName, index: usize, value: f32) -> Result<(), LoadError> {
     }
 }
 
-/// Lays the file's network out; with memory, which has to have exactly the right length, the weights go
-/// there. Returns the network, its head and the length of that memory.
+/// Lays out the network of a file, and stores its weights if `weights` is given, which must have
+/// the exact length. Returns the network, its head and that length.
 pub(crate) fn read(
     file: File<'_>,
     weights: Option<&mut [f32]>,

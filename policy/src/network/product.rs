@@ -1,24 +1,25 @@
-//! The innermost loops, which may be compiled for more than one instruction set.
+//! The innermost loops of inference, which may be compiled for several instruction sets.
 
 use core::fmt;
 
 use super::dense::{LANES, PANEL, Rows};
 
-/// Inputs worked out together: a panel's weights for them fit the first cache of most processors.
+/// The number of inputs in a block: the weights of a panel for them fit the first-level cache of
+/// most processors.
 const DEPTH: usize = 128;
 
-/// Rows worked out together.
+/// The number of rows in a block.
 const ROWS: usize = 16;
 
-/// Inputs looked at together.
+/// The number of inputs that are tested for zero together, as the bits of one word.
 const WORD: usize = 64;
 
-/// How rows are multiplied with a matrix: the same sums in the same order, as compiled for one instruction set
-/// or another.
+/// A matrix product compiled for one instruction set. Every compilation takes the same sums in the
+/// same order.
 #[derive(Clone, Copy)]
 pub struct Product(fn(Operands<'_>));
 
-/// What a [`Product`] multiplies, and where the sums go.
+/// The operands of a [`Product`], and the sums that it adds to.
 pub struct Operands<'a> {
     matrix: &'a [f32],
     inputs: usize,
@@ -26,7 +27,7 @@ pub struct Operands<'a> {
     sums: &'a mut [f32],
 }
 
-/// All give the same results.
+/// All products are equal, as all give the same results.
 impl PartialEq for Product {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -40,20 +41,20 @@ impl fmt::Debug for Product {
 }
 
 impl Default for Product {
-    /// As the whole program is compiled.
+    /// The product compiled for the instruction set of the whole program.
     fn default() -> Self {
         Self(|operands| operands.multiply_here::<32>())
     }
 }
 
 impl Product {
-    /// One whose function is [`Operands::multiply_here`] inlined.
+    /// Makes a product from a function that inlines [`Operands::multiply_here`].
     #[must_use]
     pub const fn new(multiply: fn(Operands<'_>)) -> Self {
         Self(multiply)
     }
 
-    /// Adds rows · W to the sums that are there, row by row.
+    /// Adds rows · W to `sums`, row by row.
     pub(crate) fn add(self, matrix: &[f32], inputs: usize, rows: Rows<'_>, sums: &mut [f32]) {
         (self.0)(Operands {
             matrix,
@@ -64,7 +65,7 @@ impl Product {
     }
 }
 
-/// Which inputs of a row are not zero, in their order.
+/// The indices of the nonzero inputs of a row, in ascending order.
 struct Chosen {
     indices: [u8; DEPTH],
     count: usize,
@@ -97,7 +98,8 @@ impl Chosen {
 
     #[inline(always)]
     fn push(&mut self, index: usize, counts: bool) {
-        // Written either way: half of them count, and no branch would guess which.
+        // The index is always written, without a branch: half of the inputs count, so a branch
+        // would be mispredicted.
         self.indices[self.count] = index as u8;
         self.count += usize::from(counts);
     }
@@ -109,8 +111,8 @@ impl Chosen {
 }
 
 impl Operands<'_> {
-    /// The product, compiled into its caller: for the instruction set that the caller is compiled for, whose
-    /// registers hold the sums of `WIDE` outputs, a divisor of 64.
+    /// Computes the product, inlined into its caller and thus compiled for the instruction set of
+    /// the caller. `WIDE` is the number of outputs with sums in registers, a divisor of 64.
     #[inline(always)]
     pub fn multiply_here<const WIDE: usize>(self) {
         let Self {
@@ -157,8 +159,8 @@ impl Operands<'_> {
     }
 }
 
-/// Adds the chosen inputs' products to the first `N` sums; an input's weights lie `stride` after those of the one
-/// before.
+/// Adds the products of the chosen inputs to the first `N` sums. `stride` is the distance between
+/// the weights of two consecutive inputs.
 #[inline(always)]
 fn add<const N: usize>(
     inputs: &[f32],

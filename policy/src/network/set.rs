@@ -1,8 +1,8 @@
 //! Networks over sets: shared encoders for hotspots and neighbours, pooled by attention and by sum.
 //!
-//! Any number of hotspots and neighbours is flown with the same weights. Some features are worked out
-//! rather than learnt: how near a hotspot is in cells, how many UAVs are at or around it, and, where a network reads
-//! that, which hotspots a tour may begin with.
+//! The same weights work for any number of hotspots and neighbours. Some features are computed
+//! rather than learnt: the nearness of a hotspot in cells, and the numbers of UAVs at and around
+//! it. A network may also read which hotspots a tour should begin with.
 
 use jcas_core::observation::index_tag;
 
@@ -12,13 +12,13 @@ use super::plan::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set}
 use super::product::Product;
 use super::tours;
 
-/// Sums over a set are divided by this.
+/// The divisor of sums over a set.
 const CROWD: f32 = 8.0;
 
-/// Neighbours worked out together.
+/// The number of neighbours that are encoded together.
 const SLOTS: usize = 16;
 
-/// Sizes of a mission's observations.
+/// The sizes of the observations of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sizes {
     pub(crate) observation_len: usize,
@@ -26,31 +26,31 @@ pub(crate) struct Sizes {
     pub(crate) slots: usize,
     /// Cells that a position difference of 1 stands for, along x and y.
     pub(crate) cells: [u32; 2],
-    /// UAVs of a mission, whose rows follow each other.
+    /// Number of UAVs of an episode; their rows are consecutive.
     pub(crate) uavs: usize,
-    /// The network reads how many they are.
+    /// Whether the network reads the number of UAVs.
     pub(crate) fleet_size: bool,
 }
 
-/// 1 at distance 0, falling evenly to 0 at `reach` cells.
+/// Returns 1 at distance 0, falling linearly to 0 at `reach` cells.
 fn nearness(distance: f32, reach: f32) -> f32 {
     let near = 1.0 - distance / reach;
     if near > 0.0 { near } else { 0.0 }
 }
 
-/// Manhattan distance in cells.
+/// Returns the Manhattan distance in cells.
 fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
     dx.abs() * cells[0] + dy.abs() * cells[1]
 }
 
-/// Takes the first `length` elements off.
+/// Splits the first `length` elements off `rest`.
 fn take<'s>(rest: &mut &'s mut [f32], length: usize) -> &'s mut [f32] {
     let (taken, left) = core::mem::take(rest).split_at_mut(length);
     *rest = left;
     taken
 }
 
-/// Adds up padded rows, `outputs` numbers of each, and divides by [`CROWD`] at the end.
+/// Adds up padded rows of `width` numbers each.
 fn add_up(rows: &[f32], width: usize, sums: &mut [f32]) {
     for row in rows.chunks_exact(width) {
         for (sum, x) in sums.iter_mut().zip(row) {
@@ -70,7 +70,7 @@ impl Set {
         self.hotspot.iter().map(Layer::width).fold(0, usize::max)
     }
 
-    /// Elements of working memory.
+    /// The length of the working memory, in numbers.
     pub(crate) fn scratch_len(&self, hotspots: usize) -> usize {
         let [first, second] = &self.neighbour;
         let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
@@ -86,7 +86,8 @@ impl Set {
             + self.trunk.scratch_len(ROWS)
     }
 
-    /// Outputs for at most [`ROWS`] observations, padded; they are rows `first` and on.
+    /// Computes the padded outputs for at most [`ROWS`] observations. The first of them is row
+    /// `first` of all observations.
     pub(crate) fn outputs<'s>(
         &self,
         product: Product,
@@ -107,7 +108,8 @@ impl Set {
         self.trunk.apply(product, weights, inputs, scratch)
     }
 
-    /// What the trunk reads of one observation: attended hotspots, pooled neighbours, the UAV's own fields.
+    /// Computes the inputs of the trunk for one observation: attended hotspots, pooled neighbours,
+    /// own fields.
     #[allow(clippy::too_many_arguments)]
     fn pool(
         &self,
@@ -161,7 +163,8 @@ impl Set {
         let rows = Rows::rectified(embeddings, first.width());
         second.apply(product, weights, rows, next);
         relu(next);
-        // A second round in which every hotspot knows of the others: the order of a tour.
+        // In this second round every hotspot reads the sum over all hotspots, which the order of a
+        // tour depends on.
         let sums = take(&mut scratch, second.width());
         sums.fill(0.0);
         add_up(next, second.width(), sums);
@@ -190,7 +193,7 @@ impl Set {
         }
     }
 
-    /// The sum over the neighbours that are there.
+    /// Sums the encodings of the neighbours in occupied slots.
     fn pool_neighbours(
         &self,
         product: Product,
@@ -226,11 +229,11 @@ impl Set {
     }
 }
 
-/// Features of each hotspot, the first of so many that are read: those of the observation, its distance, and the UAVs
-/// around it.
+/// Writes `read` features for each hotspot. The first ones are those of the observation, the
+/// distance, and the numbers of UAVs around it.
 fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, read: usize, features: &mut [f32]) {
     let cells = sizes.cells.map(|cells| cells as f32);
-    // A grid of one column has no way along x; 1 divides by nothing else.
+    // A grid of one column has no distance along x, and a divisor of 1 avoids a division by zero.
     let far_scale = if cells[0] > 0.0 { 2.0 * cells[0] } else { 1.0 };
     let each = features.chunks_exact_mut(read);
     for (hotspot, out) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(each) {
@@ -255,7 +258,8 @@ fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, read: usize, features
     }
 }
 
-/// One head's sum over the hotspots' embeddings, each weighed by the softmax of its score.
+/// Computes the sum of the hotspots' embeddings for one head. The weights are the softmax of the
+/// scores.
 fn attend(
     scores: &[f32],
     score_width: usize,

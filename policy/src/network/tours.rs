@@ -1,34 +1,36 @@
-//! Which hotspot to begin with, where all open ones are to be seen in one tour.
+//! Rates open hotspots as the first stop of a tour that visits all of them.
 //!
-//! A tour goes on to the nearest of those that are left (the rule of the nearest neighbour: D. J. Rosenkrantz, R. E.
-//! Stearns and P. M. Lewis, "An analysis of several heuristics for the traveling salesman problem", 1977), whatever it
-//! began with. Comparing the beginnings by the tours that follow makes that rule a good deal better (a rollout: D. P.
-//! Bertsekas, J. N. Tsitsiklis and C. Wu, "Rollout algorithms for combinatorial optimization", 1997).
+//! After its first hotspot, a tour goes on to the nearest hotspot left (the nearest-neighbour rule:
+//! D. J. Rosenkrantz, R. E. Stearns and P. M. Lewis, "An analysis of several heuristics for the
+//! traveling salesman problem", 1977). Comparing the first hotspots by the lengths of their tours
+//! makes that rule much better (a rollout: D. P. Bertsekas, J. N. Tsitsiklis and C. Wu, "Rollout
+//! algorithms for combinatorial optimization", 1997).
 
 use super::plan::HOTSPOT_FIELDS;
 
-/// Most hotspots of a tour after the first: a bound on its work.
+/// The maximum number of hotspots of a tour after the first, which bounds its work.
 pub const STOPS: usize = 16;
 
-/// From how many cells longer than the shortest on a tour is worth nothing.
+/// The excess over the shortest tour, in cells, from which the rating is 0.
 pub const REACH: u32 = 5;
 
-/// How many cells longer the tours of all but one count: a fleet between two that were rated alike would waver.
+/// The excess added to all tours but the best, in cells. Without it, a fleet between two equal
+/// ratings would waver.
 pub const MARGIN: u32 = 2;
 
-/// Cells between two hotspots, or to one, by their differences in an observation. Those are whole numbers of cells
-/// but for rounding, which is not to decide between two equally near.
+/// The distance in cells from the differences in an observation. These are whole numbers of cells
+/// but for rounding, which must not decide between two equally near hotspots.
 fn cells_between(dx: f32, dy: f32, cells: [f32; 2]) -> u32 {
     let cells = dx.abs() * cells[0] + dy.abs() * cells[1];
     (cells + 0.5) as u32
 }
 
-/// The hotspots of an observation.
+/// The hotspot fields of an observation.
 #[derive(Clone, Copy)]
 struct Hotspots<'a> {
     /// (Δx, Δy, confirmed, known) of each.
     fields: &'a [f32],
-    /// Cells that a difference of 1 stands for.
+    /// Cells that a difference of 1 stands for, along x and y.
     cells: [f32; 2],
 }
 
@@ -42,8 +44,8 @@ impl Hotspots<'_> {
         self.fields[HOTSPOT_FIELDS * hotspot + 2] == 0.0
     }
 
-    /// Of those that `left` tells, the one with the least number, and that number. Of several it is the one furthest
-    /// to the left, and then the lowest: all UAVs agree on that, wherever they are.
+    /// Returns the hotspot with the least number among those selected by `left`, and that number.
+    /// Ties go to the leftmost hotspot, then to the lowest. All UAVs agree on that, in any cell.
     fn least(
         self,
         left: impl Fn(usize) -> bool,
@@ -62,8 +64,8 @@ impl Hotspots<'_> {
         least
     }
 
-    /// Cells of the tour that begins with this hotspot. `left` is 1 for each of the others that it has to see, and 0
-    /// for those that it has seen, or has no need to.
+    /// Returns the length in cells of the tour that begins with this hotspot. `left` is 1 for each
+    /// other hotspot to visit, and 0 for the rest.
     fn tour(self, first: usize, left: &mut [f32]) -> u32 {
         let [mut x, mut y] = self.place(first);
         let mut length = cells_between(x, y, self.cells);
@@ -83,10 +85,13 @@ impl Hotspots<'_> {
     }
 }
 
-/// Rates the hotspots of an observation (Δx, Δy, confirmed, known), one number each: 1 for the one that the shortest tour
-/// begins with, less for the others by one in [`REACH`] for each cell by which theirs count as longer, down to 0; 0 for
-/// those that are confirmed. `cells` are those that a difference of 1 stands for; `left` is working memory, as
-/// long as `out`.
+/// Rates the hotspots of an observation, given as (Δx, Δy, confirmed, known), with one number each
+/// in `out`.
+///
+/// The first hotspot of the shortest tour is rated 1. Each cell of excess of another tour, with
+/// [`MARGIN`], lowers the rating by 1/[`REACH`], down to 0. Confirmed hotspots are rated 0. `cells`
+/// holds the cells that a difference of 1 stands for, along x and y. `left` is working memory of
+/// the length of `out`.
 pub fn rate(hotspots: &[f32], cells: [f32; 2], out: &mut [f32], left: &mut [f32]) {
     let hotspots = Hotspots {
         fields: hotspots,
@@ -118,7 +123,8 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Ratings of hotspots at these cells, on a grid of 12 × 12, seen from the cell (5, 5).
+    /// Returns the ratings of hotspots at these cells, on a grid of 12 × 12, seen from the cell (5,
+    /// 5).
     fn rated(places: &[(i32, i32)], confirmed: &[usize]) -> Vec<f32> {
         let mut hotspots = Vec::new();
         for (index, &(x, y)) in places.iter().enumerate() {
@@ -130,20 +136,22 @@ mod tests {
         out
     }
 
-    // In a row, one cell to the right and two and three to the left: 1 + 3 + 1 cells, 2 + 1 + 4 and 3 + 1 + 3.
+    // The hotspots lie in a row: one cell to the right, and two and three cells to the left. The
+    // tours take 1 + 3 + 1, 2 + 1 + 4 and 3 + 1 + 3 cells.
     #[test]
     fn a_tour_goes_on_to_the_nearest() {
         let row = [(6, 5), (3, 5), (2, 5)];
         assert_eq!(rated(&row, &[]), [1.0, 0.2, 0.2]);
-        // Without the one between, 1 + 4 and 3 + 4.
+        // Without the middle hotspot the tours take 1 + 4 and 3 + 4 cells.
         assert_eq!(rated(&row, &[1]), [1.0, 0.0, 0.2]);
         assert_eq!(rated(&row, &[0, 1]), [0.0, 0.0, 1.0]);
         assert_eq!(rated(&row, &[0, 1, 2]), [0.0; 3]);
         assert_eq!(rated(&[], &[]), []);
     }
 
-    // One is two cells to the left, and three begin three cells to the right: 2 + 5 + 2 cells, and 3 + 2 + 7. With five
-    // more at the left end, 2 + 5 + 10 + 2, and 3 + 2 + 7 + 5.
+    // One hotspot is two cells to the left, and three begin three cells to the right. The tours
+    // take 2 + 5 + 2 and 3 + 2 + 7 cells. With five more at the left end they take 2 + 5 + 10 + 2
+    // and 3 + 2 + 7 + 5.
     #[test]
     fn the_nearest_is_not_always_the_best_to_begin_with() {
         let few = [(3, 5), (8, 5), (9, 5), (10, 5)];
@@ -162,15 +170,16 @@ mod tests {
         assert_eq!(rated(&many, &[])[..2], [0.2, 1.0]);
     }
 
-    // Twenty in a row, one cell apart, and tours of seventeen: 17 cells from the first on; 2 + 1 + 2 + 14 from the second,
-    // which goes back for the first; 3 + 2 + 3 + 13 from the third.
+    // Twenty hotspots lie in a row, one cell apart, and a tour visits seventeen. From the first it
+    // takes 17 cells. From the second it takes 2 + 1 + 2 + 14, as it goes back for the first. From
+    // the third it takes 3 + 2 + 3 + 13.
     #[test]
     fn a_tour_has_an_end() {
         let row: Vec<(i32, i32)> = (6..26).map(|x| (x, 5)).collect();
         assert_eq!(rated(&row, &[])[..4], [1.0, 0.2, 0.0, 0.0]);
     }
 
-    // Two cells away are one to the left and one to the right, one below and one above.
+    // At a distance of two cells, one is to the left and one to the right, one below and one above.
     #[test]
     fn of_equals_the_one_furthest_to_the_left_and_then_the_lowest() {
         assert_eq!(rated(&[(7, 5), (3, 5)], &[]), [0.6, 1.0]);
@@ -178,7 +187,8 @@ mod tests {
         assert_eq!(rated(&[(5, 3), (5, 7)], &[]), [1.0, 0.6]);
     }
 
-    // Differences of an observation are rounded, which must not make one of two nearer that are as near.
+    // Differences of an observation are rounded, which must not rank one of two equally near
+    // hotspots first.
     #[test]
     fn equally_near_is_equally_near() {
         for (x, y) in (0..144_i32).map(|cell| (cell % 12, cell / 12)) {

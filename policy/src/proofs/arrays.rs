@@ -5,7 +5,7 @@ use super::inputs::between;
 use super::standin as kani;
 use crate::network::place;
 
-/// Either refused, or within the data and exactly as long as its elements.
+/// An array is either refused, or lies within the data and is exactly as long as its elements.
 fn lies_within_the_data(offsets: [usize; 2], elements: usize, width: usize, data_len: usize) {
     if let Ok(range) = place(offsets, elements, width, data_len) {
         assert!(range.start <= range.end && range.end <= data_len);
@@ -38,7 +38,7 @@ pub fn arrays_lie_within_the_data() {
     };
     let width = if kani::any() { 2 } else { 4 };
     let accepted = place([start, end], elements, width, data_len).is_ok();
-    // Without a branch: an optimized build makes two covers of one that has any.
+    // This has no branch: an optimized build makes two covers of one that has any.
     kani::cover!(accepted & (elements > 0), "an array is read");
     kani::cover!(
         !accepted & (start <= end) & (end <= data_len),

@@ -5,10 +5,10 @@ use super::inputs::between;
 use super::standin as kani;
 use crate::network::{HEADER_MAX, split, with_digit};
 
-/// Bytes of the longest file of the proof: the length of the header, and eight more.
+/// The length of the longest file of the proof, in bytes: the length of the header, and eight more.
 const BYTES: usize = 16;
 
-/// Either refused, or header and data are all of the file after the length, which is the header's.
+/// A file is either refused, or its header has the stated length and the data are all that follows.
 fn header_is_as_long_as_it_says(bytes: &[u8], length: u64) {
     match split(bytes) {
         Ok((header, data)) => {
@@ -41,7 +41,7 @@ pub fn a_header_is_as_long_as_it_says() {
     header_is_as_long_as_it_says(bytes, length);
 }
 
-/// Exactly the number that the digits say, or none, where it is more than a usize holds.
+/// The result is exactly the number of the digits, or `None` if a usize cannot hold it.
 fn digits_add_up(number: usize, digit: u8) {
     let exact = number as u128 * 10 + u128::from(digit);
     match with_digit(number, digit) {

@@ -1,8 +1,8 @@
-//! The proofs of the gates through which every file of a policy passes, and every weight.
+//! The proofs of the checks that every file of a policy, and every weight, passes.
 //!
 //! They are built as the kernel's are, and run without Kani through the same stand-in.
 
-// Shared with the kernel's proofs, which use all of it.
+// These two modules belong to the kernel's proofs, which use all their parts.
 #[allow(dead_code)]
 #[path = "../../../core/src/proofs/inputs.rs"]
 pub(crate) mod inputs;

@@ -5,14 +5,15 @@ use super::inputs::between;
 use super::standin as kani;
 use crate::network::Layer;
 
-/// Widest layer of the proof: a whole panel of outputs, and one that is not full.
+/// The widest layer of the proof: a whole panel of outputs, and a partial one.
 const WIDEST: u64 = 90;
 
-/// Within the layer's memory, and not where another weight is.
+/// Two weights lie within the memory of the layer, and apart.
 fn weights_lie_apart(layer: &Layer, [input, output]: [usize; 2], other: [usize; 2]) {
     let at = layer.at(input, output);
     assert!(at >= layer.weight && at < layer.weight + layer.inputs * layer.width());
-    // Number by number: arrays are compared byte by byte, in a loop that would want a bound.
+    // Numbers are compared one by one: arrays are compared byte by byte, in a loop that needs a
+    // bound.
     let same = input == other[0] && output == other[1];
     assert!(at != layer.at(other[0], other[1]) || same);
 }

@@ -1,5 +1,6 @@
-//! Missions of shipped policies and the hash of all actions of each, on every platform. The tests of this
-//! crate fly them, those of jcas-simd with each instruction set, and `tests/portable` on AArch64 and wasm32.
+//! Missions of shipped policies, and the hash of all actions of each, which is the same on every
+//! platform. The tests of this crate run them, and so do those of jcas-simd with each instruction
+//! set. `tests/portable` runs them on AArch64 and wasm32.
 
 use jcas_core::hash::Fnv1a;
 use jcas_core::{Config, Model, Preset, Sim};
@@ -9,7 +10,7 @@ use jcas_policy::network::{Flight, Network, Product};
 const FLEET: &[u8] = include_bytes!("../../../policies/fleet/policy.safetensors");
 const SEARCH: &[u8] = include_bytes!("../../../policies/search/policy.safetensors");
 
-/// A mission and how it ends.
+/// A mission and its expected end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mission {
     pub preset: Preset,
@@ -33,7 +34,7 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
     }
 }
 
-/// All of them.
+/// All missions.
 pub const MISSIONS: [Mission; 5] = [
     mission(
         (15, 7),
@@ -45,7 +46,7 @@ pub const MISSIONS: [Mission; 5] = [
     mission((15, 7), 1, Mode::Sampled, 53, 13_029_458_474_818_902_870),
     mission((10, 3), 2, Mode::Deterministic, 21, 113_254_547_297_590_025),
     mission((15, 7), 1, Mode::Stratified, 53, 6_451_810_300_539_874_753),
-    // Its file says how a fleet of ten begins.
+    // The file of this policy holds phase seeds for a fleet of ten.
     Mission {
         preset: Preset::Search,
         ..mission(
@@ -58,7 +59,7 @@ pub const MISSIONS: [Mission; 5] = [
     },
 ];
 
-/// The same mission as it comes out here, its network multiplied so.
+/// Runs the mission with this matrix product, and returns it with the end that it reached.
 pub fn fly(mission: Mission, product: Product) -> Mission {
     let model = Model::new(Config {
         uav_count: mission.uav_count,
