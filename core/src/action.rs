@@ -104,7 +104,8 @@ pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
     }
 }
 
-/// Every UAV's action: its pilot density, then its motion, unless its battery grounds it or sends it home.
+/// Every UAV's action: its pilot density, then its motion, unless its battery grounds it or sends
+/// it home.
 // Proof: proofs/step.rs, beginning_a_step_keeps_the_state_valid
 #[inline(always)]
 pub(crate) fn act(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) {

@@ -1,6 +1,36 @@
-//! Many environments of one model, side by side in one slab, stepped into contiguous buffers.
+//! Batches: many environments of one model in one slab of memory, stepped together.
 //!
-//! Sequential by design: to use several threads, give each a share of the environments.
+//! A call steps the environments one after the other. To use several threads, give each thread a
+//! part of the environments.
+//!
+//! ```
+//! # #[cfg(feature = "alloc")] {
+//! use jcas_core::batch::BatchOut;
+//! use jcas_core::{Config, Model, Scratch};
+//!
+//! let model = Model::new(Config::default())?;
+//! let seeds = [1, 2, 3, 4];
+//! let mut states = vec![0; seeds.len() * model.state_words()];
+//! let mut memory = vec![0; Scratch::words_for(&model)];
+//! let mut scratch = Scratch::new(&model, &mut memory)?;
+//! let rows = seeds.len() * model.uav_count();
+//! let mut observations = vec![0.0; rows * model.observation_len()];
+//! model.batch_reset(&mut states, &mut scratch, &seeds, &mut observations, &mut [])?;
+//!
+//! let actions = vec![0.0; seeds.len() * model.action_len()];
+//! let (mut rewards, mut terminated, mut truncated) = ([0.0; 4], [0; 4], [0; 4]);
+//! let mut out = BatchOut {
+//!     observations: &mut observations,
+//!     rewards: &mut rewards,
+//!     terminated: &mut terminated,
+//!     truncated: &mut truncated,
+//!     ..BatchOut::default()
+//! };
+//! model.batch_step(&mut states, &mut scratch, &actions, true, &mut out)?;
+//! assert!(rewards.iter().all(|reward| reward.is_finite()));
+//! # }
+//! # Ok::<(), jcas_core::Error>(())
+//! ```
 
 use crate::error::Error;
 use crate::header::{self, HeaderRef, Phase};
@@ -12,30 +42,35 @@ use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::{action, step};
 
-/// Buffers of a batch step, for M environments. Empty slices leave optional outputs out.
+/// Output buffers of a batch step for M environments.
+///
+/// Shapes are row-major with the environment first; an empty slice omits an optional output.
 #[derive(Debug, Default)]
 pub struct BatchOut<'a> {
-    /// M · N · observation length.
+    /// Observations, `[M][N][observation_len]`; see [`crate::observation::observe`].
     pub observations: &'a mut [f32],
-    /// M · global length; optional.
+    /// Global states, `[M][global_len]`; optional.
     pub global: &'a mut [f32],
-    /// M: the team reward.
+    /// The team's reward of the step, `[M]`.
     pub rewards: &'a mut [f32],
-    /// M · 12 reward components; optional.
+    /// Components of the team's reward, `[M][12]`, in the order of [`crate::reward::NAMES`];
+    /// optional.
     pub components: &'a mut [f64],
-    /// M: 1 where the step terminated the episode.
+    /// 1 where the step terminated the episode, else 0; `[M]`.
     pub terminated: &'a mut [u8],
-    /// M: 1 where the step truncated it.
+    /// 1 where the step truncated the episode at the horizon, else 0; `[M]`.
     pub truncated: &'a mut [u8],
-    /// M · N · observation length; optional. Where an episode was reset, its last observation.
+    /// Last observations of the episodes that were reset, `[M][N][observation_len]`; optional.
+    /// Other rows do not change.
     pub final_observations: &'a mut [f32],
-    /// M · global length; optional. Where an episode was reset, its last global state.
+    /// Last global states of the episodes that were reset, `[M][global_len]`; optional. Other rows
+    /// do not change.
     pub final_global: &'a mut [f32],
-    /// M; optional. Where an episode ended, what it came to.
+    /// Summaries of the episodes that ended, `[M]`; optional. Other entries do not change.
     pub final_metrics: &'a mut [Metrics],
-    /// M · N; optional. The reward of each UAV, whose mean is the team's.
+    /// Each UAV's own reward, `[M][N]`; optional. The mean over the fleet is the team's reward.
     pub uav_rewards: &'a mut [f32],
-    /// M · N · 12; optional. The components of each UAV's reward.
+    /// Components of each UAV's own reward, `[M][N][12]`; optional.
     pub uav_components: &'a mut [f64],
 }
 
@@ -85,7 +120,7 @@ impl BatchOut<'_> {
     }
 }
 
-/// The part of a buffer that belongs to environment `m`; empty where the buffer is.
+/// The part of a buffer that belongs to environment `m`; empty if the buffer is empty.
 #[inline(always)]
 fn part<T>(buffer: &mut [T], m: usize, len: usize) -> &mut [T] {
     if buffer.is_empty() {
@@ -96,10 +131,10 @@ fn part<T>(buffer: &mut [T], m: usize, len: usize) -> &mut [T] {
 }
 
 impl Model<'_> {
-    /// How many environments a slab holds.
+    /// Number of environments M in a slab of words.
     ///
     /// # Errors
-    /// [`Error::Length`] unless `states` is a whole number of states.
+    /// [`Error::Length`] unless the length of `states` is a multiple of [`Model::state_words`].
     pub fn batch_len(&self, states: &[u64]) -> Result<usize, Error> {
         let count = states.len() / self.state_words();
         if count * self.state_words() == states.len() {
@@ -113,10 +148,13 @@ impl Model<'_> {
         }
     }
 
-    /// Begins an episode in each environment, with the seeds given, and observes.
+    /// Begins an episode in each environment and writes the observations.
+    ///
+    /// `seeds` is `[M]`, `observations` is `[M][N][observation_len]`, and `global` is
+    /// `[M][global_len]` or empty.
     ///
     /// # Errors
-    /// [`Error::Length`] for any buffer; nothing has changed then.
+    /// [`Error::Length`] for a buffer of the wrong length; nothing changes then.
     pub fn batch_reset(
         &self,
         states: &mut [u64],
@@ -165,16 +203,23 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Steps every environment once and observes.
+    /// Steps every environment once and writes the observations.
     ///
-    /// With `auto_reset`, an episode that ends is followed at once by the next, whose seed derives from
-    /// the ended one's; observations are then the new episode's first, the old one's last are kept in
-    /// `final_observations`. Without it, an environment whose episode has ended refuses the step.
+    /// `actions` is `[M][N][2]`; [`Model::step`] describes the two components, which are clipped to
+    /// [−1, 1].
+    ///
+    /// With `auto_reset`, an environment whose episode ends starts the next episode at once, with a
+    /// seed derived from the last one. `observations` then holds the first observation of the new
+    /// episode, and `final_observations` the last of the old one. Without `auto_reset`, an
+    /// environment whose episode has ended refuses the next step.
     ///
     /// # Errors
-    /// [`Error::Length`] for any buffer, [`Error::ActionNan`] (with the UAV counted over the whole batch),
-    /// [`Error::EpisodeOver`], [`Error::OutOfOrder`] or [`Error::ModelMismatch`] of the first environment
-    /// that refuses: all are checked before any steps, so nothing has changed then.
+    /// - [`Error::Length`] for a buffer of the wrong length.
+    /// - [`Error::ActionNan`], whose UAV is counted over the whole batch.
+    /// - [`Error::EpisodeOver`], [`Error::OutOfOrder`] or [`Error::ModelMismatch`] of the first
+    ///   environment that refuses.
+    ///
+    /// All environments are checked before the first one steps, so that nothing changes then.
     pub fn batch_step(
         &self,
         states: &mut [u64],
@@ -186,7 +231,8 @@ impl Model<'_> {
         self.batch_step_here(states, scratch, actions, auto_reset, out)
     }
 
-    /// [`Model::batch_step`], compiled into its caller: for the instruction set that the caller is compiled for.
+    /// Does the same as [`Model::batch_step`], compiled into its caller and so for the caller's
+    /// instruction set.
     ///
     /// # Errors
     /// As [`Model::batch_step`].

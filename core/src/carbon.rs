@@ -1,4 +1,5 @@
-//! Grid energy and the carbon it emits, in whole microjoules, milligrams per kilowatt-hour and nanograms.
+//! Grid energy and the carbon it emits, in whole microjoules, milligrams per kilowatt-hour and
+//! nanograms.
 
 use crate::config::{ChargeBilling, Config};
 use crate::energy::round_half_up;
@@ -49,7 +50,8 @@ impl CarbonPlan {
         }
     }
 
-    /// The intensity that the step after time `t` is billed with: uniform over the whole milligrams.
+    /// The intensity that the step after time `t` is billed with: uniform over the whole
+    /// milligrams.
     #[must_use]
     pub fn intensity_mg_per_kwh(&self, seed: u64, t: u32) -> u64 {
         let span = self.intensity_max_mg_per_kwh - self.intensity_min_mg_per_kwh + 1;
@@ -82,8 +84,8 @@ pub fn emitted_ng(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
     scale(grid_uj, intensity_mg_per_kwh, UJ_MG_PER_KWH_NG)
 }
 
-/// A UAV's share of the carbon of its fleet: as its part of what was billed. The carbon itself is rounded
-/// once, for the fleet; a share need not be whole.
+/// A UAV's share of the carbon of its fleet: as its part of what was billed. The carbon itself is
+/// rounded once, for the fleet; a share need not be whole.
 // Proof: proofs/reward.rs, a_share_of_carbon_is_within_the_whole
 #[inline(always)]
 #[must_use]
@@ -100,8 +102,8 @@ pub fn share_ng(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {
     if share > whole { whole } else { share }
 }
 
-/// Grid energy and carbon of what the fleet was billed, each rounded once a step; then the next intensity. Gives
-/// the carbon in nanograms.
+/// Grid energy and carbon of what the fleet was billed, each rounded once a step; then the next
+/// intensity. Gives the carbon in nanograms.
 #[inline(always)]
 pub(crate) fn emit(
     model: &Model<'_>,

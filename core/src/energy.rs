@@ -13,7 +13,8 @@ use crate::state::StateMut;
 /// Microjoules in a kilowatt-hour.
 pub const MICROJOULES_PER_KWH: f64 = 3.6e12;
 
-/// A non-negative real rounded half up to a whole number; the one rounding where a real enters a ledger.
+/// A non-negative real rounded half up to a whole number; the one rounding where a real enters a
+/// ledger.
 #[inline]
 #[must_use]
 pub fn round_half_up(value: f64) -> u64 {

@@ -1,8 +1,8 @@
-//! What can be refused, and how each refusal reads.
+//! The errors of the kernel and their messages.
 
 use core::fmt;
 
-/// A value that was refused, for messages.
+/// A refused value, for messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     /// A whole number.
@@ -23,7 +23,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// What would have been accepted.
+/// Description of the legal values, for messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Allowed {
     /// A finite number between two bounds, both included.
@@ -44,14 +44,14 @@ impl fmt::Display for Allowed {
     }
 }
 
-/// A configuration field outside its legal range.
+/// A configuration field or an argument outside its legal range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConfigError {
     /// Name of the field.
     pub field: &'static str,
     /// The value that was refused.
     pub value: Value,
-    /// What is allowed.
+    /// The legal values.
     pub allowed: Allowed,
 }
 
@@ -74,22 +74,22 @@ impl fmt::Display for ConfigError {
     }
 }
 
-/// Why saved bytes were refused.
+/// Reason for refusing the bytes of a snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corruption {
-    /// Shorter or longer than a snapshot of this model.
+    /// The bytes are shorter or longer than a snapshot of this model.
     Length,
-    /// Does not begin as a snapshot does.
+    /// The first eight bytes are not those of a snapshot.
     Magic,
-    /// Written by another version of the format.
+    /// The snapshot has another version of the format.
     Version,
     /// The checksum does not match the content.
     Checksum,
-    /// The checksum matches, but no run of the kernel leads to this state.
+    /// The checksum matches, but the state violates an invariant of the kernel.
     Content,
 }
 
-/// Everything that the kernel can refuse. The caller's data is as it was.
+/// An error of the kernel. A call that returns an error has not changed the caller's data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -97,14 +97,14 @@ pub enum Error {
     Config(ConfigError),
     /// An action component is NaN.
     ActionNan {
-        /// Which UAV.
+        /// Index of the UAV.
         uav: usize,
-        /// 0: direction, 1: pilot density.
+        /// The component: 0 for the direction, 1 for the pilot density.
         component: usize,
     },
     /// A buffer has the wrong length.
     Length {
-        /// Which buffer.
+        /// Name of the buffer.
         what: &'static str,
         /// Elements that it must have.
         expected: usize,
@@ -124,9 +124,9 @@ pub enum Error {
     },
     /// A part of the step was called out of its order.
     OutOfOrder {
-        /// What was called.
+        /// Name of the call.
         called: &'static str,
-        /// What has to come before.
+        /// Name of the call that must come before.
         after: &'static str,
     },
     /// The episode has ended; reset first.

@@ -11,7 +11,8 @@ use crate::word::stored;
 /// Up to this many UAVs, looking at every pair beats sorting them into buckets.
 const FEW: usize = 48;
 
-/// How many UAVs a block meets at a time: the table is read for all of them before the first is compared.
+/// How many UAVs a block meets at a time: the table is read for all of them before the first is
+/// compared.
 pub(crate) const fn tile(width: usize) -> usize {
     if width == 1 { lanes::WIDE } else { width }
 }
@@ -76,11 +77,11 @@ pub(crate) fn hear_each_other(a: f64, b: f64, full_throughput: f64, least: f64) 
     least_load * full_throughput >= least
 }
 
-/// The links of a block's UAVs, and the sums of their throughput over them. A UAV meets the others in ascending order,
-/// so that the sum is that of [`measure_throughput`].
+/// The links of a block's UAVs, and the sums of their throughput over them. A UAV meets the others
+/// in ascending order, so that the sum is that of [`measure_throughput`].
 ///
-/// A wide block meets the whole fleet. A single UAV meets those before it, and adds itself to their links: so each pair
-/// is met once, which for vectors would cost more than it saves.
+/// A wide block meets the whole fleet. A single UAV meets those before it, and adds itself to their
+/// links: so each pair is met once, which for vectors would cost more than it saves.
 #[inline(always)]
 fn meet<const W: usize>(
     model: &Model<'_>,
@@ -165,8 +166,8 @@ fn average<const W: usize>(state: &mut StateMut<'_>, sums: &[u64], block: Block<
     block.store(&means, state.throughput);
 }
 
-/// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's neighbours
-/// lie in its own bucket and the eight around it.
+/// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's
+/// neighbours lie in its own bucket and the eight around it.
 // Proof: proofs/communication.rs, buckets_link_the_pairs_that_pairs_link
 #[inline(always)]
 pub(crate) fn link_by_buckets(

@@ -1,7 +1,7 @@
 //! FNV-1a, 64 bits: the fingerprint of configurations, states, observations and files.
 //!
-//! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, "The FNV Non-Cryptographic Hash Algorithm" (IETF draft).
-//! It guards against accidents, not against an adversary.
+//! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, "The FNV Non-Cryptographic Hash Algorithm" (IETF
+//! draft). It guards against accidents, not against an adversary.
 
 /// An FNV-1a hash in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,21 +1,21 @@
-//! The scalars of a state, one word each.
+//! The header of a state: its scalars, one word each.
 
 use crate::reward::{COMPONENTS, KEPT, Rewards};
 use crate::word::stored;
 
-/// How far the present step has come; what may be called next.
+/// Phase of an episode: the part of the step that came last, which decides what may be called next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Phase {
-    /// Between steps: a step may begin.
+    /// The state is between two steps, and a step may begin.
     Ready = 1,
-    /// The UAVs have acted and moved: sensing comes next.
+    /// The UAVs have acted and moved; sensing comes next.
     Moved = 2,
-    /// The UAVs have sensed and learnt: communication comes next.
+    /// The UAVs have sensed and learnt; communication comes next.
     Sensed = 3,
-    /// Knowledge has spread: the step can end.
+    /// Knowledge has spread; the end of the step comes next.
     Communicated = 4,
-    /// The episode has terminated: every hotspot is informed.
+    /// The episode has terminated: all UAVs know all hotspots.
     Terminated = 5,
     /// The episode was truncated at the horizon.
     Truncated = 6,
@@ -55,14 +55,14 @@ const CHARGE_POTENTIAL: usize = 13;
 const RETURN: usize = 14;
 const REWARDS: usize = 15;
 
-/// Words of the header.
+/// Number of words of the header.
 pub const WORDS: usize = REWARDS + KEPT;
 
-/// Scalars to read.
+/// A read-only view of the scalars of a state.
 #[derive(Clone, Copy, Debug)]
 pub struct HeaderRef<'a>(pub(crate) &'a [u64]);
 
-/// Scalars to write.
+/// A writable view of the scalars of a state.
 #[derive(Debug)]
 pub struct HeaderMut<'a>(pub(crate) &'a mut [u64]);
 
@@ -96,31 +96,31 @@ const fn widen(value: u32) -> u64 {
 }
 
 scalar! {
-    /// Fingerprint of the configuration that the state belongs to.
+    /// Hash of the configuration to which the state belongs.
     config_hash, set_config_hash, CONFIG_HASH, u64, word, word;
     /// Seed of the episode.
     seed, set_seed, SEED, u64, word, word;
-    /// Steps begun.
+    /// Number of steps begun since the reset.
     t, set_t, T, u32, narrow, widen;
-    /// Carbon intensity that the coming step will be billed with.
+    /// Carbon intensity with which the coming step will be billed, in mg/kWh.
     intensity_mg_per_kwh, set_intensity, INTENSITY, u64, word, word;
-    /// Carbon intensity that the last step was billed with.
+    /// Carbon intensity with which the last step was billed, in mg/kWh.
     billed_intensity_mg_per_kwh, set_billed_intensity, BILLED_INTENSITY, u64, word, word;
-    /// Carbon emitted in the episode.
+    /// Carbon emitted in the episode by the fleet, in nanograms.
     co2_ng, set_co2, CO2, u64, word, word;
-    /// Grid energy billed in the episode.
+    /// Grid energy billed in the episode to the fleet, in microjoules.
     grid_uj, set_grid, GRID, u64, word, word;
-    /// Moves between cells in the episode, over all UAVs.
+    /// Number of moves between cells in the episode, over all UAVs.
     moves, set_moves, MOVES, u64, word, word;
-    /// η̄(t) of the present graph.
+    /// Mean normalised throughput over the fleet, η̄(t), for the present radio graph.
     mean_throughput, set_mean_throughput, MEAN_THROUGHPUT, f64, f64::from_bits, stored;
     /// Sum of η̄(t) over the steps.
     throughput_sum, set_throughput_sum, THROUGHPUT_SUM, f64, f64::from_bits, stored;
     /// Sum over the steps of the fleet's mean pilot density.
     pilot_sum, set_pilot_sum, PILOT_SUM, f64, f64::from_bits, stored;
-    /// Φ of the distance to hotspots.
+    /// Fleet mean of the goal potential, for the distance to hotspots.
     goal_potential, set_goal_potential, GOAL_POTENTIAL, f64, f64::from_bits, stored;
-    /// Φ of carbon-aware charging.
+    /// Fleet mean of the potential for carbon-aware charging.
     charge_potential, set_charge_potential, CHARGE_POTENTIAL, f64, f64::from_bits, stored;
     /// Undiscounted return of the episode.
     return_sum, set_return_sum, RETURN, f64, f64::from_bits, stored;
@@ -137,7 +137,7 @@ impl HeaderRef<'_> {
         phase_of(self.0[PHASE])
     }
 
-    /// Components of the last reward.
+    /// Components of the team's last reward.
     #[must_use]
     pub fn rewards(&self) -> Rewards {
         let mut rewards = [0.0; COMPONENTS];
@@ -149,7 +149,7 @@ impl HeaderRef<'_> {
 }
 
 impl HeaderMut<'_> {
-    /// The scalars to read.
+    /// A read-only view of the same scalars.
     #[must_use]
     pub fn as_ref(&self) -> HeaderRef<'_> {
         HeaderRef(self.0)

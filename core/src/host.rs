@@ -1,5 +1,25 @@
-//! What a host simulator may own: where the UAVs start and are, who detects what, who hears whom, where the
-//! hotspots lie and when they are confirmed, what the batteries hold.
+//! The calls by which a host simulator replaces parts of the model.
+//!
+//! A host may own the positions of the UAVs, their detections, the radio graph, the hotspots and
+//! the charge of the batteries. It calls the four parts of a step, and replaces parts of the model
+//! between them:
+//!
+//! ```
+//! # #[cfg(feature = "alloc")] {
+//! use jcas_core::{Cell, Config, Model, Sim};
+//!
+//! let model = Model::new(Config { uav_count: 2, ..Config::default() })?;
+//! let mut sim = Sim::new(&model);
+//! sim.step_begin(&vec![0.0; model.action_len()])?;
+//! sim.set_positions(&[Cell { x: 3, y: 4 }, Cell { x: 5, y: 4 }])?;
+//! sim.step_sense()?;
+//! sim.step_communicate_with(&[0, 1, 1, 0], Some(&[0.5, 0.25]))?;
+//! let outcome = sim.step_end()?;
+//! assert!(!outcome.truncated);
+//! assert_eq!(sim.state().throughput(1), 0.25);
+//! # }
+//! # Ok::<(), jcas_core::Error>(())
+//! ```
 
 mod call;
 
@@ -36,9 +56,11 @@ fn refuse(field: &'static str, value: Value, rule: &'static str) -> Error {
 }
 
 impl Model<'_> {
-    /// Puts the UAVs where the host has moved them, in place of the kernel's own motion. Between
-    /// [`Model::step_begin`] and [`Model::step_sense`]. A UAV whose cell differs from the one before the
-    /// step has moved, however far.
+    /// Sets the positions of the UAVs, in place of the kernel's own motion.
+    ///
+    /// The call comes between [`Model::step_begin`] and [`Model::step_sense`]. `cells` has one cell
+    /// for each UAV. A UAV has moved if its cell differs from the one before the step, at any
+    /// distance.
     ///
     /// # Errors
     /// [`Error::OutOfOrder`], [`Error::Length`], or [`Error::Argument`] for a cell off the grid.
@@ -52,12 +74,14 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Keeps a UAV from flying, sensing and communicating in this step, whatever its battery holds: it stays
-    /// where it was before the step, and asks its battery for nothing. Between [`Model::step_begin`] and
-    /// [`Model::step_sense`], after [`Model::set_positions`] if that is called too.
+    /// Grounds a UAV for this step: it does not move, sense, communicate or spend energy.
+    ///
+    /// The call comes between [`Model::step_begin`] and [`Model::step_sense`], after
+    /// [`Model::set_positions`] if both are called. The UAV keeps the cell that it had before the
+    /// step, and its charge does not matter.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`], or [`Error::Argument`] for a UAV that there is not.
+    /// [`Error::OutOfOrder`], or [`Error::Argument`] if `uav` is not below N.
     pub fn ground(&self, state: &mut StateMut<'_>, uav: usize) -> Result<(), Error> {
         expect(state, Phase::Moved, "ground", "step_begin")?;
         check_index("uav", uav, self.uav_count(), "below uav_count")?;
@@ -67,10 +91,10 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Part 2 of a step with the host's detections, in place of [`Model::step_sense`].
+    /// Runs part 2 of a step with the host's detections, in place of [`Model::step_sense`].
     ///
-    /// `detections` has a row of n for each UAV; any value but 0 is a detection. Those of grounded UAVs and
-    /// of hotspots that the UAV knows are ignored, as step 4 draws none there.
+    /// `detections` is an N × n matrix, row by row; any value but 0 is a detection. Detections by
+    /// grounded UAVs, and of hotspots that the UAV knows, are ignored: the kernel draws none there.
     ///
     /// # Errors
     /// [`Error::OutOfOrder`] or [`Error::Length`].
@@ -89,11 +113,13 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Confirms a hotspot in this step, whatever was detected. Between [`Model::step_begin`] and
-    /// [`Model::step_sense`]: UAVs that then detect it learn it. Nothing changes if it is confirmed already.
+    /// Confirms a hotspot in this step without a quorum of detections.
+    ///
+    /// The call comes between [`Model::step_begin`] and [`Model::step_sense`], so that UAVs that
+    /// detect the hotspot in this step learn it. Nothing changes if it is confirmed already.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`], or [`Error::Argument`] for a hotspot that there is not.
+    /// [`Error::OutOfOrder`], or [`Error::Argument`] if `hotspot` is not below n.
     pub fn confirm_hotspot(&self, state: &mut StateMut<'_>, hotspot: usize) -> Result<(), Error> {
         expect(state, Phase::Moved, "confirm_hotspot", "step_begin")?;
         check_index(
@@ -109,15 +135,18 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Part 3 of a step over the host's graph, in place of [`Model::step_communicate`].
+    /// Runs part 3 of a step over the host's radio graph, in place of [`Model::step_communicate`].
     ///
-    /// `links` is an N × N matrix, row by row; any value but 0 is a link. It must be symmetric; the
-    /// diagonal is ignored, and so are links of grounded UAVs. η̄_i is the link budget's over these links,
-    /// or `throughput[i]` where the host measured it; 0 for a UAV without neighbours in either case.
+    /// `links` is an N × N matrix, row by row; any value but 0 is a link. It must be symmetric. The
+    /// diagonal is ignored, and so are links of grounded UAVs.
+    ///
+    /// `throughput` is the mean normalised throughput η̄_i of each UAV, from 0 to 1e9, if the host
+    /// measured it. Otherwise it follows from the link budget over these links. A UAV without
+    /// neighbours has a throughput of 0 in both cases.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`], [`Error::Length`], or [`Error::Argument`] for a matrix that is not symmetric
-    /// or a throughput that is not a finite number of at least 0.
+    /// [`Error::OutOfOrder`], [`Error::Length`], or [`Error::Argument`] for a matrix that is not
+    /// symmetric or a throughput out of range.
     pub fn step_communicate_with(
         &self,
         state: &mut StateMut<'_>,
@@ -177,11 +206,13 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Places the hotspots, in place of the drawn ones. At t = 0 only.
+    /// Places all hotspots, in place of the drawn cells. The call is legal at t = 0 only.
+    ///
+    /// `cells` has one cell for each hotspot.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a cell off
-    /// the grid, on a depot or given twice.
+    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a
+    /// cell off the grid, on a depot or given twice.
     pub fn set_hotspots(
         &self,
         state: &mut StateMut<'_>,
@@ -208,11 +239,13 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Moves a hotspot to a free cell. Between steps; whether it is confirmed and who knows it stays.
+    /// Moves a hotspot to a free cell. The call comes between two steps.
+    ///
+    /// The hotspot stays confirmed if it was, and UAVs that know it still do.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`], [`Error::EpisodeOver`], or [`Error::Argument`] for a hotspot that there is not
-    /// and a cell off the grid, on a depot or with another hotspot.
+    /// [`Error::OutOfOrder`], [`Error::EpisodeOver`], or [`Error::Argument`] if `hotspot` is not
+    /// below n or the cell is off the grid, on a depot or taken by another hotspot.
     pub fn move_hotspot(
         &self,
         state: &mut StateMut<'_>,
@@ -245,12 +278,14 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Puts the UAVs where they start, in place of the first depot. At t = 0 only. The cells count as
-    /// visited, the depot no longer does.
+    /// Places the UAVs at the start, in place of the first depot. The call is legal at t = 0 only.
+    ///
+    /// `cells` has one cell for each UAV; two UAVs may share a cell. These cells count as visited,
+    /// and the depot no longer does.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a cell off
-    /// the grid.
+    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a
+    /// cell off the grid.
     pub fn set_starts(
         &self,
         state: &mut StateMut<'_>,
@@ -271,12 +306,14 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Sets what a battery holds now. Between steps. The difference enters the ledger as the host's:
-    /// initial + accepted + given = stored + spent.
+    /// Sets the present charge of one battery. The call comes between two steps.
+    ///
+    /// `charge_uj` is in microjoules, from 0 to the battery's capacity. The difference enters the
+    /// ledger as the host's adjustment: initial + accepted + given = stored + spent.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`], [`Error::EpisodeOver`], or [`Error::Argument`] for a UAV that there is not
-    /// and a charge above the capacity.
+    /// [`Error::OutOfOrder`], [`Error::EpisodeOver`], or [`Error::Argument`] if `uav` is not below
+    /// N or the charge is above the capacity.
     pub fn set_battery(
         &self,
         state: &mut StateMut<'_>,
@@ -297,11 +334,14 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Sets what each battery holds at the start, in place of the drawn charge. At t = 0 only.
+    /// Sets the initial charge of all batteries, in place of the drawn charges. The call is legal
+    /// at t = 0 only.
+    ///
+    /// `charges_uj` has one charge for each UAV in microjoules, from 0 to the battery's capacity.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a charge
-    /// above the capacity.
+    /// [`Error::OutOfOrder`] after the first step, [`Error::Length`], or [`Error::Argument`] for a
+    /// charge above the capacity.
     pub fn set_batteries(
         &self,
         state: &mut StateMut<'_>,
@@ -332,8 +372,10 @@ impl Model<'_> {
         Err(refuse("battery", Value::Integer(charge_uj), rule))
     }
 
-    /// η_ij: the normalised throughput of UAV `i` toward UAV `k` in the present graph; 0 where they are no
-    /// neighbours.
+    /// The normalised throughput η_ik of UAV `i` toward UAV `k` in the present graph, without a
+    /// unit.
+    ///
+    /// It is 0 if the two UAVs are not neighbours.
     #[must_use]
     pub fn pair_throughput(&self, state: &StateRef<'_>, i: usize, k: usize) -> f64 {
         if !state.linked(i, k) {
@@ -357,7 +399,7 @@ impl Model<'_> {
     }
 }
 
-/// The host's entry in a battery's ledger once it has set the charge, as bits of i64.
+/// The host's adjustment in a battery's ledger after it has set the charge, as bits of i64.
 #[inline]
 #[must_use]
 pub(crate) const fn given_after(given: u64, battery_uj: u64, charge_uj: u64) -> u64 {

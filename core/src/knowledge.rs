@@ -1,5 +1,5 @@
-//! OR-consensus over the radio graph: each connected component comes to hold the union of what its members
-//! know of hotspots, and of the cells that they have looked at.
+//! OR-consensus over the radio graph: each connected component comes to hold the union of what its
+//! members know of hotspots, and of the cells that they have looked at.
 
 use crate::bits;
 use crate::model::Model;
@@ -7,7 +7,8 @@ use crate::reward::Happenings;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
-/// Spreads knowledge and search maps over the graph and records the hotspots that all UAVs now know.
+/// Spreads knowledge and search maps over the graph and records the hotspots that all UAVs now
+/// know.
 #[inline(always)]
 pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
@@ -56,12 +57,12 @@ pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happ
     }
 }
 
-/// Gives every UAV the union of its component's rows: the fixed point that the paper's N iterations of
-/// k_i ← k_i ∨ k_neighbours reach, whatever the bits of a row stand for.
+/// Gives every UAV the union of its component's rows: the fixed point that the paper's N iterations
+/// of k_i ← k_i ∨ k_neighbours reach, whatever the bits of a row stand for.
 ///
 /// `links` and `rows` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
-/// `unreached` (a set of UAVs) and `union` (one row) are working memory. Each UAV enters `order` once,
-/// which bounds every loop.
+/// `unreached` (a set of UAVs) and `union` (one row) are working memory. Each UAV enters `order`
+/// once, which bounds every loop.
 // Proof: proofs/knowledge.rs, consensus_equals_the_papers_iterations
 #[inline(always)]
 pub fn consensus(
@@ -113,7 +114,8 @@ pub fn consensus(
     }
 }
 
-/// [`consensus`] where a word holds the fleet and another a row: the component found so far is a set.
+/// [`consensus`] where a word holds the fleet and another a row: the component found so far is a
+/// set.
 // Proof: proofs/knowledge.rs, fast_consensus_equals_the_papers_iterations
 #[inline(always)]
 pub(crate) fn consensus_of_words(links: &[u64], rows: &mut [u64]) {

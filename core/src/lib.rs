@@ -1,9 +1,14 @@
-//! Deterministic simulation kernel for fleets of UAVs that sense and communicate with one OFDM waveform.
+//! Deterministic simulation kernel for fleets of UAVs that sense and communicate with one OFDM
+//! waveform.
 //!
-//! A [`Config`] becomes an immutable [`Model`]; a [`Model`] steps states, each one slab of words in the
-//! caller's memory. No allocation, no I/O, no clock, no global, no `unsafe`; every loop is bounded by the
-//! configuration and every public function returns a value or a typed [`Error`]. With the feature `alloc`,
-//! `Sim` keeps a state in memory of its own.
+//! A [`Config`] is validated into an immutable [`Model`]. A [`Model`] steps states, each of which
+//! is one slab of `u64` words in the caller's memory. The kernel does no allocation and no I/O, and
+//! it has no clock, no global variable and no `unsafe` code. The configuration bounds every loop,
+//! and every public function returns a value or a typed [`Error`]. With the feature `alloc`, `Sim`
+//! owns the memory of its state.
+//!
+//! In the documentation N is the number of UAVs and n the number of hotspots. W and H are the width
+//! and height of the grid in cells, and t is the number of steps begun since the reset.
 //!
 //! ```
 //! # #[cfg(feature = "alloc")] {
@@ -19,9 +24,9 @@
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
-// Index loops over constants are what bounded model checking handles best.
+// Bounded model checking handles index loops over constants best.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
-// Comparisons are spelled out, so that a reader sees what a NaN does and every platform does the same.
+// Explicit comparisons show what a NaN does, and they do the same on every platform.
 #![allow(clippy::manual_clamp, clippy::manual_range_contains)]
 
 #[cfg(feature = "alloc")]
@@ -81,5 +86,5 @@ pub use sim::Sim;
 pub use state::{StateMut, StateRef};
 pub use step::StepOutcome;
 
-/// Version of the kernel; part of every trace.
+/// Version of the kernel, which every trace records.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -4,21 +4,21 @@ use crate::carbon;
 use crate::energy::{MICROJOULES_PER_KWH, Settled};
 use crate::state::{StateMut, StateRef};
 
-/// What an episode came to, so far or at its end.
+/// Summary of an episode, so far or at its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Metrics {
-    /// Steps taken.
+    /// Number of steps taken.
     pub steps: u32,
-    /// Every hotspot is informed: the mission succeeded.
+    /// True if all UAVs know all hotspots, which is success.
     pub terminated: bool,
-    /// The horizon ended the episode before.
+    /// True if the episode was truncated at the horizon.
     pub truncated: bool,
-    /// Hotspots confirmed.
+    /// Number of confirmed hotspots.
     pub confirmed: u32,
-    /// Hotspots that all UAVs know.
+    /// Number of hotspots that all UAVs know.
     pub informed: u32,
-    /// Moves between cells, over all UAVs.
+    /// Number of moves between cells, over all UAVs.
     pub moves: u64,
     /// Undiscounted return.
     pub return_sum: f64,
@@ -26,19 +26,19 @@ pub struct Metrics {
     pub energy_kwh: f64,
     /// Energy accepted from chargers, kWh.
     pub accepted_kwh: f64,
-    /// Energy asked for that was not there, kWh.
+    /// Energy that UAVs requested and their batteries lacked, kWh.
     pub shortfall_kwh: f64,
     /// Grid energy billed, kWh.
     pub grid_kwh: f64,
     /// Carbon emitted, kg.
     pub co2_kg: f64,
-    /// Mean over the steps of η̄(t); 0 before the first.
+    /// Mean over the steps of the fleet's normalised throughput η̄(t); 0 before the first step.
     pub throughput_mean: f64,
-    /// Mean over steps and UAVs of the pilot density; 0 before the first.
+    /// Mean over steps and UAVs of the pilot density; 0 before the first step.
     pub pilot_density_mean: f64,
 }
 
-/// Adds a step to the sums that the summary is made of.
+/// Adds a step to the sums from which the summary follows.
 #[inline(always)]
 pub(crate) fn add_step(state: &mut StateMut<'_>, settled: &Settled) {
     let pilot = settled.pilot / state.layout.uavs as f64;

@@ -1,4 +1,4 @@
-//! The model: a validated configuration with everything that can be worked out before the first step.
+//! The model: a validated configuration with every constant and table computed from it.
 
 use crate::bits::words_for;
 use crate::carbon::CarbonPlan;
@@ -15,7 +15,7 @@ use crate::{link, motion, radar};
 #[path = "proofs/any_model.rs"]
 pub(crate) mod any_model;
 
-/// The words behind a model: the caller's, or its own with the `alloc` feature.
+/// The memory of a model's tables: the caller's, or with the feature `alloc` the model's own.
 #[derive(Clone, Debug)]
 enum Words<'m> {
     Borrowed(&'m [u64]),
@@ -23,10 +23,10 @@ enum Words<'m> {
     Owned(alloc::vec::Vec<u64>),
 }
 
-/// An immutable model: share it freely between threads and states.
+/// An immutable model, which any number of threads and states can share.
 ///
-/// Per-cell tables are indexed by the absolute offset between two cells, so that a step evaluates no
-/// transcendental per pair.
+/// Its tables are indexed by the absolute offset between two cells, so that a step evaluates no
+/// transcendental function for a pair of UAVs.
 #[derive(Clone, Debug)]
 pub struct Model<'m> {
     config: Config,
@@ -51,7 +51,7 @@ pub struct Model<'m> {
     tables: Words<'m>,
 }
 
-/// Where each table begins, in words.
+/// The position at which each table begins, in words.
 struct Tables {
     link: usize,
     depot: usize,
@@ -61,7 +61,7 @@ struct Tables {
 }
 
 impl Tables {
-    /// The radar table comes first; link and depot tables are as long.
+    /// The radar table comes first; the link and depot tables have the same length.
     const fn of(width: u32, height: u32) -> Self {
         let cells = width as usize * height as usize;
         let offset_x = 3 * cells;
@@ -77,7 +77,7 @@ impl Tables {
 }
 
 impl Model<'static> {
-    /// Validates the configuration and builds its model in memory of its own.
+    /// Validates the configuration and builds its model in memory that it allocates.
     ///
     /// # Errors
     /// [`Error::Config`] with the first illegal field.
@@ -93,7 +93,7 @@ impl Model<'static> {
 #[derive(Clone, Copy)]
 pub(crate) struct OffsetTable<'t> {
     width: u32,
-    /// How many there are: the words behind them belong to other tables.
+    /// Number of entries; the words after them belong to other tables.
     len: usize,
     values: &'t [u64],
 }
@@ -114,7 +114,7 @@ impl OffsetTable<'_> {
         values.map(f64::from_bits)
     }
 
-    /// As [`Self::gather`], the bits of each value written at once.
+    /// Writes the values of [`Self::gather`] as bits of f64.
     #[inline(always)]
     pub(crate) fn gather_into<const W: usize>(
         self,
@@ -126,7 +126,7 @@ impl OffsetTable<'_> {
     }
 }
 
-/// What filling the tables finds out.
+/// Constants that follow from the tables.
 struct Parts {
     loss_per_load: f64,
     threshold_db: f64,
@@ -196,7 +196,7 @@ impl Parts {
     }
 }
 
-/// Row-major indices of the depots, ascending; the rest is unused.
+/// Row-major indices of the depots in ascending order; the remaining entries are unused.
 fn sorted_indices(config: &Config) -> [u32; MAX_DEPOTS] {
     let mut sorted = [u32::MAX; MAX_DEPOTS];
     for (slot, cell) in sorted.iter_mut().zip(config.effective_depots().as_slice()) {
@@ -206,12 +206,13 @@ fn sorted_indices(config: &Config) -> [u32; MAX_DEPOTS] {
     sorted
 }
 
-/// Longest offset along an axis, at least 1.
+/// Longest offset along an axis in cells, at least 1.
 const fn span(extent: u32) -> f32 {
     if extent > 1 { (extent - 1) as f32 } else { 1.0 }
 }
 
-/// Offsets -(extent-1)..=(extent-1) over (extent - 1), as bits of f32; 0 where the grid is one cell wide.
+/// Writes the offsets -(extent-1)..=(extent-1), divided by (extent - 1), as bits of f32. All are 0
+/// where the grid is one cell wide.
 fn fill_offsets(words: &mut [u64], extent: u32) {
     let span = f64::from(extent - 1);
     for (index, word) in words.iter_mut().enumerate() {
@@ -222,10 +223,10 @@ fn fill_offsets(words: &mut [u64], extent: u32) {
 }
 
 impl<'m> Model<'m> {
-    /// Words of memory that [`Model::new_in`] needs.
+    /// Number of `u64` words that [`Model::new_in`] needs: 3 W H + 2 W + 2 H − 2.
     ///
     /// # Errors
-    /// The first illegal field.
+    /// [`ConfigError`] with the first illegal field.
     pub fn table_words(config: &Config) -> Result<usize, ConfigError> {
         config.validate()?;
         Ok(Tables::of(config.grid_width, config.grid_height).end)
@@ -249,92 +250,92 @@ impl<'m> Model<'m> {
         Ok(parts.model(config, Words::Borrowed(words)))
     }
 
-    /// The configuration.
+    /// The configuration of the model.
     #[must_use]
     pub const fn config(&self) -> &Config {
         &self.config
     }
 
-    /// Fingerprint of the configuration.
+    /// FNV-1a hash of the configuration, which states, snapshots and traces record.
     #[must_use]
     pub const fn config_hash(&self) -> u64 {
         self.hash
     }
 
-    /// N.
+    /// Number of UAVs in the fleet (N), from 1 to 4096.
     #[inline]
     #[must_use]
     pub const fn uav_count(&self) -> usize {
         self.uavs
     }
 
-    /// n.
+    /// Number of hotspots (n), from 1 to 4096.
     #[inline]
     #[must_use]
     pub const fn hotspot_count(&self) -> usize {
         self.hotspots
     }
 
-    /// Words of a set of UAVs.
+    /// Number of `u64` words of a set of UAVs, one bit each.
     #[inline]
     #[must_use]
     pub const fn uav_words(&self) -> usize {
         words_for(self.uavs)
     }
 
-    /// Words of a set of hotspots.
+    /// Number of `u64` words of a set of hotspots, one bit each.
     #[inline]
     #[must_use]
     pub const fn hotspot_words(&self) -> usize {
         words_for(self.hotspots)
     }
 
-    /// The depots in force.
+    /// Cells of the depots; the first is the one from which the fleet starts.
     #[must_use]
     pub fn depots(&self) -> &[Cell] {
         self.depots.as_slice()
     }
 
-    /// Row-major indices of the depots, ascending.
+    /// Row-major indices of the depots in ascending order.
     pub(crate) fn sorted_depots(&self) -> &[u32] {
         &self.sorted_depots[..self.depots.len()]
     }
 
-    /// Energy constants.
+    /// Constants of the energy model, in microjoules.
     #[inline]
     #[must_use]
     pub const fn energy(&self) -> &EnergyPlan {
         &self.energy
     }
 
-    /// Carbon constants.
+    /// Constants of the carbon model, in milligrams per kilowatt-hour.
     #[inline]
     #[must_use]
     pub const fn carbon(&self) -> &CarbonPlan {
         &self.carbon
     }
 
-    /// Reward constants.
+    /// Weights of the reward.
     #[inline]
     #[must_use]
     pub const fn reward(&self) -> &RewardPlan {
         &self.reward
     }
 
-    /// Where each quantity lies in a state.
+    /// Position of each quantity in a state.
     #[inline]
     #[must_use]
     pub const fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Words of a state.
+    /// Number of `u64` words of a state.
     #[must_use]
     pub const fn state_words(&self) -> usize {
         self.layout.end
     }
 
-    /// Neighbours in an observation: min(N - 1, `neighbour_slots`).
+    /// Number of neighbours in an observation: min(N - 1, `neighbour_slots`).
     #[inline]
     #[must_use]
     pub const fn neighbour_slots(&self) -> usize {
@@ -346,8 +347,8 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Length of one UAV's observation: 11 + 4 n + 3 · slots, and what `map_window_radius`,
-    /// `map_directions` and `uav_tag` add.
+    /// Number of reals in one UAV's observation: 11 + 4 n + 3 · slots, plus the entries that
+    /// `map_window_radius`, `map_directions` and `uav_tag` add.
     #[inline]
     #[must_use]
     pub const fn observation_len(&self) -> usize {
@@ -355,7 +356,7 @@ impl<'m> Model<'m> {
         paper + self.window_len() + self.directions_len() + self.tag_len()
     }
 
-    /// Entries of an observation's window of the search map: (2 r + 1)², or none.
+    /// Number of entries for an observation's window of the search map: (2 r + 1)², or 0.
     #[inline]
     pub(crate) const fn window_len(&self) -> usize {
         match self.config.map_window_radius as usize {
@@ -364,7 +365,7 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Entries of an observation's unsearched shares: 8, or none.
+    /// Number of entries for an observation's unsearched fractions by direction: 8 or 0.
     #[inline]
     pub(crate) const fn directions_len(&self) -> usize {
         match self.config.map_directions {
@@ -373,7 +374,7 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Entries of an observation's tag: 1, or none.
+    /// Number of entries for an observation's UAV tag: 1 or 0.
     #[inline]
     pub(crate) const fn tag_len(&self) -> usize {
         match self.config.uav_tag {
@@ -382,58 +383,61 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Words of a UAV's search map; 0 without maps.
+    /// Number of `u64` words of one UAV's search map; 0 without maps.
     #[inline]
     #[must_use]
     pub const fn map_words(&self) -> usize {
         self.layout.map
     }
 
-    /// What a UAV looks at, around its cell.
+    /// The disc of cells that a UAV searches around its own cell.
     #[inline]
     pub(crate) const fn disc(&self) -> Disc {
         self.disc
     }
 
-    /// Length of the global state: 6 N + 4 n + 4.
+    /// Number of reals in the global state: 6 N + 4 n + 4.
     #[inline]
     #[must_use]
     pub const fn global_len(&self) -> usize {
         6 * self.uavs + 4 * self.hotspots + 4
     }
 
-    /// Length of the actions of a step: 2 N.
+    /// Number of reals in the actions of a step: 2 N.
     #[inline]
     #[must_use]
     pub const fn action_len(&self) -> usize {
         2 * self.uavs
     }
 
-    /// Longest distance along an axis at which a link is possible.
+    /// Longest distance along an axis at which a link is possible, in cells.
     #[must_use]
     pub const fn reach_cells(&self) -> u32 {
         self.reach_cells
     }
 
-    /// γ_det.
+    /// Detection threshold γ_det of the sensing SNR, in dB.
     #[must_use]
     pub const fn detection_threshold_db(&self) -> f64 {
         self.threshold_db
     }
 
-    /// Sensing SNR over a cell offset, before the communication load is taken off.
+    /// Sensing SNR in dB over an offset in cells, without the loss from communication load.
     #[must_use]
     pub fn sensing_snr_db(&self, dx: u32, dy: u32) -> f64 {
         radar::snr_db(&self.config, radar::range_m(&self.config, dx, dy))
     }
 
-    /// Communication SNR over a cell offset.
+    /// Communication SNR in dB over an offset in cells.
     #[must_use]
     pub fn comm_snr_db(&self, dx: u32, dy: u32) -> f64 {
         link::snr_db(&self.config, radar::range_m(&self.config, dx, dy))
     }
 
-    /// p_ij over a cell offset within the grid at a pilot density.
+    /// Probability in [0, 1] that a UAV detects a hotspot in one step (p_ij).
+    ///
+    /// `dx` and `dy` are the offset in cells, which must be below the width and height of the grid.
+    /// `pilot_density` is a fraction of the waveform in [0, 1].
     #[must_use]
     pub fn detection_probability(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
         let load = radar::load_odds_against(self.loss_per_load, 1.0 - pilot_density);
@@ -441,7 +445,10 @@ impl<'m> Model<'m> {
         1.0 / (1.0 + range * load)
     }
 
-    /// η_ij over a cell offset within the grid at the sender's pilot density.
+    /// Normalised throughput from one UAV to another (η_ij), without a unit.
+    ///
+    /// `dx` and `dy` are the offset in cells, which must be below the width and height of the grid.
+    /// `pilot_density` is the sender's, a fraction of the waveform in [0, 1].
     #[must_use]
     pub fn link_throughput(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
         let tables = Tables::of(self.width, self.height);
@@ -472,7 +479,7 @@ impl<'m> Model<'m> {
         self.config.link_throughput_min
     }
 
-    /// The factor of the odds against detection that the distance between two cells gives.
+    /// The factor of the odds against detection that depends on the distance between two cells.
     #[inline]
     pub(crate) fn range_odds(&self) -> OffsetTable<'_> {
         OffsetTable {
@@ -482,7 +489,7 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Throughput between two cells of a waveform that carries only data.
+    /// Normalised throughput between two cells if the waveform carries only data.
     #[inline]
     pub(crate) fn full_throughput(&self) -> OffsetTable<'_> {
         OffsetTable {
@@ -503,7 +510,7 @@ impl<'m> Model<'m> {
         (cell.y * self.width + cell.x) as usize
     }
 
-    /// By what offsets along x and y are divided in an observation: the extent less 1, at least 1.
+    /// The divisors of x and y offsets in an observation: the extent less 1, at least 1.
     #[inline]
     pub(crate) const fn offset_spans(&self) -> (f32, f32) {
         (span(self.width), span(self.height))
@@ -515,7 +522,7 @@ impl<'m> Model<'m> {
         cell.x < self.width && cell.y < self.height
     }
 
-    /// Nearest depot of a cell and its Manhattan distance.
+    /// The depot nearest to a cell, and its Manhattan distance in cells.
     #[inline]
     pub(crate) fn nearest_depot(&self, cell: Cell) -> (Cell, u32) {
         let word = self.words()[2 * self.cells() + self.cell_index(cell)];
@@ -525,7 +532,7 @@ impl<'m> Model<'m> {
         )
     }
 
-    /// Manhattan distance to the nearest depot.
+    /// Manhattan distance to the nearest depot, in cells.
     #[inline]
     pub(crate) fn depot_distance(&self, cell: Cell) -> u32 {
         (self.words()[2 * self.cells() + self.cell_index(cell)] >> 32) as u32
@@ -539,7 +546,7 @@ impl<'m> Model<'m> {
             .map(|word| (word >> 32) as u32)
     }
 
-    /// Tables of normalised offsets along x and y; index by offset + extent - 1.
+    /// Tables of normalised offsets along x and y, indexed by offset + extent - 1.
     #[inline]
     pub(crate) fn offset_tables(&self) -> (&[u64], &[u64]) {
         let tables = Tables::of(self.width, self.height);

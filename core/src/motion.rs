@@ -52,7 +52,8 @@ pub(crate) fn fly<const W: usize>(
     block.store(&to, state.cells);
 }
 
-/// Moves a set of UAVs, by their distance from the first, one cell toward the nearest depot instead.
+/// Moves a set of UAVs, by their distance from the first, one cell toward the nearest depot
+/// instead.
 #[inline(always)]
 pub(crate) fn fly_home(model: &Model<'_>, state: &mut StateMut<'_>, first: usize, uavs: u64) {
     let config = model.config();

@@ -30,8 +30,8 @@ const ROWS: usize = 16;
 /// The set of four hotspots.
 const ALL: usize = (1 << QUARTET) - 1;
 
-/// By a set of four hotspots the bits of 1 for those entries of theirs that say what the UAV knows, and all ones for
-/// those that say where they are.
+/// By a set of four hotspots the bits of 1 for those entries of theirs that say what the UAV knows,
+/// and all ones for those that say where they are.
 static KNOWN: [[u32; ENTRIES]; ALL + 1] = entries([0, 0, 0, ONE]);
 static POSITIONS: [[u32; ENTRIES]; ALL + 1] = entries([u32::MAX, u32::MAX, 0, 0]);
 
@@ -59,9 +59,10 @@ const COMMON: usize = 6;
 /// Writes the observation of every UAV, one after the other.
 ///
 /// In order: self (x, y, SoC, pilot density, η̄_i), each hotspot (Δx, Δy, confirmed, known), each
-/// neighbour slot (present, Δx, Δy), connectivity, sustainability (carbon intensity, depot distance),
-/// progress (confirmed, informed, time), then what the configuration adds: a window of the search map, the
-/// unsearched share of each direction, a tag. [`fields::fields`] names every entry.
+/// neighbour slot (present, Δx, Δy), connectivity, sustainability (carbon intensity, depot
+/// distance), progress (confirmed, informed, time), then what the configuration adds: a window of
+/// the search map, the unsearched share of each direction, a tag. [`fields::fields`] names every
+/// entry.
 ///
 /// # Errors
 /// [`Error::Length`] unless `out` has N · [`Model::observation_len`] elements.
@@ -128,7 +129,8 @@ pub(crate) fn observe_here(
     Ok(())
 }
 
-/// What each UAV sees of itself, and what stands behind its neighbours: connectivity, sustainability, progress.
+/// What each UAV sees of itself, and what stands behind its neighbours: connectivity,
+/// sustainability, progress.
 #[inline(always)]
 fn write_own<const W: usize>(view: &View<'_>, uavs: Range<usize>, rows: &mut [f32]) {
     let len = view.model.observation_len();
@@ -151,8 +153,8 @@ fn write_own<const W: usize>(view: &View<'_>, uavs: Range<usize>, rows: &mut [f3
     }
 }
 
-/// Writes the global state: per UAV (x, y, SoC, pilot density, η̄_i, fraction of hotspots known), per
-/// hotspot (x, y, confirmed, fraction of UAVs that know it), then carbon intensity and progress
+/// Writes the global state: per UAV (x, y, SoC, pilot density, η̄_i, fraction of hotspots known),
+/// per hotspot (x, y, confirmed, fraction of UAVs that know it), then carbon intensity and progress
 /// (confirmed, informed, time).
 ///
 /// # Errors
@@ -198,7 +200,8 @@ struct View<'v> {
     state: &'v StateRef<'v>,
     offset_x: &'v [u64],
     offset_y: &'v [u64],
-    /// Where the neighbour slots begin in a row, and where connectivity, sustainability and progress do.
+    /// Where the neighbour slots begin in a row, and where connectivity, sustainability and
+    /// progress do.
     slots: usize,
     common: usize,
     per_capacity: f64,
@@ -370,12 +373,14 @@ impl<'v> View<'v> {
         index_tag(i, self.model.uav_count())
     }
 
-    /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots at a time. Where there
-    /// is room in its row, eight are written where fewer are left: what follows them is written later.
+    /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots
+    /// at a time. Where there is room in its row, eight are written where fewer are left: what
+    /// follows them is written later.
     #[inline(always)]
     fn write_targets<const HIDDEN: bool>(&self, uavs: Range<usize>, out: &mut [f32]) {
         let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
-        // (x, y, 0, 0) of each UAV, all before the first is read: a load waits for stores that it spans.
+        // (x, y, 0, 0) of each UAV, all before the first is read: a load waits for stores that it
+        // spans.
         let mut observers = [0.0; ROWS * TARGET];
         let cells = self.state.cells[uavs.clone()].iter();
         for (own, &cell) in observers.chunks_exact_mut(TARGET).zip(cells) {
@@ -482,7 +487,8 @@ fn targets(words: &[u64], confirmed: u64) -> [f32; TARGETS * TARGET] {
     targets
 }
 
-/// Up to this many keys, insertion beats a general sort: neighbours in one cell are in order already.
+/// Up to this many keys, insertion beats a general sort: neighbours in one cell are in order
+/// already.
 const FEW: usize = 24;
 
 /// Moves the smallest `count` keys to the front, ascending.

@@ -1,5 +1,5 @@
-//! The potentials of reward shaping (A. Y. Ng, D. Harada, S. Russell, ICML 1999): they speed up learning
-//! without changing which policy is best.
+//! The potentials of reward shaping (A. Y. Ng, D. Harada, S. Russell, ICML 1999): they speed up
+//! learning without changing which policy is best.
 
 use crate::bits;
 use crate::config::Cell;
@@ -9,8 +9,8 @@ use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
 use crate::word::stored;
 
-/// Works out both potentials of each UAV in the present state, and their means, and stores them; all are 0 in
-/// a terminal state.
+/// Works out both potentials of each UAV in the present state, and their means, and stores them;
+/// all are 0 in a terminal state.
 #[inline(always)]
 pub(crate) fn update(
     model: &Model<'_>,
@@ -55,7 +55,8 @@ fn both<const W: usize>(
     (goal::<W>(model, state, scratch), charge::<W>(model, state))
 }
 
-/// Whether two potentials can be those of a UAV or a fleet: each within its weights, but for rounding.
+/// Whether two potentials can be those of a UAV or a fleet: each within its weights, but for
+/// rounding.
 pub(crate) fn is_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
     let config = model.config();
     let slack = 1.000_001;
@@ -77,11 +78,11 @@ fn span(model: &Model<'_>) -> f64 {
     )
 }
 
-/// Φ_i = -w_g · (Manhattan distance to the nearest unconfirmed hotspot / (W + H - 2) + w_u · U), with U the
-/// number of unconfirmed hotspots; 0 if there is none. Gives the mean.
+/// Φ_i = -w_g · (Manhattan distance to the nearest unconfirmed hotspot / (W + H - 2) + w_u · U),
+/// with U the number of unconfirmed hotspots; 0 if there is none. Gives the mean.
 ///
-/// A confirmation may leave UAVs as far from the next hotspot as the grid is wide, but takes one from U: with
-/// w_u of at least 1 it lowers no potential.
+/// A confirmation may leave UAVs as far from the next hotspot as the grid is wide, but takes one
+/// from U: with w_u of at least 1 it lowers no potential.
 #[inline(always)]
 fn goal<const W: usize>(
     model: &Model<'_>,

@@ -8,7 +8,8 @@ use crate::lanes::real;
 /// Speed of light in vacuum.
 pub const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
-/// Bound of the tabulated exponent; beyond it the probability is 0 or 1 to the last bit of a threshold.
+/// Bound of the tabulated exponent; beyond it the probability is 0 or 1 to the last bit of a
+/// threshold.
 const EXPONENT_BOUND: f64 = 300.0;
 
 /// How many values a draw has.
@@ -49,8 +50,8 @@ pub fn resolution_penalty_db(config: &Config, range_m: f64) -> f64 {
     10.0 * log10(1.0 + resolution_m / range_m)
 }
 
-/// γ_det: as given, or the SNR at the sensing range, or else the SNR at which one pulse reaches P_d at P_fa, by
-/// Albersheim's equation.
+/// γ_det: as given, or the SNR at the sensing range, or else the SNR at which one pulse reaches P_d
+/// at P_fa, by Albersheim's equation.
 ///
 /// W. J. Albersheim, "A closed-form approximation to Robertson's detection characteristics",
 /// Proc. IEEE 69(7), 1981, for one non-coherently integrated sample.
@@ -84,7 +85,8 @@ pub fn range_odds_against(config: &Config, snr_db: f64, threshold_db: f64) -> f6
     })
 }
 
-/// The UAV's factor of the odds against detection, exp(κ α ρ_comm), for κ α from 0 to 700 and a load from 0 to 1.
+/// The UAV's factor of the odds against detection, exp(κ α ρ_comm), for κ α from 0 to 700 and a
+/// load from 0 to 1.
 #[inline(always)]
 #[must_use]
 pub fn load_odds_against(loss_per_load: f64, comm_load: f64) -> f64 {
@@ -98,8 +100,8 @@ pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
     range_odds * load_odds
 }
 
-/// Whether a 32-bit draw is below p · 2^32, p = 1 / (1 + odds against): a whole number is below the whole part of a real
-/// if the next one is not above the real.
+/// Whether a 32-bit draw is below p · 2^32, p = 1 / (1 + odds against): a whole number is below the
+/// whole part of a real if the next one is not above the real.
 // Proof: proofs/tables.rs, a_lower_draw_detects_too
 #[inline(always)]
 #[must_use]
@@ -152,8 +154,8 @@ mod tests {
         assert_eq!(detection_threshold_db(&given), -3.5);
     }
 
-    /// By hand: 7.37 dB at 25 m (above) less 40 log10(150/25) = 31.13 dB is -23.75 dB at 150 m; the range
-    /// resolution takes off another 10 log10(1 + 1.499/150) = 0.043 dB.
+    /// By hand: 7.37 dB at 25 m (above) less 40 log10(150/25) = 31.13 dB is -23.75 dB at 150 m; the
+    /// range resolution takes off another 10 log10(1 + 1.499/150) = 0.043 dB.
     #[test]
     fn a_sensing_range_is_a_threshold_unless_one_is_given() {
         let ranged = Config {

@@ -12,7 +12,9 @@ use crate::state::StateMut;
 use crate::{graph, potential};
 
 impl Model<'_> {
-    /// Begins an episode in `words`, whatever they held before. Everything random follows from `seed`.
+    /// Begins an episode in `words`; their earlier content is overwritten.
+    ///
+    /// All random draws of the episode follow from `seed`, which may be any 64-bit number.
     ///
     /// # Errors
     /// [`Error::Length`] unless `words` has [`Model::state_words`] elements.
@@ -49,7 +51,7 @@ impl Model<'_> {
     }
 }
 
-/// What a UAV's battery holds at the start: a uniform share of its capacity.
+/// A UAV's initial charge in microjoules: a uniformly drawn fraction of the capacity.
 pub(crate) fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64 {
     let config = model.config();
     let draw = rng::unit(rng::bits64(seed, 0, uav as u32, 0, Purpose::InitialSoc));
@@ -63,8 +65,9 @@ pub(crate) fn initial_charge_uj(model: &Model<'_>, seed: u64, uav: usize) -> u64
     }
 }
 
-/// Draws distinct cells without a depot: Floyd's sampling makes every set equally likely in n draws,
-/// a Fisher-Yates shuffle then makes every order so. (R. Floyd, J. Bentley, CACM 30(9), 1987.)
+/// Draws distinct cells without a depot. Floyd's sampling makes every set equally likely in n draws
+/// (R. Floyd, J. Bentley, CACM 30(9), 1987); a Fisher-Yates shuffle makes every order equally
+/// likely.
 // Proof: proofs/reset.rs, hotspots_lie_apart
 pub(crate) fn place_hotspots(
     model: &Model<'_>,
@@ -99,7 +102,7 @@ pub(crate) fn place_hotspots(
 /// The cell with a rank among the cells without a depot, in row-major order.
 fn free_cell(model: &Model<'_>, rank: usize) -> Cell {
     let mut index = rank;
-    // Each depot at or before the cell moves it on by one; ascending order makes one pass enough.
+    // Each depot at or before the cell shifts it by one; one pass suffices in ascending order.
     for depot in model.sorted_depots() {
         if *depot as usize <= index {
             index += 1;

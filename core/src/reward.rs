@@ -1,5 +1,7 @@
-//! The reward: a fixed vector of named components whose sum, left to right, is R_t for the team, and R_i
-//! for one UAV. The mean of R_i over the fleet is R_t.
+//! The reward: a fixed vector of named components.
+//!
+//! The sum of the components, left to right, is R_t for the team and R_i for one UAV. The mean of
+//! R_i over the fleet is R_t.
 
 use crate::carbon;
 use crate::config::{Config, InformPayment};
@@ -9,13 +11,13 @@ use crate::scratch::Tally;
 use crate::state::StateMut;
 use crate::word::stored;
 
-/// How many components there are.
+/// Number of components of a reward.
 pub const COMPONENTS: usize = 12;
 
-/// The ten terms of the paper's reward and the two shaping terms.
+/// Components of a reward: the ten terms of the paper's reward and the two shaping terms.
 pub type Rewards = [f64; COMPONENTS];
 
-/// Their names, in order.
+/// Names of the components, in order.
 pub const NAMES: [&str; COMPONENTS] = [
     "detect",
     "inform",
@@ -31,20 +33,22 @@ pub const NAMES: [&str; COMPONENTS] = [
     "shaping_charge",
 ];
 
-/// How many components are a UAV's own; the others are the team's.
+/// Number of components that are a UAV's own; the others are the team's.
 pub const OWN_COMPONENTS: usize = 7;
 
-/// The components that are a UAV's own: coverage, energy, carbon, revisit, throughput and both shaping terms.
+/// Indices of the components that are a UAV's own: coverage, energy, carbon, revisit, throughput
+/// and both shaping terms.
 pub const OWN: [usize; OWN_COMPONENTS] = [3, 4, 5, 6, 8, 10, 11];
 
-/// How many components of the team's last reward a state keeps. A proof's state keeps the first: no call
-/// reads any of them, and one line writes, another judges each.
+/// Number of components of the team's last reward that a state stores.
+///
+/// Under Kani only one component is stored, to keep the state small; no call reads these words.
 pub(crate) const KEPT: usize = if cfg!(kani) { 1 } else { COMPONENTS };
 
-/// How many of its own components a state keeps for each UAV; as [`KEPT`].
+/// Number of own components that a state stores for each UAV; under Kani one, as for [`KEPT`].
 pub(crate) const OWN_KEPT: usize = if cfg!(kani) { 1 } else { OWN_COMPONENTS };
 
-/// The weights of a configuration.
+/// Weights of the reward, each for the unit in which its quantity is counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RewardPlan {
     detect: f64,
@@ -61,43 +65,43 @@ pub struct RewardPlan {
     discount: f64,
 }
 
-/// What happened to the team in a step, as far as the reward is concerned.
+/// Totals of a step over the fleet, from which the team's reward follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Happenings {
-    /// Hotspots confirmed in this step.
+    /// Number of hotspots confirmed in this step.
     pub newly_confirmed: u64,
-    /// Hotspots informed in this step.
+    /// Number of hotspots informed in this step.
     pub newly_informed: u64,
-    /// Hotspots informed in this step or before.
+    /// Number of hotspots informed in this step or before.
     pub informed: u64,
-    /// Every hotspot is informed.
+    /// True if every hotspot is informed.
     pub complete: bool,
-    /// This is step T_max.
+    /// True if this is the last step of the horizon, T_max.
     pub at_horizon: bool,
-    /// Cells visited for the first time.
+    /// Number of cells visited for the first time.
     pub new_cells: u64,
-    /// UAVs that moved into a cell visited before this step.
+    /// Number of UAVs that moved into a cell visited before this step.
     pub revisits: u64,
-    /// Energy spent by the fleet.
+    /// Energy spent by the fleet, in microjoules.
     pub spent_uj: u64,
-    /// Carbon emitted.
+    /// Carbon emitted by the fleet, in nanograms.
     pub co2_ng: f64,
-    /// η̄(t).
+    /// Mean normalised throughput over the fleet, η̄(t).
     pub mean_throughput: f64,
     /// Mean over confirmed hotspots of the fraction of UAVs that know them.
     pub knowledge_spread: f64,
-    /// Φ of the distance to hotspots, before the step.
+    /// Fleet mean of the goal potential before the step.
     pub goal_potential_before: f64,
-    /// The same after it; 0 in a terminal state.
+    /// Fleet mean of the goal potential after the step; 0 in a terminal state.
     pub goal_potential_after: f64,
-    /// Φ of carbon-aware charging, before the step.
+    /// Fleet mean of the charging potential before the step.
     pub charge_potential_before: f64,
-    /// The same after it; 0 in a terminal state.
+    /// Fleet mean of the charging potential after the step; 0 in a terminal state.
     pub charge_potential_after: f64,
 }
 
 impl RewardPlan {
-    /// Brings each weight to the unit in which its quantity is counted.
+    /// Converts each weight to the unit in which its quantity is counted.
     #[must_use]
     pub fn new(config: &Config) -> Self {
         Self {
@@ -116,7 +120,7 @@ impl RewardPlan {
         }
     }
 
-    /// Every component of R_t, in the order of [`NAMES`].
+    /// Computes the components of R_t, in the order of [`NAMES`].
     #[inline(always)]
     #[must_use]
     pub fn components(&self, step: &Happenings) -> Rewards {
@@ -145,7 +149,7 @@ impl RewardPlan {
         ]
     }
 
-    // The terms that a UAV has of its own, of the fleet's quantities or of those that it is credited with.
+    // The own terms, which apply to the fleet's totals as well as to one UAV's.
 
     #[inline(always)]
     pub(crate) fn coverage(&self, new_cells: f64) -> f64 {
@@ -178,14 +182,14 @@ impl RewardPlan {
     }
 }
 
-/// What the fleet was billed in a step, and the carbon of it.
+/// Charging energy billed to the fleet in a step, and the carbon that it emitted.
 #[derive(Clone, Copy)]
 pub(crate) struct Billed {
     pub(crate) co2_ng: u64,
     pub(crate) billed_uj: u64,
 }
 
-/// The own components of each UAV's reward; the others are the team's.
+/// Computes and stores the own components of each UAV's reward.
 #[inline(always)]
 pub(crate) fn credit(
     model: &Model<'_>,
@@ -214,8 +218,10 @@ fn credit_in_blocks<const W: usize>(
     }
 }
 
-/// The components in [`OWN`] of each UAV of a block, as bits. What the team counts as a sum over N UAVs is N times the
-/// UAV's own, and what it counts as a mean is the UAV's own: so the mean over the fleet is the team's.
+/// Computes the components in [`OWN`] of each UAV of a block, as bits of f64.
+///
+/// A quantity that the team counts as a sum over N UAVs counts N times for the UAV, and one that
+/// the team counts as a mean counts once. So the mean over the fleet is the team's component.
 #[inline(always)]
 fn own_in<const W: usize>(
     model: &Model<'_>,
@@ -230,7 +236,7 @@ fn own_in<const W: usize>(
     let mean = block.load(state.throughput);
     let mut rows = [[0; W]; OWN_COMPONENTS];
     let [coverage, energy, carbon, revisit, throughput, goal, charge] = &mut rows;
-    // Loops that the compiler makes vectors of; one loop for all is too much for it.
+    // The compiler vectorises these loops one by one, but not a single loop for all components.
     for lane in 0..W {
         let new_cells = f64::from(new_cell[lane] as u32) * uavs as f64;
         coverage[lane] = stored(plan.coverage(new_cells));
@@ -256,7 +262,7 @@ fn own_in<const W: usize>(
     rows
 }
 
-/// The shaping terms of potentials, all as bits.
+/// Shaping terms from the potentials before and after a step, all as bits of f64.
 #[inline(always)]
 fn gained<const W: usize>(
     plan: &RewardPlan,
@@ -271,7 +277,7 @@ fn gained<const W: usize>(
     gained
 }
 
-/// R_t or R_i: the components summed left to right.
+/// The reward R_t or R_i: the sum of the components, left to right.
 #[inline(always)]
 #[must_use]
 pub fn total(rewards: &Rewards) -> f64 {

@@ -1,8 +1,8 @@
 //! Counter-based random draws: Philox4x32-10.
 //!
-//! J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3",
-//! SC 2011. Every draw is a pure function of (seed, step, UAV, item, purpose): none depends on another
-//! having been made, nor on order, batch or thread.
+//! J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2,
+//! 3", SC 2011. Every draw is a pure function of (seed, step, UAV, item, purpose): none depends on
+//! another having been made, nor on order, batch or thread.
 
 use crate::lanes::Lanes;
 
@@ -101,8 +101,8 @@ pub fn bits64(seed: u64, step: u32, uav: u32, index: u32, purpose: Purpose) -> u
 
 /// A uniform integer in `0..count` from 64 uniform bits; 0 for an empty range.
 ///
-/// Multiply and shift without rejection, so that the loop bound stays fixed: each value's probability
-/// is off by less than `count / 2^64`.
+/// Multiply and shift without rejection, so that the loop bound stays fixed: each value's
+/// probability is off by less than `count / 2^64`.
 #[inline]
 #[must_use]
 pub fn below(bits: u64, count: u64) -> u64 {
@@ -126,7 +126,8 @@ pub fn derive_seed(seed: u64, index: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Known-answer vectors of the Random123 distribution (`kat_vectors`, philox4x32 with 10 rounds).
+    /// Known-answer vectors of the Random123 distribution (`kat_vectors`, philox4x32 with 10
+    /// rounds).
     #[test]
     fn matches_the_published_vectors() {
         assert_eq!(

@@ -1,4 +1,5 @@
-//! Working memory of a step: nothing in it outlives a call. One per thread serves any number of states.
+//! Working memory of a step. Its content is lost after a call, so that one per thread serves any
+//! number of states.
 
 use crate::bits;
 use crate::error::Error;
@@ -6,14 +7,14 @@ use crate::graph;
 use crate::lanes::{self, Lanes};
 use crate::model::Model;
 
-/// Working memory for the states of one model.
+/// Working memory for steps of the states of one model.
 #[derive(Debug)]
 pub struct Scratch<'a> {
     words: &'a mut [u64],
 }
 
 impl<'a> Scratch<'a> {
-    /// Words of memory that a model's steps need.
+    /// Number of `u64` words that a model's steps need.
     #[must_use]
     pub fn words_for(model: &Model<'_>) -> usize {
         let uavs = model.uav_count();
@@ -35,7 +36,7 @@ impl<'a> Scratch<'a> {
             .max(pairs)
     }
 
-    /// Uses the caller's memory.
+    /// Uses the caller's memory; its content does not matter.
     ///
     /// # Errors
     /// [`Error::ScratchTooSmall`] if it has fewer than [`Scratch::words_for`] words.
@@ -61,7 +62,7 @@ impl<'a> Scratch<'a> {
         (starts, &mut rest[..model.uav_count()])
     }
 
-    /// A word for each UAV, and one for each pair of a lane and one of the UAVs met at a time.
+    /// A word for each UAV, and one for each pair of a lane and a UAV of the current tile.
     pub(crate) fn pairs<const W: usize>(
         &mut self,
         uavs: usize,
@@ -70,7 +71,8 @@ impl<'a> Scratch<'a> {
         (sums, rest[..graph::tile(W) * W].as_chunks_mut().0)
     }
 
-    /// Order of a walk over the graph, UAVs not reached yet, and a component's union of rows.
+    /// The order of a graph traversal, the set of UAVs not yet reached, and the union of rows of a
+    /// connected component.
     pub(crate) fn consensus(
         &mut self,
         uavs: usize,
@@ -82,7 +84,7 @@ impl<'a> Scratch<'a> {
         (order, unreached, &mut rest[..row_words])
     }
 
-    /// What each UAV does in the step that ends, and the rest of the memory.
+    /// The per-UAV totals of the step, and the remaining memory.
     pub(crate) fn tally(&mut self, uavs: usize) -> (Tally<'_>, Scratch<'_>) {
         let (spent_uj, rest) = self.words.split_at_mut(uavs);
         let (billed_uj, rest) = rest.split_at_mut(uavs);
@@ -109,17 +111,17 @@ impl<'a> Scratch<'a> {
     }
 }
 
-/// What each UAV does in a step, as its own reward needs it; a word per UAV each.
+/// Per-UAV totals of a step, from which each UAV's own reward follows. Every slice has N words.
 pub(crate) struct Tally<'a> {
-    /// Energy spent.
+    /// Energy spent, in microjoules.
     pub(crate) spent_uj: &'a mut [u64],
-    /// Charging billed.
+    /// Charging energy billed, in microjoules.
     pub(crate) billed_uj: &'a mut [u64],
-    /// Row-major index of its cell.
+    /// Row-major index of the UAV's cell.
     pub(crate) cell_indices: &'a mut [u64],
-    /// 1 where it was the first in a cell never visited before.
+    /// 1 if the UAV was the first in a cell that no UAV had visited; else 0.
     pub(crate) new_cells: &'a mut [u64],
-    /// 1 where it moved into a cell visited before.
+    /// 1 if the UAV moved into a cell visited before; else 0.
     pub(crate) revisits: &'a mut [u64],
     /// Φ of the distance to hotspots before the step, as bits of f64.
     pub(crate) goal_before: &'a mut [u64],

@@ -1,5 +1,5 @@
-//! Search maps: the cells that a UAV looks at, and the shares of a map that are left. Maps spread as knowledge does
-//! ([`crate::knowledge::consensus`]).
+//! Search maps: the cells that a UAV looks at, and the shares of a map that are left. Maps spread
+//! as knowledge does ([`crate::knowledge::consensus`]).
 
 use crate::bits;
 use crate::config::{Cell, Config};
@@ -72,8 +72,8 @@ impl Disc {
 pub const DIRECTIONS: usize = 8;
 
 /// The unsearched share of the cells in each direction from `cell`: right, up-right, up and on,
-/// counterclockwise. A cell lies up where |Δx| < |Δy|/2, right where |Δy| < |Δx|/2, up-right between;
-/// a direction that leaves the grid at once has a share of 0.
+/// counterclockwise. A cell lies up where |Δx| < |Δy|/2, right where |Δy| < |Δx|/2, up-right
+/// between; a direction that leaves the grid at once has a share of 0.
 pub(crate) fn unsearched_shares(map: &[u64], cell: Cell, width: u32, height: u32, out: &mut [f32]) {
     let (mut cells, mut searched) = ([0usize; DIRECTIONS], [0usize; DIRECTIONS]);
     for y in 0..height {

@@ -1,4 +1,5 @@
-//! Sense and learn: what is looked at, independent detections, the quorum that confirms, who knows at once.
+//! Sense and learn: what is looked at, independent detections, the quorum that confirms, who knows
+//! at once.
 
 use crate::bits;
 use crate::config::Cell;
@@ -12,7 +13,8 @@ use crate::state::StateMut;
 /// Hotspots whose draws share a block of the generator.
 const DRAWS: usize = 4;
 
-/// Every UAV that is not grounded looks around its cell: its search map then knows what lies within the radius.
+/// Every UAV that is not grounded looks around its cell: its search map then knows what lies within
+/// the radius.
 pub(crate) fn look_around(model: &Model<'_>, state: &mut StateMut<'_>) {
     let row = model.map_words();
     if row == 0 {
@@ -43,8 +45,8 @@ pub(crate) fn sense_and_learn(
     conclude(model, state, positives);
 }
 
-/// As [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV, in place of the
-/// draws. A UAV asks for nothing where it is grounded or knows the hotspot.
+/// As [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV, in place of
+/// the draws. A UAV asks for nothing where it is grounded or knows the hotspot.
 pub(crate) fn learn_from(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -174,7 +176,8 @@ fn confirm(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     }
 }
 
-/// Whether this step confirms a hotspot: it was not confirmed before, and at least θ UAVs detect it.
+/// Whether this step confirms a hotspot: it was not confirmed before, and at least θ UAVs detect
+/// it.
 #[inline]
 #[must_use]
 pub const fn confirms(confirmed: bool, positives: u64, quorum: u64) -> bool {

@@ -1,4 +1,4 @@
-//! A simulation in memory of its own, for callers that have an allocator.
+//! A simulation that owns its memory, for callers that have an allocator.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,7 +13,9 @@ use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::step::StepOutcome;
 
-/// A model's state with its working memory. A clone is a fork: both go on alike.
+/// A simulation: a state of a model together with its working memory.
+///
+/// A clone is a fork: with the same actions both continue with the same bits.
 #[derive(Clone, Debug)]
 pub struct Sim<'m> {
     model: &'m Model<'m>,
@@ -22,7 +24,7 @@ pub struct Sim<'m> {
 }
 
 impl<'m> Sim<'m> {
-    /// A simulation at t = 0 of seed 0.
+    /// Creates a simulation at the start of the episode with seed 0.
     #[must_use]
     pub fn new(model: &'m Model<'m>) -> Self {
         let mut sim = Self {
@@ -34,13 +36,13 @@ impl<'m> Sim<'m> {
         sim
     }
 
-    /// The model.
+    /// The model of the simulation.
     #[must_use]
     pub const fn model(&self) -> &'m Model<'m> {
         self.model
     }
 
-    /// Begins the episode of a seed.
+    /// Begins the episode that follows from a seed.
     pub fn reset(&mut self, seed: u64) {
         let Self {
             model,
@@ -60,7 +62,7 @@ impl<'m> Sim<'m> {
         act(self.model, &mut state, &mut scratch)
     }
 
-    /// One whole step; see [`Model::step`].
+    /// Runs one whole step; see [`Model::step`].
     ///
     /// # Errors
     /// As [`Model::step`].
@@ -68,7 +70,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.step(state, scratch, actions))
     }
 
-    /// Part 1 of a step; see [`Model::step_begin`].
+    /// Runs part 1 of a step; see [`Model::step_begin`].
     ///
     /// # Errors
     /// As [`Model::step_begin`].
@@ -76,7 +78,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, _| model.step_begin(state, actions))
     }
 
-    /// A call of a host simulator; see [`Call::apply`].
+    /// Applies a call of a host simulator; see [`Call::apply`].
     ///
     /// # Errors
     /// As [`Call::apply`].
@@ -84,7 +86,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| call.apply(model, state, scratch))
     }
 
-    /// The host's positions; see [`Model::set_positions`].
+    /// Sets the positions of the UAVs; see [`Model::set_positions`].
     ///
     /// # Errors
     /// As [`Model::set_positions`].
@@ -92,7 +94,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, _| model.set_positions(state, cells))
     }
 
-    /// Part 2 of a step; see [`Model::step_sense`].
+    /// Runs part 2 of a step; see [`Model::step_sense`].
     ///
     /// # Errors
     /// As [`Model::step_sense`].
@@ -100,7 +102,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.step_sense(state, scratch))
     }
 
-    /// Part 3 of a step; see [`Model::step_communicate`].
+    /// Runs part 3 of a step; see [`Model::step_communicate`].
     ///
     /// # Errors
     /// As [`Model::step_communicate`].
@@ -108,7 +110,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.step_communicate(state, scratch))
     }
 
-    /// Part 3 of a step over the host's links; see [`Model::step_communicate_with`].
+    /// Runs part 3 of a step over the host's links; see [`Model::step_communicate_with`].
     ///
     /// # Errors
     /// As [`Model::step_communicate_with`].
@@ -122,7 +124,7 @@ impl<'m> Sim<'m> {
         })
     }
 
-    /// Part 4 of a step; see [`Model::step_end`].
+    /// Runs part 4 of a step; see [`Model::step_end`].
     ///
     /// # Errors
     /// As [`Model::step_end`].
@@ -138,7 +140,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.set_hotspots(state, scratch, cells))
     }
 
-    /// Sets the batteries; see [`Model::set_batteries`].
+    /// Sets the initial charge of all batteries; see [`Model::set_batteries`].
     ///
     /// # Errors
     /// As [`Model::set_batteries`].
@@ -154,7 +156,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, _| model.ground(state, uav))
     }
 
-    /// Part 2 of a step with the host's detections; see [`Model::step_sense_with`].
+    /// Runs part 2 of a step with the host's detections; see [`Model::step_sense_with`].
     ///
     /// # Errors
     /// As [`Model::step_sense_with`].
@@ -178,7 +180,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.move_hotspot(state, scratch, hotspot, cell))
     }
 
-    /// Puts the UAVs where they start; see [`Model::set_starts`].
+    /// Places the UAVs at the start; see [`Model::set_starts`].
     ///
     /// # Errors
     /// As [`Model::set_starts`].
@@ -186,7 +188,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.set_starts(state, scratch, cells))
     }
 
-    /// Sets a battery; see [`Model::set_battery`].
+    /// Sets the charge of one battery; see [`Model::set_battery`].
     ///
     /// # Errors
     /// As [`Model::set_battery`].
@@ -194,7 +196,7 @@ impl<'m> Sim<'m> {
         self.with(|model, state, scratch| model.set_battery(state, scratch, uav, charge_uj))
     }
 
-    /// Writes the observations; see [`observation::observe`].
+    /// Writes the observations of all UAVs; see [`observation::observe`].
     ///
     /// # Errors
     /// As [`observation::observe`].
@@ -212,7 +214,7 @@ impl<'m> Sim<'m> {
         observation::observe_global(self.model, &self.state(), out)
     }
 
-    /// The state to read.
+    /// A read-only view of the state.
     #[must_use]
     pub fn state(&self) -> StateRef<'_> {
         StateRef::split(*self.model.layout(), &self.words)
@@ -224,13 +226,13 @@ impl<'m> Sim<'m> {
         &self.words
     }
 
-    /// Fingerprint of the state.
+    /// FNV-1a hash of the state; equal states have equal hashes.
     #[must_use]
     pub fn state_hash(&self) -> u64 {
         hash::words(&self.words)
     }
 
-    /// The saved state.
+    /// Saves the state as bytes; see [`Model::save`].
     #[must_use]
     pub fn save(&self) -> Vec<u8> {
         let mut bytes = vec![0; self.model.save_len()];

@@ -1,4 +1,4 @@
-//! Saved states: little-endian bytes that load only where they are exactly right.
+//! Snapshots: saved states as little-endian bytes, which are checked in full when they are loaded.
 //!
 //! | bytes | content |
 //! | --- | --- |
@@ -6,9 +6,9 @@
 //! | 8 | version of the format |
 //! | 8 | fingerprint of the configuration |
 //! | 8 · words | the state |
-//! | 8 | FNV-1a of all before |
+//! | 8 | FNV-1a hash of all bytes before |
 //!
-//! Words and bytes are moved one by one: a model checker follows such loops where it loses itself in
+//! Words and bytes are moved one by one, because a model checker handles such loops better than
 //! iterators and block copies.
 
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
@@ -18,23 +18,43 @@ use crate::hash::Fnv1a;
 use crate::model::Model;
 use crate::state::StateRef;
 
-/// Version of the format.
+/// Version of the snapshot format.
 pub const FORMAT_VERSION: u64 = 2;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"JCASSNAP");
 const PREFIX_WORDS: usize = 3;
 
 impl Model<'_> {
-    /// Bytes of a saved state.
+    /// Number of bytes of a snapshot.
     #[must_use]
     pub const fn save_len(&self) -> usize {
         8 * (PREFIX_WORDS + self.state_words() + 1)
     }
 
-    /// Saves a state.
+    /// Saves a state as a snapshot.
+    ///
+    /// ```
+    /// # #[cfg(feature = "alloc")] {
+    /// use jcas_core::{Config, Model, Scratch};
+    ///
+    /// let model = Model::new(Config::default())?;
+    /// let mut words = vec![0; model.state_words()];
+    /// let mut memory = vec![0; Scratch::words_for(&model)];
+    /// model.reset(&mut words, &mut Scratch::new(&model, &mut memory)?, 42)?;
+    ///
+    /// let mut snapshot = vec![0; model.save_len()];
+    /// model.save(&words, &mut snapshot)?;
+    ///
+    /// let (mut loaded, mut spare) = (vec![0; words.len()], vec![0; words.len()]);
+    /// model.load(&snapshot, &mut loaded, &mut spare)?;
+    /// assert_eq!(loaded, words);
+    /// # }
+    /// # Ok::<(), jcas_core::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// As [`Model::state`]; [`Error::Length`] unless `out` has [`Model::save_len`] bytes.
+    /// The errors of [`Model::state`], and [`Error::Length`] unless `out` has [`Model::save_len`]
+    /// bytes.
     pub fn save(&self, words: &[u64], out: &mut [u8]) -> Result<(), Error> {
         self.state(words)?;
         if out.len() != self.save_len() {
@@ -58,13 +78,15 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// Loads a state, which goes on exactly as the saved one would have. The content can only be judged as
-    /// a state, so `spare` keeps what `words` held until then.
+    /// Loads a snapshot; the loaded state continues with the same bits as the saved one.
+    ///
+    /// The content is checked after it was copied into `words`, so `spare` holds the earlier words
+    /// until then. Both have [`Model::state_words`] elements.
     ///
     /// # Errors
-    /// [`Error::Length`] unless `words` has [`Model::state_words`] elements; [`Error::ModelMismatch`] for a
-    /// snapshot of another configuration; [`Error::Corrupt`] for anything but a snapshot. `words` is then
-    /// as it was.
+    /// [`Error::Length`] for another number of elements; [`Error::ModelMismatch`] for a snapshot of
+    /// another configuration; [`Error::Corrupt`] for bytes that are not a snapshot. `words` does
+    /// not change then.
     pub fn load(&self, bytes: &[u8], words: &mut [u64], spare: &mut [u64]) -> Result<(), Error> {
         self.check_len(words.len())?;
         self.check_len(spare.len())?;
@@ -108,7 +130,7 @@ impl Model<'_> {
     }
 }
 
-/// The word at a position in little-endian bytes; 0 beyond the end.
+/// The word at an index in little-endian bytes; 0 beyond the end.
 fn word(bytes: &[u8], index: usize) -> u64 {
     let begin = 8 * index;
     if begin + 8 > bytes.len() {
@@ -121,7 +143,7 @@ fn word(bytes: &[u8], index: usize) -> u64 {
     word
 }
 
-/// Writes the word at a position as little-endian bytes.
+/// Writes the word at an index as little-endian bytes.
 pub(crate) fn put(bytes: &mut [u8], index: usize, word: u64) {
     for byte in 0..8 {
         bytes[8 * index + byte] = (word >> (8 * byte)) as u8;

@@ -1,6 +1,6 @@
-//! The state: one slab of words in the caller's memory, seen as named quantities.
+//! The state: one slab of `u64` words in the caller's memory, viewed as named quantities.
 //!
-//! A state holds no pointer, so that a snapshot is one copy and a thousand states lie side by side.
+//! A state holds no pointer, so that a copy of its words is a copy of the state.
 //!
 //! The slab, in words, for N UAVs and n hotspots; the list below is its order:
 //!
@@ -24,7 +24,9 @@ use crate::word::stored;
 /// Declares both views of a state from one list, so that they cannot disagree on the layout.
 macro_rules! state {
     ($( $(#[$meta:meta])* $name:ident: $length:expr; )+) => {
-        /// A state to read.
+        /// A read-only view of a state.
+        ///
+        /// Indices `i` and `k` of UAVs are below N, and indices `j` of hotspots are below n.
         #[derive(Clone, Copy, Debug)]
         pub struct StateRef<'a> {
             /// Scalars.
@@ -33,7 +35,7 @@ macro_rules! state {
             pub(crate) layout: Layout,
         }
 
-        /// A state to change.
+        /// A writable view of a state, which the steps of a [`Model`] change.
         #[derive(Debug)]
         pub struct StateMut<'a> {
             /// Scalars.
@@ -57,7 +59,7 @@ macro_rules! state {
                 Self { header: HeaderMut(header), $( $name, )+ layout }
             }
 
-            /// The same state to read.
+            /// A read-only view of the same state.
             #[must_use]
             pub fn as_ref(&self) -> StateRef<'_> {
                 StateRef { header: self.header.as_ref(), $( $name: &*self.$name, )+ layout: self.layout }
@@ -66,7 +68,7 @@ macro_rules! state {
     };
 }
 
-/// How many words a quantity takes.
+/// The length of a quantity in words.
 enum Length {
     PerUav,
     OwnRewards,
@@ -97,21 +99,21 @@ const fn length(layout: &Layout, length: Length) -> usize {
 state! {
     /// Cell of each UAV.
     cells: Length::PerUav;
-    /// Cell of each UAV before the present (or last) step.
+    /// Cell of each UAV before the present step, or between steps before the last one.
     previous: Length::PerUav;
-    /// Charge of each UAV.
+    /// Charge of each UAV, in microjoules.
     battery: Length::PerUav;
-    /// Charge of each UAV at the start of the episode.
+    /// Charge of each UAV at the start of the episode, in microjoules.
     initial: Length::PerUav;
-    /// Energy accepted from chargers.
+    /// Energy that each UAV accepted from chargers, in microjoules.
     accepted: Length::PerUav;
-    /// Energy spent.
+    /// Energy that each UAV spent, in microjoules.
     spent: Length::PerUav;
-    /// Energy asked for that was not there.
+    /// Energy that each UAV requested and its battery lacked, in microjoules.
     shortfall: Length::PerUav;
-    /// Pilot density, as bits of f64.
+    /// Pilot density of each UAV, as bits of f64.
     pilot: Length::PerUav;
-    /// Mean normalised throughput η̄_i, as bits of f64.
+    /// Mean normalised throughput η̄_i of each UAV, as bits of f64.
     throughput: Length::PerUav;
     /// Φ of the distance to hotspots, as bits of f64.
     goal_potential: Length::PerUav;
@@ -123,11 +125,11 @@ state! {
     grounded: Length::UavSet;
     /// UAVs sent to a depot by a low battery.
     returning: Length::UavSet;
-    /// UAVs that did not know some hotspot when they sensed.
+    /// UAVs that did not know all hotspots when they sensed.
     sensing: Length::UavSet;
     /// Cell of each hotspot.
     hotspots: Length::PerHotspot;
-    /// Step of each confirmation; 0 before.
+    /// Step at which each hotspot was confirmed; 0 before.
     confirmed_at: Length::PerHotspot;
     /// Step at which all UAVs know the hotspot; 0 before.
     informed_at: Length::PerHotspot;
@@ -135,26 +137,27 @@ state! {
     confirmed: Length::HotspotSet;
     /// Hotspots that all UAVs know.
     informed: Length::HotspotSet;
-    /// For each UAV the hotspots that it knows.
+    /// The hotspots that each UAV knows.
     knowledge: Length::Knowledge;
-    /// For each UAV its neighbours in the radio graph.
+    /// The neighbours of each UAV in the radio graph.
     links: Length::Links;
-    /// Cells that any UAV has been in.
+    /// Cells that any UAV has visited.
     visited: Length::Visited;
-    /// For each UAV the cells that it knows to have been looked at; nothing without maps.
+    /// The cells that each UAV knows to have been searched; no words without maps.
     searched: Length::Maps;
-    /// What a host has put into each battery, less what it has taken out, as bits of i64.
+    /// Energy that a host added to each battery less what it removed, in microjoules as bits of
+    /// i64.
     given: Length::PerUav;
-    /// For each UAV the hotspots that it detected when it last sensed.
+    /// The hotspots that each UAV detected when it last sensed.
     detected: Length::Knowledge;
 }
 
 impl Model<'_> {
-    /// Looks at a state of this model.
+    /// Opens a state of this model for reading.
     ///
     /// # Errors
-    /// [`Error::Length`] unless `words` has [`Model::state_words`] elements; [`Error::ModelMismatch`]
-    /// unless the state was reset with this configuration.
+    /// [`Error::Length`] unless `words` has [`Model::state_words`] elements;
+    /// [`Error::ModelMismatch`] unless the state was reset with this configuration.
     pub fn state<'a>(&self, words: &'a [u64]) -> Result<StateRef<'a>, Error> {
         self.check_len(words.len())?;
         let state = StateRef::split(*self.layout(), words);
@@ -165,10 +168,10 @@ impl Model<'_> {
         }
     }
 
-    /// Opens a state of this model for change.
+    /// Opens a state of this model for writing.
     ///
     /// # Errors
-    /// As [`Model::state`].
+    /// The errors of [`Model::state`].
     pub fn state_mut<'a>(&self, words: &'a mut [u64]) -> Result<StateMut<'a>, Error> {
         self.state(words)?;
         Ok(StateMut::split(*self.layout(), words))
@@ -232,7 +235,7 @@ impl StateMut<'_> {
 }
 
 impl<'a> StateRef<'a> {
-    /// Steps begun since the reset.
+    /// Number of steps begun since the reset (t).
     #[must_use]
     pub fn t(&self) -> u32 {
         self.header.t()
@@ -244,25 +247,25 @@ impl<'a> StateRef<'a> {
         self.header.seed()
     }
 
-    /// Whether every hotspot is informed.
+    /// Whether the episode terminated: all UAVs know all hotspots.
     #[must_use]
     pub fn terminated(&self) -> bool {
         self.header.phase() == Some(Phase::Terminated)
     }
 
-    /// Whether the horizon ended the episode.
+    /// Whether the episode was truncated at the horizon.
     #[must_use]
     pub fn truncated(&self) -> bool {
         self.header.phase() == Some(Phase::Truncated)
     }
 
-    /// UAVs.
+    /// Number of UAVs (N).
     #[must_use]
     pub const fn uav_count(&self) -> usize {
         self.layout.uavs
     }
 
-    /// Hotspots.
+    /// Number of hotspots (n).
     #[must_use]
     pub const fn hotspot_count(&self) -> usize {
         self.layout.hotspots
@@ -282,37 +285,37 @@ impl<'a> StateRef<'a> {
         self.cells[i] != self.previous[i]
     }
 
-    /// Charge of UAV `i`.
+    /// Charge of UAV `i`, in microjoules.
     #[must_use]
     pub fn battery_uj(&self, i: usize) -> u64 {
         self.battery[i]
     }
 
-    /// Charge of UAV `i` at the start of the episode.
+    /// Charge of UAV `i` at the start of the episode, in microjoules.
     #[must_use]
     pub fn initial_uj(&self, i: usize) -> u64 {
         self.initial[i]
     }
 
-    /// Energy that UAV `i` accepted from chargers.
+    /// Energy that UAV `i` accepted from chargers in the episode, in microjoules.
     #[must_use]
     pub fn accepted_uj(&self, i: usize) -> u64 {
         self.accepted[i]
     }
 
-    /// Energy that UAV `i` spent.
+    /// Energy that UAV `i` spent in the episode, in microjoules.
     #[must_use]
     pub fn spent_uj(&self, i: usize) -> u64 {
         self.spent[i]
     }
 
-    /// What a host has put into the battery of UAV `i`, less what it has taken out.
+    /// Energy that a host added to the battery of UAV `i` less what it removed, in microjoules.
     #[must_use]
     pub fn given_uj(&self, i: usize) -> i64 {
         self.given[i] as i64
     }
 
-    /// Energy that UAV `i` asked for and did not have.
+    /// Energy that UAV `i` requested and its battery lacked, in microjoules.
     #[must_use]
     pub fn shortfall_uj(&self, i: usize) -> u64 {
         self.shortfall[i]
@@ -325,20 +328,20 @@ impl<'a> StateRef<'a> {
         f64::from_bits(self.pilot[i])
     }
 
-    /// η̄_i of UAV `i`.
+    /// Mean normalised throughput η̄_i of UAV `i` toward its neighbours; 0 without neighbours.
     #[inline]
     #[must_use]
     pub fn throughput(&self, i: usize) -> f64 {
         f64::from_bits(self.throughput[i])
     }
 
-    /// η̄(t).
+    /// Mean of η̄_i over the fleet, η̄(t), for the present radio graph.
     #[must_use]
     pub fn mean_throughput(&self) -> f64 {
         self.header.mean_throughput()
     }
 
-    /// Whether UAV `i` had an empty battery at the start of the last step.
+    /// Whether UAV `i` was grounded in the last step, by an empty battery or by the host.
     #[must_use]
     pub fn grounded(&self, i: usize) -> bool {
         bits::get(self.grounded, i)
@@ -350,18 +353,18 @@ impl<'a> StateRef<'a> {
         bits::get(self.returning, i)
     }
 
-    /// Whether UAVs `i` and `k` are neighbours.
+    /// Whether UAVs `i` and `k` are neighbours in the radio graph.
     #[must_use]
     pub fn linked(&self, i: usize, k: usize) -> bool {
         bits::get(self.links_of(i), k)
     }
 
-    /// Neighbours of UAV `i`, ascending.
+    /// Indices of the neighbours of UAV `i`, in ascending order.
     pub fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + 'a {
         bits::iter(self.links_of(i))
     }
 
-    /// Neighbours of UAV `i`, as a set.
+    /// Neighbours of UAV `i` as a set: bit k of the row stands for UAV k.
     #[inline]
     #[must_use]
     pub fn links_of(&self, i: usize) -> &'a [u64] {
@@ -369,7 +372,7 @@ impl<'a> StateRef<'a> {
         &self.links[i * row..(i + 1) * row]
     }
 
-    /// Hotspots that UAV `i` knows, as a set.
+    /// Hotspots that UAV `i` knows as a set: bit j of the row stands for hotspot j.
     #[inline]
     #[must_use]
     pub fn knowledge_of(&self, i: usize) -> &'a [u64] {
@@ -377,7 +380,7 @@ impl<'a> StateRef<'a> {
         &self.knowledge[i * row..(i + 1) * row]
     }
 
-    /// k_ij: whether UAV `i` knows hotspot `j`.
+    /// Whether UAV `i` knows hotspot `j` (k_ij).
     #[inline]
     #[must_use]
     pub fn knows(&self, i: usize, j: usize) -> bool {
@@ -413,38 +416,38 @@ impl<'a> StateRef<'a> {
         bits::get(self.informed, j)
     }
 
-    /// Confirmed hotspots.
+    /// Number of confirmed hotspots.
     #[must_use]
     pub fn confirmed_count(&self) -> usize {
         bits::count(self.confirmed)
     }
 
-    /// Hotspots that all UAVs know.
+    /// Number of hotspots that all UAVs know.
     #[must_use]
     pub fn informed_count(&self) -> usize {
         bits::count(self.informed)
     }
 
-    /// Step at which hotspot `j` was confirmed.
+    /// Step, from 1, at which hotspot `j` was confirmed; `None` before.
     #[must_use]
     pub fn confirmed_at(&self, j: usize) -> Option<u32> {
         (self.confirmed_at[j] != 0).then_some(self.confirmed_at[j] as u32)
     }
 
-    /// Step at which hotspot `j` became informed.
+    /// Step, from 1, at which all UAVs knew hotspot `j`; `None` before.
     #[must_use]
     pub fn informed_at(&self, j: usize) -> Option<u32> {
         (self.informed_at[j] != 0).then_some(self.informed_at[j] as u32)
     }
 
-    /// Whether any UAV has been in the cell with this row-major index.
+    /// Whether any UAV has visited the cell with this row-major index, y · W + x.
     #[must_use]
     pub fn visited(&self, cell_index: usize) -> bool {
         bits::get(self.visited, cell_index)
     }
 
-    /// The cells that UAV `i` knows to have been looked at, as a set of row-major indices; of no words
-    /// without search maps.
+    /// The cells that UAV `i` knows to have been searched, as a set of row-major indices. The set
+    /// has no words without search maps.
     #[inline]
     #[must_use]
     pub fn searched_of(&self, i: usize) -> &'a [u64] {
@@ -452,45 +455,46 @@ impl<'a> StateRef<'a> {
         &self.searched[i * row..(i + 1) * row]
     }
 
-    /// Whether UAV `i` knows the cell with this row-major index to have been looked at; never without
-    /// search maps.
+    /// Whether UAV `i` knows that the cell with this row-major index has been searched. It is false
+    /// without search maps.
     #[must_use]
     pub fn searched(&self, i: usize, cell_index: usize) -> bool {
         self.layout.map > 0 && bits::get(self.searched_of(i), cell_index)
     }
 
-    /// Carbon intensity that the coming step will be billed with.
+    /// Carbon intensity with which the coming step will be billed, in mg/kWh.
     #[must_use]
     pub fn carbon_intensity_mg_per_kwh(&self) -> u64 {
         self.header.intensity_mg_per_kwh()
     }
 
-    /// Carbon intensity that the last step was billed with; 0 before the first.
+    /// Carbon intensity with which the last step was billed, in mg/kWh; 0 before the first step.
     #[must_use]
     pub fn billed_intensity_mg_per_kwh(&self) -> u64 {
         self.header.billed_intensity_mg_per_kwh()
     }
 
-    /// Carbon emitted in the episode.
+    /// Carbon emitted in the episode by the fleet, in nanograms.
     #[must_use]
     pub fn co2_ng(&self) -> u64 {
         self.header.co2_ng()
     }
 
-    /// Grid energy billed in the episode.
+    /// Grid energy billed in the episode to the fleet, in microjoules.
     #[must_use]
     pub fn grid_uj(&self) -> u64 {
         self.header.grid_uj()
     }
 
-    /// Components of the last reward, in the order of [`crate::reward::NAMES`].
+    /// Components of the team's last reward, in the order of [`crate::reward::NAMES`].
     #[must_use]
     pub fn rewards(&self) -> Rewards {
         self.header.rewards()
     }
 
-    /// Components of the last reward of UAV `i`, in the order of [`crate::reward::NAMES`]: the team's where
-    /// they are shared, its own in [`crate::reward::OWN`].
+    /// Components of the last reward of UAV `i`, in the order of [`crate::reward::NAMES`].
+    ///
+    /// The components in [`crate::reward::OWN`] are the UAV's own; the others are the team's.
     #[inline]
     #[must_use]
     pub fn uav_rewards(&self, i: usize) -> Rewards {
@@ -501,7 +505,7 @@ impl<'a> StateRef<'a> {
         rewards
     }
 
-    /// R_i of every UAV.
+    /// Writes the reward R_i of every UAV.
     #[inline(always)]
     pub(crate) fn write_uav_rewards(&self, out: &mut [f32]) {
         let mut rewards = self.rewards();
@@ -513,20 +517,20 @@ impl<'a> StateRef<'a> {
         }
     }
 
-    /// R_i: the last reward of UAV `i`. The mean over the fleet is R_t.
+    /// The last reward R_i of UAV `i`. The mean over the fleet is the team's reward R_t.
     #[inline]
     #[must_use]
     pub fn uav_reward(&self, i: usize) -> f64 {
         reward::total(&self.uav_rewards(i))
     }
 
-    /// Φ of the distance to hotspots of UAV `i`.
+    /// Shaping potential Φ of UAV `i` for its distance to hotspots.
     #[must_use]
     pub fn goal_potential(&self, i: usize) -> f64 {
         f64::from_bits(self.goal_potential[i])
     }
 
-    /// Φ of carbon-aware charging of UAV `i`.
+    /// Shaping potential Φ of UAV `i` for carbon-aware charging.
     #[must_use]
     pub fn charge_potential(&self, i: usize) -> f64 {
         f64::from_bits(self.charge_potential[i])

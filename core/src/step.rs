@@ -1,5 +1,7 @@
-//! One step, in its order. Whole by [`Model::step`], or in parts between which a host simulator may
-//! set what it owns: positions before sensing, links in place of communication's own graph.
+//! One step of the simulation, as a whole or in four parts.
+//!
+//! [`Model::step`] runs the whole step. A host simulator calls the four parts instead and replaces
+//! parts of the model between them, for example positions before sensing.
 
 use crate::error::Error;
 use crate::header::Phase;
@@ -9,23 +11,48 @@ use crate::scratch::Scratch;
 use crate::state::StateMut;
 use crate::{action, carbon, coverage, energy, graph, knowledge, metrics, potential, sensing};
 
-/// What a step came to.
+/// The result of a step: the team's reward, and whether the episode has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepOutcome {
-    /// R_t, the same for every UAV.
+    /// The team's reward R_t; the mean of the UAVs' own rewards.
     pub reward: f64,
-    /// Every hotspot is informed.
+    /// True if all UAVs know all hotspots, which ends the episode.
     pub terminated: bool,
-    /// The horizon ended the episode before that.
+    /// True if the episode ended at the horizon without termination.
     pub truncated: bool,
 }
 
 impl Model<'_> {
-    /// One whole step with an action pair (u_dir, u_pilot) per UAV.
+    /// Runs one whole step.
+    ///
+    /// `actions` is an N × 2 matrix, row by row: `actions[2 * i]` is the direction of UAV `i` and
+    /// `actions[2 * i + 1]` its pilot density. Both are reals that are clipped to [−1, 1].
+    ///
+    /// The direction selects one of five equal bins of [−1, 1]: +y, −y, −x, +x, stay. The pilot
+    /// density maps −1 to `pilot_density_min` and 1 to `pilot_density_max`, linearly.
+    ///
+    /// ```
+    /// # #[cfg(feature = "alloc")] {
+    /// use jcas_core::{Config, Model, Motion, Scratch};
+    ///
+    /// let model = Model::new(Config::default())?;
+    /// let mut words = vec![0; model.state_words()];
+    /// let mut memory = vec![0; Scratch::words_for(&model)];
+    /// let mut scratch = Scratch::new(&model, &mut memory)?;
+    /// model.reset(&mut words, &mut scratch, 42)?;
+    ///
+    /// let mut state = model.state_mut(&mut words)?;
+    /// let actions = [Motion::Up.to_action(), -1.0].repeat(model.uav_count());
+    /// let outcome = model.step(&mut state, &mut scratch, &actions)?;
+    /// assert!(outcome.reward.is_finite());
+    /// assert_eq!(state.as_ref().t(), 1);
+    /// # }
+    /// # Ok::<(), jcas_core::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// [`Error::EpisodeOver`], [`Error::OutOfOrder`], [`Error::Length`] or [`Error::ActionNan`]; the state
-    /// is then as it was.
+    /// [`Error::EpisodeOver`], [`Error::OutOfOrder`], [`Error::Length`] or [`Error::ActionNan`].
+    /// The state does not change then.
     pub fn step(
         &self,
         state: &mut StateMut<'_>,
@@ -35,7 +62,9 @@ impl Model<'_> {
         whole(self, state, scratch, actions)
     }
 
-    /// Part 1: actions, return to base, move.
+    /// Part 1 of a step: applies the actions, returns UAVs with a low battery to base, and moves.
+    ///
+    /// `actions` has the shape and range that [`Model::step`] describes.
     ///
     /// # Errors
     /// As [`Model::step`].
@@ -43,10 +72,10 @@ impl Model<'_> {
         begin(self, state, actions)
     }
 
-    /// Part 2: look around, sense and learn.
+    /// Part 2 of a step: updates the search maps, senses hotspots and learns those detected.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`] unless part 1 was the last.
+    /// [`Error::OutOfOrder`] unless part 1 came last.
     pub fn step_sense(
         &self,
         state: &mut StateMut<'_>,
@@ -55,10 +84,10 @@ impl Model<'_> {
         sense(self, state, scratch)
     }
 
-    /// Part 3: communicate over the graph that the link budget gives.
+    /// Part 3 of a step: builds the radio graph from the link budget and communicates over it.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`] unless part 2 was the last.
+    /// [`Error::OutOfOrder`] unless part 2 came last.
     pub fn step_communicate(
         &self,
         state: &mut StateMut<'_>,
@@ -67,10 +96,11 @@ impl Model<'_> {
         communicate(self, state, scratch)
     }
 
-    /// Part 4: energy, charge, carbon, reward, termination.
+    /// Part 4 of a step: settles energy, charging, carbon and reward, and decides whether the
+    /// episode ends.
     ///
     /// # Errors
-    /// [`Error::OutOfOrder`] unless part 3 was the last.
+    /// [`Error::OutOfOrder`] unless part 3 came last.
     pub fn step_end(
         &self,
         state: &mut StateMut<'_>,
@@ -80,7 +110,7 @@ impl Model<'_> {
     }
 }
 
-// The parts are compiled into their callers, for whatever instruction set those are compiled for.
+// The parts are compiled into their callers, for the instruction set of the caller.
 
 #[inline(always)]
 pub(crate) fn whole(
@@ -169,7 +199,7 @@ fn end(
     })
 }
 
-/// Refuses what comes out of order.
+/// Refuses a call that comes out of order.
 #[inline(always)]
 pub(crate) fn expect(
     state: &StateMut<'_>,
@@ -197,7 +227,7 @@ fn check_actions(model: &Model<'_>, actions: &[f32]) -> Result<(), Error> {
     action::refuse_nan(actions)
 }
 
-/// Whether the episode ends here, and the potentials of the state it has come to.
+/// Decides whether the episode ends, and computes the potentials of the new state.
 #[inline(always)]
 fn finish(
     model: &Model<'_>,

@@ -10,9 +10,9 @@ use crate::reward::OWN_KEPT;
 use crate::state::StateRef;
 
 impl StateRef<'_> {
-    /// Whether this is a state of the model that keeps every invariant. True after each reset, each part
-    /// of a step, each load and each call of a host; what proofs assume of a state, tests check of every
-    /// state reached.
+    /// Whether this is a state of the model that keeps every invariant. True after each reset, each
+    /// part of a step, each load and each call of a host; what proofs assume of a state, tests
+    /// check of every state reached.
     #[must_use]
     pub fn is_valid(&self, model: &Model<'_>) -> bool {
         let Some(phase) = self.header.phase() else {
@@ -81,8 +81,8 @@ impl StateRef<'_> {
             && bits::fits(self.sensing, model.uav_count())
     }
 
-    /// What the ledger of UAV `i` leaves in its battery. Each entry is below 2^62 and the host's is the
-    /// difference of the others, so that sums modulo 2^64 are exact.
+    /// What the ledger of UAV `i` leaves in its battery. Each entry is below 2^62 and the host's is
+    /// the difference of the others, so that sums modulo 2^64 are exact.
     fn balance_uj(&self, i: usize) -> u64 {
         self.initial[i]
             .wrapping_add(self.accepted[i])
@@ -108,7 +108,8 @@ impl StateRef<'_> {
             && bits::is_subset(self.informed, self.confirmed)
     }
 
-    /// Only confirmed hotspots are known; informed are those that all know (once knowledge has spread).
+    /// Only confirmed hotspots are known; informed are those that all know (once knowledge has
+    /// spread).
     fn knowledge_is_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
         let row = model.hotspot_words();
         for word in 0..row {
@@ -137,8 +138,8 @@ impl StateRef<'_> {
         }
     }
 
-    /// Links are symmetric, join two UAVs, and no grounded one (while a step is under way, the links are
-    /// those of the step before).
+    /// Links are symmetric, join two UAVs, and no grounded one (while a step is under way, the
+    /// links are those of the step before).
     fn links_are_valid(&self, model: &Model<'_>) -> bool {
         let current = !matches!(self.header.phase(), Some(Phase::Moved | Phase::Sensed));
         for i in 0..model.uav_count() {
@@ -228,7 +229,8 @@ impl StateRef<'_> {
             && self.uav_rewards_are_valid(model)
     }
 
-    /// Potentials in range, and rewards that are numbers. As the scalars, only the end of a step changes them.
+    /// Potentials in range, and rewards that are numbers. As the scalars, only the end of a step
+    /// changes them.
     fn uav_rewards_are_valid(&self, model: &Model<'_>) -> bool {
         let mut numbers = true;
         for i in 0..model.uav_count() {

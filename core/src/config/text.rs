@@ -1,8 +1,9 @@
 //! Configurations as TOML or JSON text, judged alike by every door of the library.
 //!
-//! A text may name a `preset` (default `mission`); every other key is a field of [`Config`] and replaces
-//! the preset's value. A key that is unknown or comes twice is an error. `null` (JSON) takes a field that
-//! may be derived from others back to that. Reading and writing allocate nothing.
+//! A text may name a `preset` (default `mission`); every other key is a field of [`Config`] and
+//! replaces the preset's value. A key that is unknown or comes twice is an error. `null` (JSON)
+//! takes a field that may be derived from others back to that. Reading and writing allocate
+//! nothing.
 
 mod error;
 mod scan;
@@ -47,8 +48,8 @@ impl Config {
         Ok(config)
     }
 
-    /// Replaces the fields that a text names; all of them, first, if it names a preset. The result has yet
-    /// to be validated.
+    /// Replaces the fields that a text names; all of them, first, if it names a preset. The result
+    /// has yet to be validated.
     ///
     /// # Errors
     /// [`TextError`], but for the ranges of fields and the rules between them.
@@ -80,8 +81,8 @@ impl Config {
         Ok(config)
     }
 
-    /// Replaces one field by what a person typed: a value as in TOML, a name without quotes, or `none` for
-    /// a field that may be derived from others. The result has yet to be validated.
+    /// Replaces one field by what a person typed: a value as in TOML, a name without quotes, or
+    /// `none` for a field that may be derived from others. The result has yet to be validated.
     ///
     /// # Errors
     /// As [`Config::overlaid`].

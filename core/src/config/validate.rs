@@ -119,8 +119,8 @@ impl Config {
         Ok(())
     }
 
-    /// The worst case of every ledger over a whole episode fits its 64-bit integer, so that no step ever
-    /// has to check for overflow.
+    /// The worst case of every ledger over a whole episode fits its 64-bit integer, so that no step
+    /// ever has to check for overflow.
     fn ledgers_have_room(&self) -> Result<(), ConfigError> {
         const ROOM: u128 = 1 << 62;
         let plan = EnergyPlan::new(self);

@@ -20,7 +20,7 @@ macro_rules! calls {
             /// The name of each call, in the order of the enum.
             pub const KINDS: [&'static str; [$( $kind ),+].len()] = [$( $kind ),+];
 
-            /// The name of the call, as the kernel's method and the lines of traces have it.
+            /// The name of the call, which is that of the kernel's method and of the trace line.
             #[must_use]
             pub const fn kind(&self) -> &'static str {
                 match self {
@@ -91,7 +91,7 @@ calls! {
 }
 
 impl Call<'_> {
-    /// Whether the call stands between two parts of a step; the others stand between two steps.
+    /// Whether the call comes between two parts of a step. The other calls come between two steps.
     #[must_use]
     pub const fn within_step(&self) -> bool {
         match self {
@@ -108,10 +108,10 @@ impl Call<'_> {
         }
     }
 
-    /// Makes the call.
+    /// Applies the call to a state.
     ///
     /// # Errors
-    /// As the method of [`Model`] that has the same name.
+    /// The errors of the [`Model`] method that has the same name.
     pub fn apply(
         &self,
         model: &Model<'_>,

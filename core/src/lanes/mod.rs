@@ -1,14 +1,16 @@
-//! One source for every loop over UAVs, at a width that is a parameter.
+//! Loops over UAVs in blocks of lanes, with the width of a block as a constant parameter.
 //!
-//! A loop over arrays of a fixed width becomes vector instructions, of the width that the target has. Every lane
-//! computes its formula in the same order, so that the bits are the same at any width. A fleet that fills half a wide
-//! block flies [`WIDE`] UAVs side by side; a smaller one flies the same source at a width of one, where an array
-//! compiles to a scalar. [`at_width`] chooses, at the door of each part of a step.
+//! The compiler turns a loop over arrays of a fixed width into vector instructions of the target's
+//! width. Every lane computes its formula in the same order, so that the bits are the same at any
+//! width. A fleet that fills half a wide block is computed [`WIDE`] UAVs at a time. A smaller fleet
+//! runs the same source at a width of one, where an array compiles to a scalar. [`at_width`]
+//! chooses the width at the entry of each part of a step.
 //!
-//! What is read by an index that differs between lanes is gathered into an array first: a check of its bounds in
-//! the loop would keep the compiler from vectorising the rest.
+//! Values at an index that differs between lanes are gathered into an array first. A bounds check
+//! in the main loop would keep the compiler from vectorising it.
 //!
-//! A block of eleven UAVs at a width of sixteen. Each half of the lanes is a part of a row as it stands:
+//! The picture shows a block of eleven UAVs at a width of sixteen. Each half of the lanes is one
+//! contiguous load from a row:
 //!
 //! ```text
 //! row       0  1  2  3  4  5  6  7  8  9 10
@@ -26,27 +28,27 @@ use core::ops::Range;
 
 use crate::config::Cell;
 
-/// UAVs in a block of a fleet that is not small. A prover looks at the same source two wide: two UAVs are a block, and
-/// three are a block and a part of one.
+/// Number of UAVs in a wide block. Kani checks the same source at a width of two: two UAVs fill a
+/// block, and three take a second block that is not full.
 pub(crate) const WIDE: usize = if cfg!(kani) { 2 } else { 16 };
 
-/// Fleets from this size on fly wide; for fewer UAVs, one after the other costs less. To a prover every fleet flies
-/// wide, so that its two UAVs are not flown at a width of one.
+/// Smallest fleet that is computed in wide blocks; for fewer UAVs a width of one costs less. Under
+/// Kani every fleet is computed in wide blocks, so that its two UAVs do not run at a width of one.
 pub(crate) const WIDE_FLEET: usize = if cfg!(kani) { 1 } else { 8 };
 
-/// The width at which a fleet flies.
+/// The width of the blocks of a fleet.
 #[cfg(not(test))]
 #[inline(always)]
 pub(crate) const fn width_of(uavs: usize) -> usize {
     if uavs < WIDE_FLEET { 1 } else { WIDE }
 }
 
-/// Calls a part of a step at the width at which the fleet flies.
+/// Calls a part of a step at the fleet's width.
 macro_rules! at_width {
     ($model:expr, $part:ident($($argument:expr),* $(,)?)) => {
         match $crate::lanes::width_of($model.uav_count()) {
             1 => $part::<1>($($argument),*),
-            // Tests fly the width of the prover too.
+            // Tests also run at the width of Kani's proofs.
             #[cfg(test)]
             2 => $part::<2>($($argument),*),
             _ => $part::<{ $crate::lanes::WIDE }>($($argument),*),
@@ -55,38 +57,40 @@ macro_rules! at_width {
 }
 pub(crate) use at_width;
 
-/// A value for each UAV of a block.
+/// A value for each lane of a block.
 pub(crate) type Lanes<T, const W: usize> = [T; W];
 
-/// Begins at a line of the cache: a vector that lies in two lines is slower, and one in two pages much slower.
+/// A value aligned to a cache line. A vector across two lines is slower to load, and one across two
+/// pages much slower.
 #[repr(align(64))]
 #[derive(Clone, Copy)]
 pub(crate) struct Lined<T>(pub(crate) T);
 
-/// The UAVs `first..first + count`, each in a lane.
+/// A block: the UAVs `first..first + count`, each in a lane.
 ///
-/// The first half of the lanes has the first UAVs. Where they fill it, the other half has the last ones, so that each
-/// half is a part of a row as it stands: a load that spans two stores just made would wait for both. UAVs in the middle
-/// then have two lanes, of which that in the second half is spare: it holds a copy, which nothing counts.
+/// Lanes 0–7 hold the first eight UAVs, and lanes 8–15 hold the last eight. So both halves are
+/// contiguous loads; a load that spans two recent stores would defeat store forwarding. With 9–15
+/// UAVs the middle ones appear twice, and the copies in the second half are ignored. A block of
+/// fewer than eight UAVs uses the first half only.
 #[derive(Clone, Copy)]
 pub(crate) struct Block<const W: usize> {
     pub(crate) first: usize,
     pub(crate) count: usize,
 }
 
-/// A fleet in blocks; the last may not be full.
+/// The blocks of a fleet; the last one may not be full.
 #[inline(always)]
 pub(crate) fn blocks<const W: usize>(uavs: usize) -> impl Iterator<Item = Block<W>> {
     blocks_of(0..uavs)
 }
 
-/// A part of a fleet in blocks, from a multiple of the width on.
+/// The blocks of a part of a fleet, which begins at a multiple of the width.
 #[inline(always)]
 pub(crate) fn blocks_of<const W: usize>(uavs: Range<usize>) -> impl Iterator<Item = Block<W>> {
     let end = uavs.end;
     uavs.step_by(W).map(move |first| Block {
         first,
-        // A block of one is full: the compiler does not see it.
+        // A block of width one is always full, which the compiler does not deduce.
         count: if W == 1 || end - first >= W {
             W
         } else {
@@ -96,11 +100,11 @@ pub(crate) fn blocks_of<const W: usize>(uavs: Range<usize>) -> impl Iterator<Ite
 }
 
 impl<const W: usize> Block<W> {
-    /// Lanes of the first half; a width of one has no other.
+    /// Number of lanes in the first half; a width of one has no second half.
     const HALF: usize = W.div_ceil(2);
     const FIRST_HALF: u64 = (1 << Self::HALF) - 1;
 
-    /// Spare lanes, which begin the second half.
+    /// Number of spare lanes, which come first in the second half.
     #[inline(always)]
     const fn spare(self) -> usize {
         if self.count < Self::HALF {
@@ -110,7 +114,7 @@ impl<const W: usize> Block<W> {
         }
     }
 
-    /// The lane of a UAV, by its index in the block.
+    /// The lane of the UAV with this index in the block.
     #[inline(always)]
     pub(crate) const fn lane(self, index: usize) -> usize {
         let lane = if index < Self::HALF {
@@ -121,13 +125,13 @@ impl<const W: usize> Block<W> {
         lane % W
     }
 
-    /// The lanes of the UAVs, one after the other.
+    /// The lanes of the UAVs, in the order of the UAVs.
     #[inline(always)]
     pub(crate) fn lanes(self) -> impl Iterator<Item = usize> {
         (0..self.count).map(move |index| self.lane(index))
     }
 
-    /// The lanes of the UAVs in their order, in two parts.
+    /// The values of the UAVs in their order, as two slices.
     #[inline(always)]
     pub(crate) fn in_order<T>(self, lanes: &Lanes<T, W>) -> [&[T]; 2] {
         let (first, last) = lanes.split_at(Self::HALF);
@@ -138,7 +142,7 @@ impl<const W: usize> Block<W> {
         }
     }
 
-    /// The UAV of each lane, by its index in the block.
+    /// For each lane, the index in the block of its UAV.
     #[inline(always)]
     pub(crate) fn indices(self) -> Lanes<u32, W> {
         let (mut indices, spare) = ([0; W], self.spare() as u32);
@@ -148,7 +152,8 @@ impl<const W: usize> Block<W> {
         indices
     }
 
-    /// The block's part of a row with an entry for each UAV; lanes without a UAV hold a copy or `T::default()`.
+    /// Loads the block's part of a row that has an entry for each UAV. Spare lanes hold a copy or
+    /// `T::default()`.
     #[inline(always)]
     pub(crate) fn load<T: Copy + Default>(self, row: &[T]) -> Lanes<T, W> {
         let row = &row[self.first..self.first + self.count];
@@ -166,7 +171,7 @@ impl<const W: usize> Block<W> {
         lanes
     }
 
-    /// Writes the lanes of the UAVs.
+    /// Stores the lanes of the UAVs into a row that has an entry for each UAV.
     #[inline(always)]
     pub(crate) fn store<T: Copy>(self, lanes: &Lanes<T, W>, row: &mut [T]) {
         let row = &mut row[self.first..self.first + self.count];
@@ -176,14 +181,14 @@ impl<const W: usize> Block<W> {
                 *entry = lane;
             }
         } else {
-            // Spare lanes first: what they hold is written over.
+            // The second half is stored first, so that the first half overwrites its spare lanes.
             let begin = row.len() - last.len();
             row[begin..].copy_from_slice(last);
             row[..Self::HALF].copy_from_slice(first);
         }
     }
 
-    /// Word `word` of the row of bits that each UAV has in `rows`, rows being `len` words long.
+    /// Loads word `word` of each UAV's row of bits in `rows`, where a row has `len` words.
     #[inline(always)]
     pub(crate) fn load_word(self, rows: &[u64], len: usize, word: usize) -> Lanes<u64, W> {
         if len == 1 {
@@ -197,7 +202,7 @@ impl<const W: usize> Block<W> {
         lanes
     }
 
-    /// Writes what [`Block::load_word`] reads.
+    /// Stores the words that [`Block::load_word`] loads.
     #[inline(always)]
     pub(crate) fn store_word(
         self,
@@ -215,26 +220,26 @@ impl<const W: usize> Block<W> {
         }
     }
 
-    /// The lanes of a set of UAVs. A block never straddles two words of the set.
+    /// Converts a set of UAVs to a set of lanes. A block never spans two words of the set.
     #[inline(always)]
     pub(crate) fn bits(self, set: &[u64]) -> u64 {
         self.lanes_of(set[self.first / 64] >> (self.first % 64) & self.uavs())
     }
 
-    /// The lanes of a set of UAVs, by their index in the block.
+    /// Converts a set of indices in the block to a set of lanes.
     #[inline(always)]
     pub(crate) fn lanes_of(self, uavs: u64) -> u64 {
         uavs & Self::FIRST_HALF | uavs >> Self::HALF << (Self::HALF + self.spare())
     }
 
-    /// Writes the UAVs of a set of lanes.
+    /// Stores a set of lanes into a set of UAVs.
     #[inline(always)]
     pub(crate) fn put_bits(self, bits: u64, set: &mut [u64]) {
         let (word, shift) = (self.first / 64, self.first % 64);
         set[word] = set[word] & !(self.uavs() << shift) | self.uavs_in(bits) << shift;
     }
 
-    /// The UAVs of a set of lanes, by their index in the block.
+    /// Converts a set of lanes to a set of indices in the block.
     #[inline(always)]
     pub(crate) fn uavs_in(self, bits: u64) -> u64 {
         (bits & Self::FIRST_HALF | bits >> (Self::HALF + self.spare()) << Self::HALF) & self.uavs()
@@ -245,20 +250,20 @@ impl<const W: usize> Block<W> {
         u64::MAX >> (64 - self.count)
     }
 
-    /// The lanes that have a UAV of their own.
+    /// The set of lanes that are not spare.
     #[inline(always)]
     pub(crate) fn mask(self) -> u64 {
         self.lanes_of(self.uavs())
     }
 }
 
-/// All ones for yes.
+/// All ones for true, 0 for false.
 #[inline(always)]
 pub(crate) fn ones(yes: bool) -> u64 {
     0u64.wrapping_sub(u64::from(yes))
 }
 
-/// For each lane, all ones where its bit is set.
+/// For each lane, all ones if its bit is set, else 0.
 #[inline(always)]
 pub(crate) fn spread<const W: usize>(bits: u64) -> Lanes<u64, W> {
     let mut lanes = [0; W];
@@ -280,7 +285,7 @@ pub(crate) fn sum<const W: usize>(lanes: &Lanes<u64, W>) -> u64 {
     sum
 }
 
-/// The set of lanes that are all ones; the others are 0.
+/// The set of lanes that are all ones; the other lanes must be 0.
 #[inline(always)]
 pub(crate) fn gather_bits<const W: usize>(lanes: &Lanes<u64, W>) -> u64 {
     let mut set = [0; W];
@@ -295,7 +300,7 @@ pub(crate) fn gather_bits<const W: usize>(lanes: &Lanes<u64, W>) -> u64 {
     bits
 }
 
-/// The cells of a block.
+/// Cells, one for each lane of a block.
 #[derive(Clone, Copy)]
 pub(crate) struct Cells<const W: usize> {
     pub(crate) x: Lanes<i32, W>,
@@ -320,7 +325,7 @@ impl<const W: usize> Cells<W> {
         Self { x, y }
     }
 
-    /// Row-major indices in a grid.
+    /// Row-major indices of the cells in a grid of this width.
     #[inline(always)]
     pub(crate) fn index(&self, width: u32) -> Lanes<u32, W> {
         let mut index = [0; W];
@@ -331,7 +336,7 @@ impl<const W: usize> Cells<W> {
         index
     }
 
-    /// The cells in a grid, row by row.
+    /// The cells as columns and row offsets in a grid of this width.
     #[inline(always)]
     pub(crate) fn rows(&self, width: u32) -> Rows<W> {
         let mut begin = [0; W];
@@ -355,19 +360,20 @@ impl<const W: usize> Cells<W> {
     }
 }
 
-/// The cells of a block in a grid: their columns, and where their rows begin.
+/// Cells in a grid, one for each lane: their columns, and the indices at which their rows begin.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows<const W: usize> {
     x: Lanes<i32, W>,
     begin: Lanes<i32, W>,
-    /// The same in a byte, for a grid whose cells have indices of a byte.
+    /// `x` and `begin` as bytes, for a grid of at most 256 cells.
     byte_x: Lanes<u8, W>,
     byte_begin: Lanes<u8, W>,
 }
 
 impl<const W: usize> Rows<W> {
-    /// The words of a table, `len` entries long, at the row-major index of the absolute offset to a cell of the grid.
-    /// What follows the table may be given too.
+    /// Gathers the words of a table at the row-major index of the absolute offset to a cell.
+    ///
+    /// The table has `len` entries; `table` may hold more words after it.
     #[inline(always)]
     pub(crate) fn gather(
         &self,
@@ -406,8 +412,8 @@ impl<const W: usize> Rows<W> {
     }
 }
 
-/// Keeps the compiler from taking an array of lanes apart, which it does where lanes go separate ways afterwards, and
-/// then works the array out one lane after the other. It is a hint about speed alone, and none at a width of one.
+/// Stops LLVM from scalarising an array of lanes, which it does when lanes are later used
+/// individually. It affects speed alone, and does nothing at a width of one.
 #[inline(always)]
 pub(crate) fn force_vector<T, const W: usize>(lanes: &mut [T; W]) {
     if W > 1 {
@@ -415,10 +421,11 @@ pub(crate) fn force_vector<T, const W: usize>(lanes: &mut [T; W]) {
     }
 }
 
-/// Up to this many entries, an index is a byte, whose bounds need no check.
+/// Largest table whose indices fit a byte, which needs no bounds check.
 const BYTE: usize = 256;
 
-/// A table whose indices are bytes; none at a width of one, where a check costs no more than the cut to a byte.
+/// The table as one with byte indices, if it is small. `None` at a width of one, where a bounds
+/// check costs no more than the conversion to a byte.
 #[inline(always)]
 fn in_bytes<const W: usize>(table: &[u64], len: usize) -> Option<&[u64; BYTE]> {
     if W > 1 && len <= BYTE {
@@ -428,7 +435,8 @@ fn in_bytes<const W: usize>(table: &[u64], len: usize) -> Option<&[u64; BYTE]> {
     }
 }
 
-/// The words of a table, `len` entries long, at an index for each lane. What follows the table may be given too.
+/// Gathers the words of a table at an index for each lane. The table has `len` entries; `table` may
+/// hold more words after it.
 #[inline(always)]
 pub(crate) fn gather<const W: usize>(
     table: &[u64],
@@ -467,7 +475,7 @@ fn gather_words<const W: usize>(
     }
 }
 
-/// The width that tests fly at, in place of the fleet's own.
+/// A width that tests set in place of the fleet's own.
 #[cfg(test)]
 pub(crate) mod forced {
     use core::cell::Cell;
@@ -476,7 +484,7 @@ pub(crate) mod forced {
         static WIDTH: Cell<Option<usize>> = const { Cell::new(None) };
     }
 
-    /// Flies at a width of 1, 2 or [`super::WIDE`] while it runs.
+    /// Runs a closure at a width of 1, 2 or [`super::WIDE`].
     pub(crate) fn at<T>(width: usize, fly: impl FnOnce() -> T) -> T {
         let before = WIDTH.replace(Some(width));
         let result = fly();
@@ -484,7 +492,7 @@ pub(crate) mod forced {
         result
     }
 
-    /// Flies at the width from here on, in this thread.
+    /// Sets the width for the rest of this thread.
     pub(crate) fn set(width: usize) {
         WIDTH.set(Some(width));
     }
@@ -494,7 +502,7 @@ pub(crate) mod forced {
     }
 }
 
-/// The width at which a fleet flies, unless a test sets it.
+/// The width of the blocks of a fleet, or the width that a test set.
 #[cfg(test)]
 pub(crate) fn width_of(uavs: usize) -> usize {
     forced::width().unwrap_or(if uavs < WIDE_FLEET { 1 } else { WIDE })

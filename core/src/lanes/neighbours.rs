@@ -5,12 +5,14 @@ use crate::lanes::{Block, Cells, Lanes, Lined, force_vector};
 use crate::model::Model;
 use crate::state::StateRef;
 
-/// Lanes of the one block that a fleet is ranked in: the exchanges below sort as many keys, less one.
+/// Lanes of the one block that a fleet is ranked in: the exchanges below sort as many keys, less
+/// one.
 const WIDTH: usize = 16;
 
 /// Bits of a UAV's lane in a key; the squared distance takes the bits above.
 const LANE_BITS: u32 = WIDTH.trailing_zeros();
-/// Where no neighbour is: above every key, and with a lane that is spare, as the fleet does not fill all.
+/// Where no neighbour is: above every key, and with a lane that is spare, as the fleet does not
+/// fill all.
 const NONE: i16 = i16::MAX & !(WIDTH as i16 - 1) | SPARE as i16;
 const SPARE: usize = WIDTH / 2;
 
@@ -21,17 +23,18 @@ const SLOT: usize = 3;
 /// Slots that are written at a time.
 const SLOTS: usize = 7;
 
-/// Fewest UAVs: sorting fewer neighbours one UAV after the other costs less, and a spare lane takes half a block.
+/// Fewest UAVs: sorting fewer neighbours one UAV after the other costs less, and a spare lane takes
+/// half a block.
 const FEWEST: usize = WIDTH / 2;
 /// Most UAVs.
 const UAVS: usize = WIDTH - 1;
 /// Longest squared distance whose key is below [`NONE`].
 const SQUARED_MAX: u32 = (NONE as u32 >> LANE_BITS) - 1;
 
-/// Exchanges that sort fifteen keys, whatever the keys, so that all UAVs sort at once: sixty that sort sixteen (M. W.
-/// Green, 1969; D. E. Knuth, The Art of Computer Programming 3, 5.3.4) without the four for the last. Written out in ten
-/// layers, as the compiler makes vector instructions of a layer, but neither of a loop over the exchanges nor of all of
-/// them at once.
+/// Exchanges that sort fifteen keys, whatever the keys, so that all UAVs sort at once: sixty that
+/// sort sixteen (M. W. Green, 1969; D. E. Knuth, The Art of Computer Programming 3, 5.3.4) without
+/// the four for the last. Written out in ten layers, as the compiler makes vector instructions of a
+/// layer, but neither of a loop over the exchanges nor of all of them at once.
 macro_rules! layers {
     ($layer:ident) => {
         $layer!(0 1, 2 3, 4 5, 6 7, 8 9, 10 11, 12 13);
@@ -52,17 +55,19 @@ pub(crate) struct Ranking {
     block: Block<WIDTH>,
     /// Slot by slot, for each UAV where in `offsets` its neighbour begins.
     begins: Lined<[Lanes<u8, WIDTH>; UAVS]>,
-    /// (1, x, y, 0) of each UAV as a neighbour, one after the other, and (0, x, y, 0) as an observer.
+    /// (1, x, y, 0) of each UAV as a neighbour, one after the other, and (0, x, y, 0) as an
+    /// observer.
     places: Lined<[Lanes<f32, WIDTH>; PLACE]>,
     observers: Lined<[Lanes<f32, WIDTH>; PLACE]>,
-    /// (1, Δx, Δy, 0) of one UAV after the other; as long as a byte that is an index needs no check.
+    /// (1, Δx, Δy, 0) of one UAV after the other; as long as a byte that is an index needs no
+    /// check.
     offsets: Lined<[f32; 1 << u8::BITS | PLACE]>,
     divisors: Divisors,
 }
 
 impl Ranking {
-    /// None where the fleet or the grid is too large for keys of sixteen bits, or the fleet so small that it does not
-    /// pay.
+    /// None where the fleet or the grid is too large for keys of sixteen bits, or the fleet so
+    /// small that it does not pay.
     #[inline(always)]
     pub(crate) fn room(model: &Model<'_>) -> Option<Self> {
         let count = model.uav_count();
@@ -133,7 +138,8 @@ impl Ranking {
         force_vector(&mut self.observers.0);
     }
 
-    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each of the slots of UAV i, with which `row` begins, and one real more.
+    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each of the slots of UAV i, with which `row`
+    /// begins, and one real more.
     #[inline(always)]
     pub(crate) fn write(&mut self, i: usize, slots: usize, row: &mut [f32]) {
         let lane = self.block.lane(i);

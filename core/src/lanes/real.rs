@@ -1,4 +1,5 @@
-//! Functions of reals without a branch or a conversion, so that lanes of them are vector instructions.
+//! Functions of reals without a branch or a conversion, so that lanes of them are vector
+//! instructions.
 
 use super::{Lined, force_vector};
 
@@ -52,14 +53,16 @@ impl Divisors {
             low[entry] = (inverses[entry] - f64::from(high[entry])) as f32;
         }
         let (mut high, mut low) = (Lined(repeat(high)), Lined(repeat(low)));
-        // What is known of the numbers would be put to use for single lanes, and cost more than it saves.
+        // What is known of the numbers would be put to use for single lanes, and cost more than it
+        // saves.
         force_vector(&mut high.0);
         force_vector(&mut low.0);
         Self { high, low }
     }
 
-    /// `(to - from) / divisor` to the last bit for whole numbers whose difference is from -1023 to 1023, without a
-    /// division: the first product is exact, the second too small for its rounding to matter.
+    /// `(to - from) / divisor` to the last bit for whole numbers whose difference is from -1023 to
+    /// 1023, without a division: the first product is exact, the second too small for its rounding
+    /// to matter.
     #[inline(always)]
     pub(crate) fn offset(&self, from: f32, to: f32, entry: usize) -> f32 {
         let offset = to - from;
@@ -81,7 +84,8 @@ const TINY: f64 = f64::from_bits(0x3e30_0001_0000_0000);
 const HALF_LN2: f64 = f64::from_bits(0x3fd6_2e43_0000_0000);
 const THREE_HALVES_LN2: f64 = f64::from_bits(0x3ff0_a2b2_0000_0000);
 
-/// `libm::exp` for arguments from 0 to 700, to the last bit: its steps in its order, every way taken and one chosen.
+/// `libm::exp` for arguments from 0 to 700, to the last bit: its steps in its order, every way
+/// taken and one chosen.
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
     let whole = floor(PER_LN2 * x + 0.5);

@@ -2,14 +2,16 @@
 
 use crate::model::Model;
 
-/// Entries of an observation that mean the same: at `offset`, `offset` + `stride` and on, `count` of them.
+/// Entries of an observation that mean the same: at `offset`, `offset` + `stride` and on, `count`
+/// of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObservationField {
     /// Its name.
     pub name: &'static str,
     /// The first entry.
     pub offset: usize,
-    /// How many entries there are: one, one for each hotspot, neighbour slot, cell or direction, or none.
+    /// How many entries there are: one, one for each hotspot, neighbour slot, cell or direction, or
+    /// none.
     pub count: usize,
     /// From one entry to the next.
     pub stride: usize,

@@ -124,7 +124,8 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     }
 }
 
-/// Most UAVs of a model that the stand-in makes: more than a word of a set holds, and more than are linked pair by pair.
+/// Most UAVs of a model that the stand-in makes: more than a word of a set holds, and more than are
+/// linked pair by pair.
 #[cfg(not(kani))]
 pub(crate) const UAVS_MAX: usize = 70;
 

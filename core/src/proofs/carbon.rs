@@ -37,7 +37,8 @@ pub(super) const INTENSITY_MG_PER_KWH: u64 = 400_000;
 /// What charging that fleet at that intensity emits.
 pub(super) const FLEET_NG: u64 = 666_666_667;
 
-/// A step of the smallest model emits no more than its whole fleet charging at the highest intensity.
+/// A step of the smallest model emits no more than its whole fleet charging at the highest
+/// intensity.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::solver(cadical))]
 pub fn emission_is_bounded() {
@@ -81,8 +82,9 @@ mod wide {
     use proptest::prelude::*;
 
     proptest! {
-        /// Beyond the harness's bound, all that a legal configuration can bill; and the equation, whose
-        /// division no solver has managed: a step's carbon is the exact product to within half a unit.
+        /// Beyond the harness's bound, all that a legal configuration can bill; and the equation,
+        /// whose division no solver has managed: a step's carbon is the exact product to within
+        /// half a unit.
         #[test]
         fn carbon_follows_its_equation(
             co2 in 0..ROOM, grid in 0..(1u64 << 62), intensity in 0..=INTENSITY_MAX_MG_PER_KWH,

@@ -1,5 +1,5 @@
-//! P10, the part that communicates, in two: what the graph is, and the consensus over any such graph.
-//! X1: consensus does not read what working memory held.
+//! P10, the part that communicates, in two: what the graph is, and the consensus over any such
+//! graph. X1: consensus does not read what working memory held.
 
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]
@@ -124,16 +124,17 @@ pub fn measuring_the_throughput_keeps_its_contract() {
     assert!(!differ(&expected, &after));
 }
 
-/// Words of a state of the smallest model with a third UAV, as Kani sees it: twelve quantities, a component of its
-/// reward and three rows of bits more.
+/// Words of a state of the smallest model with a third UAV, as Kani sees it: twelve quantities, a
+/// component of its reward and three rows of bits more.
 #[cfg(kani)]
 const TRIO_WORDS: usize = STATE_WORDS + 16;
 /// Words of a state of any model that the stand-in makes.
 #[cfg(not(kani))]
 const TRIO_WORDS: usize = STATE_WORDS;
 
-/// Three UAVs in a grid of four buckets; a fleet of any size that is linked pair by pair. Whatever decides which two
-/// hear each other, both ways of building the graph ask it of the same pairs and table entries.
+/// Three UAVs in a grid of four buckets; a fleet of any size that is linked pair by pair. Whatever
+/// decides which two hear each other, both ways of building the graph ask it of the same pairs and
+/// table entries.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(6))]
 #[cfg_attr(

@@ -10,7 +10,8 @@ use crate::lanes::ones;
 /// A legal configuration's ledgers stay below this (`Config::validate`).
 pub(super) const ROOM_UJ: u64 = 1 << 62;
 
-/// What was there and what came in is what is there and what went out, and the battery is in its bounds.
+/// What was there and what came in is what is there and what went out, and the battery is in its
+/// bounds.
 fn balances(battery: u64, asked: u64, offered: u64, capacity: u64) {
     let after = settle(battery, asked, offered, capacity);
     assert!(after.balances(battery, asked, offered, capacity));

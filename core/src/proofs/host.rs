@@ -1,5 +1,6 @@
-//! P10, a host's calls: what they put in place of the model's own leaves a valid state, and a call that is
-//! refused leaves every word as it was. P3: the ledger balances where a host sets a battery.
+//! P10, a host's calls: what they put in place of the model's own leaves a valid state, and a call
+//! that is refused leaves every word as it was. P3: the ledger balances where a host sets a
+//! battery.
 
 use super::energy::ROOM_UJ;
 use super::inputs::{between, real_between};
@@ -21,8 +22,8 @@ const MOST: usize = 2;
 #[cfg(not(kani))]
 const MOST: usize = crate::model::any_model::UAVS_MAX;
 
-/// A call within a step: done, it leads to the phase with a valid fleet and carries the scalars; refused, it
-/// leaves every word as it was.
+/// A call within a step: done, it leads to the phase with a valid fleet and carries the scalars;
+/// refused, it leaves every word as it was.
 fn keeps_the_fleet_valid(
     model: &Model<'_>,
     before: &[u64; STATE_WORDS],
@@ -360,14 +361,15 @@ pub fn setting_batteries_keeps_the_state_valid() {
     keeps_the_state_valid(&model, &before, &after, done.is_ok());
 }
 
-/// A battery's ledger balances: what was there, came in and was given is what is there and went out.
+/// A battery's ledger balances: what was there, came in and was given is what is there and went
+/// out.
 fn balances(initial: u64, accepted: u64, given: u64, battery: u64, spent: u64) -> bool {
     let given = i128::from(given as i64);
     i128::from(initial) + i128::from(accepted) + given == i128::from(battery) + i128::from(spent)
 }
 
-/// Whatever the entries: the one that a host's charge leads to balances the ledger, over whole integers and
-/// not only modulo 2^64.
+/// Whatever the entries: the one that a host's charge leads to balances the ledger, over whole
+/// integers and not only modulo 2^64.
 #[cfg_attr(kani, kani::proof)]
 pub fn a_charge_set_by_a_host_balances_the_ledger() {
     let (initial, battery) = (between(0, ROOM_UJ), between(0, ROOM_UJ));

@@ -1,8 +1,8 @@
-//! P7: consensus is the paper's N iterations. P8: knowledge and confirmations only grow, and the quorum
-//! decides.
+//! P7: consensus is the paper's N iterations. P8: knowledge and confirmations only grow, and the
+//! quorum decides.
 //!
-//! Every operation on a row of knowledge is bitwise, so hotspots do not interact: what holds for one bit
-//! holds for any number of hotspots.
+//! Every operation on a row of knowledge is bitwise, so hotspots do not interact: what holds for
+//! one bit holds for any number of hotspots.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -45,7 +45,8 @@ fn any_maps<const N: usize>() -> [[u64; 2]; N] {
     maps
 }
 
-/// Maps go through the same consensus as knowledge, with rows of their own length: each cell on its own.
+/// Maps go through the same consensus as knowledge, with rows of their own length: each cell on its
+/// own.
 fn maps_spread_like_knowledge<const N: usize>(links: &[u64; N], maps: &[[u64; 2]; N]) {
     let mut after = *maps;
     let (mut order, mut unreached, mut union) = ([0; N], [0; 1], [0; 2]);

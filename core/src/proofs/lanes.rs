@@ -1,5 +1,6 @@
-//! X3: a block reads and writes the rows and sets of its own UAVs, whatever its count and wherever it begins, and a
-//! gather reads its table at the offset of two cells. All at the width that large fleets fly, and at the prover's.
+//! X3: a block reads and writes the rows and sets of its own UAVs, whatever its count and wherever
+//! it begins, and a gather reads its table at the offset of two cells. All at the width that large
+//! fleets fly, and at the prover's.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -18,7 +19,8 @@ fn any_block<const W: usize>(uavs: usize) -> Block<W> {
     Block { first, count }
 }
 
-/// What a block loads is its UAVs' part of a row, and what it stores is written there and nowhere else.
+/// What a block loads is its UAVs' part of a row, and what it stores is written there and nowhere
+/// else.
 fn loads_and_stores_its_own<const W: usize>(
     block: Block<W>,
     row: &[u8; ROW],
@@ -53,7 +55,8 @@ pub fn a_block_loads_and_stores_its_own_uavs() {
     }
 }
 
-/// A set goes into lanes and back, the block's UAVs alone are written, and each UAV has the bit of its lane.
+/// A set goes into lanes and back, the block's UAVs alone are written, and each UAV has the bit of
+/// its lane.
 fn sets_are_its_uavs<const W: usize>(block: Block<W>, set: u64, lanes: u64) {
     let uavs = u64::MAX >> (64 - block.count) << block.first;
     let mut after = [set];

@@ -5,7 +5,8 @@
 //! without Kani `cargo test` runs the same harness on random inputs (`standin`).
 //! What each one claims, and on which assumptions, is in `verification/proofs.toml`.
 
-/// Any model, over tables that the harness holds; or any words as the working memory of a model's steps.
+/// Any model, over tables that the harness holds; or any words as the working memory of a model's
+/// steps.
 macro_rules! given {
     ($model:ident) => {
         given!($model = any_model);

@@ -1,8 +1,9 @@
-//! P6: a call that is refused leaves every word as it was. Calls out of their order, with data of another
-//! length, and a step with an action that is no number are here; what else a host's call refuses is in `host`.
+//! P6: a call that is refused leaves every word as it was. Calls out of their order, with data of
+//! another length, and a step with an action that is no number are here; what else a host's call
+//! refuses is in `host`.
 //!
-//! Phases and lengths are constants: a call that one look refuses costs the solver no more than that look,
-//! so that the state may hold any words at all.
+//! Phases and lengths are constants: a call that one look refuses costs the solver no more than
+//! that look, so that the state may hold any words at all.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -13,7 +14,8 @@ use crate::error::Error;
 use crate::header::{self, Phase};
 use crate::model::Model;
 
-/// Room for a cell or a charge more than the smallest model, or any that the stand-in makes, has UAVs.
+/// Room for a cell or a charge more than the smallest model, or any that the stand-in makes, has
+/// UAVs.
 const MORE: usize = ACTIONS / 2 + 1;
 /// Room for a byte more than such a model has pairs of UAVs, or of a UAV and a hotspot.
 const PAIRS: usize = (ACTIONS / 2) * (ACTIONS / 2) + 1;
@@ -226,7 +228,8 @@ pub fn a_step_with_a_nan_changes_nothing() {
 /// Environments of the batch.
 const BATCH: usize = 2;
 
-/// A batch is checked whole before its first environment steps: what is accepted has no step refused.
+/// A batch is checked whole before its first environment steps: what is accepted has no step
+/// refused.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(9))]
 pub fn a_batch_that_is_accepted_has_no_step_refused() {

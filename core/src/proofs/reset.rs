@@ -1,5 +1,5 @@
-//! P10, the base: a reset makes a valid state, whatever the memory held and whatever the seed. Hotspots
-//! lie apart, and a drawn charge fits its battery.
+//! P10, the base: a reset makes a valid state, whatever the memory held and whatever the seed.
+//! Hotspots lie apart, and a drawn charge fits its battery.
 
 #[cfg(not(kani))]
 use super::standin as kani;

@@ -1,4 +1,5 @@
-//! P8 for maps: the disc that a UAV looks at adds exactly the cells within its radius, and loses none.
+//! P8 for maps: the disc that a UAV looks at adds exactly the cells within its radius, and loses
+//! none.
 
 use super::inputs::between;
 #[cfg(not(kani))]

@@ -148,8 +148,8 @@ macro_rules! cover {
 }
 pub(crate) use cover;
 
-/// A case that one input in thousands reaches is missed now and then: only what all these rounds miss is out of
-/// reach.
+/// A case that one input in thousands reaches is missed now and then: only what all these rounds
+/// miss is out of reach.
 const ROUNDS: usize = 50;
 
 /// Runs a harness on many tapes; all its covers, `covers` in number, must be reached.

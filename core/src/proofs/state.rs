@@ -1,9 +1,11 @@
-//! What the proofs of whole calls share: any valid state of a phase, and what is said of two states.
+//! What the proofs of whole calls share: any valid state of a phase, and what is said of two
+//! states.
 //!
 //! A state is valid (`StateRef::is_valid`) if it belongs to the model, its fleet is valid
-//! (`fleet_is_valid`) and its scalars are (`scalars_are_valid`). The parts of a step before its end leave
-//! the scalars, and the rewards and potentials of UAVs that are judged with them, alone: their proofs show
-//! [`carries_scalars`], and `step::carried_scalars_stay_valid` what follows from it.
+//! (`fleet_is_valid`) and its scalars are (`scalars_are_valid`). The parts of a step before its end
+//! leave the scalars, and the rewards and potentials of UAVs that are judged with them, alone:
+//! their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` what follows from
+//! it.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -22,7 +24,8 @@ use crate::validity::THROUGHPUT_MAX;
 /// Words of a state of the smallest model as Kani sees it, with one component of each reward.
 #[cfg(any(kani, test))]
 pub(super) const SMALLEST_STATE_WORDS: usize = 57;
-/// The same with two hotspots: for the second a cell, a time of confirmation and one at which all know it.
+/// The same with two hotspots: for the second a cell, a time of confirmation and one at which all
+/// know it.
 #[cfg(any(kani, test))]
 pub(super) const SMALLEST_SPREAD_WORDS: usize = SMALLEST_STATE_WORDS + 3;
 /// Words of a state of any model that Kani sees.
@@ -161,9 +164,9 @@ pub(super) fn changes_before_the_end(index: usize) -> bool {
     index == header::T || index == header::PHASE || index == header::MEAN_THROUGHPUT
 }
 
-/// What a part before the end of a step does to the scalars: as many settled steps as before, the same
-/// mean throughput or one in its range, and all else as it was. Kani looks at any one scalar, the stand-in
-/// at all.
+/// What a part before the end of a step does to the scalars: as many settled steps as before, the
+/// same mean throughput or one in its range, and all else as it was. Kani looks at any one scalar,
+/// the stand-in at all.
 pub(super) fn carries_scalars(before: &StateRef<'_>, after: &StateRef<'_>) {
     assert!(before.settled_steps() == after.settled_steps());
     assert!(carries_mean_throughput(before, after));
@@ -177,8 +180,8 @@ pub(super) fn carries_scalars(before: &StateRef<'_>, after: &StateRef<'_>) {
     }
 }
 
-/// What a part before the end of a step does to rewards and potentials of UAVs: nothing. Kani looks at any
-/// one UAV and the reward's one component, the stand-in at all.
+/// What a part before the end of a step does to rewards and potentials of UAVs: nothing. Kani looks
+/// at any one UAV and the reward's one component, the stand-in at all.
 fn carries_uav_rewards(before: &StateRef<'_>, after: &StateRef<'_>) {
     if cfg!(kani) {
         let i = between(0, before.uav_count() as u64 - 1) as usize;
@@ -215,7 +218,8 @@ pub(super) fn nothing_is_forgotten(model: &Model<'_>, before: &StateRef<'_>, aft
     }
 }
 
-/// A hotspot becomes confirmed exactly if the UAVs whose detection of it is on record reach the quorum.
+/// A hotspot becomes confirmed exactly if the UAVs whose detection of it is on record reach the
+/// quorum.
 pub(super) fn confirms_by_quorum(model: &Model<'_>, old: &StateRef<'_>, new: &StateRef<'_>) {
     for j in 0..model.hotspot_count() {
         let mut count = 0;

@@ -1,5 +1,5 @@
-//! What stands for a function in a proof that does not look into it: any value that the function's own
-//! proof, or its documentation, allows. Each is a row of `verification/ASSUMPTIONS.md`.
+//! What stands for a function in a proof that does not look into it: any value that the function's
+//! own proof, or its documentation, allows. Each is a row of `verification/ASSUMPTIONS.md`.
 //!
 //! A stub asserts what its function's proof assumes of the arguments.
 
@@ -65,12 +65,14 @@ pub(super) fn any_mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
     }
 }
 
-/// A relation that tells any two sets of arguments apart in some state, and does not mind the order of the two loads.
+/// A relation that tells any two sets of arguments apart in some state, and does not mind the order
+/// of the two loads.
 pub(super) fn any_symmetric_relation(a: f64, b: f64, full_throughput: f64, _: f64) -> bool {
     (a.to_bits() ^ b.to_bits() ^ full_throughput.to_bits()).count_ones() % 2 == 1
 }
 
-/// Any graph of the smallest model that `communication::building_the_graph_keeps_its_contract` allows.
+/// Any graph of the smallest model that `communication::building_the_graph_keeps_its_contract`
+/// allows.
 pub(super) fn any_graph(model: &Model<'_>, state: &mut StateMut<'_>, _: &mut Scratch<'_>) {
     assert!(radios_are_valid(model, &state.as_ref()));
     let linked: bool = kani::any();
@@ -154,7 +156,8 @@ pub(super) fn skip_bytes(_: &mut crate::hash::Fnv1a, _: &[u8]) {}
 /// The checksum of nothing.
 pub(super) fn skip_word(_: &mut crate::hash::Fnv1a, _: u64) {}
 
-/// Keeps the last eight bytes in place of the product: what any two writers of the same bytes leave is the same.
+/// Keeps the last eight bytes in place of the product: what any two writers of the same bytes leave
+/// is the same.
 pub(super) fn keep_bytes(hash: &mut crate::hash::Fnv1a, bytes: &[u8]) {
     for index in 0..bytes.len() {
         let kept = hash.finish() << 8 | u64::from(bytes[index]);

@@ -1,7 +1,7 @@
 //! P13: what a model tabulates is finite and in range.
 //!
-//! libm on symbolic input does not finish, so Kani sees `exp` and `log10` through stubs that return any
-//! value within a range. That the real functions stay within it is tested in `dense`.
+//! libm on symbolic input does not finish, so Kani sees `exp` and `log10` through stubs that return
+//! any value within a range. That the real functions stay within it is tested in `dense`.
 
 use super::inputs::real_between;
 #[cfg(not(kani))]

@@ -1,5 +1,5 @@
-//! Walks over a text without changing or copying it. Both forms share their values: what differs is how
-//! entries are parted, what counts as space, and how numbers may be written.
+//! Walks over a text without changing or copying it. Both forms share their values: what differs is
+//! how entries are parted, what counts as space, and how numbers may be written.
 
 use super::value::{CellList, number};
 use super::{Excerpt, Form, TextError, TextValue};
