@@ -103,10 +103,9 @@ fn a_search_takes_what_is_expected() {
 }
 
 /// The mission of ten UAVs and seven hotspots in the preset, flown often enough that a bias of two
-/// hundredths of a step shows. It takes a release build: `cargo test --release -p jcas-plan --
-/// --ignored`.
+/// hundredths of a step shows. It takes a release build: `cargo test --release -p jcas-plan`.
 #[test]
-#[ignore = "a hundred thousand missions take a release build"]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn a_hundred_thousand_searches_take_what_is_expected() {
     let config = Config {
         hotspot_count: 7,
