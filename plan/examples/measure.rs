@@ -9,7 +9,7 @@ use jcas_core::config::Depots;
 use jcas_core::{Cell, Config, Model, Preset};
 use jcas_plan::{Annealer, Problem, Settings, Situation, Targets, expect, search, starts};
 
-/// Moves and plain sums that are timed.
+/// The number of moves and of plain sums that are timed.
 const MOVES: u32 = 100_000;
 const SUMS: u32 = 300;
 
@@ -58,7 +58,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     Ok(())
 }
 
-/// Moves a second of the annealing, and of plain sums over all steps and cells.
+/// Prints the moves per second of the annealing, and the plain sums over all steps and cells per
+/// second.
 fn speed() -> Result<(), Box<dyn core::error::Error>> {
     let config = Config {
         hotspot_count: 7,

@@ -18,28 +18,29 @@ use crate::odds::LANES;
 use crate::paths::Paths;
 use crate::problem::{Problem, power};
 
-/// Moves of a UAV before the next has its turn.
+/// The number of moves of a UAV before the next UAV has its turn.
 const BATCH: u64 = 256;
-/// The annealing looks at no step after the one from which less than this probability is left.
+/// The probability of an unfinished episode below which the annealing evaluates no further step.
 const NEGLIGIBLE: f64 = 1e-3;
-/// Steps that a mission is taken to last on from there.
+/// Steps that an episode is assumed to last from there.
 const REST: f64 = 12.0;
-/// Steps that it looks at beyond that one.
+/// Steps evaluated beyond that one.
 const MARGIN: usize = 4;
-/// Temperature at the start and at the end, in steps.
+/// The temperature at the start and at the end, in steps.
 const HOT: f64 = 0.25;
 const COLD: f64 = 0.0025;
-/// A step in which the last confirmation is rarer than this adds nothing to the gathering.
+/// The chance of the last confirmation in a step below which the step adds nothing to the
+/// gathering.
 const RARE: f64 = 1e-5;
-/// A G that has not been worked out.
+/// The marker of a G that has not been computed.
 const UNKNOWN: u32 = u32::MAX - 1;
-/// A gain smaller than this is no gain.
+/// The least gain in expected steps that counts as a gain.
 const RESOLUTION: f64 = 1e-9;
 
 /// Settings of an annealing: its length and its seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Moves to try.
+    /// Number of moves to try.
     pub iterations: u64,
     /// Seed of the moves.
     pub seed: u64,
@@ -57,20 +58,20 @@ impl Default for Settings {
 /// The progress of an annealing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Moves tried.
+    /// Number of moves tried.
     pub iterations: u64,
     /// Expected steps of the best plan so far.
     pub best_steps: f64,
 }
 
-/// Anneals trajectories of one problem.
+/// The state of an annealing of the trajectories of one problem.
 pub struct Annealer<'p, 'm> {
     problem: &'p Problem<'m>,
     paths: Paths,
     draws: Draws,
     /// The UAV whose turn it is.
     uav: usize,
-    /// Steps that are looked at.
+    /// Number of steps that are evaluated.
     window: usize,
     /// B and D of each step and site.
     below: Vec<f64>,
@@ -78,7 +79,7 @@ pub struct Annealer<'p, 'm> {
     /// The chance that a hotspot is missed in each step, and in all steps so far.
     missed: Vec<f64>,
     left: Vec<f64>,
-    /// F and G of each step; G where it has mattered.
+    /// F and G of each step. G is computed only where it matters.
     done: Vec<f64>,
     gather: Vec<u32>,
     /// Expected steps that have passed by the end of each step, with the gathering of missions that
@@ -97,7 +98,7 @@ pub struct Annealer<'p, 'm> {
     exactly: Vec<[f64; LANES]>,
 }
 
-/// A proposal: what becomes of the steps from `first` to `last`.
+/// A proposal: new cells and levels for the steps from `first` to `last`.
 #[derive(Default)]
 struct Move {
     first: usize,
@@ -154,21 +155,21 @@ impl<'p, 'm> Annealer<'p, 'm> {
         annealer
     }
 
-    /// The expected steps of the present trajectories, but for what is left after the steps that
-    /// are looked at.
+    /// Returns the expected steps of the present trajectories, without the remainder after the
+    /// evaluated steps.
     #[must_use]
     pub fn value(&self) -> f64 {
         self.value
     }
 
-    /// The present trajectories.
+    /// Returns the present trajectories.
     #[must_use]
     pub fn paths(&self) -> &Paths {
         &self.paths
     }
 
     /// Anneals and returns the best trajectories. `progress` is called after each batch of moves
-    /// and may end it; the flag says whether it did.
+    /// and may end the annealing. The flag says whether it did.
     pub fn run(
         mut self,
         iterations: u64,
@@ -214,7 +215,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         better
     }
 
-    /// Gives a UAV its turn: works out B and D, and everything else anew.
+    /// Gives a UAV its turn: computes B and D, and all other tables anew.
     pub fn take_turn(&mut self, uav: usize) {
         self.uav = uav;
         let (steps, stride) = (self.problem.steps, self.problem.odds.stride());
@@ -238,7 +239,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.account(1);
     }
 
-    /// The expected steps so far, from a step on, and the value.
+    /// Computes the expected steps so far from a step on, and the value.
     fn account(&mut self, first: usize) {
         for step in first..=self.window {
             let cost = self.cost(step, self.done[step - 1], self.done[step]);
@@ -247,7 +248,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.value = self.spent[self.window] + self.rest(self.done[self.window]);
     }
 
-    /// B and D of a step.
+    /// Computes B and D of a step.
     fn hold_others(&mut self, step: usize) {
         let (odds, stride) = (&self.problem.odds, self.problem.odds.stride());
         let quorum = self.exactly.len();
@@ -284,7 +285,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         }
     }
 
-    /// The chances of a miss in a step and so far, and F, from B and D.
+    /// Computes the chances of a miss in a step and so far, and F, from B and D.
     fn look(&mut self, step: usize) {
         let stride = self.problem.odds.stride();
         let (level, cell) = (
@@ -298,7 +299,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.accumulate(step);
     }
 
-    /// The chances of a miss in all steps so far, and F, from those in a step.
+    /// Computes the chances of a miss in all steps so far, and F, from those in a step.
     fn accumulate(&mut self, step: usize) {
         let stride = self.problem.odds.stride();
         let at = step * stride;
@@ -307,7 +308,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.done[step] = miss(self.problem, now, &self.missed[at..at + stride]);
     }
 
-    /// The radio components of the others in a step.
+    /// Computes the radio components of the other UAVs in a step.
     fn find_parts(&mut self, step: usize) {
         let (odds, uavs) = (&self.problem.odds, self.paths.uav_count());
         let part_of = &mut self.part_of[step * uavs..][..uavs];
@@ -347,7 +348,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         };
     }
 
-    /// G of a step, with the UAV whose turn it is in a cell and at a level.
+    /// Returns G of a step, with the UAV whose turn it is in a cell and at a level.
     fn gathering(&mut self, step: usize, cell: u32, level: u8) -> u32 {
         let (problem, uavs) = (self.problem, self.paths.uav_count());
         let odds = &problem.odds;
@@ -377,8 +378,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
         steps_to_meet(problem.model, odds, &mut self.cells)
     }
 
-    /// What a step adds to the expected time: the step itself, and the gathering of missions whose
-    /// last confirmation is in it.
+    /// Returns what a step adds to the expected time. That is the step itself, and the gathering of
+    /// the episodes with their last confirmation in it.
     fn cost(&mut self, step: usize, before: f64, after: f64) -> f64 {
         let chance = after - before;
         let mut cost = 1.0 - before;
@@ -400,12 +401,12 @@ impl<'p, 'm> Annealer<'p, 'm> {
         f64::from(gather.min(self.problem.steps_left - step as u32))
     }
 
-    /// What is left after the steps that are looked at, as if nothing more were confirmed.
+    /// Returns the remainder after the evaluated steps, as if nothing more were confirmed.
     fn rest(&self, done: f64) -> f64 {
         (1.0 - done) * REST.min(f64::from(self.problem.steps_left) - self.window as f64)
     }
 
-    /// The expected steps with the proposal; `None` if they are more than `most`.
+    /// Returns the expected steps with the proposal; `None` if they are more than `most`.
     fn judge(&mut self, most: f64) -> Option<f64> {
         let (problem, stride) = (self.problem, self.problem.odds.stride());
         let (first, last) = (self.moved.first, self.moved.last);
@@ -425,7 +426,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
                 miss(problem, &mut row, &self.missed[at..at + stride])
             };
             if step <= last {
-                // Gathering costs most to work out: it waits until all else has been found good
+                // Gathering is the most expensive part. It is computed last, once all else is good
                 // enough.
                 self.moved.chance[step] = done - before;
                 value += 1.0 - before;
@@ -477,7 +478,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.account(first);
     }
 
-    /// Writes a proposal; `false` if it came to nothing.
+    /// Draws and writes a proposal. Returns `false` if it is empty or not legal.
     fn propose(&mut self) -> bool {
         let window = self.window;
         if window == 0 {
@@ -494,7 +495,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         proposed && self.is_legal()
     }
 
-    /// Whether the battery lasts for the proposal.
+    /// Returns whether the battery lasts for the proposal.
     fn is_legal(&self) -> bool {
         if self.battery_lasts {
             return true;
@@ -529,14 +530,14 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.problem.odds.cell(self.paths.cell(self.uav, step))
     }
 
-    /// A later step of the plan, near more often than far.
+    /// Draws a later step of the plan, more often a near one than a far one.
     fn later(&mut self, step: usize) -> usize {
         let reach = 1 << self.draws.below(6);
         (step + self.draws.below(reach + 1)).min(self.problem.steps)
     }
 
-    /// Moves the cells between two steps by the difference of the motions in these, which change
-    /// places.
+    /// Shifts the cells between two steps by the difference of the motions in these steps, which
+    /// are swapped.
     fn swap_motions(&mut self, first: usize) -> bool {
         let last = self.later(first);
         if last == first {
@@ -549,7 +550,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         (dx, dy) != (0, 0) && self.displace(first, last - 1, dx, dy)
     }
 
-    /// Moves the cells between two steps by one cell.
+    /// Shifts the cells between two steps by one cell.
     fn shift(&mut self, first: usize) -> bool {
         let last = if self.draws.below(8) == 0 {
             self.problem.steps
@@ -577,7 +578,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         changed && self.joins()
     }
 
-    /// Whether the proposal begins and ends no more than a cell from the rest of the trajectory.
+    /// Returns whether both ends of the proposal are within one cell of the rest of the trajectory.
     fn joins(&self) -> bool {
         let odds = &self.problem.odds;
         let (first, last) = (self.moved.first, self.moved.last);
@@ -587,7 +588,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
             && (last == self.problem.steps || ends.manhattan(self.at(last + 1)) <= 1)
     }
 
-    /// Flies the cells between two steps a step sooner or later; the other end waits, or is cut.
+    /// Shifts the cells between two steps in time by one step. The other end waits or is cut.
     fn shift_in_time(&mut self, first: usize) -> bool {
         let last = if self.draws.below(2) == 0 {
             self.problem.steps
@@ -616,8 +617,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.joins()
     }
 
-    /// Flies by way of a random cell, then straight to the first cell of the old way that it can
-    /// reach in time.
+    /// Detours by way of a random cell, then flies straight to the first cell of the old path in
+    /// reach.
     fn detour(&mut self, first: usize) -> bool {
         let config = *self.problem.model.config();
         let reach = 2 + self.draws.below(6) as i64;
@@ -637,7 +638,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         let wait = self.draws.below(3);
         let start = self.at(first - 1);
         let arrival = first - 1 + start.manhattan(via) as usize + wait;
-        // The first step from which the old way can be reached in time.
+        // This is the first step from which the old path is in reach.
         let mut last = arrival;
         while last < steps && via.manhattan(self.at(last)) as usize > last - arrival {
             last += 1;
@@ -656,7 +657,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         self.joins()
     }
 
-    /// Senses at another pilot density for some steps.
+    /// Changes the pilot density for some steps.
     fn change_level(&mut self, first: usize) -> bool {
         let levels = self.problem.odds.densities().len();
         if levels == 1 {
@@ -681,7 +682,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
     }
 }
 
-/// F, from the weighted chance that each site has been missed so far.
+/// Computes F from the weighted chance that each site has been missed so far.
 fn found(problem: &Problem<'_>, left: &[f64]) -> f64 {
     let mut product = 1.0;
     for draw in &problem.draws {
@@ -696,7 +697,7 @@ fn found(problem: &Problem<'_>, left: &[f64]) -> f64 {
     product
 }
 
-/// Misses each site by one more factor; F after that.
+/// Multiplies the chance of a miss of each site by one more factor, and returns F after that.
 fn miss(problem: &Problem<'_>, left: &mut [f64], factors: &[f64]) -> f64 {
     let mut product = 1.0;
     for draw in &problem.draws {
@@ -713,7 +714,7 @@ fn miss(problem: &Problem<'_>, left: &mut [f64], factors: &[f64]) -> f64 {
     product
 }
 
-/// B - p D for each site.
+/// Computes B - p D for each site.
 fn factors(below: &[f64], edge: &[f64], odds: &[f64], factors: &mut [f64]) {
     let others = lanes(below).iter().zip(lanes(edge));
     let chunks = lanes_mut(factors).iter_mut().zip(lanes(odds));
@@ -747,7 +748,7 @@ fn within(value: i64, extent: u32) -> u32 {
     value.max(0).min(i64::from(extent) - 1) as u32
 }
 
-/// One cell nearer to a target, along x first or along y first.
+/// Returns the cell one step nearer to a target, along x first or along y first.
 fn nearer(from: Cell, to: Cell, x_first: bool) -> Cell {
     let step = |from: u32, to: u32| {
         if from < to {

@@ -6,14 +6,14 @@ use jcas_core::{Cell, Model};
 
 use crate::odds::Odds;
 
-/// What the kernel does with a UAV in a step, given its charge.
+/// The kernel's treatment of a UAV in a step, given its charge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Duty {
-    /// It flies where its action says.
+    /// The UAV follows its action.
     Free,
-    /// A low battery sends it to this cell.
+    /// A low battery sends the UAV to this cell.
     Returns(Cell),
-    /// An empty battery keeps it where it is.
+    /// An empty battery keeps the UAV where it is.
     Grounded,
 }
 
@@ -35,7 +35,8 @@ pub(crate) fn duty(model: &Model<'_>, charge_uj: u64, cell: Cell) -> Duty {
     ))
 }
 
-/// The charge after a step, if the UAV senses and has a neighbour, which costs most.
+/// Returns the charge after a step in µJ, if the UAV senses and has a neighbour, the most costly
+/// case.
 pub(crate) fn after(
     model: &Model<'_>,
     charge_uj: u64,
@@ -57,7 +58,8 @@ pub(crate) fn after(
     settle(charge_uj, asked_uj, offered_uj, plan.capacity_uj).battery_uj
 }
 
-/// Whether a UAV with this charge can fly a trajectory, given as in [`Paths`](crate::Paths).
+/// Returns whether a UAV with this charge can fly a trajectory, given as in
+/// [`Paths`](crate::Paths).
 ///
 /// A low battery never sends it elsewhere. Its level is [`Odds::grounded`] in exactly the steps
 /// that it begins with an empty battery.
@@ -86,7 +88,8 @@ pub fn allows(
     true
 }
 
-/// Whether no trajectory of this length drains a battery below the threshold of the return to base.
+/// Returns whether no trajectory of this length drains a battery below the return-to-base
+/// threshold.
 pub(crate) fn never_low(model: &Model<'_>, charge_uj: u64, steps: usize) -> bool {
     let plan = model.energy();
     let most = (steps as u64).saturating_mul(plan.most_asked_uj());

@@ -28,15 +28,15 @@ use jcas_core::Cell;
 use crate::odds::Odds;
 use crate::problem::{Problem, power};
 
-/// Above this quorum h(p) = p/θ.
+/// The quorum above which h(p) = p/θ.
 const QUORUM_MAX: usize = 32;
 /// The grid over Λ on which κ is worked out; between two points the next one bounds φ.
 const INTENSITY_STEP: f64 = 0.002;
-/// What is left of the probability when no further step is looked at.
+/// The remaining probability below which no further step is evaluated.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// Steps, from the beginning of the plan, that every fixed plan of the problem takes at least in
-/// expectation.
+/// Returns a lower bound on the expected steps of every fixed plan of the problem, from its
+/// beginning.
 #[must_use]
 pub fn bound(problem: &Problem<'_>) -> f64 {
     let odds = &problem.odds;
@@ -142,7 +142,7 @@ fn distinct(cells: &[Cell]) -> Vec<Cell> {
     found
 }
 
-/// The best chance of a detection at any pilot density.
+/// Returns the best chance of a detection at any pilot density.
 fn best_detection(odds: &Odds, uav: Cell, hotspot: Cell) -> f64 {
     let levels = 0..=odds.highest();
     levels.fold(0.0, |best, level| {
@@ -156,8 +156,8 @@ fn cells(problem: &Problem<'_>) -> impl Iterator<Item = Cell> {
     (0..config.grid_height).flat_map(move |y| (0..width).map(move |x| Cell { x, y }))
 }
 
-/// For each distance and site the best chance of a detection from a cell within the distance of a
-/// start.
+/// Returns, for each distance and site, the best chance of a detection from a cell within the
+/// distance of a start.
 fn best_within(problem: &Problem<'_>, start: Cell, farthest: usize) -> Vec<f64> {
     let sites = problem.odds.sites();
     let mut best = vec![0.0; (farthest + 1) * sites.len()];
@@ -174,8 +174,8 @@ fn best_within(problem: &Problem<'_>, start: Cell, farthest: usize) -> Vec<f64> 
     best
 }
 
-/// For each prior and distance the sum over the UAVs of the largest Σ_c w_c h(p_c) from a cell
-/// within the distance of their start.
+/// Returns, for each prior and distance, the sum over the UAVs of the largest Σ_c w_c h(p_c). It is
+/// taken over the cells within the distance of their start.
 fn covered(problem: &Problem<'_>, priors: &[Prior], farthest: usize) -> Vec<Vec<f64>> {
     let quorum = problem.model.config().quorum as usize;
     let slope = slope(quorum);
@@ -219,8 +219,8 @@ fn covered(problem: &Problem<'_>, priors: &[Prior], farthest: usize) -> Vec<Vec<
         .collect()
 }
 
-/// κ: the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ; infinite where h(p) =
-/// p/θ is all there is.
+/// Returns κ: the least number with φ_(θ-a)(Λ) ≤ a/θ + κ Λ for all a < θ and all Λ. It is infinite
+/// if only h(p) = p/θ applies.
 fn slope(quorum: usize) -> f64 {
     if !(2..=QUORUM_MAX).contains(&quorum) {
         return f64::INFINITY;
@@ -239,7 +239,7 @@ fn slope(quorum: usize) -> f64 {
     slope
 }
 
-/// φ_k(Λ): the chance that a Poisson variable of mean Λ is at least k.
+/// Returns φ_k(Λ): the chance that a Poisson variable of mean Λ is at least k.
 fn at_least(count: usize, mean: f64) -> f64 {
     let mut exactly = libm::exp(-mean);
     let mut below = 0.0;

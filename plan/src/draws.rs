@@ -30,12 +30,12 @@ impl Draws {
         self.words[self.left]
     }
 
-    /// Uniform in `0..count`; 0 for an empty range.
+    /// Draws a uniform integer in `0..count`; 0 for an empty range.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         ((u64::from(self.word()) * count as u64) >> 32) as usize
     }
 
-    /// Uniform in (0, 1].
+    /// Draws a uniform number in (0, 1].
     pub(crate) fn unit(&mut self) -> f64 {
         (f64::from(self.word()) + 1.0) / 4_294_967_296.0
     }

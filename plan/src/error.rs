@@ -1,28 +1,28 @@
-//! Why a plan cannot be made.
+//! The errors of making a plan.
 
 use core::fmt;
 
-/// Why a plan cannot be made.
+/// A reason for which a plan cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PlanError {
     /// The fleet has more UAVs than a plan can hold.
     TooManyUavs {
-        /// UAVs of the fleet.
+        /// Number of UAVs of the fleet.
         uavs: usize,
-        /// UAVs that a plan can hold.
+        /// The maximum number of UAVs of a plan.
         most: usize,
     },
-    /// The plan would take more memory than is allowed.
+    /// The plan needs a larger table than is allowed.
     TooLarge {
-        /// Entries of the largest table.
+        /// Number of entries of the largest table.
         entries: usize,
-        /// Entries that are allowed.
+        /// The maximum number of entries.
         most: usize,
     },
     /// A length does not fit the model.
     Length {
-        /// What has the wrong length.
+        /// The name of the list.
         what: &'static str,
         /// The length that fits.
         expected: usize,

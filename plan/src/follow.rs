@@ -1,4 +1,4 @@
-//! Flies a plan.
+//! The policy that follows a plan.
 
 use alloc::vec::Vec;
 
@@ -9,11 +9,10 @@ use jcas_core::{Cell, Model, StateRef};
 use crate::gather::meeting_cell;
 use crate::plan::Plan;
 
-/// Turns a plan into actions: along the trajectories until every hotspot is confirmed, then to the
-/// meeting cell at the least pilot density.
+/// A follower of a plan. It follows the trajectories until every hotspot is confirmed, then flies
+/// to the meeting cell at the least pilot density.
 ///
-/// It reads which hotspots are confirmed, as every script does; the trajectories are flown without
-/// feedback.
+/// It reads which hotspots are confirmed, as every baseline does. The trajectories use no feedback.
 #[derive(Clone, Debug)]
 pub struct Follower {
     plan: Plan,
@@ -21,7 +20,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// Flies this plan.
+    /// Makes a follower of this plan.
     #[must_use]
     pub fn new(plan: Plan) -> Self {
         Self {
@@ -30,18 +29,18 @@ impl Follower {
         }
     }
 
-    /// The plan.
+    /// Returns the plan.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Called before the first step of a mission.
+    /// Called before the first step of an episode.
     pub fn reset(&mut self) {
         self.meeting = None;
     }
 
-    /// Writes (u_dir, u_pilot) of each UAV.
+    /// Writes (u_dir, u_pilot) of each UAV, each in [-1, 1].
     pub fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         let config = model.config();
         if self.meeting.is_none() && (0..state.hotspot_count()).all(|j| state.confirmed(j)) {
@@ -62,7 +61,7 @@ impl Follower {
     }
 }
 
-/// The action of a UAV that flies toward a cell and senses at a pilot density.
+/// Returns the action of a UAV that flies toward a cell and senses at a pilot density.
 pub(crate) fn write(
     model: &Model<'_>,
     here: Cell,

@@ -1,4 +1,4 @@
-//! Trajectories to begin with: lines of UAVs abreast that sweep the grid.
+//! Initial trajectories for hidden hotspots: lines of UAVs abreast that sweep the grid.
 
 use alloc::vec::Vec;
 
@@ -9,12 +9,12 @@ use crate::battery::{Duty, after, duty};
 use crate::paths::Paths;
 use crate::problem::Problem;
 
-/// Most lines, and most strips that a line sweeps one after the other.
+/// The maximum number of lines, and of strips that a line sweeps one after the other.
 const MOST: u32 = 4;
-/// A line spreads over at most this number of thirds of its strip; 0 is a flock.
+/// The maximum spread of a line, in thirds of the width of its strip; 0 is a flock.
 const THIRDS: u32 = 3;
 
-/// Flies a fleet toward targets, as its batteries allow, and records where it goes.
+/// A recorder that flies a fleet toward targets, as its batteries allow, and stores its cells.
 pub(crate) struct Recorder<'p, 'm> {
     problem: &'p Problem<'m>,
     charges_uj: Vec<u64>,
@@ -42,12 +42,12 @@ impl<'p, 'm> Recorder<'p, 'm> {
         self.cells[uav]
     }
 
-    /// Whether the plan has as many steps as it can.
+    /// Returns whether the plan has reached its maximum number of steps.
     pub(crate) fn is_full(&self) -> bool {
         self.step == self.problem.steps
     }
 
-    /// One step; each UAV flies toward its target, x before y.
+    /// Records one step, in which each UAV flies toward its target, x before y.
     pub(crate) fn fly(&mut self, target: impl Fn(usize) -> Cell) {
         let (model, odds) = (self.problem.model, &self.problem.odds);
         let config = model.config();
@@ -75,17 +75,17 @@ impl<'p, 'm> Recorder<'p, 'm> {
     }
 }
 
-/// One line under way: the stations that it takes, and the offset of each of its UAVs across.
+/// A line with its stations, and the offset of each of its UAVs across.
 struct Rank {
     first: usize,
     places: Vec<i64>,
-    /// (across, along).
+    /// The stations as (across, along), in cells.
     stations: Vec<(i64, i64)>,
     next: usize,
     forward: bool,
 }
 
-/// Width across the sweep, length along it, and whether x runs along.
+/// Returns the width across the sweep, the length along it, and whether x runs along it.
 fn extents(problem: &Problem<'_>) -> (i64, i64, bool) {
     let config = problem.model.config();
     let (width, height) = (config.grid_width, config.grid_height);
@@ -109,7 +109,8 @@ impl Rank {
         }
     }
 
-    /// Goes on to the next station once most of the line are in their places; back at the end.
+    /// Advances to the next station once most UAVs of the line are in place, and turns back at the
+    /// end.
     fn advance(&mut self, recorder: &Recorder<'_, '_>) {
         let last = self.stations.len() - 1;
         let count = self.places.len();
@@ -172,7 +173,7 @@ fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Rank
         .collect()
 }
 
-/// The trajectories of every formation, each sensing at the highest pilot density.
+/// Returns the trajectories of every formation, each sensing at the highest pilot density.
 pub(crate) fn sweeps(problem: &Problem<'_>) -> Vec<Paths> {
     let (across, along, _) = extents(problem);
     let uavs = problem.situation.cells.len() as i64;
@@ -201,7 +202,7 @@ pub(crate) fn sweeps(problem: &Problem<'_>) -> Vec<Paths> {
     sweeps
 }
 
-/// A fleet that goes nowhere of its own accord.
+/// Returns the trajectories of a hovering fleet.
 pub(crate) fn hovering(problem: &Problem<'_>) -> Paths {
     let mut recorder = Recorder::new(problem, problem.odds.highest());
     while !recorder.is_full() {

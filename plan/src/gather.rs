@@ -1,15 +1,15 @@
-//! The end of a mission: the fleet meets until it is one radio component.
+//! The end of an episode: the fleet meets until it is one radio component.
 
 use jcas_core::motion::{destination, toward};
 use jcas_core::{Cell, Model};
 
 use crate::odds::Odds;
 
-/// Most UAVs of a plan: a set of them is one integer.
+/// The maximum number of UAVs of a plan: a set of them is one integer.
 pub(crate) const UAVS_MAX: usize = 128;
 
-/// The cell where a fleet meets soonest: the centre in Manhattan distance, from which the farthest
-/// UAV is nearest.
+/// Returns the cell where a fleet meets soonest. It is the centre in Manhattan distance, with the
+/// least distance to the farthest UAV.
 ///
 /// With u = x + y and v = x - y, Manhattan distance is the larger of the two differences. The
 /// centre is then that of the bounding box. Where it is no cell, the best cell around it is taken.
@@ -52,7 +52,7 @@ pub fn meeting_cell(cells: &[Cell], width: u32, height: u32) -> Cell {
     best
 }
 
-/// Whether the fleet is one radio component; at most [`UAVS_MAX`] UAVs.
+/// Returns whether the fleet is one radio component. It takes at most [`UAVS_MAX`] UAVs.
 pub(crate) fn connected(odds: &Odds, cells: &[Cell], level: impl Fn(usize) -> u8) -> bool {
     let count = cells.len();
     let mut unmet = if count == UAVS_MAX {
@@ -77,8 +77,8 @@ pub(crate) fn connected(odds: &Odds, cells: &[Cell], level: impl Fn(usize) -> u8
     unmet == 0
 }
 
-/// Steps until a fleet that flies to its meeting cell at the least pilot density is one component.
-/// The cells are left where it then is.
+/// Returns the steps until a fleet that flies to its meeting cell at the least pilot density is one
+/// component. The cells then hold the final positions.
 pub(crate) fn steps_to_meet(model: &Model<'_>, odds: &Odds, cells: &mut [Cell]) -> u32 {
     let config = model.config();
     let (width, height) = (config.grid_width, config.grid_height);

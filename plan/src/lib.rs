@@ -1,9 +1,9 @@
-//! Plans missions: a trajectory for each UAV, chosen for the least expected time to the end.
+//! Plans of episodes: a trajectory for each UAV, chosen for the least expected time to the end.
 //!
-//! A plan is flown without feedback until every hotspot is confirmed. The fleet then gathers until
-//! it is one radio component, which ends the mission. [`expect`] gives the expected time of a plan
-//! exactly, from the tables of the [`Model`](jcas_core::Model). [`search`] and [`tour`] look for a
-//! plan of short expected time by simulated annealing. No fixed plan can beat [`bound`].
+//! A plan is followed without feedback until every hotspot is confirmed. The fleet then gathers
+//! until it is one radio component, which ends the episode. [`expect`] gives the expected time of a
+//! plan exactly, from the tables of the [`Model`](jcas_core::Model). [`search`] and [`tour`] look
+//! for a plan of short expected time by simulated annealing. No fixed plan can beat [`bound`].
 //!
 //! A result is a function of configuration, seed and number of iterations. The crate reads no
 //! clock. A caller with a time limit ends the annealing from its progress callback; the best plan

@@ -18,22 +18,22 @@ use crate::gather::{connected, steps_to_meet};
 use crate::paths::Paths;
 use crate::problem::{Hidden, Problem, power};
 
-/// What is left of the probability when no further step is looked at.
+/// The remaining probability below which no further step is evaluated.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// What a plan is expected to take, from the step that it begins at.
+/// The expected time of a plan, counted from the step that it begins at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Expectation {
-    /// Steps until the end of the mission; a mission without success counts with all steps that are
-    /// left.
+    /// Expected steps until the end of the episode. An episode without success counts with all
+    /// steps left.
     pub steps: f64,
-    /// Steps until every hotspot is confirmed, counted alike.
+    /// Expected steps until every hotspot is confirmed, counted likewise.
     pub confirmed_steps: f64,
-    /// Probability that the mission ends before the horizon.
+    /// Probability that the episode ends before the horizon.
     pub success: f64,
 }
 
-/// The expected time of a plan, step by step and cell by cell.
+/// Returns the expected time of a plan, computed step by step and cell by cell.
 #[must_use]
 pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
     let sites = problem.odds.sites();
@@ -72,7 +72,7 @@ pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
     expected
 }
 
-/// The chance that a hotspot in each site is unconfirmed after some steps of a plan.
+/// Returns the chance that a hotspot in each site is unconfirmed after some steps of a plan.
 pub(crate) fn missed_after(problem: &Problem<'_>, paths: &Paths, steps: usize) -> Vec<f64> {
     let sites = problem.odds.sites().iter();
     let factors = sites.map(|&site| {
@@ -83,7 +83,7 @@ pub(crate) fn missed_after(problem: &Problem<'_>, paths: &Paths, steps: usize) -
     factors.collect()
 }
 
-/// Adds the missions whose last confirmation is in a step.
+/// Adds the episodes whose last confirmation is in a step.
 fn account(expected: &mut Expectation, steps_left: u32, step: u32, chance: f64, to_gather: u32) {
     let left = steps_left - step;
     expected.steps += chance * f64::from(to_gather.min(left));
@@ -92,8 +92,8 @@ fn account(expected: &mut Expectation, steps_left: u32, step: u32, chance: f64, 
     }
 }
 
-/// G: steps from a step of the plan until the fleet is one radio component; `u32::MAX` if it never
-/// is.
+/// Returns G: the steps from a step of the plan until the fleet is one radio component. It is
+/// `u32::MAX` if it never is.
 fn gathering(problem: &Problem<'_>, paths: &Paths, step: usize) -> u32 {
     let odds = &problem.odds;
     let mut cells: Vec<Cell> = (0..paths.uav_count())
@@ -106,7 +106,7 @@ fn gathering(problem: &Problem<'_>, paths: &Paths, step: usize) -> u32 {
     }
 }
 
-/// The chance that fewer than θ UAVs detect a hotspot in a cell in a step.
+/// Returns the chance that fewer than θ UAVs detect a hotspot in a cell in a step.
 fn below_quorum(problem: &Problem<'_>, paths: &Paths, step: usize, hotspot: Cell) -> f64 {
     let quorum = problem.model.config().quorum as usize;
     let mut exactly = vec![0.0; quorum];
@@ -124,7 +124,7 @@ fn below_quorum(problem: &Problem<'_>, paths: &Paths, step: usize, hotspot: Cell
     exactly.iter().sum()
 }
 
-/// F: the probability that every hotspot is confirmed.
+/// Returns F: the probability that every hotspot is confirmed.
 fn all_confirmed(draws: &[Hidden], missed: &[f64]) -> f64 {
     draws
         .iter()
@@ -141,7 +141,7 @@ fn all_confirmed(draws: &[Hidden], missed: &[f64]) -> f64 {
         .product()
 }
 
-/// The mean, over all sets of `count` cells, of the product of 1 - m_c.
+/// Returns the mean, over all sets of `count` cells, of the product of 1 - m_c.
 ///
 /// Cell j is in the share k/j of the sets of k among the first j cells. The mean over these sets
 /// follows from the means over sets among the first j - 1.

@@ -5,14 +5,14 @@ use alloc::vec::Vec;
 use jcas_core::action::{pilot_action, pilot_density};
 use jcas_core::{Cell, Model};
 
-/// Sites that the inner loops take at a time.
+/// The number of sites that the inner loops take at a time.
 pub(crate) const LANES: usize = 8;
-/// Entries of cached rows, at most.
+/// The maximum number of entries of cached rows.
 const CACHED_ENTRIES_MAX: usize = 1 << 22;
-/// Below this difference of a detection probability two densities are enough.
+/// The difference of a detection probability below which two densities are enough.
 const FINE_DIFFERENCE: f64 = 0.1;
 
-/// Chances of detection and links between cells.
+/// Tables of the chances of detection and the links between cells.
 ///
 /// A *level* is an index into the pilot densities of the plan, which ascend. One level more,
 /// [`Odds::grounded`], stands for a UAV with an empty battery: it detects nothing and has no links.
@@ -79,36 +79,37 @@ impl Odds {
         odds
     }
 
-    /// The pilot densities of the levels, ascending.
+    /// Returns the pilot densities of the levels, in ascending order.
     #[must_use]
     pub fn densities(&self) -> &[f64] {
         &self.densities
     }
 
-    /// The level of a UAV whose battery is empty.
+    /// Returns the level of a UAV with an empty battery.
     #[must_use]
     pub fn grounded(&self) -> u8 {
         self.densities.len() as u8
     }
 
-    /// The level of the highest density.
+    /// Returns the level of the highest density.
     #[must_use]
     pub fn highest(&self) -> u8 {
         self.densities.len() as u8 - 1
     }
 
-    /// The cells that may hold a hotspot, group by group; each group is padded to whole lanes.
+    /// Returns the cells that may hold a hotspot, group by group. Each group is padded to whole
+    /// lanes.
     #[must_use]
     pub fn sites(&self) -> &[Cell] {
         &self.sites
     }
 
-    /// Length of a row over the sites.
+    /// Returns the length of a row over the sites.
     pub(crate) fn stride(&self) -> usize {
         self.sites.len()
     }
 
-    /// The cell with a row-major index.
+    /// Returns the cell with a row-major index.
     #[must_use]
     pub fn cell(&self, index: u32) -> Cell {
         Cell {
@@ -117,7 +118,7 @@ impl Odds {
         }
     }
 
-    /// Row-major index of a cell.
+    /// Returns the row-major index of a cell.
     #[must_use]
     pub fn index(&self, cell: Cell) -> u32 {
         cell.y * self.width + cell.x
@@ -127,13 +128,13 @@ impl Odds {
         (a.y.abs_diff(b.y) * self.width + a.x.abs_diff(b.x)) as usize
     }
 
-    /// The chance that a UAV at a level detects a hotspot in one step.
+    /// Returns the chance that a UAV at a level detects a hotspot in one step.
     #[must_use]
     pub fn detection(&self, level: u8, uav: Cell, hotspot: Cell) -> f64 {
         self.detection[usize::from(level)][self.offset(uav, hotspot)]
     }
 
-    /// Whether two UAVs hear each other: the one with more pilots has the weaker link.
+    /// Returns whether two UAVs hear each other. The UAV with more pilots has the weaker link.
     #[must_use]
     pub fn linked(&self, (a, level_a): (Cell, u8), (b, level_b): (Cell, u8)) -> bool {
         self.linked[usize::from(level_a.max(level_b))][self.offset(a, b)]
@@ -149,7 +150,8 @@ impl Odds {
         );
     }
 
-    /// The chances of detection at every site from a cell, in a table or in the scratch row.
+    /// Returns the chances of detection at every site from a cell, in a table or in the scratch
+    /// row.
     pub(crate) fn row<'r>(&'r self, level: u8, cell: u32, scratch: &'r mut Vec<f64>) -> &'r [f64] {
         if self.rows.is_empty() {
             self.fill(level, self.cell(cell), scratch);
@@ -161,8 +163,8 @@ impl Odds {
     }
 }
 
-/// One density where it does not matter to the radar; two where it matters little; four where it
-/// matters much. Each is a density that an action can ask for.
+/// Returns one density if it does not matter to the radar, two if it matters little, and four if it
+/// matters much. An action can ask for each of them.
 fn densities(model: &Model<'_>) -> Vec<f64> {
     let config = model.config();
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);

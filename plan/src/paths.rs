@@ -14,7 +14,8 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// A fleet that stays in its cells, one for each UAV, for a number of steps.
+    /// Makes the trajectories of a fleet that stays in its cells, one for each UAV, for a number of
+    /// steps.
     #[must_use]
     pub fn hovering(cells: &[u32], steps: usize, level: u8) -> Self {
         Self {
@@ -28,50 +29,50 @@ impl Paths {
         }
     }
 
-    /// UAVs.
+    /// Returns the number of UAVs.
     #[must_use]
     pub fn uav_count(&self) -> usize {
         self.uavs
     }
 
-    /// Steps; the fleet stays in its last cells after them.
+    /// Returns the number of steps; the fleet stays in its last cells after them.
     #[must_use]
     pub fn steps(&self) -> usize {
         self.steps
     }
 
-    /// The cell of a UAV after a step; after step 0 it is where the plan begins.
+    /// Returns the cell of a UAV after a step. After step 0 it is where the plan begins.
     #[must_use]
     pub fn cell(&self, uav: usize, step: usize) -> u32 {
         self.cells[uav * (self.steps + 1) + step.min(self.steps)]
     }
 
-    /// The level at which a UAV senses and communicates in a step, from 1.
+    /// Returns the level at which a UAV senses and communicates in a step, from 1.
     #[must_use]
     pub fn level(&self, uav: usize, step: usize) -> u8 {
         self.levels[uav * (self.steps + 1) + step.min(self.steps)]
     }
 
-    /// The cells of a UAV, from where the plan begins on.
+    /// Returns the cells of a UAV, from where the plan begins on.
     #[must_use]
     pub fn cells_of(&self, uav: usize) -> &[u32] {
         &self.cells[uav * (self.steps + 1)..][..self.steps + 1]
     }
 
-    /// The levels of a UAV; the first is not used.
+    /// Returns the levels of a UAV; the first is not used.
     #[must_use]
     pub fn levels_of(&self, uav: usize) -> &[u8] {
         &self.levels[uav * (self.steps + 1)..][..self.steps + 1]
     }
 
-    /// Sets where a UAV is after a step, and its level in it.
+    /// Sets the cell of a UAV after a step, and its level in the step.
     pub fn set(&mut self, uav: usize, step: usize, cell: u32, level: u8) {
         let slot = uav * (self.steps + 1) + step;
         self.cells[slot] = cell;
         self.levels[slot] = level;
     }
 
-    /// What is left after some steps, as a plan of another number of steps.
+    /// Returns the remainder after some steps, as trajectories of another number of steps.
     #[must_use]
     pub fn after(&self, flown: usize, steps: usize) -> Self {
         let slots = || (0..self.uavs).flat_map(|uav| (0..=steps).map(move |step| (uav, step)));

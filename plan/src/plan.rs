@@ -1,4 +1,4 @@
-//! Plans, and the two functions that make one.
+//! Plans, and the functions that make them.
 
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -14,35 +14,36 @@ use crate::problem::{Problem, Situation};
 use crate::targets::Targets;
 use crate::{formation, teams};
 
-/// Trajectories with what they are expected to take.
+/// A plan: trajectories with their expected time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Hash of the configuration that it was made for.
+    /// Hash of the configuration of the plan.
     pub config_hash: u64,
     /// Seed of the annealing.
     pub seed: u64,
-    /// Moves that the annealing tried.
+    /// Number of moves that the annealing tried.
     pub iterations: u64,
-    /// Whether the annealing was ended before the moves that were asked for.
+    /// Whether the annealing ended before the requested number of moves.
     pub stopped: bool,
-    /// Steps flown before the plan begins.
+    /// Number of steps of the episode before the plan begins.
     pub first_step: u32,
     /// Cells and levels of each UAV.
     pub paths: Paths,
-    /// The pilot density of each level; the last, for an empty battery, is the least.
+    /// The pilot density of each level. The last level, for an empty battery, has the least
+    /// density.
     pub densities: Vec<f64>,
-    /// Width of the grid, by which cells become indices.
+    /// Width of the grid in cells; the row-major index of a cell is x + y times the width.
     pub grid_width: u32,
-    /// What the plan is expected to take.
+    /// The expected time of the plan.
     pub expected: Expectation,
-    /// What the best trajectories to begin with were expected to take.
+    /// Expected steps of the best initial trajectories.
     pub start_steps: f64,
-    /// What every fixed plan takes at least, in expectation.
+    /// A lower bound on the expected steps of every fixed plan.
     pub bound_steps: f64,
 }
 
 impl Plan {
-    /// Where a UAV is after a step of the plan; from the last step on it stays.
+    /// Returns the cell of a UAV after a step of the plan. From the last step on it stays there.
     #[must_use]
     pub fn cell(&self, uav: usize, step: usize) -> Cell {
         let index = self.paths.cell(uav, step);
@@ -52,18 +53,18 @@ impl Plan {
         }
     }
 
-    /// The pilot density of a UAV in a step of the plan.
+    /// Returns the pilot density of a UAV in a step of the plan.
     #[must_use]
     pub fn pilot_density(&self, uav: usize, step: usize) -> f64 {
         self.densities[usize::from(self.paths.level(uav, step))]
     }
 }
 
-/// Plans a mission from its reset, with all hotspots hidden: any set of distinct cells without a
+/// Plans an episode from its reset, with all hotspots hidden. Any set of distinct cells without a
 /// depot is as likely as any other.
 ///
 /// # Errors
-/// [`PlanError`], where the fleet or the grid is too large.
+/// [`PlanError`] if the fleet or the grid is too large.
 pub fn search(
     model: &Model<'_>,
     settings: &Settings,
@@ -74,11 +75,11 @@ pub fn search(
     Ok(improve(&problem, starts(&problem), settings, progress))
 }
 
-/// Plans a mission from its reset, with hotspots in known cells: where each UAV goes, with which
-/// others, in what order and for how long.
+/// Plans an episode from its reset, with hotspots in known cells. The plan decides in what order,
+/// in which teams and for how long the UAVs visit them.
 ///
 /// # Errors
-/// [`PlanError`], where the fleet or the grid is too large or a hotspot lies off the grid.
+/// [`PlanError`] if the fleet or the grid is too large, or if a hotspot lies off the grid.
 pub fn tour(
     model: &Model<'_>,
     hotspots: &[Cell],
@@ -90,8 +91,7 @@ pub fn tour(
     Ok(improve(&problem, starts(&problem), settings, progress))
 }
 
-/// Trajectories to begin with: tours of teams where hotspots are known, sweeps of formations where
-/// they are hidden.
+/// Returns initial trajectories: tours of teams if hotspots are known, else sweeps of formations.
 #[must_use]
 pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
     let tours = teams::tours(problem);
@@ -102,7 +102,7 @@ pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
     }
 }
 
-/// Anneals the best of some trajectories; the fleet hovers where none fits.
+/// Anneals the best of the initial trajectories. If none fits, the fleet hovers.
 ///
 /// Trajectories fit if they have the UAVs and steps of the problem and every battery lasts.
 #[must_use]
@@ -139,8 +139,7 @@ pub fn improve(
     let mut expected = expect(problem, &annealed);
     let mut best = annealed;
     if expected.steps > start_steps {
-        // The annealing takes distinct hotspots for independent ones, which may mislead it by a
-        // little.
+        // The annealing treats distinct hotspots as independent, which may mislead it slightly.
         expected = expect(problem, &paths);
         best = paths;
     }

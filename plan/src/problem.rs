@@ -14,25 +14,25 @@ use crate::odds::{LANES, Odds};
 use crate::paths::Paths;
 use crate::targets::Targets;
 
-/// Steps of a plan, at most; the fleet stays in its last cells after them.
+/// The maximum number of steps of a plan; the fleet stays in its last cells after them.
 const STEPS_MAX: usize = 512;
-/// Entries of a table over steps and sites, at most.
+/// The maximum number of entries of a table over steps and sites.
 const ENTRIES_MAX: usize = 1 << 25;
 
-/// Where the fleet is, and what its batteries hold.
+/// The situation of a fleet: its cells, its charges and the step of the episode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Situation {
     /// Cell of each UAV.
     pub cells: Vec<Cell>,
-    /// Charge of each UAV.
+    /// Charge of each UAV in µJ.
     pub charges_uj: Vec<u64>,
-    /// Steps flown so far.
+    /// Number of steps of the episode so far.
     pub step: u32,
 }
 
 impl Situation {
-    /// Before the first step: all UAVs at depot 0, each with the least charge that the
-    /// configuration allows.
+    /// Returns the situation before the first step. All UAVs are at depot 0, each with the least
+    /// charge that the configuration allows.
     #[must_use]
     pub fn at_reset(model: &Model<'_>) -> Self {
         let capacity_uj = model.energy().capacity_uj;
@@ -62,7 +62,7 @@ pub(crate) struct Hidden {
     pub(crate) count: u32,
     /// The part of the sites: cells of positive weight, then padding.
     pub(crate) sites: Range<usize>,
-    /// How many of the sites are no padding.
+    /// Number of sites without the padding.
     pub(crate) cells: usize,
     /// One weight for each site of the part; zero for the padding.
     pub(crate) weights: Vec<f64>,
@@ -82,10 +82,10 @@ pub struct Problem<'m> {
 }
 
 impl<'m> Problem<'m> {
-    /// Reads what the plan needs out of the model.
+    /// Makes a problem from the tables of a model, the prior of the hotspots and a situation.
     ///
     /// # Errors
-    /// [`PlanError`], where the fleet or the grid is too large or the situation is not one of the
+    /// [`PlanError`] if the fleet or the grid is too large, or if the situation does not fit the
     /// model.
     pub fn new(
         model: &'m Model<'m>,
@@ -141,9 +141,9 @@ impl<'m> Problem<'m> {
         })
     }
 
-    /// Plans only for these UAVs; the others fly on along the trajectories to begin with.
+    /// Restricts the planning to these UAVs; the others keep their initial trajectories.
     ///
-    /// UAVs that the fleet does not have are left out.
+    /// Indices beyond the fleet are ignored.
     #[must_use]
     pub fn only(mut self, uavs: &[usize]) -> Self {
         let fleet = self.model.uav_count();
@@ -151,25 +151,25 @@ impl<'m> Problem<'m> {
         self
     }
 
-    /// The tables.
+    /// Returns the tables of detection and links.
     #[must_use]
     pub fn odds(&self) -> &Odds {
         &self.odds
     }
 
-    /// Steps of a plan.
+    /// Returns the number of steps of a plan.
     #[must_use]
     pub fn steps(&self) -> usize {
         self.steps
     }
 
-    /// The situation that the plan begins in.
+    /// Returns the situation that the plan begins in.
     #[must_use]
     pub fn situation(&self) -> &Situation {
         &self.situation
     }
 
-    /// Whether the battery of each UAV that is planned for lasts for its trajectory.
+    /// Returns whether the batteries of all planned UAVs last for their trajectories.
     #[must_use]
     pub fn allows(&self, paths: &Paths) -> bool {
         self.movers.iter().all(|&uav| {
@@ -184,7 +184,7 @@ impl<'m> Problem<'m> {
     }
 }
 
-/// Each group with its sites, padded to whole lanes.
+/// Returns each group with its sites, padded to whole lanes.
 fn draws(targets: &Targets, width: u32) -> (Vec<Hidden>, Vec<Cell>) {
     let (mut draws, mut sites) = (Vec::new(), Vec::new());
     for group in targets.groups().iter().filter(|group| group.count > 0) {
@@ -214,7 +214,7 @@ fn draws(targets: &Targets, width: u32) -> (Vec<Hidden>, Vec<Cell>) {
     (draws, sites)
 }
 
-/// A chance raised to a small power, in a fixed order of multiplications.
+/// Raises a chance to a small power, in a fixed order of multiplications.
 pub(crate) fn power(base: f64, exponent: u32) -> f64 {
     let (mut result, mut square, mut rest) = (1.0, base, exponent);
     while rest > 0 {

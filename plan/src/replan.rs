@@ -1,4 +1,4 @@
-//! Planning anew while a mission is flown, after each confirmation and each meeting.
+//! A policy that plans anew during an episode, after each confirmation and each meeting.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,7 +15,8 @@ use crate::plan::{Plan, improve, starts};
 use crate::problem::{Problem, Situation};
 use crate::targets::{Targets, index_of};
 
-/// Plans before the first step, and anew in each radio component whose knowledge has changed.
+/// A planner that plans before the first step, and anew in each radio component whose knowledge has
+/// changed.
 ///
 /// A component plans for its members by what they know. That is their own cells and charges, the
 /// hotspots that they know, and the plan that they share with the others. It assumes that the
@@ -34,9 +35,9 @@ pub struct Replanner {
 struct View {
     first_step: u32,
     plan: Plan,
-    /// Which hotspots the members knew when they planned.
+    /// The hotspots that the members knew when they planned.
     known: Vec<bool>,
-    /// Where hidden hotspots may be, for each cell; empty where positions are known.
+    /// The prior of the hidden hotspots, for each cell; empty if positions are known.
     weights: Vec<f64>,
 }
 
@@ -45,14 +46,15 @@ impl View {
         state.t().saturating_sub(self.first_step) as usize
     }
 
-    /// Where the plan has a UAV now.
+    /// Returns the cell of a UAV in the plan now.
     fn cell(&self, state: &StateRef<'_>, uav: usize) -> Cell {
         self.plan.cell(uav, self.flown(state))
     }
 }
 
 impl Replanner {
-    /// Plans with `first_iterations` before the first step, and with those of the settings later.
+    /// Makes a planner with `first_iterations` before the first step, and with those of the
+    /// settings later.
     #[must_use]
     pub fn new(first_iterations: u64, settings: Settings) -> Self {
         Self {
@@ -63,9 +65,9 @@ impl Replanner {
         }
     }
 
-    /// Called before the first step of a mission.
+    /// Called before the first step of an episode.
     pub fn reset(&mut self) {
-        // Where hotspots are hidden the first plan is that of every mission.
+        // With hidden hotspots, the first plan is the same in every episode.
         let hidden = self
             .views
             .first()
@@ -74,7 +76,7 @@ impl Replanner {
         self.view_of.fill(0);
     }
 
-    /// Writes (u_dir, u_pilot) of each UAV.
+    /// Writes (u_dir, u_pilot) of each UAV, each in [-1, 1].
     ///
     /// # Errors
     /// [`PlanError`], where the fleet or the grid is too large.
@@ -106,7 +108,7 @@ impl Replanner {
         Ok(())
     }
 
-    /// Makes the first plan, which is that of every mission where hotspots are hidden.
+    /// Makes the first plan, which is the same in every episode if hotspots are hidden.
     ///
     /// # Errors
     /// [`PlanError`], where the fleet or the grid is too large.
@@ -144,7 +146,8 @@ impl Replanner {
         })
     }
 
-    /// Gives the members of a component one view, planned anew if they know more than it says.
+    /// Gives the members of a component one view, and plans anew if they know more than the view
+    /// holds.
     fn share(
         &mut self,
         model: &Model<'_>,
@@ -260,7 +263,7 @@ fn go_on(_: crate::anneal::Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// The radio component of a UAV, ascending.
+/// Returns the radio component of a UAV, in ascending order.
 fn component(state: &StateRef<'_>, first: usize) -> Vec<usize> {
     let mut members = vec![first];
     let mut met = 0;
@@ -276,13 +279,13 @@ fn component(state: &StateRef<'_>, first: usize) -> Vec<usize> {
     members
 }
 
-/// The cells of the hotspots that are not known.
+/// Returns the cells of the hotspots that are not known.
 fn unknown_cells(state: &StateRef<'_>, known: &[bool]) -> Vec<Cell> {
     let unknown = (0..known.len()).filter(|&hotspot| !known[hotspot]);
     unknown.map(|hotspot| state.hotspot_cell(hotspot)).collect()
 }
 
-/// Where hidden hotspots may still be, after the looks that a shared plan has taken; empty where
+/// Returns the prior of the hidden hotspots after the looks of a shared plan. It is empty if
 /// positions are known.
 fn belief(
     model: &Model<'_>,

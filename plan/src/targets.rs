@@ -1,4 +1,4 @@
-//! Where hotspots may be: a prior over the cells.
+//! The prior of the hotspots over the cells.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -7,7 +7,7 @@ use jcas_core::{Cell, Model};
 
 use crate::error::PlanError;
 
-/// Hotspots that share one prior.
+/// A group of hotspots that share one prior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Number of hotspots.
@@ -26,8 +26,8 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// The model's own prior: all hotspots hidden, in distinct cells without a depot, each set
-    /// equally likely.
+    /// Returns the model's own prior: all hotspots are hidden in distinct cells without a depot,
+    /// and each set is equally likely.
     #[must_use]
     pub fn hidden(model: &Model<'_>) -> Self {
         let config = model.config();
@@ -48,10 +48,10 @@ impl Targets {
         }
     }
 
-    /// Hotspots in known cells.
+    /// Returns hotspots in known cells.
     ///
     /// # Errors
-    /// [`PlanError::OffGrid`].
+    /// [`PlanError::OffGrid`] if a cell lies off the grid.
     pub fn known(model: &Model<'_>, cells: &[Cell]) -> Result<Self, PlanError> {
         let config = model.config();
         let groups = cells.iter().map(|&cell| {
@@ -78,7 +78,8 @@ impl Targets {
     /// cell, row by row. The weights need not sum to 1.
     ///
     /// # Errors
-    /// [`PlanError::Length`], [`PlanError::Weights`].
+    /// [`PlanError::Length`] if a prior has another length than the grid. [`PlanError::Weights`] if
+    /// a weight is negative or not finite, or if all are zero.
     pub fn weighted(model: &Model<'_>, count: u32, weights: &[f64]) -> Result<Self, PlanError> {
         let expected = model.config().cell_count();
         if weights.len() != expected {
@@ -102,14 +103,14 @@ impl Targets {
         })
     }
 
-    /// The groups.
+    /// Returns the groups.
     #[must_use]
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
 }
 
-/// Row-major index of a cell of the grid.
+/// Returns the row-major index of a cell of the grid.
 pub(crate) fn index_of(model: &Model<'_>, cell: Cell) -> usize {
     (cell.y * model.config().grid_width + cell.x) as usize
 }

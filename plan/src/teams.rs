@@ -1,4 +1,4 @@
-//! Trajectories to begin with where hotspots are known: teams that fly from hotspot to hotspot.
+//! Initial trajectories for known hotspots: teams that fly from hotspot to hotspot.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,21 +9,22 @@ use crate::formation::Recorder;
 use crate::paths::Paths;
 use crate::problem::Problem;
 
-/// Hover times that are tried, as multiples of the expected time to a quorum.
+/// The hover times that are tried, as multiples of the expected time to a quorum.
 const HOVERS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
-/// Most teams.
+/// The maximum number of teams.
 const TEAMS_MAX: usize = 8;
 
-/// One team under way.
+/// A team on its tour.
 struct Team {
-    /// Where it is when it is free again, and after which step.
+    /// The cell where the team is next free, and the step after which it is.
     cell: Cell,
     free_at: u32,
-    /// The cells that it hovers in, each until a step.
+    /// The cells that the team hovers in, each until a step.
     errands: Vec<(Cell, u32)>,
 }
 
-/// Tours of one to several teams, with several hover times; none where no hotspot is known.
+/// Returns tours of one to several teams, with several hover times. It is empty if no hotspot is
+/// known.
 pub(crate) fn tours(problem: &Problem<'_>) -> Vec<Paths> {
     let known = known_cells(problem);
     if known.is_empty() {
@@ -41,15 +42,15 @@ pub(crate) fn tours(problem: &Problem<'_>) -> Vec<Paths> {
     tours
 }
 
-/// The cells of hotspots whose prior is one cell.
+/// Returns the cells of hotspots with a prior of one cell.
 fn known_cells(problem: &Problem<'_>) -> Vec<Cell> {
     let sites = problem.odds.sites();
     let known = problem.draws.iter().filter(|draw| draw.cells == 1);
     known.map(|draw| sites[draw.sites.start]).collect()
 }
 
-/// The team that is free first takes the hotspot that it reaches first; when none is left, all are
-/// visited again.
+/// Makes one tour. The team that is free first takes the hotspot that it reaches first. When none
+/// is left, all are visited again.
 fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64) -> Paths {
     let uavs = problem.situation.cells.len();
     let team_of = |uav: usize| uav * teams / uavs;
@@ -97,7 +98,8 @@ fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64) -> Path
     recorder.finish()
 }
 
-/// Expected steps until a team in the hotspot's cell has a quorum of positives in one step.
+/// Returns the expected steps until a team in the hotspot's cell has a quorum of positives in one
+/// step.
 fn steps_to_quorum(problem: &Problem<'_>, members: usize) -> f64 {
     let odds = &problem.odds;
     let here = Cell::default();

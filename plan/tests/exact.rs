@@ -1,4 +1,4 @@
-//! The objective against plain recomputation and against flown missions.
+//! Tests of the objective against plain recomputation and against simulated episodes.
 
 use core::ops::ControlFlow;
 
@@ -28,7 +28,7 @@ fn planned(model: &Model<'_>) -> Plan {
     search(model, &BRIEF, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Mission time of each flown mission; the horizon where it does not end.
+/// Returns the time of each simulated episode in steps; the horizon if it does not end.
 fn fly(model: &Model<'_>, plan: &Plan, hotspots: Option<&[Cell]>, missions: u64) -> Vec<f64> {
     let mut sim = Sim::new(model);
     let mut follower = Follower::new(plan.clone());
@@ -68,7 +68,7 @@ fn is_near(mean: f64, error: f64, expected: f64) {
 /// A wrong B, D, F or G of the annealing would end in another value than that of the plain sums.
 #[test]
 fn the_annealing_counts_as_the_plain_sums_do() {
-    // So few steps that the annealing looks at all of them.
+    // The steps are so few that the annealing evaluates all of them.
     let config = Config {
         horizon_steps: 9,
         ..small(Preset::Search)
@@ -173,7 +173,7 @@ fn a_callback_ends_the_annealing_and_keeps_the_best() {
     assert!(plan.expected.steps <= plan.start_steps);
 }
 
-/// Batteries that last for a dozen steps, and some that are empty at first.
+/// Some batteries last for a dozen steps, and some are empty at first.
 #[test]
 fn batteries_are_respected() {
     for least in [0.0, 0.3] {
