@@ -1,4 +1,4 @@
-//! What a UAV's action means: a motion and a pilot density.
+//! Actions of UAVs: a motion and a pilot density.
 
 use crate::error::Error;
 use crate::lanes::{self, Block, at_width, ones};
@@ -18,7 +18,7 @@ pub enum Motion {
     Left = 2,
     /// +x
     Right = 3,
-    /// No change.
+    /// The UAV stays in its cell.
     Stay = 4,
 }
 
@@ -26,7 +26,7 @@ impl Motion {
     /// All motions, in the order of the bins.
     pub const ALL: [Self; 5] = [Self::Up, Self::Down, Self::Left, Self::Right, Self::Stay];
 
-    /// (Δx, Δy).
+    /// The offset (Δx, Δy) of the motion, in cells.
     #[inline(always)]
     #[must_use]
     pub const fn offset(self) -> (i32, i32) {
@@ -39,7 +39,7 @@ impl Motion {
         }
     }
 
-    /// Centre of the motion's bin: an action component that means this motion.
+    /// The action component for this motion: the centre of its bin in [-1, 1].
     #[must_use]
     pub const fn to_action(self) -> f32 {
         match self {
@@ -52,7 +52,7 @@ impl Motion {
     }
 }
 
-/// Clips to [-1, 1]; the identity inside. NaN becomes -1 (callers refuse NaN before).
+/// Clips a value to [-1, 1]. NaN becomes -1, but callers refuse NaN before.
 // Proof: proofs/action.rs, clip_is_total
 #[inline(always)]
 #[must_use]
@@ -66,7 +66,8 @@ pub fn clip(value: f32) -> f32 {
     }
 }
 
-/// The motion k = min(4, floor((u + 1)/2 · 5)), u clipped.
+/// The motion with index k = min(4, floor((u + 1)/2 · 5)) in [`Motion::ALL`], for `u_dir` clipped
+/// to [-1, 1].
 #[inline(always)]
 #[must_use]
 pub fn motion(u_dir: f32) -> Motion {
@@ -79,7 +80,7 @@ pub fn motion(u_dir: f32) -> Motion {
     }
 }
 
-/// (Δx, Δy) of [`motion`], without a branch.
+/// The offset (Δx, Δy) of [`motion`], computed without a branch.
 #[inline(always)]
 fn direction(u_dir: f32) -> (i32, i32) {
     // Halving is exact, so (u + 1)/2 · 5 = (u + 1) · 2.5 with one rounding.
@@ -89,7 +90,8 @@ fn direction(u_dir: f32) -> (i32, i32) {
     (right, up)
 }
 
-/// ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), u clipped, the result clipped to [ρ_min, ρ_max].
+/// The pilot density ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), for `u_pilot` clipped to [-1, 1]. The
+/// result is clipped to [ρ_min, ρ_max].
 // Proof: proofs/action.rs, pilot_density_stays_in_range
 #[inline(always)]
 #[must_use]
@@ -104,8 +106,8 @@ pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
     }
 }
 
-/// Every UAV's action: its pilot density, then its motion, unless its battery grounds it or sends
-/// it home.
+/// Applies every UAV's action: its pilot density, then its motion. A UAV with an empty battery
+/// stays, and one with a low battery moves toward a depot.
 // Proof: proofs/step.rs, beginning_a_step_keeps_the_state_valid
 #[inline(always)]
 pub(crate) fn act(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) {
@@ -167,13 +169,13 @@ pub fn pilot_action(density: f64, min: f64, max: f64) -> f32 {
     }
 }
 
-/// Refuses actions with a NaN, and says where the first is.
+/// Refuses actions that contain NaN.
 ///
 /// # Errors
-/// [`Error::ActionNan`].
+/// [`Error::ActionNan`] with the position of the first NaN.
 #[inline(always)]
 pub fn refuse_nan(actions: &[f32]) -> Result<(), Error> {
-    // All of them, without a way out on the first, are a few vector instructions.
+    // A loop over all values without an early exit compiles to a few vector instructions.
     let mut any = false;
     for value in actions {
         any |= value.is_nan();

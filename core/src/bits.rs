@@ -1,6 +1,6 @@
 //! Sets of small integers as rows of 64-bit words.
 
-/// Words that hold `count` bits.
+/// Number of `u64` words that hold `count` bits.
 #[inline(always)]
 #[must_use]
 pub const fn words_for(count: usize) -> usize {
@@ -53,7 +53,7 @@ pub fn set_range(row: &mut [u64], begin: usize, end: usize) {
     }
 }
 
-/// How many of the bits in `begin..end` are set.
+/// Number of set bits in `begin..end`.
 #[inline]
 #[must_use]
 pub fn count_range(row: &[u64], begin: usize, end: usize) -> usize {
@@ -64,7 +64,7 @@ pub fn count_range(row: &[u64], begin: usize, end: usize) -> usize {
     total
 }
 
-/// How many bits are set.
+/// Number of set bits.
 #[inline(always)]
 #[must_use]
 pub fn count(row: &[u64]) -> usize {

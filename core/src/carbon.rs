@@ -8,7 +8,7 @@ use crate::reward::Happenings;
 use crate::rng::{self, Purpose};
 use crate::state::StateMut;
 
-/// Parts of a billion.
+/// Parts in a billion.
 const BILLION: u64 = 1_000_000_000;
 /// nanograms = microjoules · (mg/kWh) / this: 3.6e12 uJ in a kWh, 1e6 ng in a mg.
 const UJ_MG_PER_KWH_NG: u64 = 3_600_000;
@@ -28,13 +28,13 @@ pub fn kilograms(nanograms: u64) -> f64 {
 /// The carbon constants of a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarbonPlan {
-    /// Lowest intensity of the grid.
+    /// Lowest carbon intensity of the grid, in mg/kWh.
     pub intensity_min_mg_per_kwh: u64,
-    /// Highest intensity of the grid.
+    /// Highest carbon intensity of the grid, in mg/kWh.
     pub intensity_max_mg_per_kwh: u64,
     /// Share of grid energy, 1 - ρ_RE, in parts of a billion.
     pub grid_share_ppb: u64,
-    /// What charging bills.
+    /// The energy that charging bills.
     pub billing: ChargeBilling,
 }
 
@@ -59,7 +59,7 @@ impl CarbonPlan {
         self.intensity_min_mg_per_kwh + rng::below(draw, span)
     }
 
-    /// Intensity as a fraction of its range; 0 where the range is a point.
+    /// Intensity as a fraction of its range, in [0, 1]; 0 if the range is one value.
     #[must_use]
     pub fn normalised(&self, intensity_mg_per_kwh: u64) -> f64 {
         let span = self.intensity_max_mg_per_kwh - self.intensity_min_mg_per_kwh;
@@ -69,7 +69,7 @@ impl CarbonPlan {
         (intensity_mg_per_kwh - self.intensity_min_mg_per_kwh) as f64 / span as f64
     }
 
-    /// The part of what was billed that comes from the grid: e_grid = (1 - ρ_RE) · billed.
+    /// The billed energy that comes from the grid: e_grid = (1 - ρ_RE) · billed, in microjoules.
     #[inline]
     #[must_use]
     pub fn grid_uj(&self, billed_uj: u64) -> u64 {
@@ -77,20 +77,21 @@ impl CarbonPlan {
     }
 }
 
-/// Carbon of grid energy: e_grid · c_t.
+/// Carbon of grid energy, e_grid · c_t, in nanograms.
 #[inline]
 #[must_use]
 pub fn emitted_ng(grid_uj: u64, intensity_mg_per_kwh: u64) -> u64 {
     scale(grid_uj, intensity_mg_per_kwh, UJ_MG_PER_KWH_NG)
 }
 
-/// A UAV's share of the carbon of its fleet: as its part of what was billed. The carbon itself is
-/// rounded once, for the fleet; a share need not be whole.
+/// A UAV's share of its fleet's carbon in nanograms, in proportion to the energy billed to it.
+///
+/// The carbon is rounded once, for the fleet; a share need not be a whole number.
 // Proof: proofs/reward.rs, a_share_of_carbon_is_within_the_whole
 #[inline(always)]
 #[must_use]
 pub fn share_ng(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {
-    // Where the fleet is billed nothing, so is the UAV: its share is 0 of anything.
+    // If nothing is billed to the fleet, nothing is billed to the UAV, and its share is 0.
     let fleet = if billed_fleet_uj == 0 {
         1.0
     } else {
@@ -98,12 +99,12 @@ pub fn share_ng(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f64 {
     };
     let whole = co2_ng as f64;
     let share = whole * (billed_uj as f64 / fleet);
-    // Never more than the whole, whatever the rounding.
+    // Rounding must not raise a share above the whole.
     if share > whole { whole } else { share }
 }
 
-/// Grid energy and carbon of what the fleet was billed, each rounded once a step; then the next
-/// intensity. Gives the carbon in nanograms.
+/// Adds the grid energy and the carbon of a step, each rounded once, and draws the next intensity.
+/// Returns the carbon in nanograms.
 #[inline(always)]
 pub(crate) fn emit(
     model: &Model<'_>,
@@ -126,7 +127,7 @@ pub(crate) fn emit(
     co2_ng
 }
 
-/// value · factor / divisor, rounded half up, exact in 128 bits.
+/// value · factor / divisor, computed exactly in 128 bits and rounded half up.
 #[inline]
 #[must_use]
 pub fn scale(value: u64, factor: u64, divisor: u64) -> u64 {

@@ -37,19 +37,19 @@ pub fn kwh(microjoules: u64) -> f64 {
 /// The energy constants of a configuration, per UAV and step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyPlan {
-    /// Battery capacity (B_max).
+    /// Battery capacity (B_max), in microjoules.
     pub capacity_uj: u64,
-    /// Charge below which a UAV returns to base.
+    /// Charge in microjoules below which a UAV returns to base.
     pub rtb_uj: u64,
-    /// What a charger offers in a step (r_ch).
+    /// Energy that a charger offers in a step (r_ch), in microjoules.
     pub charge_uj: u64,
-    /// A step that changes the cell (e_move).
+    /// Energy of a step that changes the cell (e_move), in microjoules.
     pub move_uj: u64,
-    /// A step in place.
+    /// Energy of a step in place, in microjoules.
     pub hover_uj: u64,
-    /// Sensing at the highest pilot density.
+    /// Energy of sensing at the highest pilot density, in microjoules.
     pub sense_uj: u64,
-    /// Communicating with the whole waveform.
+    /// Energy of communicating with the whole waveform, in microjoules.
     pub comm_uj: u64,
     sense_uj_per_density: f64,
 }
@@ -71,7 +71,7 @@ impl EnergyPlan {
         }
     }
 
-    /// No step asks for more than this.
+    /// Upper bound of the energy that a step requests, in microjoules.
     #[must_use]
     pub fn most_asked_uj(&self) -> u64 {
         let travel = if self.move_uj > self.hover_uj {
@@ -82,8 +82,8 @@ impl EnergyPlan {
         travel + self.sense_uj + self.comm_uj
     }
 
-    /// What a step asks for of a UAV that flies, senses and has a neighbour: the most at its pilot
-    /// density.
+    /// Energy in microjoules that a step requests if the UAV flies, senses and has a neighbour.
+    /// This is the maximum at its pilot density.
     #[must_use]
     pub fn most_asked_at_uj(&self, moved: bool, pilot_density: f64) -> u64 {
         let did = Activity {
@@ -95,13 +95,14 @@ impl EnergyPlan {
         self.asked_uj(did, pilot_density)
     }
 
-    /// What a UAV's step asks for: propulsion, sensing (e_sense · ρ_pilot/ρ_max) and communication
-    /// (e_comm · ρ_comm); without a branch.
+    /// Energy that a UAV's step requests: propulsion, sensing (e_sense · ρ_pilot/ρ_max) and
+    /// communication (e_comm · ρ_comm). It is computed without a branch.
     #[inline(always)]
     #[must_use]
     pub(crate) fn asked_uj(&self, did: Activity, pilot_density: f64) -> u64 {
         let travel = did.moved & self.move_uj | !did.moved & self.hover_uj;
-        // Rounded half up. At most some kilowatt-hours: far below 2^51.
+        // Both are rounded half up. They are a few kilowatt-hours at most, far below 2^51
+        // microjoules.
         let sense = whole(self.sense_uj_per_density * pilot_density + 0.5);
         let comm = whole(self.comm_uj as f64 * (1.0 - pilot_density) + 0.5);
         let sense = at_most(sense, self.sense_uj) & did.sensing;
@@ -110,20 +111,21 @@ impl EnergyPlan {
     }
 }
 
-/// What a UAV did in a step, as far as its battery is concerned: all ones for yes, 0 for no.
+/// Activity of a UAV in a step, which decides its energy. Each field is all ones for true, 0 for
+/// false.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Activity {
     /// Its battery was not empty at the start of the step.
     pub(crate) flies: u64,
     /// Its cell changed.
     pub(crate) moved: u64,
-    /// It did not know some hotspot when it sensed.
+    /// It did not know all hotspots when it sensed.
     pub(crate) sensing: u64,
     /// It has a neighbour.
     pub(crate) linked: u64,
 }
 
-/// Every battery spends and charges.
+/// Settles the energy of every battery for the step.
 #[inline(always)]
 pub(crate) fn settle_fleet(
     model: &Model<'_>,
@@ -136,14 +138,14 @@ pub(crate) fn settle_fleet(
     settled
 }
 
-/// Sums over the UAVs of a step.
+/// Sums over the UAVs for a step.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Settled {
     pub(crate) spent_uj: u64,
     pub(crate) billed_uj: u64,
-    /// UAVs that changed their cell.
+    /// Number of UAVs that changed their cell.
     pub(crate) moves: u64,
-    /// Of pilot densities.
+    /// Sum of the pilot densities.
     pub(crate) pilot: f64,
 }
 
@@ -198,7 +200,7 @@ fn settle_in<const W: usize>(
     block.store(&total_shortfall, state.shortfall);
     block.store(&spent, tally.spent_uj);
     block.store(&billed, tally.billed_uj);
-    // A spare lane asks for nothing and is offered nothing.
+    // A spare lane requests no energy and receives no offer.
     sums.spent_uj += lanes::sum(&spent);
     sums.billed_uj += lanes::sum(&billed);
     sums.moves += moves;
@@ -207,7 +209,7 @@ fn settle_in<const W: usize>(
     }
 }
 
-/// What each UAV of a block asks its battery for, and how many of them changed their cell.
+/// Energy that each UAV of a block requests, and the number of UAVs that changed their cell.
 #[inline(always)]
 fn asked<const W: usize>(
     model: &Model<'_>,
@@ -244,17 +246,17 @@ fn asked<const W: usize>(
     (asked, u64::from(moves))
 }
 
-/// What a step did to a battery.
+/// Result of a step for one battery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(kani, derive(kani::Arbitrary))]
 pub struct Settlement {
-    /// Charge after the step.
+    /// Charge after the step, in microjoules.
     pub battery_uj: u64,
-    /// Energy spent.
+    /// Energy spent, in microjoules.
     pub spent_uj: u64,
-    /// Energy accepted from a charger.
+    /// Energy accepted from a charger, in microjoules.
     pub accepted_uj: u64,
-    /// Energy asked for that was not there.
+    /// Energy requested that the battery lacked, in microjoules.
     pub shortfall_uj: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The radio graph: who hears whom, and the throughput of each UAV in it.
+//! The radio graph: the pairs of UAVs that hear each other, and the throughput of each UAV.
 
 use crate::bits;
 use crate::config::Cell;
@@ -8,16 +8,16 @@ use crate::scratch::Scratch;
 use crate::state::StateMut;
 use crate::word::stored;
 
-/// Up to this many UAVs, looking at every pair beats sorting them into buckets.
+/// Largest fleet for which checking every pair is faster than sorting the UAVs into buckets.
 const FEW: usize = 48;
 
-/// How many UAVs a block meets at a time: the table is read for all of them before the first is
-/// compared.
+/// Number of UAVs with which a block is compared at a time. The table is read for all of them
+/// before the first comparison.
 pub(crate) const fn tile(width: usize) -> usize {
     if width == 1 { lanes::WIDE } else { width }
 }
 
-/// Whether a fleet's links are looked for pair by pair. Its sets of UAVs are then a word each.
+/// Whether a fleet's links are found pair by pair. Each of its sets of UAVs is then one word.
 pub(crate) const fn by_pairs(uavs: usize) -> bool {
     uavs <= FEW
 }
@@ -34,7 +34,7 @@ pub(crate) fn build_graph(model: &Model<'_>, state: &mut StateMut<'_>, scratch: 
     }
 }
 
-/// Graph and throughput in one pass over the pairs.
+/// Finds the links and the throughput in one pass over the pairs.
 #[inline(always)]
 pub(crate) fn link_by_pairs<const W: usize>(
     model: &Model<'_>,
@@ -51,7 +51,7 @@ pub(crate) fn link_by_pairs<const W: usize>(
     average_throughput(model, state);
 }
 
-/// A UAV that communicates.
+/// A UAV with the quantities that decide its links.
 #[derive(Clone, Copy)]
 struct Radio {
     uav: usize,
@@ -70,18 +70,19 @@ impl Radio {
     }
 }
 
-/// Whether two UAVs hear each other, given their loads: η_ij and η_ji both reach η_link.
+/// Whether two UAVs with communication loads `a` and `b` hear each other: η_ij and η_ji both reach
+/// η_link.
 #[inline(always)]
 pub(crate) fn hear_each_other(a: f64, b: f64, full_throughput: f64, least: f64) -> bool {
     let least_load = if a < b { a } else { b };
     least_load * full_throughput >= least
 }
 
-/// The links of a block's UAVs, and the sums of their throughput over them. A UAV meets the others
-/// in ascending order, so that the sum is that of [`measure_throughput`].
+/// Finds the links of a block's UAVs, and the sums of their throughput over these links. A UAV is
+/// compared with the others in ascending order, so that the sum is that of [`measure_throughput`].
 ///
-/// A wide block meets the whole fleet. A single UAV meets those before it, and adds itself to their
-/// links: so each pair is met once, which for vectors would cost more than it saves.
+/// A wide block is compared with the whole fleet. A single UAV is compared with those before it,
+/// and is added to their links. So each pair is compared once, which would not pay with vectors.
 #[inline(always)]
 fn meet<const W: usize>(
     model: &Model<'_>,
@@ -114,7 +115,7 @@ fn meet<const W: usize>(
             full.gather_into(&cells, Cell::from_word(cell), throughput);
         }
         if first <= block.first && block.first < last {
-            // A UAV is no neighbour of itself: nothing is above NaN.
+            // A UAV is not its own neighbour: no comparison with NaN is true.
             for (lane, &index) in block.indices().iter().enumerate() {
                 throughput[block.first - first + index as usize][lane] = f64::NAN.to_bits();
             }

@@ -1,5 +1,5 @@
-//! OR-consensus over the radio graph: each connected component comes to hold the union of what its
-//! members know of hotspots, and of the cells that they have looked at.
+//! OR-consensus over the radio graph. All UAVs of a connected component receive the union of the
+//! hotspots that its members know, and the union of their search maps.
 
 use crate::bits;
 use crate::model::Model;
@@ -48,8 +48,8 @@ pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happ
         happened.newly_informed += u64::from(state.informed_at[j] == t);
     }
     happened.informed = bits::count(state.informed) as u64;
-    // Only confirmed hotspots are ever known, so that the bits known, over N times the hotspots
-    // confirmed, are the mean over these of the fraction that knows them.
+    // Only confirmed hotspots are known. So the number of known bits, divided by N times the number
+    // of confirmed hotspots, is the mean fraction of UAVs that know a confirmed hotspot.
     let confirmed = bits::count(state.confirmed);
     if confirmed > 0 {
         let known = bits::count(state.knowledge);
@@ -57,10 +57,11 @@ pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happ
     }
 }
 
-/// Gives every UAV the union of its component's rows: the fixed point that the paper's N iterations
-/// of k_i ← k_i ∨ k_neighbours reach, whatever the bits of a row stand for.
+/// Gives every UAV the union of the rows of its connected component.
 ///
-/// `links` and `rows` hold a row of bits per UAV, `links` symmetric. `order` (a word per UAV),
+/// The union is the fixed point that the paper's N iterations of k_i ← k_i ∨ k_neighbours reach.
+///
+/// `links` and `rows` hold a row of bits per UAV; `links` is symmetric. `order` (a word per UAV),
 /// `unreached` (a set of UAVs) and `union` (one row) are working memory. Each UAV enters `order`
 /// once, which bounds every loop.
 // Proof: proofs/knowledge.rs, consensus_equals_the_papers_iterations
@@ -114,8 +115,7 @@ pub fn consensus(
     }
 }
 
-/// [`consensus`] where a word holds the fleet and another a row: the component found so far is a
-/// set.
+/// [`consensus`] for at most 64 UAVs and 64 hotspots: one word holds the component found so far.
 // Proof: proofs/knowledge.rs, fast_consensus_equals_the_papers_iterations
 #[inline(always)]
 pub(crate) fn consensus_of_words(links: &[u64], rows: &mut [u64]) {

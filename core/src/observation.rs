@@ -1,4 +1,4 @@
-//! What each UAV sees, and the global state that a centralised critic sees.
+//! Observations of each UAV, and the global state for a centralised critic.
 
 pub mod fields;
 
@@ -15,23 +15,23 @@ use crate::scratch::Scratch;
 use crate::search::unsearched_shares;
 use crate::state::StateRef;
 
-/// Hotspots that are written at a time, and what a UAV sees of each.
+/// Number of hotspots that are written at a time, and entries of each.
 const TARGETS: usize = 8;
 const TARGET: usize = 4;
 
-/// The bits of 1.
+/// The bits of 1.0 as f32.
 const ONE: u32 = 1.0f32.to_bits();
 
-/// Hotspots whose entries are worked out side by side.
+/// Number of hotspots whose entries are computed together.
 const QUARTET: usize = ENTRIES / TARGET;
 
-/// UAVs whose rows are written at a time.
+/// Number of UAVs whose rows are written at a time.
 const ROWS: usize = 16;
 /// The set of four hotspots.
 const ALL: usize = (1 << QUARTET) - 1;
 
-/// By a set of four hotspots the bits of 1 for those entries of theirs that say what the UAV knows,
-/// and all ones for those that say where they are.
+/// Masks for each set of four hotspots. `KNOWN` has the bits of 1.0 in the entries for knowledge,
+/// and `POSITIONS` has all ones in the entries for positions.
 static KNOWN: [[u32; ENTRIES]; ALL + 1] = entries([0, 0, 0, ONE]);
 static POSITIONS: [[u32; ENTRIES]; ALL + 1] = entries([u32::MAX, u32::MAX, 0, 0]);
 
@@ -50,19 +50,27 @@ const fn entries(bits: [u32; TARGET]) -> [[u32; ENTRIES]; ALL + 1] {
     sets
 }
 
-/// Entries of what a UAV sees of itself.
+/// Number of entries about the UAV itself.
 const OWN: usize = 5;
 
-/// Entries of connectivity, sustainability and progress.
+/// Number of entries for connectivity, sustainability and progress.
 const COMMON: usize = 6;
 
-/// Writes the observation of every UAV, one after the other.
+/// Writes the observation of every UAV, `[N][observation_len]`, row by row.
 ///
-/// In order: self (x, y, SoC, pilot density, η̄_i), each hotspot (Δx, Δy, confirmed, known), each
-/// neighbour slot (present, Δx, Δy), connectivity, sustainability (carbon intensity, depot
-/// distance), progress (confirmed, informed, time), then what the configuration adds: a window of
-/// the search map, the unsearched share of each direction, a tag. [`fields::fields`] names every
-/// entry.
+/// A row has these entries in order; [`fields::fields`] names each:
+///
+/// - the UAV itself: x, y, state of charge, pilot density, η̄_i;
+/// - for each hotspot: Δx, Δy, confirmed, known;
+/// - for each neighbour slot, nearest first: present, Δx, Δy;
+/// - connectivity: the fraction of the other UAVs that are neighbours;
+/// - sustainability: carbon intensity, distance to the nearest depot;
+/// - progress: fractions of hotspots confirmed and informed, fraction of the horizon;
+/// - the entries that the configuration adds: a window of the search map, the unsearched fraction
+///   in each direction, a tag.
+///
+/// Positions and offsets are divided by the extent of the grid less 1. Positions, fractions,
+/// charge, pilot density, intensity and depot distance are in [0, 1], and offsets in [−1, 1].
 ///
 /// # Errors
 /// [`Error::Length`] unless `out` has N · [`Model::observation_len`] elements.
@@ -118,7 +126,7 @@ pub(crate) fn observe_here(
                 }
             }
         }
-        // After the neighbours, whose last slot is written with one real more.
+        // These entries come after the neighbours, whose last slot is stored with one extra real.
         at_width!(model, write_own(&view, first..end, rows));
         if view.common + COMMON < len {
             for (i, row) in (first..).zip(rows.chunks_exact_mut(len)) {
@@ -129,8 +137,8 @@ pub(crate) fn observe_here(
     Ok(())
 }
 
-/// What each UAV sees of itself, and what stands behind its neighbours: connectivity,
-/// sustainability, progress.
+/// Writes the entries about the UAV itself, and those for connectivity, sustainability and
+/// progress.
 #[inline(always)]
 fn write_own<const W: usize>(view: &View<'_>, uavs: Range<usize>, rows: &mut [f32]) {
     let len = view.model.observation_len();
@@ -153,9 +161,11 @@ fn write_own<const W: usize>(view: &View<'_>, uavs: Range<usize>, rows: &mut [f3
     }
 }
 
-/// Writes the global state: per UAV (x, y, SoC, pilot density, η̄_i, fraction of hotspots known),
-/// per hotspot (x, y, confirmed, fraction of UAVs that know it), then carbon intensity and progress
-/// (confirmed, informed, time).
+/// Writes the global state, 6 N + 4 n + 4 reals, normalised as in [`observe`].
+///
+/// - For each UAV: x, y, state of charge, pilot density, η̄_i, fraction of hotspots known.
+/// - For each hotspot: x, y, confirmed, fraction of UAVs that know it.
+/// - Carbon intensity, then progress: fractions confirmed, informed and of the horizon.
 ///
 /// # Errors
 /// [`Error::Length`] unless `out` has [`Model::global_len`] elements.
@@ -194,14 +204,14 @@ pub fn observe_global(
     Ok(())
 }
 
-/// What all UAVs of a state see alike, worked out once.
+/// Quantities that all observations of a state share, computed once.
 struct View<'v> {
     model: &'v Model<'v>,
     state: &'v StateRef<'v>,
     offset_x: &'v [u64],
     offset_y: &'v [u64],
-    /// Where the neighbour slots begin in a row, and where connectivity, sustainability and
-    /// progress do.
+    /// Position in a row at which the neighbour slots begin. `common` is the position of
+    /// connectivity, sustainability and progress.
     slots: usize,
     common: usize,
     per_capacity: f64,
@@ -216,7 +226,7 @@ struct View<'v> {
     progress: [f32; 3],
 }
 
-/// The tag of a UAV by its index, i/(N-1): what `uav_tag = "index"` shows.
+/// The tag of a UAV for `uav_tag = "index"`: i/(N-1), in [0, 1].
 #[must_use]
 pub fn index_tag(index: usize, uav_count: usize) -> f32 {
     (index as f64 * inverse((uav_count - 1) as f64)) as f32
@@ -270,7 +280,7 @@ impl<'v> View<'v> {
         )
     }
 
-    /// Offsets from a cell: the tables hold 0 at extent - 1.
+    /// The tables of offsets from a cell, which hold 0 at extent - 1.
     #[inline(always)]
     fn from(&self, cell: Cell) -> From<'_> {
         let config = self.model.config();
@@ -330,7 +340,7 @@ impl<'v> View<'v> {
         (connection, to_depot)
     }
 
-    /// What the configuration adds: a window of the map, the unsearched shares, a tag.
+    /// Writes the entries that the configuration adds: map window, unsearched fractions, tag.
     fn write_added(&self, i: usize, out: &mut [f32]) {
         let cell = self.state.cell(i);
         let (window, rest) = out.split_at_mut(self.model.window_len());
@@ -348,14 +358,15 @@ impl<'v> View<'v> {
         }
     }
 
-    /// The map around the cell, row by row from below: 1 unsearched, 0 searched, -1 off the grid.
+    /// Writes the map around the cell, row by row from -y: 1 unsearched, 0 searched, -1 off the
+    /// grid.
     fn write_window(&self, i: usize, cell: Cell, out: &mut [f32]) {
         let config = self.model.config();
         let (radius, map) = (config.map_window_radius, self.state.searched_of(i));
         let side = 2 * radius + 1;
         for (row, dy) in out.chunks_exact_mut(side as usize).zip(0..side) {
             for (value, dx) in row.iter_mut().zip(0..side) {
-                // Off the grid on the low side, the difference wraps to above any size.
+                // A cell below 0 wraps to a number above any size.
                 let x = (cell.x + dx).wrapping_sub(radius);
                 let y = (cell.y + dy).wrapping_sub(radius);
                 let there = Cell { x, y };
@@ -368,19 +379,19 @@ impl<'v> View<'v> {
         }
     }
 
-    /// What tells UAV i apart.
+    /// The tag of UAV i.
     fn tag(&self, i: usize) -> f32 {
         index_tag(i, self.model.uav_count())
     }
 
-    /// What every UAV sees of each hotspot, (Δx/(W-1), Δy/(H-1), confirmed, known), eight hotspots
-    /// at a time. Where there is room in its row, eight are written where fewer are left: what
-    /// follows them is written later.
+    /// Writes (Δx/(W-1), Δy/(H-1), confirmed, known) of each hotspot for every UAV, eight hotspots
+    /// at a time. If fewer than eight are left and the row has room, eight are written, because the
+    /// entries after them are written later.
     #[inline(always)]
     fn write_targets<const HIDDEN: bool>(&self, uavs: Range<usize>, out: &mut [f32]) {
         let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
-        // (x, y, 0, 0) of each UAV, all before the first is read: a load waits for stores that it
-        // spans.
+        // (x, y, 0, 0) of each UAV. All are stored before the first is read, because a load that
+        // spans recent stores waits for them.
         let mut observers = [0.0; ROWS * TARGET];
         let cells = self.state.cells[uavs.clone()].iter();
         for (own, &cell) in observers.chunks_exact_mut(TARGET).zip(cells) {
@@ -413,7 +424,7 @@ impl<'v> View<'v> {
         }
     }
 
-    /// Fills the slots with the nearest neighbours, ties to the lower index.
+    /// Fills the slots with the nearest neighbours; ties go to the lower index.
     #[inline(always)]
     fn write_neighbours(&self, i: usize, keys: &mut [u64], out: &mut [f32]) {
         let cell = self.state.cell(i);
@@ -444,10 +455,10 @@ impl<'v> View<'v> {
     }
 }
 
-/// Eight hotspots, in parts that are worked out side by side.
+/// Entries of eight hotspots, in parts that are computed together.
 const PARTS: usize = TARGETS * TARGET / ENTRIES;
 
-/// What a UAV at (x, y, 0, 0), over and over, sees of eight hotspots, of which it knows some.
+/// Entries of eight hotspots for one UAV. The UAV's place is (x, y, 0, 0), repeated.
 #[inline(always)]
 fn see<const HIDDEN: bool>(
     own: &[f32; ENTRIES],
@@ -487,11 +498,11 @@ fn targets(words: &[u64], confirmed: u64) -> [f32; TARGETS * TARGET] {
     targets
 }
 
-/// Up to this many keys, insertion beats a general sort: neighbours in one cell are in order
-/// already.
+/// Largest number of keys for which insertion sort is used. It is faster than a general sort there,
+/// because neighbours in one cell are already in order.
 const FEW: usize = 24;
 
-/// Moves the smallest `count` keys to the front, ascending.
+/// Moves the smallest `count` keys to the front, in ascending order.
 #[inline(always)]
 fn nearest_first(keys: &mut [u64], count: usize) {
     if keys.len() <= FEW {

@@ -9,8 +9,7 @@ use crate::scratch::{Scratch, Tally};
 use crate::state::StateMut;
 use crate::word::stored;
 
-/// Works out both potentials of each UAV in the present state, and their means, and stores them;
-/// all are 0 in a terminal state.
+/// Computes and stores both potentials of each UAV and their means; all are 0 in a terminal state.
 #[inline(always)]
 pub(crate) fn update(
     model: &Model<'_>,
@@ -31,7 +30,7 @@ pub(crate) fn update(
     state.header.set_charge_potential(charge);
 }
 
-/// Keeps the potentials of each UAV before the step.
+/// Saves the potentials of each UAV from before the step.
 #[inline(always)]
 pub(crate) fn keep(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_>) {
     at_width!(model, keep_in_blocks(model, state, tally));
@@ -45,7 +44,7 @@ fn keep_in_blocks<const W: usize>(model: &Model<'_>, state: &StateMut<'_>, tally
     }
 }
 
-/// The goal potential and the charging potential.
+/// Computes the goal potential and the charging potential.
 #[inline(always)]
 fn both<const W: usize>(
     model: &Model<'_>,
@@ -55,8 +54,7 @@ fn both<const W: usize>(
     (goal::<W>(model, state, scratch), charge::<W>(model, state))
 }
 
-/// Whether two potentials can be those of a UAV or a fleet: each within its weights, but for
-/// rounding.
+/// Whether two potentials are legal for a UAV or a fleet: each within its weights, up to rounding.
 pub(crate) fn is_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
     let config = model.config();
     let slack = 1.000_001;
@@ -79,10 +77,10 @@ fn span(model: &Model<'_>) -> f64 {
 }
 
 /// Φ_i = -w_g · (Manhattan distance to the nearest unconfirmed hotspot / (W + H - 2) + w_u · U),
-/// with U the number of unconfirmed hotspots; 0 if there is none. Gives the mean.
+/// with U the number of unconfirmed hotspots; 0 if U is 0. Returns the mean over the fleet.
 ///
-/// A confirmation may leave UAVs as far from the next hotspot as the grid is wide, but takes one
-/// from U: with w_u of at least 1 it lowers no potential.
+/// After a confirmation the next hotspot may be as far away as the grid allows, but U is less by 1.
+/// So a confirmation lowers no potential if w_u is at least 1.
 #[inline(always)]
 fn goal<const W: usize>(
     model: &Model<'_>,
@@ -119,7 +117,7 @@ fn goal<const W: usize>(
     -(weight * (mean / span + unconfirmed))
 }
 
-/// Manhattan distance of each UAV of a block to the nearest of some hotspots; 0 without any.
+/// Manhattan distance of each UAV of a block to the nearest open hotspot; 0 without open hotspots.
 #[inline(always)]
 fn nearest<const W: usize>(block: Block<W>, state: &StateMut<'_>, open: &[u64]) -> Lanes<i32, W> {
     let cells = Cells::load(block, state.cells);
@@ -131,14 +129,14 @@ fn nearest<const W: usize>(block: Block<W>, state: &StateMut<'_>, open: &[u64]) 
             let distance = (cells.x[lane] - x).abs() + (cells.y[lane] - y).abs();
             nearest[lane] = nearest[lane].min(distance);
         }
-        // All UAVs and one hotspot at a time, not the other way round.
+        // The vectors run over UAVs, with one hotspot at a time.
         lanes::force_vector(&mut nearest);
     }
     nearest
 }
 
 /// Φ_i = w_c · (1 - soc_i) · g_t · (1 - depot distance / (W + H - 2)), with
-/// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min). Gives the mean.
+/// g_t = ρ_RE + (1 - ρ_RE) · (c_max - c_t)/(c_max - c_min). Returns the mean.
 #[inline(always)]
 fn charge<const W: usize>(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
     let (capacity_uj, span) = (model.energy().capacity_uj, span(model));

@@ -8,14 +8,14 @@ use crate::lanes::real;
 /// Speed of light in vacuum.
 pub const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
-/// Bound of the tabulated exponent; beyond it the probability is 0 or 1 to the last bit of a
-/// threshold.
+/// Bound of the tabulated exponent. Beyond it the probability equals 0 or 1 at the resolution of a
+/// draw.
 const EXPONENT_BOUND: f64 = 300.0;
 
-/// How many values a draw has.
+/// Number of values of a draw.
 const DRAWS: f64 = 4_294_967_296.0;
 
-/// Distance between the centres of two cells, at least R_min.
+/// Distance in metres between the centres of two cells, at least R_min.
 #[must_use]
 pub fn range_m(config: &Config, dx: u32, dy: u32) -> f64 {
     let squares = u64::from(dx) * u64::from(dx) + u64::from(dy) * u64::from(dy);
@@ -50,8 +50,10 @@ pub fn resolution_penalty_db(config: &Config, range_m: f64) -> f64 {
     10.0 * log10(1.0 + resolution_m / range_m)
 }
 
-/// γ_det: as given, or the SNR at the sensing range, or else the SNR at which one pulse reaches P_d
-/// at P_fa, by Albersheim's equation.
+/// The detection threshold γ_det in dB.
+///
+/// It is the configured value, or the SNR at the configured sensing range. Without both, it is the
+/// SNR at which one pulse reaches P_d at P_fa, by Albersheim's equation.
 ///
 /// W. J. Albersheim, "A closed-form approximation to Robertson's detection characteristics",
 /// Proc. IEEE 69(7), 1981, for one non-coherently integrated sample.
@@ -100,8 +102,8 @@ pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
     range_odds * load_odds
 }
 
-/// Whether a 32-bit draw is below p · 2^32, p = 1 / (1 + odds against): a whole number is below the
-/// whole part of a real if the next one is not above the real.
+/// Whether a 32-bit draw is below the whole part of p · 2^32, with p = 1 / (1 + odds against). A
+/// whole number is below the whole part of a real if the next whole number is not above the real.
 // Proof: proofs/tables.rs, a_lower_draw_detects_too
 #[inline(always)]
 #[must_use]

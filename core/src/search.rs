@@ -1,10 +1,10 @@
-//! Search maps: the cells that a UAV looks at, and the shares of a map that are left. Maps spread
-//! as knowledge does ([`crate::knowledge::consensus`]).
+//! Search maps: the cells that a UAV has searched, and the fractions of a map that are unsearched.
+//! Maps spread over the radio graph as knowledge does ([`crate::knowledge::consensus`]).
 
 use crate::bits;
 use crate::config::{Cell, Config};
 
-/// What a UAV looks at around its cell: offsets with Δx² + Δy² ≤ `squared`.
+/// The disc of cells that a UAV searches: offsets from its own cell with Δx² + Δy² ≤ `squared`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Disc {
     squared: u32,
@@ -68,17 +68,19 @@ impl Disc {
     }
 }
 
-/// Directions whose unsearched share an observation tells.
+/// Number of directions for which an observation has the unsearched fraction.
 pub const DIRECTIONS: usize = 8;
 
-/// The unsearched share of the cells in each direction from `cell`: right, up-right, up and on,
-/// counterclockwise. A cell lies up where |Δx| < |Δy|/2, right where |Δy| < |Δx|/2, up-right
-/// between; a direction that leaves the grid at once has a share of 0.
+/// Writes the unsearched fraction of the cells in each direction from `cell`.
+///
+/// The order is right, up-right, up, and so on counterclockwise. A cell lies up if |Δx| < |Δy|/2,
+/// right if |Δy| < |Δx|/2, and up-right between. A direction without cells has a fraction of 0.
 pub(crate) fn unsearched_shares(map: &[u64], cell: Cell, width: u32, height: u32, out: &mut [f32]) {
     let (mut cells, mut searched) = ([0usize; DIRECTIONS], [0usize; DIRECTIONS]);
     for y in 0..height {
         let away = y.abs_diff(cell.y);
-        // In this row: |Δx| below `straight` is up or down, |Δx| above 2 `away` right or left.
+        // In this row, |Δx| below `straight` means up or down, and |Δx| above 2 `away` right or
+        // left.
         let straight = if away == 0 { 1 } else { away.div_ceil(2) };
         let diagonal = 2 * away + 1;
         let row = (y * width) as usize;

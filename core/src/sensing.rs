@@ -1,5 +1,5 @@
-//! Sense and learn: what is looked at, independent detections, the quorum that confirms, who knows
-//! at once.
+//! Sensing and learning: search maps, independent detections, the quorum that confirms a hotspot,
+//! and the UAVs that learn it.
 
 use crate::bits;
 use crate::config::Cell;
@@ -10,11 +10,10 @@ use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
-/// Hotspots whose draws share a block of the generator.
+/// Number of hotspots whose draws share a block of the generator.
 const DRAWS: usize = 4;
 
-/// Every UAV that is not grounded looks around its cell: its search map then knows what lies within
-/// the radius.
+/// Adds the cells within the search radius of each UAV to its map, except for grounded UAVs.
 pub(crate) fn look_around(model: &Model<'_>, state: &mut StateMut<'_>) {
     let row = model.map_words();
     if row == 0 {
@@ -30,8 +29,10 @@ pub(crate) fn look_around(model: &Model<'_>, state: &mut StateMut<'_>) {
     }
 }
 
-/// Draws a detection for every UAV that is not grounded and every hotspot that it does not know;
-/// confirms hotspots with at least θ positives; UAVs learn what they detected and is confirmed.
+/// Draws a detection for every UAV that is not grounded and every hotspot that it does not know.
+///
+/// Hotspots with at least θ positive detections are confirmed. A UAV learns the confirmed hotspots
+/// that it detected.
 // Proof: proofs/step.rs, sensing_keeps_the_state_valid
 #[inline(always)]
 pub(crate) fn sense_and_learn(
@@ -45,8 +46,8 @@ pub(crate) fn sense_and_learn(
     conclude(model, state, positives);
 }
 
-/// As [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV, in place of
-/// the draws. A UAV asks for nothing where it is grounded or knows the hotspot.
+/// Does the same as [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV.
+/// A detection is ignored if the UAV is grounded or knows the hotspot.
 pub(crate) fn learn_from(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -74,7 +75,7 @@ pub(crate) fn learn_from(
     conclude(model, state, positives);
 }
 
-/// Confirms by quorum; UAVs learn what they detected and is confirmed.
+/// Confirms hotspots by quorum. A UAV learns the confirmed hotspots that it detected.
 #[inline(always)]
 fn conclude(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     confirm(model, state, positives);
@@ -92,7 +93,7 @@ fn detect_in_blocks<const W: usize>(
     }
 }
 
-/// The draws of a block's UAVs: a block of the generator for every four hotspots.
+/// Draws the detections of a block's UAVs, with one block of the generator for four hotspots.
 #[inline(always)]
 fn detect_in<const W: usize>(
     model: &Model<'_>,
@@ -184,7 +185,7 @@ pub const fn confirms(confirmed: bool, positives: u64, quorum: u64) -> bool {
     !confirmed && positives >= quorum
 }
 
-/// k_ij becomes 1 where UAV i detected j and j is confirmed.
+/// Sets k_ij to 1 if UAV i detected hotspot j and j is confirmed.
 #[inline(always)]
 pub fn learn(knowledge: &mut [u64], detected: &[u64], confirmed: &[u64]) {
     if let [confirmed] = confirmed {

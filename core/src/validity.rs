@@ -1,4 +1,4 @@
-//! What every state holds that a run of the kernel can lead to.
+//! Invariants of every state that a run of the kernel can reach.
 
 use crate::bits;
 use crate::carbon;
@@ -10,9 +10,10 @@ use crate::reward::OWN_KEPT;
 use crate::state::StateRef;
 
 impl StateRef<'_> {
-    /// Whether this is a state of the model that keeps every invariant. True after each reset, each
-    /// part of a step, each load and each call of a host; what proofs assume of a state, tests
-    /// check of every state reached.
+    /// Whether this state keeps every invariant of the model.
+    ///
+    /// It is true after each reset, each part of a step, each load and each call of a host. Proofs
+    /// assume it of a state, and tests check it for every state that they reach.
     #[must_use]
     pub fn is_valid(&self, model: &Model<'_>) -> bool {
         let Some(phase) = self.header.phase() else {
@@ -23,7 +24,7 @@ impl StateRef<'_> {
             && self.scalars_are_valid(model)
     }
 
-    /// All but the scalars that only the end of a step changes.
+    /// Checks all invariants except those of the scalars that only the end of a step changes.
     pub(crate) fn fleet_is_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
         self.time_is_bounded(model, phase)
             && self.uavs_are_valid(model)
@@ -45,7 +46,7 @@ impl StateRef<'_> {
             }
     }
 
-    /// Steps whose energy is settled: while a step is under way, those before it.
+    /// Number of steps whose energy is settled. Within a step these are the steps before it.
     pub(crate) fn settled_steps(&self) -> u64 {
         let under_way = matches!(
             self.header.phase(),
@@ -108,8 +109,8 @@ impl StateRef<'_> {
             && bits::is_subset(self.informed, self.confirmed)
     }
 
-    /// Only confirmed hotspots are known; informed are those that all know (once knowledge has
-    /// spread).
+    /// Checks that only confirmed hotspots are known, and that a hotspot is informed if all UAVs
+    /// know it (once knowledge has spread).
     fn knowledge_is_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
         let row = model.hotspot_words();
         for word in 0..row {
@@ -138,8 +139,8 @@ impl StateRef<'_> {
         }
     }
 
-    /// Links are symmetric, join two UAVs, and no grounded one (while a step is under way, the
-    /// links are those of the step before).
+    /// Checks that links are symmetric, join two different UAVs, and join no grounded UAV. Before
+    /// the communication of a step, the links are those of the step before.
     fn links_are_valid(&self, model: &Model<'_>) -> bool {
         let current = !matches!(self.header.phase(), Some(Phase::Moved | Phase::Sensed));
         for i in 0..model.uav_count() {
@@ -174,7 +175,7 @@ impl StateRef<'_> {
         bits::fits(self.visited, model.config().cell_count())
     }
 
-    /// Maps hold cells of the grid, among them that of each UAV that has looked since the reset.
+    /// Checks that maps hold cells of the grid, and each UAV's own cell if it has searched.
     fn maps_are_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
         if model.map_words() == 0 {
             return true;
@@ -191,7 +192,7 @@ impl StateRef<'_> {
         true
     }
 
-    /// The scalars that only the end of a step changes.
+    /// Checks the scalars that only the end of a step changes.
     pub(crate) fn scalars_are_valid(&self, model: &Model<'_>) -> bool {
         let header = &self.header;
         let plan = model.carbon();
@@ -229,8 +230,8 @@ impl StateRef<'_> {
             && self.uav_rewards_are_valid(model)
     }
 
-    /// Potentials in range, and rewards that are numbers. As the scalars, only the end of a step
-    /// changes them.
+    /// Checks that potentials are in range and rewards are finite. Only the end of a step changes
+    /// them.
     fn uav_rewards_are_valid(&self, model: &Model<'_>) -> bool {
         let mut numbers = true;
         for i in 0..model.uav_count() {
@@ -246,7 +247,7 @@ impl StateRef<'_> {
     }
 }
 
-/// No throughput that a legal configuration or host can give exceeds this.
+/// Largest throughput that a legal configuration or a host can give.
 pub(crate) const THROUGHPUT_MAX: f64 = 1e9;
 
 fn is_negative_zero(real: f64) -> bool {

@@ -5,36 +5,37 @@ use crate::lanes::{Block, Cells, Lanes, Lined, force_vector};
 use crate::model::Model;
 use crate::state::StateRef;
 
-/// Lanes of the one block that a fleet is ranked in: the exchanges below sort as many keys, less
-/// one.
+/// Number of lanes of the block in which a fleet is ranked. The exchanges below sort one key less.
 const WIDTH: usize = 16;
 
 /// Bits of a UAV's lane in a key; the squared distance takes the bits above.
 const LANE_BITS: u32 = WIDTH.trailing_zeros();
-/// Where no neighbour is: above every key, and with a lane that is spare, as the fleet does not
-/// fill all.
+/// Key of an absent neighbour. It is above every other key, and its lane is spare, because the
+/// fleet does not fill all lanes.
 const NONE: i16 = i16::MAX & !(WIDTH as i16 - 1) | SPARE as i16;
 const SPARE: usize = WIDTH / 2;
 
-/// Reals that place a UAV; the last is written over by the next slot.
+/// Number of reals that are stored for a neighbour; the next slot overwrites the last one.
 const PLACE: usize = 4;
-/// Reals of a slot.
+/// Number of reals of a slot.
 const SLOT: usize = 3;
-/// Slots that are written at a time.
+/// Number of slots that are written at a time.
 const SLOTS: usize = 7;
 
-/// Fewest UAVs: sorting fewer neighbours one UAV after the other costs less, and a spare lane takes
-/// half a block.
+/// Smallest fleet that is ranked here. For fewer UAVs, sorting one by one costs less, and a spare
+/// lane exists only from half a block on.
 const FEWEST: usize = WIDTH / 2;
-/// Most UAVs.
+/// Largest fleet that is ranked here.
 const UAVS: usize = WIDTH - 1;
 /// Longest squared distance whose key is below [`NONE`].
 const SQUARED_MAX: u32 = (NONE as u32 >> LANE_BITS) - 1;
 
-/// Exchanges that sort fifteen keys, whatever the keys, so that all UAVs sort at once: sixty that
-/// sort sixteen (M. W. Green, 1969; D. E. Knuth, The Art of Computer Programming 3, 5.3.4) without
-/// the four for the last. Written out in ten layers, as the compiler makes vector instructions of a
-/// layer, but neither of a loop over the exchanges nor of all of them at once.
+/// A sorting network for fifteen keys, with which all UAVs sort at the same time.
+///
+/// It is the network of sixty exchanges for sixteen keys without the four of the last key (M. W.
+/// Green, 1969; D. E. Knuth, The Art of Computer Programming 3, 5.3.4). It is written out in ten
+/// layers, because the compiler vectorises a layer. It vectorises neither a loop over the exchanges
+/// nor all layers at once.
 macro_rules! layers {
     ($layer:ident) => {
         $layer!(0 1, 2 3, 4 5, 6 7, 8 9, 10 11, 12 13);
@@ -50,7 +51,7 @@ macro_rules! layers {
     };
 }
 
-/// For each UAV its neighbours by distance, ties to the lower index.
+/// The neighbours of each UAV by distance; ties go to the lower index.
 pub(crate) struct Ranking {
     block: Block<WIDTH>,
     /// Slot by slot, for each UAV where in `offsets` its neighbour begins.
@@ -66,8 +67,8 @@ pub(crate) struct Ranking {
 }
 
 impl Ranking {
-    /// None where the fleet or the grid is too large for keys of sixteen bits, or the fleet so
-    /// small that it does not pay.
+    /// Returns `None` if the fleet or the grid is too large for keys of sixteen bits, or if the
+    /// fleet is too small for a gain.
     #[inline(always)]
     pub(crate) fn room(model: &Model<'_>) -> Option<Self> {
         let count = model.uav_count();
@@ -138,8 +139,8 @@ impl Ranking {
         force_vector(&mut self.observers.0);
     }
 
-    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each of the slots of UAV i, with which `row`
-    /// begins, and one real more.
+    /// Writes (present, Δx/(W-1), Δy/(H-1)) for each slot of UAV i from the start of `row`, and one
+    /// extra real after the last slot.
     #[inline(always)]
     pub(crate) fn write(&mut self, i: usize, slots: usize, row: &mut [f32]) {
         let lane = self.block.lane(i);

@@ -1,12 +1,11 @@
-//! Functions of reals without a branch or a conversion, so that lanes of them are vector
-//! instructions.
+//! Functions of reals without branches or conversions, which the compiler can vectorise.
 
 use super::{Lined, force_vector};
 
-/// Entries of observations that are worked out side by side, whatever the fleet.
+/// Number of entries of observations that are computed together, for a fleet of any size.
 pub(crate) const ENTRIES: usize = 16;
 
-/// The same four entries over and over.
+/// Repeats four entries.
 #[inline(always)]
 pub(crate) fn repeat(four: [f32; 4]) -> [f32; ENTRIES] {
     let mut entries = [0.0; ENTRIES];
@@ -60,9 +59,9 @@ impl Divisors {
         Self { high, low }
     }
 
-    /// `(to - from) / divisor` to the last bit for whole numbers whose difference is from -1023 to
-    /// 1023, without a division: the first product is exact, the second too small for its rounding
-    /// to matter.
+    /// `(to - from) / divisor` to the last bit, without a division, for whole numbers whose
+    /// difference is from -1023 to 1023. The first product is exact, and the second is so small
+    /// that its rounding does not change the sum.
     #[inline(always)]
     pub(crate) fn offset(&self, from: f32, to: f32, entry: usize) -> f32 {
         let offset = to - from;
@@ -70,7 +69,7 @@ impl Divisors {
     }
 }
 
-// Those of libm's `exp` (FreeBSD's `e_exp.c`).
+// These constants are those of libm's `exp` (FreeBSD's `e_exp.c`).
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 const PER_LN2: f64 = core::f64::consts::LOG2_E;
@@ -79,13 +78,14 @@ const P2: f64 = -2.777_777_777_701_559_3e-3;
 const P3: f64 = 6.613_756_321_437_934e-5;
 const P4: f64 = -1.653_390_220_546_525_2e-6;
 const P5: f64 = 4.138_136_797_057_238_5e-8;
-/// 2^-28, ln(2)/2 and 3 ln(2)/2, where `exp` changes its way: it compares the upper word only.
+/// Thresholds 2^-28, ln(2)/2 and 3 ln(2)/2 at which `exp` changes its branch. It compares the upper
+/// word only.
 const TINY: f64 = f64::from_bits(0x3e30_0001_0000_0000);
 const HALF_LN2: f64 = f64::from_bits(0x3fd6_2e43_0000_0000);
 const THREE_HALVES_LN2: f64 = f64::from_bits(0x3ff0_a2b2_0000_0000);
 
-/// `libm::exp` for arguments from 0 to 700, to the last bit: its steps in its order, every way
-/// taken and one chosen.
+/// `libm::exp` for arguments from 0 to 700, to the last bit. It does the same operations in the
+/// same order, computes every branch and selects one.
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
     let whole = floor(PER_LN2 * x + 0.5);
