@@ -82,7 +82,7 @@ pub struct Annealer<'p, 'm> {
     /// F and G of each step. G is computed only where it matters.
     done: Vec<f64>,
     gather: Vec<u32>,
-    /// Expected steps that have passed by the end of each step, with the gathering of missions that
+    /// Expected steps that have passed by the end of each step, with the gathering of episodes that
     /// are confirmed by then.
     spent: Vec<f64>,
     /// For each step and UAV the radio component without the UAV whose turn it is.
@@ -733,7 +733,7 @@ fn lanes_mut(row: &mut [f64]) -> &mut [[f64; LANES]] {
     row.as_chunks_mut().0
 }
 
-/// What the lanes leave of 1.
+/// Returns what the lanes leave of 1.
 fn complement(sums: &[f64; LANES]) -> f64 {
     let [a, b, c, d, e, f, g, h] = sums;
     let found = 1.0 - (((a + e) + (b + f)) + ((c + g) + (d + h)));

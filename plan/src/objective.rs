@@ -6,7 +6,7 @@
 //! over the groups. A group of n hotspots with weights w_c has the factor (Σ w_c (1 - m_c(t)))^n.
 //! For n distinct and equally likely cells it is the mean of Π (1 - m_c(t)) over all sets of n.
 //!
-//! The mission ends G(t) steps after the last confirmation, at step t. G counts the steps until the
+//! The episode ends G(t) steps after the last confirmation, at step t. G counts the steps until the
 //! fleet, which gathers from its planned cells, is one radio component.
 
 use alloc::vec;

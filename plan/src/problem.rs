@@ -1,4 +1,4 @@
-//! A mission to plan: the fleet as it is, the prior of the hotspots, the steps left.
+//! A problem: the fleet as it is, the prior of the hotspots, and the number of steps left.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -69,7 +69,7 @@ pub(crate) struct Hidden {
     pub(crate) distinct: bool,
 }
 
-/// A mission to plan.
+/// An episode to plan, or the rest of one.
 #[derive(Clone, Debug)]
 pub struct Problem<'m> {
     pub(crate) model: &'m Model<'m>,

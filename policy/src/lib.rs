@@ -39,7 +39,7 @@ pub trait Policy: Send {
         let _ = (model, seed);
     }
 
-    /// Whether [`Policy::see`] has to be called before each [`Policy::act`].
+    /// Returns whether [`Policy::see`] has to be called before each [`Policy::act`].
     fn reads_observations(&self) -> bool {
         false
     }

@@ -62,7 +62,7 @@ impl Trained {
         }
     }
 
-    /// What its file states about how the policy acts.
+    /// The metadata of the file about how the policy acts.
     #[must_use]
     pub const fn note(&self) -> Note {
         self.network.note()

@@ -1,4 +1,4 @@
-//! Files of policies are read whole or refused, and never panic.
+//! Tests that files of policies are read whole or refused, and never panic.
 
 use jcas_core::{Config, Model, Sim, TargetVisibility};
 use jcas_policy::head::{Head, Mode};

@@ -1,4 +1,4 @@
-//! Shipped policies' missions end in the same states, to the last bit.
+//! Tests that episodes of shipped policies end in the same states, to the last bit.
 
 mod mission;
 

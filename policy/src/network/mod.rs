@@ -70,7 +70,7 @@ pub struct Network {
 /// The way a policy acts: the acting mode, the pilot density and the phase seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
-    /// How actions follow from the distribution.
+    /// The acting mode: it decides how actions follow from the distribution.
     pub mode: Mode,
     /// The action u_pilot that overrides that of the network, in [-1, 1]. `None` keeps that of the
     /// network.
@@ -178,7 +178,7 @@ impl Network {
         self.head
     }
 
-    /// What the file states about how the policy acts.
+    /// The metadata of the file about how the policy acts.
     #[must_use]
     pub const fn note(&self) -> Note {
         self.note

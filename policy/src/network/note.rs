@@ -74,7 +74,7 @@ impl Note {
                 }
                 Some(("starts", starts)) => {
                     note.starts = read_starts(starts).ok_or(LoadError::Note(
-                        "starts: must be UAVS:A:B:C:D:E for at most eight fleets, with commas between, the smallest first",
+                        "starts: must be UAVs and five numbers, with colons, of at most eight fleets, with commas, the smallest first",
                     ))?;
                 }
                 Some(("fleet_size", "read")) => note.fleet_size = true,
@@ -83,7 +83,7 @@ impl Note {
                 }
                 _ => {
                     return Err(LoadError::Note(
-                        "keys: must be mode, target_visibility, pilot_density, starts or fleet_size",
+                        "must be of mode=, target_visibility=, pilot_density=, starts= and fleet_size=",
                     ));
                 }
             }

@@ -1,4 +1,4 @@
-//! Missions of shipped policies, and the hash of all actions of each, which is the same on every
+//! Episodes of shipped policies, and the hash of all actions of each, which is the same on every
 //! platform. The tests of this crate run them, and so do those of jcas-simd with each instruction
 //! set. `tests/portable` runs them on AArch64 and wasm32.
 
@@ -10,7 +10,7 @@ use jcas_policy::network::{Flight, Network, Product};
 const FLEET: &[u8] = include_bytes!("../../../policies/fleet/policy.safetensors");
 const SEARCH: &[u8] = include_bytes!("../../../policies/search/policy.safetensors");
 
-/// A mission and its expected end.
+/// An episode and its expected end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mission {
     pub preset: Preset,
@@ -34,7 +34,7 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
     }
 }
 
-/// All missions.
+/// All episodes.
 pub const MISSIONS: [Mission; 5] = [
     mission(
         (15, 7),
@@ -59,7 +59,7 @@ pub const MISSIONS: [Mission; 5] = [
     },
 ];
 
-/// Runs the mission with this matrix product, and returns it with the end that it reached.
+/// Runs the episode with this matrix product, and returns it with the end that it reached.
 pub fn fly(mission: Mission, product: Product) -> Mission {
     let model = Model::new(Config {
         uav_count: mission.uav_count,
