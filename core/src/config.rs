@@ -1,4 +1,4 @@
-//! Every decision of the model as one flat, validated record.
+//! The configuration: every decision of the model as one flat, validated record.
 
 mod choices;
 mod depots;
@@ -21,7 +21,8 @@ use field::Field;
 macro_rules! configuration {
     // `$d` is a dollar sign for the macro that is defined inside.
     ($d:tt $( $(#[doc = $doc:literal])+ $name:ident: $type:ty = $default:expr, $unit:literal, $low:literal..=$high:literal; )+) => {
-        /// The configuration of a model. Energies are per UAV; see each field for unit and legal range.
+        /// The configuration of a model. Energies are per UAV; each field has its unit and legal
+        /// range.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
         pub struct Config {
@@ -33,7 +34,7 @@ macro_rules! configuration {
             )+
         }
 
-        /// Passes the name and the type of each field, in the order of the record, to another macro.
+        /// Passes the name and the type of each field, in the record's order, to another macro.
         #[macro_export]
         macro_rules! for_each_config_field {
             ($d each:ident) => {
@@ -45,7 +46,7 @@ macro_rules! configuration {
             /// The default: the `mission` preset.
             const MISSION: Self = Self { $( $name: $default, )+ };
 
-            /// How many fields there are.
+            /// Number of fields.
             pub const FIELD_COUNT: usize = [$( stringify!($name) ),+].len();
 
             /// Name, unit, bounds and meaning of each field, in the order of the record.
@@ -65,7 +66,8 @@ macro_rules! configuration {
                 [ $( self.$name.field_value(), )+ ]
             }
 
-            /// Replaces the field at a position of [`Config::FIELDS`]; `false` if the value is of another type.
+            /// Replaces the field at an index of [`Config::FIELDS`]. Returns `false` if the value has
+            /// another type.
             #[cfg(feature = "text")]
             pub(crate) fn set_value(&mut self, index: usize, value: &text::TextValue<'_>) -> bool {
                 let mut _position = 0;
@@ -257,7 +259,7 @@ impl Config {
         }
     }
 
-    /// Cells of the grid.
+    /// Number of cells of the grid, W · H.
     #[must_use]
     pub fn cell_count(&self) -> usize {
         self.grid_width as usize * self.grid_height as usize
@@ -276,7 +278,7 @@ impl Config {
         }
     }
 
-    /// Fingerprint: equal for configurations that are equal field by field.
+    /// FNV-1a hash, which is equal for configurations that are equal field by field.
     #[must_use]
     pub fn hash(&self) -> u64 {
         let mut hash = Fnv1a::new();

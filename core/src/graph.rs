@@ -167,8 +167,8 @@ fn average<const W: usize>(state: &mut StateMut<'_>, sums: &[u64], block: Block<
     block.store(&means, state.throughput);
 }
 
-/// Sorts the UAVs into square buckets as wide as the longest possible link, so that a UAV's
-/// neighbours lie in its own bucket and the eight around it.
+/// Finds the links by sorting the UAVs into square buckets as wide as the longest possible link. A
+/// UAV's neighbours lie in its own bucket and the eight around it.
 // Proof: proofs/communication.rs, buckets_link_the_pairs_that_pairs_link
 #[inline(always)]
 pub(crate) fn link_by_buckets(

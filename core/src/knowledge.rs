@@ -48,8 +48,8 @@ pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happ
         happened.newly_informed += u64::from(state.informed_at[j] == t);
     }
     happened.informed = bits::count(state.informed) as u64;
-    // Only confirmed hotspots are known. So the number of known bits, divided by N times the number
-    // of confirmed hotspots, is the mean fraction of UAVs that know a confirmed hotspot.
+    // Only confirmed hotspots are known. So the known bits, divided by N times the confirmed
+    // hotspots, are the mean fraction of UAVs that know a confirmed hotspot.
     let confirmed = bits::count(state.confirmed);
     if confirmed > 0 {
         let known = bits::count(state.knowledge);

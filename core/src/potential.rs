@@ -77,7 +77,7 @@ fn span(model: &Model<'_>) -> f64 {
 }
 
 /// Φ_i = -w_g · (Manhattan distance to the nearest unconfirmed hotspot / (W + H - 2) + w_u · U),
-/// with U the number of unconfirmed hotspots; 0 if U is 0. Returns the mean over the fleet.
+/// with U the number of unconfirmed hotspots. It is 0 if U is 0. Returns the mean over the fleet.
 ///
 /// After a confirmation the next hotspot may be as far away as the grid allows, but U is less by 1.
 /// So a confirmation lowers no potential if w_u is at least 1.

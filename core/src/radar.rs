@@ -73,8 +73,9 @@ pub fn detection_threshold_db(config: &Config) -> f64 {
 
 /// The range's factor of the odds against detection, exp(-κ (SNR - γ_det)).
 ///
-/// The odds against detection are exp(-κ m) with m = SNR - α ρ_comm - γ_det: a factor of the range,
-/// tabulated, times a factor of the UAV, exp(κ α ρ_comm), so that a pair costs no transcendental.
+/// The odds against detection are exp(-κ m) with m = SNR - α ρ_comm - γ_det. They are the product
+/// of this tabulated factor and the UAV's factor exp(κ α ρ_comm). So a pair needs no transcendental
+/// function.
 #[must_use]
 pub fn range_odds_against(config: &Config, snr_db: f64, threshold_db: f64) -> f64 {
     let exponent = -config.logistic_slope_per_db * (snr_db - threshold_db);
@@ -156,8 +157,8 @@ mod tests {
         assert_eq!(detection_threshold_db(&given), -3.5);
     }
 
-    /// By hand: 7.37 dB at 25 m (above) less 40 log10(150/25) = 31.13 dB is -23.75 dB at 150 m; the
-    /// range resolution takes off another 10 log10(1 + 1.499/150) = 0.043 dB.
+    /// Worked by hand: 7.37 dB at 25 m (above) less 40 log10(150/25) = 31.13 dB is -23.75 dB at 150
+    /// m. The range resolution takes off another 10 log10(1 + 1.499/150) = 0.043 dB.
     #[test]
     fn a_sensing_range_is_a_threshold_unless_one_is_given() {
         let ranged = Config {

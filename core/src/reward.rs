@@ -220,8 +220,8 @@ fn credit_in_blocks<const W: usize>(
 
 /// Computes the components in [`OWN`] of each UAV of a block, as bits of f64.
 ///
-/// A quantity that the team counts as a sum over N UAVs counts N times for the UAV, and one that
-/// the team counts as a mean counts once. So the mean over the fleet is the team's component.
+/// A quantity that the team sums over N UAVs counts N times for the UAV. One that the team averages
+/// counts once. So the mean over the fleet is the team's component.
 #[inline(always)]
 fn own_in<const W: usize>(
     model: &Model<'_>,

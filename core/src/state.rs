@@ -5,11 +5,11 @@
 //! The slab, in words, for N UAVs and n hotspots; the list below is its order:
 //!
 //! ```text
-//! | header | N words each: cells .. potentials | own rewards | UAV sets | n words each | hotspot sets |
-//! | scalars| one row a quantity               | 7 N         | N bits   | cells, times | n bits       |
+//! | header | N words each: cells .. potentials | own rewards | UAV sets | n words each |
+//! | scalars| one row a quantity               | 7 N         | N bits   | cells, times |
 //!
-//! | knowledge     | links          | visited     | searched       | given | detected      |
-//! | N rows of n b | N rows of N b  | W H bits    | N rows, or none| N     | N rows of n b |
+//! | hotspot sets | knowledge  | links      | visited  | searched       | given | detected   |
+//! | n bits       | N × n bits | N × N bits | W H bits | N rows or none | N     | N × n bits |
 //! ```
 
 use crate::bits;

@@ -1,5 +1,5 @@
-//! A fleet in steady flight, for benchmarks and profilers: UAVs walk at random from random cells, so that the
-//! density, and with it the number of neighbours, stays what the grid says.
+//! A fleet in steady flight, for benchmarks and profilers. UAVs walk at random from random cells,
+//! so that their density and the number of neighbours stay constant on average.
 
 use jcas_core::{Cell, Config, Error, Model, Motion, Scratch, action, motion, observation, rng};
 

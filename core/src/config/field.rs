@@ -26,7 +26,7 @@ pub struct FieldInfo {
     pub doc: &'static str,
 }
 
-/// The value of a field, whatever its type.
+/// The value of a field of any type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FieldValue {
     /// A count.

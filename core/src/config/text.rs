@@ -81,8 +81,8 @@ impl Config {
         Ok(config)
     }
 
-    /// Replaces one field by what a person typed: a value as in TOML, a name without quotes, or
-    /// `none` for a field that may be derived from others. The result has yet to be validated.
+    /// Replaces one field by a value from a command line. `text` is a value as in TOML, a name
+    /// without quotes, or `none` for a field that can be derived. The result is not validated.
     ///
     /// # Errors
     /// As [`Config::overlaid`].

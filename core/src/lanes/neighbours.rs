@@ -67,8 +67,8 @@ pub(crate) struct Ranking {
 }
 
 impl Ranking {
-    /// Returns `None` if the fleet or the grid is too large for keys of sixteen bits, or if the
-    /// fleet is too small for a gain.
+    /// Returns `None` if the fleet or the grid is too large for 16-bit keys, or the fleet too small
+    /// for a gain.
     #[inline(always)]
     pub(crate) fn room(model: &Model<'_>) -> Option<Self> {
         let count = model.uav_count();

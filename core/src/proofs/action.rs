@@ -5,7 +5,7 @@ use super::inputs::real_between;
 use super::standin as kani;
 use crate::action::{clip, motion, pilot_density};
 
-/// In [-1, 1] whatever the bits, and unchanged inside.
+/// A clipped value lies in [-1, 1] for any bits, and a value inside does not change.
 fn clips(value: f32) {
     let clipped = clip(value);
     assert!(clipped >= -1.0 && clipped <= 1.0);
@@ -24,7 +24,7 @@ pub fn clip_is_total() {
     clips(value);
 }
 
-/// Between ρ_min and ρ_max for every action that is a number.
+/// A pilot density lies between ρ_min and ρ_max for every action that is not NaN.
 fn density_is_in_range(u_pilot: f32, min: f64, max: f64) {
     let density = pilot_density(u_pilot, min, max);
     assert!(density >= min && density <= max);
@@ -43,7 +43,7 @@ pub fn pilot_density_stays_in_range() {
     density_is_in_range(u_pilot, min, max);
 }
 
-/// Every action that is a number means a motion, and a larger one never an earlier bin.
+/// Every action that is not NaN selects a motion, and a larger action never selects an earlier bin.
 fn bins_ascend(low: f32, high: f32) {
     assert!(motion(low) as u32 <= motion(high) as u32);
 }

@@ -1,8 +1,8 @@
 //! The model that the proofs of whole steps run on.
 //!
-//! Kani gets one configuration, as small as a mission can be that still has pairs,
-//! and tables of any values within the range that `proofs::tables` shows. The
-//! stand-in gets real models of random small configurations.
+//! Kani gets one configuration, the smallest that still has pairs of UAVs. Its tables hold any
+//! values within the range that `proofs::tables` shows. The stand-in gets real models of random
+//! small configurations.
 
 use super::Model;
 use crate::config::Config;
@@ -188,11 +188,11 @@ fn any_config() -> Config {
     config
 }
 
-/// The widths at which the kernel flies, and that of the prover.
+/// The widths at which the kernel runs, and that of Kani.
 #[cfg(not(kani))]
 const WIDTHS: [usize; 3] = [1, 2, crate::lanes::WIDE];
 
-/// The model, to be flown at any of the widths, whatever the size of its fleet.
+/// A model whose steps run at any of the widths, for any size of its fleet.
 #[cfg(not(kani))]
 fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     crate::lanes::forced::set(WIDTHS[between(0, 2) as usize]);

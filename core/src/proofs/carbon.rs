@@ -82,9 +82,9 @@ mod wide {
     use proptest::prelude::*;
 
     proptest! {
-        /// Beyond the harness's bound, all that a legal configuration can bill; and the equation,
-        /// whose division no solver has managed: a step's carbon is the exact product to within
-        /// half a unit.
+        /// Inputs go beyond the harness's bound, up to the most that a legal configuration can
+        /// bill. The equation is tested too, because no solver has managed its division: a step's
+        /// carbon is the exact product to within half a unit.
         #[test]
         fn carbon_follows_its_equation(
             co2 in 0..ROOM, grid in 0..(1u64 << 62), intensity in 0..=INTENSITY_MAX_MG_PER_KWH,

@@ -61,7 +61,7 @@ fn is_a_throughput(value: f64) -> bool {
     value >= 0.0 && value <= 1e6 && value.to_bits() != (-0.0f64).to_bits()
 }
 
-/// Whatever the state's other words: the graph is one, and nothing but the graph is written.
+/// For any other words of the state, the result is a valid graph and only the graph is written.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(3))]
 #[cfg_attr(kani, kani::solver(cadical))]
@@ -94,7 +94,7 @@ pub fn building_the_graph_keeps_its_contract() {
     assert!(!differ(&expected, &after));
 }
 
-/// Over any links: throughputs are in their range, and nothing but them is written.
+/// Over any links, throughputs are in their range and only they are written.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(3))]
 #[cfg_attr(kani, kani::solver(cadical))]
@@ -124,17 +124,16 @@ pub fn measuring_the_throughput_keeps_its_contract() {
     assert!(!differ(&expected, &after));
 }
 
-/// Words of a state of the smallest model with a third UAV, as Kani sees it: twelve quantities, a
-/// component of its reward and three rows of bits more.
+/// Words of a state of the smallest model with a third UAV, as Kani sees it. The third UAV adds
+/// twelve quantities, one component of its reward and three rows of bits.
 #[cfg(kani)]
 const TRIO_WORDS: usize = STATE_WORDS + 16;
 /// Words of a state of any model that the stand-in makes.
 #[cfg(not(kani))]
 const TRIO_WORDS: usize = STATE_WORDS;
 
-/// Three UAVs in a grid of four buckets; a fleet of any size that is linked pair by pair. Whatever
-/// decides which two hear each other, both ways of building the graph ask it of the same pairs and
-/// table entries.
+/// Three UAVs in a grid of four buckets; a fleet of any size that is linked pair by pair. For any
+/// rule of hearing, both ways of building the graph apply it to the same pairs and table entries.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(6))]
 #[cfg_attr(

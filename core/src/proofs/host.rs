@@ -1,6 +1,5 @@
-//! P10, a host's calls: what they put in place of the model's own leaves a valid state, and a call
-//! that is refused leaves every word as it was. P3: the ledger balances where a host sets a
-//! battery.
+//! P10 and P3 for the calls of a host. A call leaves a valid state, and a refused call changes no
+//! word. The ledger balances after a host sets a battery.
 
 use super::energy::ROOM_UJ;
 use super::inputs::{between, real_between};
@@ -22,8 +21,8 @@ const MOST: usize = 2;
 #[cfg(not(kani))]
 const MOST: usize = crate::model::any_model::UAVS_MAX;
 
-/// A call within a step: done, it leads to the phase with a valid fleet and carries the scalars;
-/// refused, it leaves every word as it was.
+/// Checks a call within a step. If it succeeds, it leads to the phase with a valid fleet and
+/// carries the scalars. If it is refused, it changes no word.
 fn keeps_the_fleet_valid(
     model: &Model<'_>,
     before: &[u64; STATE_WORDS],
@@ -42,7 +41,7 @@ fn keeps_the_fleet_valid(
     assert!(new.fleet_is_valid(model, phase));
 }
 
-/// A call between steps: done, it leaves a valid state; refused, every word as it was.
+/// Checks a call between steps. It leaves a valid state, or is refused and changes no word.
 fn keeps_the_state_valid(
     model: &Model<'_>,
     before: &[u64; STATE_WORDS],
@@ -368,8 +367,8 @@ fn balances(initial: u64, accepted: u64, given: u64, battery: u64, spent: u64) -
     i128::from(initial) + i128::from(accepted) + given == i128::from(battery) + i128::from(spent)
 }
 
-/// Whatever the entries: the one that a host's charge leads to balances the ledger, over whole
-/// integers and not only modulo 2^64.
+/// For any entries, the host's adjustment balances the ledger over the integers, not only modulo
+/// 2^64.
 #[cfg_attr(kani, kani::proof)]
 pub fn a_charge_set_by_a_host_balances_the_ledger() {
     let (initial, battery) = (between(0, ROOM_UJ), between(0, ROOM_UJ));

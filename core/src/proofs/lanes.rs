@@ -1,6 +1,6 @@
-//! X3: a block reads and writes the rows and sets of its own UAVs, whatever its count and wherever
-//! it begins, and a gather reads its table at the offset of two cells. All at the width that large
-//! fleets fly, and at the prover's.
+//! X3 for blocks and gathers. A block of any count and position reads and writes the rows and sets
+//! of its own UAVs only. A gather reads its table at the offset of two cells. Both hold at the
+//! width of large fleets and at Kani's width.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -89,7 +89,7 @@ pub fn a_blocks_sets_are_those_of_its_uavs() {
 /// Most cells of a grid whose offsets are bytes.
 const CELLS: usize = 256;
 
-/// Whatever the grid, a gather reads the entry at |Δy| · width + |Δx|, which is one of the table's.
+/// In any grid, a gather reads the entry at |Δy| · width + |Δx|, which lies in the table.
 fn gathers_the_offset<const W: usize>(table: &[u64; CELLS], width: u32, height: u32) {
     let any_cell = || Cell {
         x: between(0, u64::from(width) - 1) as u32,

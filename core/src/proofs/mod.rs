@@ -1,8 +1,8 @@
 //! The kernel's proofs.
 //!
 //! A property is a function of its inputs that asserts. Its harness asks for any
-//! inputs within a bound: `cargo kani` then shows the property for all of them, and
-//! without Kani `cargo test` runs the same harness on random inputs (`standin`).
+//! inputs within a bound. `cargo kani` then shows the property for all of them.
+//! Without Kani, `cargo test` runs the same harness on random inputs (`standin`).
 //! What each one claims, and on which assumptions, is in `verification/proofs.toml`.
 
 /// Any model, over tables that the harness holds; or any words as the working memory of a model's

@@ -1,9 +1,8 @@
-//! P6: a call that is refused leaves every word as it was. Calls out of their order, with data of
-//! another length, and a step with an action that is no number are here; what else a host's call
-//! refuses is in `host`.
+//! P6: a refused call changes no word. Refused here are calls out of order, calls with data of
+//! another length, and a step with a NaN action. `host` has the other refusals of a host's calls.
 //!
-//! Phases and lengths are constants: a call that one look refuses costs the solver no more than
-//! that look, so that the state may hold any words at all.
+//! Phases and lengths are constants. A call that the first check refuses costs the solver only that
+//! check, so that the state may hold any words.
 
 use super::inputs::between;
 #[cfg(not(kani))]

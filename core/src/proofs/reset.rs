@@ -1,5 +1,5 @@
-//! P10, the base: a reset makes a valid state, whatever the memory held and whatever the seed.
-//! Hotspots lie apart, and a drawn charge fits its battery.
+//! P10, the base case: a reset makes a valid state from any memory and any seed. Hotspots lie in
+//! different cells, and a drawn charge fits its battery.
 
 #[cfg(not(kani))]
 use super::standin as kani;
@@ -8,7 +8,7 @@ use crate::header::Phase;
 use crate::reset::{initial_charge_uj, place_hotspots};
 use crate::state::StateMut;
 
-/// The base: whatever the memory held and whatever the seed.
+/// The base case holds for any memory and any seed.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(64))]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
@@ -48,7 +48,7 @@ const SPREAD_WORDS: usize = super::state::SMALLEST_SPREAD_WORDS;
 #[cfg(not(kani))]
 const SPREAD_WORDS: usize = STATE_WORDS;
 
-/// Whatever the draws: hotspots lie on cells of the grid, on no depot, no two on one cell.
+/// For any draws, hotspots lie in different cells of the grid without a depot.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
@@ -71,7 +71,7 @@ pub fn hotspots_lie_apart() {
     }
 }
 
-/// Whatever the draw and the range of charges: a battery holds at most its capacity.
+/// For any draw and any range of charges, a battery holds at most its capacity.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 pub fn a_drawn_charge_fits_the_battery() {

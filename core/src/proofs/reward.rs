@@ -8,14 +8,14 @@ use crate::config::Config;
 use crate::reward::{Happenings, RewardPlan, total};
 use crate::validity::THROUGHPUT_MAX;
 
-/// What the default weights can pay or take in a step of any legal size, at most half of it for the
-/// highest throughput that a host can give.
+/// Bound of the reward of a step of any legal size with the default weights. At most half of it is
+/// for the highest throughput that a host can give.
 pub(super) const REWARD_MAX: f64 = 1e9;
 
 /// The goal potential counts up to 4096 unconfirmed hotspots beside the distance to one.
 const GOAL_MIN: f64 = -4097.0;
 
-/// Whatever happened within the legal sizes. Potentials lie within their weights.
+/// Any totals of a step within the legal sizes. Potentials lie within their weights.
 fn any_happenings() -> Happenings {
     Happenings {
         newly_confirmed: between(0, 4096),
@@ -60,7 +60,7 @@ pub fn rewards_are_bounded() {
     is_bounded(&plan, &step);
 }
 
-/// Whatever one UAV is credited with in a fleet of any legal size: a term of its own is bounded.
+/// A UAV's own terms are bounded for any totals in a fleet of any legal size.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(kani, kani::solver(cadical))]

@@ -1,4 +1,4 @@
-//! P8 for maps: the disc that a UAV looks at adds exactly the cells within its radius, and loses
+//! P8 for maps: the disc that a UAV searches adds exactly the cells within its radius, and loses
 //! none.
 
 use super::inputs::between;
@@ -10,7 +10,7 @@ use crate::search::Disc;
 /// Cells along a side of the harness's grid: one beside the middle on every side.
 const SIDE: u64 = 3;
 
-/// The map of one UAV that looks around its cell. Kani judges any one cell of it.
+/// The map of one UAV that searches around its cell. Kani checks any one cell of the map.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
 pub fn looking_around_adds_the_cells_within_the_radius() {

@@ -1,7 +1,7 @@
 //! P11: loading judges any bytes, and accepts exactly the snapshots of valid states.
 //!
-//! The checksum is left out under Kani (its stub adds nothing, so that its value is a constant):
-//! the claims hold whatever the checksum is, as it only ever refuses more.
+//! Under Kani a stub makes the checksum a constant. The claims hold for any checksum, because a
+//! checksum can only refuse more.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -81,9 +81,8 @@ pub fn any_words_can_be_judged() {
     assert!(!valid || state.header.phase().is_some() && state.t() <= model.config().horizon_steps);
 }
 
-/// From any state of a checksum: the writer of words and the writer of bytes take a word to the
-/// same one. So the checksum that saving writes is the one that loading works out, whatever the
-/// length.
+/// From any state of a checksum, writing a word and writing its bytes lead to the same state. So
+/// saving and loading compute the same checksum for any length.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(10))]
 #[cfg_attr(

@@ -1,9 +1,9 @@
 //! A stand-in for the crate `kani` where Kani is not installed.
 //!
 //! A harness asks for inputs (`any`), narrows them (`assume`), marks the cases it
-//! must reach (`cover!`) and asserts. Kani answers for all inputs at once; the
-//! stand-in answers for one random tape of words at a time, under proptest, which
-//! shrinks a failing tape. So every harness body compiles and runs in `cargo test`,
+//! must reach (`cover!`) and asserts. Kani answers for all inputs at once. The
+//! stand-in answers for one random tape of words at a time. It runs under proptest,
+//! which shrinks a failing tape. So every harness body compiles and runs in `cargo test`,
 //! and a cover that no tape reaches fails the test, as it fails `cargo xtask prove`.
 
 extern crate std;

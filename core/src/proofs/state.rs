@@ -1,11 +1,11 @@
-//! What the proofs of whole calls share: any valid state of a phase, and what is said of two
+//! Helpers of the proofs of whole calls: any valid state of a phase, and relations between two
 //! states.
 //!
 //! A state is valid (`StateRef::is_valid`) if it belongs to the model, its fleet is valid
 //! (`fleet_is_valid`) and its scalars are (`scalars_are_valid`). The parts of a step before its end
-//! leave the scalars, and the rewards and potentials of UAVs that are judged with them, alone:
-//! their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` what follows from
-//! it.
+//! change neither the scalars nor the rewards and potentials of UAVs that are checked with them.
+//! Their proofs show [`carries_scalars`], and `step::carried_scalars_stay_valid` shows what
+//! follows.
 
 use super::inputs::between;
 #[cfg(not(kani))]
@@ -164,9 +164,9 @@ pub(super) fn changes_before_the_end(index: usize) -> bool {
     index == header::T || index == header::PHASE || index == header::MEAN_THROUGHPUT
 }
 
-/// What a part before the end of a step does to the scalars: as many settled steps as before, the
-/// same mean throughput or one in its range, and all else as it was. Kani looks at any one scalar,
-/// the stand-in at all.
+/// Checks the scalars after a part before the end of a step. The number of settled steps is the
+/// same, the mean throughput is the same or in its range, and no other scalar changes. Kani checks
+/// any one scalar, and the stand-in checks all.
 pub(super) fn carries_scalars(before: &StateRef<'_>, after: &StateRef<'_>) {
     assert!(before.settled_steps() == after.settled_steps());
     assert!(carries_mean_throughput(before, after));

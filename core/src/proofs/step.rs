@@ -1,6 +1,6 @@
-//! P10, the inductive steps: each part of a step keeps a valid state valid, whatever the state and
-//! the actions. The base is in `reset`, the part that communicates in `communication`. P6 and P8
-//! ride along.
+//! P10, the inductive steps: each part of a step keeps a valid state valid, for any state and any
+//! actions. The base case is in `reset`, and communication is in `communication`. The same
+//! harnesses show P6 and P8.
 
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]

@@ -105,7 +105,7 @@ fn messages_name_field_value_and_what_is_allowed() {
     );
 }
 
-/// Whatever a list holds, its message stays short.
+/// The message for a refused list is short for any content.
 #[test]
 fn messages_are_bounded() {
     let many = "[0, 0], ".repeat(60);
