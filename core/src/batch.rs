@@ -235,7 +235,7 @@ impl Model<'_> {
     /// instruction set.
     ///
     /// # Errors
-    /// As [`Model::batch_step`].
+    /// The errors of [`Model::batch_step`].
     #[inline(always)]
     pub fn batch_step_here(
         &self,

@@ -65,7 +65,7 @@ impl<'m> Sim<'m> {
     /// Runs one whole step; see [`Model::step`].
     ///
     /// # Errors
-    /// As [`Model::step`].
+    /// The errors of [`Model::step`].
     pub fn step(&mut self, actions: &[f32]) -> Result<StepOutcome, Error> {
         self.with(|model, state, scratch| model.step(state, scratch, actions))
     }
@@ -73,7 +73,7 @@ impl<'m> Sim<'m> {
     /// Runs part 1 of a step; see [`Model::step_begin`].
     ///
     /// # Errors
-    /// As [`Model::step_begin`].
+    /// The errors of [`Model::step_begin`].
     pub fn step_begin(&mut self, actions: &[f32]) -> Result<(), Error> {
         self.with(|model, state, _| model.step_begin(state, actions))
     }
@@ -81,7 +81,7 @@ impl<'m> Sim<'m> {
     /// Applies a call of a host simulator; see [`Call::apply`].
     ///
     /// # Errors
-    /// As [`Call::apply`].
+    /// The errors of [`Call::apply`].
     pub fn apply(&mut self, call: &Call<'_>) -> Result<(), Error> {
         self.with(|model, state, scratch| call.apply(model, state, scratch))
     }
@@ -89,7 +89,7 @@ impl<'m> Sim<'m> {
     /// Sets the positions of the UAVs; see [`Model::set_positions`].
     ///
     /// # Errors
-    /// As [`Model::set_positions`].
+    /// The errors of [`Model::set_positions`].
     pub fn set_positions(&mut self, cells: &[Cell]) -> Result<(), Error> {
         self.with(|model, state, _| model.set_positions(state, cells))
     }
@@ -97,7 +97,7 @@ impl<'m> Sim<'m> {
     /// Runs part 2 of a step; see [`Model::step_sense`].
     ///
     /// # Errors
-    /// As [`Model::step_sense`].
+    /// The errors of [`Model::step_sense`].
     pub fn step_sense(&mut self) -> Result<(), Error> {
         self.with(|model, state, scratch| model.step_sense(state, scratch))
     }
@@ -105,7 +105,7 @@ impl<'m> Sim<'m> {
     /// Runs part 3 of a step; see [`Model::step_communicate`].
     ///
     /// # Errors
-    /// As [`Model::step_communicate`].
+    /// The errors of [`Model::step_communicate`].
     pub fn step_communicate(&mut self) -> Result<(), Error> {
         self.with(|model, state, scratch| model.step_communicate(state, scratch))
     }
@@ -113,7 +113,7 @@ impl<'m> Sim<'m> {
     /// Runs part 3 of a step over the host's links; see [`Model::step_communicate_with`].
     ///
     /// # Errors
-    /// As [`Model::step_communicate_with`].
+    /// The errors of [`Model::step_communicate_with`].
     pub fn step_communicate_with(
         &mut self,
         links: &[u8],
@@ -127,7 +127,7 @@ impl<'m> Sim<'m> {
     /// Runs part 4 of a step; see [`Model::step_end`].
     ///
     /// # Errors
-    /// As [`Model::step_end`].
+    /// The errors of [`Model::step_end`].
     pub fn step_end(&mut self) -> Result<StepOutcome, Error> {
         self.with(|model, state, scratch| model.step_end(state, scratch))
     }
@@ -135,7 +135,7 @@ impl<'m> Sim<'m> {
     /// Places the hotspots; see [`Model::set_hotspots`].
     ///
     /// # Errors
-    /// As [`Model::set_hotspots`].
+    /// The errors of [`Model::set_hotspots`].
     pub fn set_hotspots(&mut self, cells: &[Cell]) -> Result<(), Error> {
         self.with(|model, state, scratch| model.set_hotspots(state, scratch, cells))
     }
@@ -143,7 +143,7 @@ impl<'m> Sim<'m> {
     /// Sets the initial charge of all batteries; see [`Model::set_batteries`].
     ///
     /// # Errors
-    /// As [`Model::set_batteries`].
+    /// The errors of [`Model::set_batteries`].
     pub fn set_batteries(&mut self, charges_uj: &[u64]) -> Result<(), Error> {
         self.with(|model, state, scratch| model.set_batteries(state, scratch, charges_uj))
     }
@@ -151,7 +151,7 @@ impl<'m> Sim<'m> {
     /// Keeps a UAV on the ground in this step; see [`Model::ground`].
     ///
     /// # Errors
-    /// As [`Model::ground`].
+    /// The errors of [`Model::ground`].
     pub fn ground(&mut self, uav: usize) -> Result<(), Error> {
         self.with(|model, state, _| model.ground(state, uav))
     }
@@ -159,7 +159,7 @@ impl<'m> Sim<'m> {
     /// Runs part 2 of a step with the host's detections; see [`Model::step_sense_with`].
     ///
     /// # Errors
-    /// As [`Model::step_sense_with`].
+    /// The errors of [`Model::step_sense_with`].
     pub fn step_sense_with(&mut self, detections: &[u8]) -> Result<(), Error> {
         self.with(|model, state, scratch| model.step_sense_with(state, scratch, detections))
     }
@@ -167,7 +167,7 @@ impl<'m> Sim<'m> {
     /// Confirms a hotspot; see [`Model::confirm_hotspot`].
     ///
     /// # Errors
-    /// As [`Model::confirm_hotspot`].
+    /// The errors of [`Model::confirm_hotspot`].
     pub fn confirm_hotspot(&mut self, hotspot: usize) -> Result<(), Error> {
         self.with(|model, state, _| model.confirm_hotspot(state, hotspot))
     }
@@ -175,7 +175,7 @@ impl<'m> Sim<'m> {
     /// Moves a hotspot; see [`Model::move_hotspot`].
     ///
     /// # Errors
-    /// As [`Model::move_hotspot`].
+    /// The errors of [`Model::move_hotspot`].
     pub fn move_hotspot(&mut self, hotspot: usize, cell: Cell) -> Result<(), Error> {
         self.with(|model, state, scratch| model.move_hotspot(state, scratch, hotspot, cell))
     }
@@ -183,7 +183,7 @@ impl<'m> Sim<'m> {
     /// Places the UAVs at the start; see [`Model::set_starts`].
     ///
     /// # Errors
-    /// As [`Model::set_starts`].
+    /// The errors of [`Model::set_starts`].
     pub fn set_starts(&mut self, cells: &[Cell]) -> Result<(), Error> {
         self.with(|model, state, scratch| model.set_starts(state, scratch, cells))
     }
@@ -191,7 +191,7 @@ impl<'m> Sim<'m> {
     /// Sets the charge of one battery; see [`Model::set_battery`].
     ///
     /// # Errors
-    /// As [`Model::set_battery`].
+    /// The errors of [`Model::set_battery`].
     pub fn set_battery(&mut self, uav: usize, charge_uj: u64) -> Result<(), Error> {
         self.with(|model, state, scratch| model.set_battery(state, scratch, uav, charge_uj))
     }
@@ -199,7 +199,7 @@ impl<'m> Sim<'m> {
     /// Writes the observations of all UAVs; see [`observation::observe`].
     ///
     /// # Errors
-    /// As [`observation::observe`].
+    /// The errors of [`observation::observe`].
     pub fn observe(&mut self, out: &mut [f32]) -> Result<(), Error> {
         self.with(|model, state, scratch| {
             observation::observe(model, &state.as_ref(), scratch, out)
@@ -209,7 +209,7 @@ impl<'m> Sim<'m> {
     /// Writes the global state; see [`observation::observe_global`].
     ///
     /// # Errors
-    /// As [`observation::observe_global`].
+    /// The errors of [`observation::observe_global`].
     pub fn observe_global(&self, out: &mut [f32]) -> Result<(), Error> {
         observation::observe_global(self.model, &self.state(), out)
     }
@@ -244,7 +244,7 @@ impl<'m> Sim<'m> {
     /// Loads a saved state; see [`Model::load`].
     ///
     /// # Errors
-    /// As [`Model::load`].
+    /// The errors of [`Model::load`].
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let mut spare = vec![0; self.words.len()];
         self.model.load(bytes, &mut self.words, &mut spare)

@@ -67,7 +67,7 @@ impl Model<'_> {
     /// `actions` has the shape and range that [`Model::step`] describes.
     ///
     /// # Errors
-    /// As [`Model::step`].
+    /// The errors of [`Model::step`].
     pub fn step_begin(&self, state: &mut StateMut<'_>, actions: &[f32]) -> Result<(), Error> {
         begin(self, state, actions)
     }

@@ -1,9 +1,9 @@
-//! The fields that choose between alternatives.
+//! The enumerations of the fields that choose between alternatives.
 
 use core::fmt;
 use core::str::FromStr;
 
-/// A name that none of the alternatives has.
+/// Error for a name that is none of the alternatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownName {
     /// What would have been accepted.
@@ -58,73 +58,73 @@ macro_rules! choice {
 }
 
 choice! {
-    /// A named set of values for every field.
+    /// A preset: a named set of values for every field.
     Preset, "`mission`, `paper` or `search`" {
-        /// The paper with its billing and payment corrected; the default.
+        /// The paper's model with its billing and payment corrected; the default.
         Mission = "mission",
-        /// The letter of every equation of the paper.
+        /// The paper's model, with every equation taken literally.
         Paper = "paper",
-        /// Hidden hotspots that radar reaches from afar; UAVs share what they have looked at.
+        /// A search: hotspots are hidden, radar has a long range, and UAVs share their search maps.
         Search = "search",
     }
 }
 
 choice! {
-    /// What UAVs see of hotspots that they do not know.
+    /// Visibility, for a UAV, of the hotspots that it does not know.
     TargetVisibility, "`known` or `hidden`" {
-        /// Every hotspot's position, as in the paper.
+        /// UAVs see the position of every hotspot, as in the paper.
         Known = "known",
-        /// Positions only of hotspots that the UAV knows.
+        /// A UAV sees only the positions of hotspots that it knows.
         Hidden = "hidden",
     }
 }
 
 choice! {
-    /// What charging bills to the grid.
+    /// The energy that charging bills to the grid.
     ChargeBilling, "`accepted` or `nameplate`" {
-        /// What the battery accepted.
+        /// The energy that the battery accepted.
         Accepted = "accepted",
-        /// The charger's rating whenever a UAV is on a depot.
+        /// The charger's rated energy for each step of a UAV on a depot.
         Nameplate = "nameplate",
     }
 }
 
 choice! {
-    /// When an informed hotspot pays its reward.
+    /// The steps at which an informed hotspot pays its reward.
     InformPayment, "`once` or `every_step`" {
-        /// At the step at which it becomes informed.
+        /// The step at which it becomes informed.
         Once = "once",
-        /// At that step and every later one.
+        /// That step and every later one.
         EveryStep = "every_step",
     }
 }
 
 choice! {
-    /// Whether each UAV keeps a map of the cells that it knows to have been looked at.
+    /// Whether each UAV keeps a map of the cells that it knows to have been searched.
     SearchMaps, "`off` or `shared`" {
-        /// No maps.
+        /// UAVs keep no maps.
         Off = "off",
-        /// A map per UAV; maps spread with knowledge.
+        /// Each UAV keeps a map; maps spread over the radio graph with knowledge.
         Shared = "shared",
     }
 }
 
 choice! {
-    /// Whether an observation tells how much is unsearched in each of eight directions.
+    /// Whether an observation has the unsearched fraction in each of eight directions.
     MapDirections, "`off` or `shown`" {
-        /// It does not.
+        /// The observation has no such entries.
         Off = "off",
-        /// It does.
+        /// The observation has eight such entries.
         Shown = "shown",
     }
 }
 
 choice! {
-    /// What tells UAVs in one cell apart.
+    /// The entry of an observation that distinguishes UAVs in one cell.
     UavTag, "`off` or `index`" {
-        /// Nothing.
+        /// The observation has no such entry.
         Off = "off",
-        /// i/(N - 1).
+        /// The entry is i/(N - 1) for UAV i.
         Index = "index",
     }
 }

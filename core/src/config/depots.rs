@@ -1,6 +1,6 @@
 //! Cells, and a list of them with a fixed capacity.
 
-/// How many depots a configuration can hold.
+/// Largest number of depots of a configuration.
 pub const MAX_DEPOTS: usize = 16;
 
 /// A cell of the grid: x in 0..W, y in 0..H. In files a pair `[x, y]`.
@@ -8,9 +8,9 @@ pub const MAX_DEPOTS: usize = 16;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(from = "(u32, u32)", into = "(u32, u32)"))]
 pub struct Cell {
-    /// Column.
+    /// Column, from 0 to W - 1.
     pub x: u32,
-    /// Row; up is +y.
+    /// Row, from 0 to H - 1; up is +y.
     pub y: u32,
 }
 
@@ -52,7 +52,7 @@ impl Cell {
     }
 }
 
-/// Up to [`MAX_DEPOTS`] cells.
+/// A list of up to [`MAX_DEPOTS`] cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Depots {
     cells: [Cell; MAX_DEPOTS],
@@ -99,13 +99,13 @@ impl Depots {
         &self.cells[..self.count]
     }
 
-    /// How many there are.
+    /// Number of cells in the list.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there is none.
+    /// Whether the list is empty.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.count == 0

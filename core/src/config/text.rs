@@ -41,7 +41,7 @@ impl Config {
     /// Reads and validates a JSON text.
     ///
     /// # Errors
-    /// As [`Config::from_toml`].
+    /// The errors of [`Config::from_toml`].
     pub fn from_json(text: &str) -> Result<Self, TextError> {
         let config = Self::default().overlaid(text, Form::Json)?;
         config.validate()?;
@@ -85,7 +85,7 @@ impl Config {
     /// without quotes, or `none` for a field that can be derived. The result is not validated.
     ///
     /// # Errors
-    /// As [`Config::overlaid`].
+    /// The errors of [`Config::overlaid`].
     pub fn assigned(mut self, field: &str, text: &str) -> Result<Self, TextError> {
         let index = Self::field_index(field)?;
         let mut scanner = Scanner::new(text, Form::Toml);
