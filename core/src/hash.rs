@@ -32,13 +32,13 @@ impl Fnv1a {
         self.write(&word.to_le_bytes());
     }
 
-    /// A hash that has come to a value.
+    /// A hash that continues from a value.
     #[cfg(any(kani, test))]
     pub(crate) const fn resumed(value: u64) -> Self {
         Self(value)
     }
 
-    /// The hash of all that was added.
+    /// The hash of all bytes that were added.
     #[must_use]
     pub fn finish(self) -> u64 {
         self.0

@@ -5,15 +5,15 @@ use crate::config::{Config, SearchMaps};
 use crate::header;
 use crate::reward::OWN_KEPT;
 
-/// Begin of each quantity, in words from the start of the state.
+/// Layout of a state: its sizes, from which the position of each quantity follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     pub(crate) uavs: usize,
     pub(crate) hotspots: usize,
     pub(crate) visited: usize,
-    /// Words of a UAV's search map; 0 without maps.
+    /// Number of words of a UAV's search map; 0 without maps.
     pub(crate) map: usize,
-    /// Length of a state.
+    /// Number of words of a state.
     pub end: usize,
 }
 

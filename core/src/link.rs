@@ -5,7 +5,7 @@ use libm::{exp, log2, log10};
 use crate::config::Config;
 use crate::radar::LIGHT_M_PER_S;
 
-/// Communication SNR at a range: P_t + G_t + G_r - PL - P_n, with the log-distance path loss
+/// Communication SNR in dB at a range in metres: P_t + G_t + G_r - PL - P_n, with the path loss
 /// PL = 20 log10(4π f_c/c) + 10 n log10(R).
 #[must_use]
 pub fn snr_db(config: &Config, range_m: f64) -> f64 {
@@ -17,7 +17,8 @@ pub fn snr_db(config: &Config, range_m: f64) -> f64 {
         - config.comm_noise_dbm
 }
 
-/// log2(1 + SNR) / reference: the normalised throughput of a waveform that carries only data.
+/// Normalised throughput of a waveform that carries only data, log2(1 + SNR) / reference, at a
+/// range in metres.
 #[must_use]
 pub fn full_throughput(config: &Config, range_m: f64) -> f64 {
     let snr = exp(snr_db(config, range_m) * (core::f64::consts::LN_10 / 10.0));

@@ -12,7 +12,7 @@ const MULTIPLIER_1: u32 = 0xCD9E_8D57;
 const WEYL_0: u32 = 0x9E37_79B9;
 const WEYL_1: u32 = 0xBB67_AE85;
 
-/// One block: four words that are a bijection of the counter for each key.
+/// One Philox block: four words, which are a bijection of the counter for each key.
 #[inline(always)]
 #[must_use]
 pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
@@ -32,34 +32,34 @@ pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     counter
 }
 
-/// What a draw is for; the fourth word of the counter, so that no two purposes ever share a block.
+/// Purpose of a draw. It is the fourth word of the counter, so that no two purposes share a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Purpose {
     /// Whether a UAV detects a hotspot in a step.
     Detect = 1,
-    /// Carbon intensity of the step that follows.
+    /// Carbon intensity of the next step.
     Carbon = 2,
     /// Initial state of charge of a UAV.
     InitialSoc = 3,
-    /// Which cells hold hotspots.
+    /// The cells of the hotspots.
     Hotspot = 4,
     /// The order of the hotspots.
     Shuffle = 5,
     /// Seeds derived from a seed: batch members, later episodes.
     Seed = 6,
-    /// Free for policies that need draws of their own.
+    /// Draws of policies.
     Policy = 7,
 }
 
-/// The counter of a block. Injective: each argument has a word of its own.
+/// The counter of a block. It is injective, because each argument has its own word.
 #[inline(always)]
 #[must_use]
 pub const fn counter(step: u32, uav: u32, block: u32, purpose: Purpose) -> [u32; 4] {
     [step, uav, block, purpose as u32]
 }
 
-/// The block of a draw.
+/// The Philox block of a draw.
 #[inline(always)]
 #[must_use]
 pub fn block(seed: u64, step: u32, uav: u32, block: u32, purpose: Purpose) -> [u32; 4] {
@@ -101,8 +101,8 @@ pub fn bits64(seed: u64, step: u32, uav: u32, index: u32, purpose: Purpose) -> u
 
 /// A uniform integer in `0..count` from 64 uniform bits; 0 for an empty range.
 ///
-/// Multiply and shift without rejection, so that the loop bound stays fixed: each value's
-/// probability is off by less than `count / 2^64`.
+/// It multiplies and shifts without rejection, so that no loop is needed. Each value's probability
+/// deviates by less than `count / 2^64`.
 #[inline]
 #[must_use]
 pub fn below(bits: u64, count: u64) -> u64 {
@@ -116,7 +116,7 @@ pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
 }
 
-/// The seed with the given index that follows from `seed`: members of a batch, later episodes.
+/// Derives the seed with this index from `seed`, for members of a batch and later episodes.
 #[must_use]
 pub fn derive_seed(seed: u64, index: u64) -> u64 {
     bits64(seed, index as u32, (index >> 32) as u32, 0, Purpose::Seed)

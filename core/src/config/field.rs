@@ -14,15 +14,15 @@ use crate::hash::Fnv1a;
 /// Description of a field.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldInfo {
-    /// Its name, the same in files, on the command line and in C.
+    /// Name of the field, the same in files, on the command line and in C.
     pub name: &'static str,
-    /// Its unit, or its alternatives.
+    /// Unit of the field, or its alternatives.
     pub unit: &'static str,
     /// Lowest legal value.
     pub low: f64,
     /// Highest legal value.
     pub high: f64,
-    /// What it means, with the paper's symbol.
+    /// Meaning of the field, with the paper's symbol.
     pub doc: &'static str,
 }
 
@@ -41,7 +41,7 @@ pub enum FieldValue {
     Cells(Depots),
 }
 
-/// As TOML and JSON write it; a derived value, which neither writes, is empty.
+/// Formats the value as TOML and JSON write it. A derived value, which neither writes, is empty.
 impl fmt::Display for FieldValue {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -5,7 +5,7 @@ use crate::carbon::milligrams;
 use crate::energy::EnergyPlan;
 use crate::error::{Allowed, ConfigError, Value};
 
-/// Most bits that the maps of a fleet may take: 32 MiB.
+/// Largest number of bits of the maps of a fleet: 32 MiB.
 const MAP_BITS_MAX: u64 = 1 << 28;
 
 impl Config {
@@ -45,7 +45,8 @@ impl Config {
         self.ledgers_have_room()
     }
 
-    /// A map takes a bit for each UAV and cell, and is there to be shown.
+    /// Checks that observations show maps only if maps exist, and that the maps of a fleet fit the
+    /// limit.
     fn maps_have_room(&self) -> Result<(), ConfigError> {
         if self.search_maps == SearchMaps::Off {
             let shown = if self.map_window_radius > 0 {
@@ -119,8 +120,8 @@ impl Config {
         Ok(())
     }
 
-    /// The worst case of every ledger over a whole episode fits its 64-bit integer, so that no step
-    /// ever has to check for overflow.
+    /// Checks that the worst case of every ledger over an episode fits its 64-bit integer. So no
+    /// step has to check for overflow.
     fn ledgers_have_room(&self) -> Result<(), ConfigError> {
         const ROOM: u128 = 1 << 62;
         let plan = EnergyPlan::new(self);

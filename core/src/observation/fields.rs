@@ -2,18 +2,17 @@
 
 use crate::model::Model;
 
-/// Entries of an observation that mean the same: at `offset`, `offset` + `stride` and on, `count`
-/// of them.
+/// A field of an observation: `count` entries with the same meaning, at `offset`,
+/// `offset` + `stride` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObservationField {
-    /// Its name.
+    /// Name of the field.
     pub name: &'static str,
-    /// The first entry.
+    /// Position of the first entry in a row.
     pub offset: usize,
-    /// How many entries there are: one, one for each hotspot, neighbour slot, cell or direction, or
-    /// none.
+    /// Number of entries: one, one for each hotspot, neighbour slot, cell or direction, or none.
     pub count: usize,
-    /// From one entry to the next.
+    /// Distance from one entry to the next.
     pub stride: usize,
 }
 
@@ -42,10 +41,10 @@ pub const FIELD_NAMES: [&str; FIELDS] = [
     "tag",
 ];
 
-/// How many fields an observation has; those that the configuration leaves out have no entries.
+/// Number of fields of an observation. Fields that the configuration omits have no entries.
 pub const FIELDS: usize = 21;
 
-/// Every field of a UAV's observation. Together they name each entry once.
+/// All fields of a UAV's observation; together they name each entry once.
 #[must_use]
 pub fn fields(model: &Model<'_>) -> [ObservationField; FIELDS] {
     // Fields of a block, how often the block comes.

@@ -1,32 +1,32 @@
-//! Why a text is no configuration.
+//! The errors of configuration texts.
 
 use core::fmt;
 
 use crate::config::{Config, FieldValue, UnknownName};
 use crate::error::ConfigError;
 
-/// Why a text is not a configuration.
+/// Error in a configuration text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum TextError {
-    /// Not TOML or JSON.
+    /// The text is not TOML or JSON.
     Syntax {
-        /// From 1.
+        /// Line of the error, from 1.
         line: u32,
-        /// In bytes, from 1.
+        /// Column of the error in bytes, from 1.
         column: u32,
-        /// What would have been right there.
+        /// Description of the text that was expected.
         expected: &'static str,
     },
-    /// A key that no field has, and the field that was perhaps meant.
+    /// The key is not a field; the second part is a field with a similar name.
     Unknown(Excerpt, Option<&'static str>),
-    /// A key that comes twice.
+    /// The key occurs twice.
     Twice(Excerpt),
     /// No preset has this name.
     Preset(Excerpt, UnknownName),
-    /// A field with a value of another type.
+    /// The value of the field has another type.
     Value(&'static str, Excerpt, Expected),
-    /// A field outside its range.
+    /// The value of the field is outside its range.
     Config(ConfigError),
 }
 
