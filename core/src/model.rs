@@ -436,23 +436,28 @@ impl<'m> Model<'m> {
 
     /// Probability in [0, 1] that a UAV detects a hotspot in one step (p_ij).
     ///
-    /// `dx` and `dy` are the offset in cells, which must be below the width and height of the grid.
-    /// `pilot_density` is a fraction of the waveform in [0, 1].
+    /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of the
+    /// grid have. `pilot_density` is a fraction of the waveform in [0, 1].
     #[must_use]
     pub fn detection_probability(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
+        let Some(offset) = self.offset(dx, dy) else {
+            return 0.0;
+        };
         let load = radar::load_odds_against(self.loss_per_load, 1.0 - pilot_density);
-        let range = f64::from_bits(self.words()[self.offset(dx, dy)]);
-        1.0 / (1.0 + range * load)
+        1.0 / (1.0 + f64::from_bits(self.words()[offset]) * load)
     }
 
     /// Normalised throughput from one UAV to another (η_ij), without a unit.
     ///
-    /// `dx` and `dy` are the offset in cells, which must be below the width and height of the grid.
-    /// `pilot_density` is the sender's, a fraction of the waveform in [0, 1].
+    /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of the
+    /// grid have. `pilot_density` is the sender's, a fraction of the waveform in [0, 1].
     #[must_use]
     pub fn link_throughput(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
-        let tables = Tables::of(self.width, self.height);
-        (1.0 - pilot_density) * f64::from_bits(self.words()[tables.link + self.offset(dx, dy)])
+        let Some(offset) = self.offset(dx, dy) else {
+            return 0.0;
+        };
+        let link = Tables::of(self.width, self.height).link;
+        (1.0 - pilot_density) * f64::from_bits(self.words()[link + offset])
     }
 
     #[inline]
@@ -465,8 +470,12 @@ impl<'m> Model<'m> {
     }
 
     #[inline]
-    const fn offset(&self, dx: u32, dy: u32) -> usize {
-        (dy * self.width + dx) as usize
+    const fn offset(&self, dx: u32, dy: u32) -> Option<usize> {
+        if dx < self.width && dy < self.height {
+            Some((dy * self.width + dx) as usize)
+        } else {
+            None
+        }
     }
 
     #[inline]
@@ -571,5 +580,24 @@ impl<'m> Model<'m> {
     pub(crate) const fn bucket(&self, cell: Cell) -> usize {
         (cell.y / self.bucket_side) as usize * self.bucket_columns
             + (cell.x / self.bucket_side) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_outside_of_the_grid_detects_nothing_and_links_nobody() {
+        let config = Config::default();
+        let mut words = std::vec![0; Model::table_words(&config).unwrap()];
+        let model = Model::new_in(config, &mut words).unwrap();
+        let (width, height) = (config.grid_width, config.grid_height);
+        for (dx, dy) in [(width, 0), (0, height), (u32::MAX, u32::MAX)] {
+            assert_eq!(model.detection_probability(dx, dy, 0.3), 0.0);
+            assert_eq!(model.link_throughput(dx, dy, 0.3), 0.0);
+        }
+        assert!(model.detection_probability(width - 1, height - 1, 0.3) > 0.0);
+        assert!(model.link_throughput(width - 1, height - 1, 0.3) > 0.0);
     }
 }
