@@ -187,7 +187,8 @@ def test_the_commands_train_on_the_cluster_and_evaluate(cluster, tmp_path):
     assert "quorum = 2 (not 1)" in changed.stderr
     assert (values["episodes"], values["uavs"]) == (20, 2) and 0 <= values["success_rate"] <= 1
     refused = subprocess.run([*run, "evaluate", out, "--uavs", "7"], capture_output=True, text=True)
-    assert refused.returncode == 2 and "7 UAVs" in refused.stderr
+    assert refused.returncode == 2 and "uav_count = 7 (not 2)" in refused.stderr
+    assert "the policy reads 18 fields where this mission has 33" in refused.stderr
 
 
 def test_a_run_is_stopped_killed_and_gone_on_with(tmp_path, request):
