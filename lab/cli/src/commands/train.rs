@@ -97,7 +97,7 @@ pub struct Train {
     /// Go on with the run in the folder, if there is one
     #[arg(long)]
     resume: bool,
-    /// Folder of another run, to begin with what it has learnt instead of random weights; the
+    /// Folder of a run whose weights this run starts from, in place of random weights; the
     /// settings are this run's
     #[arg(long, value_name = "RUN", conflicts_with = "resume")]
     from: Option<PathBuf>,
