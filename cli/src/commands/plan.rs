@@ -72,10 +72,22 @@ pub struct Plan {
     #[arg(long, value_name = "DIR", requires = "depot", help_heading = "Output")]
     qgroundcontrol: Option<PathBuf>,
     /// Latitude and longitude of the first depot, in degrees; x points east, y north
-    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true, help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "LAT,LON",
+        value_parser = place,
+        allow_hyphen_values = true,
+        help_heading = "Output"
+    )]
     depot: Option<(f64, f64)>,
     /// Altitude of the UAVs above the depot
-    #[arg(long, value_name = "M", default_value_t = 50.0, value_parser = positive, help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 50.0,
+        value_parser = positive,
+        help_heading = "Output"
+    )]
     altitude_m: f64,
     /// Print JSON
     #[arg(long)]

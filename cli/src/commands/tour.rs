@@ -50,8 +50,8 @@ const GRIDS: [Grid; 2] = [
     Grid {
         name: "paper",
         heading: "The paper's grid",
-        text: "Every UAV knows where the hotspots are; three detections confirm one. `policies/paper` \
-               was trained with PPO, the others are scripts.",
+        text: "Every UAV knows where the hotspots are; three detections in one step confirm a \
+               hotspot. `policies/paper` was trained with PPO, the others are scripts.",
         preset: PresetName::Paper,
         trained: "paper",
         baselines: &["random", "greedy", "swarm", "teams", "sweep"],
@@ -60,8 +60,8 @@ const GRIDS: [Grid; 2] = [
     Grid {
         name: "search",
         heading: "The search for hidden hotspots",
-        text: "No UAV knows where the hotspots are. `policies/search` was trained with PPO, the others \
-               are scripts that search.",
+        text: "No UAV knows where the hotspots are. `policies/search` was trained with PPO, the \
+               others are scripts that search.",
         preset: PresetName::Search,
         trained: "search",
         baselines: &["sweep", "line", "frontier"],
@@ -77,7 +77,12 @@ const GRIDS: [Grid; 2] = [
 #[command(after_help = EXAMPLES)]
 pub struct Tour {
     /// Missions in each cell
-    #[arg(long, value_name = "M", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 100,
+        value_parser = clap::value_parser!(u64).range(1..)
+    )]
     episodes: u64,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "out/tour")]
