@@ -20,15 +20,24 @@ use field::Field;
 /// Declares the configuration once: the record, its defaults and the description of each field.
 macro_rules! configuration {
     // `$d` is a dollar sign for the macro that is defined inside.
-    ($d:tt $( $(#[doc = $doc:literal])+ $name:ident: $type:ty = $default:expr, $unit:literal, $low:literal..=$high:literal; )+) => {
+    ($d:tt $(
+        $(#[doc = $doc:literal])+
+        $name:ident: $type:ty = $default:expr, $unit:literal, $low:literal..=$high:literal;
+    )+) => {
         /// The configuration of a model. Energies are per UAV; each field has its unit and legal
         /// range.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+        #[cfg_attr(
+            feature = "serde",
+            derive(serde::Serialize, serde::Deserialize),
+            serde(default, deny_unknown_fields)
+        )]
         pub struct Config {
             $(
                 $(#[doc = $doc])+
-                #[doc = concat!("\n\nUnit: ", $unit, ". Legal: ", stringify!($low), " to ", stringify!($high), ".")]
+                #[doc = concat!(
+                    "\n\nUnit: ", $unit, ". Legal: ", stringify!($low), " to ", stringify!($high), "."
+                )]
                 #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Field::is_derived"))]
                 pub $name: $type,
             )+

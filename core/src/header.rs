@@ -67,7 +67,10 @@ pub struct HeaderRef<'a>(pub(crate) &'a [u64]);
 pub struct HeaderMut<'a>(pub(crate) &'a mut [u64]);
 
 macro_rules! scalar {
-    ($( $(#[$meta:meta])* $get:ident, $set:ident, $index:ident, $type:ty, $read:expr, $write:expr; )+) => {
+    ($(
+        $(#[$meta:meta])*
+        $get:ident, $set:ident, $index:ident, $type:ty, $read:expr, $write:expr;
+    )+) => {
         impl HeaderRef<'_> { $(
             $(#[$meta])*
             #[inline]

@@ -20,7 +20,9 @@ impl core::error::Error for UnknownName {}
 
 /// Declares an enumeration whose names are the same in files, messages and on the command line.
 macro_rules! choice {
-    ($(#[$meta:meta])* $name:ident, $allowed:literal { $( $(#[$variant_meta:meta])* $variant:ident = $text:literal, )+ }) => {
+    ($(#[$meta:meta])* $name:ident, $allowed:literal {
+        $( $(#[$variant_meta:meta])* $variant:ident = $text:literal, )+
+    }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -136,7 +136,8 @@ impl Config {
                 field: "horizon_steps",
                 value: Value::Integer(self.horizon_steps.into()),
                 allowed: Allowed::Rule(
-                    "so small that the fleet's energy over an episode stays under 2^62 uJ and its carbon under 2^62 ng",
+                    "so small that the fleet's energy over an episode stays under 2^62 uJ \
+                     and its carbon under 2^62 ng",
                 ),
             });
         }

@@ -8,7 +8,12 @@ use crate::state::StateMut;
 
 /// Declares the calls once: the enum, the name of each, and the list of names.
 macro_rules! calls {
-    ($( $(#[doc = $doc:literal])+ $name:ident { $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty ),+ $(,)? } = $kind:literal, )+) => {
+    ($(
+        $(#[doc = $doc:literal])+
+        $name:ident {
+            $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty ),+ $(,)?
+        } = $kind:literal,
+    )+) => {
         /// A call by which a host simulator replaces a part of the model. See the method of
         /// [`Model`] that has the same name for units, ranges and errors.
         #[derive(Clone, Copy, Debug, PartialEq)]
