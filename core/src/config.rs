@@ -58,6 +58,9 @@ macro_rules! configuration {
             /// Number of fields.
             pub const FIELD_COUNT: usize = [$( stringify!($name) ),+].len();
 
+            /// The default, for comparisons with it.
+            const DEFAULT: &Self = &Self::MISSION;
+
             /// Name, unit, bounds and meaning of each field, in the order of the record.
             pub const FIELDS: [FieldInfo; Self::FIELD_COUNT] = [
                 $( FieldInfo {
@@ -287,13 +290,52 @@ impl Config {
         }
     }
 
+    /// Position in [`Config::FIELDS`] from which on texts and fingerprints hold a field only where
+    /// it differs from its default. So a configuration without the later fields keeps its text and
+    /// its fingerprint, and traces and policies from before stay valid.
+    pub const LATER_FIELDS: usize = 66;
+
+    /// Description and value of each field that a text of this configuration holds, in order.
+    pub fn held(&self) -> impl Iterator<Item = (&'static FieldInfo, FieldValue)> {
+        let fields = Self::FIELDS.iter().zip(self.values());
+        let defaults = Self::DEFAULT.values();
+        let held = fields.zip(defaults).enumerate();
+        held.filter(|(index, ((_, value), default))| {
+            !value.is_derived() && (*index < Self::LATER_FIELDS || value != default)
+        })
+        .map(|(_, (field, _))| field)
+    }
+
     /// FNV-1a hash, which is equal for configurations that are equal field by field.
     #[must_use]
     pub fn hash(&self) -> u64 {
         let mut hash = Fnv1a::new();
-        for value in self.values() {
+        let (values, defaults) = (self.values(), Self::DEFAULT.values());
+        for (index, value) in values.iter().enumerate() {
+            if index >= Self::LATER_FIELDS {
+                if *value == defaults[index] {
+                    continue;
+                }
+                hash.write(Self::FIELDS[index].name.as_bytes());
+            }
             value.write(&mut hash);
         }
         hash.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field before this one would change every text and fingerprint.
+    #[test]
+    fn the_last_field_that_is_always_held_stays_in_its_place() {
+        assert_eq!(
+            Config::FIELDS[Config::LATER_FIELDS - 1].name,
+            "sensing_range_m"
+        );
+        // The fingerprint of the default before there were later fields.
+        assert_eq!(Config::default().hash(), 0xb02b_f031_d65f_c071);
     }
 }

@@ -243,10 +243,7 @@ impl Display for EndLine {
 
 fn config(out: &mut fmt::Formatter<'_>, config: &Config) -> fmt::Result {
     let mut before = '{';
-    for (info, value) in Config::FIELDS.iter().zip(config.values()) {
-        if value.is_derived() {
-            continue;
-        }
+    for (info, value) in config.held() {
         write!(out, "{before}\"{}\":", info.name)?;
         match value {
             FieldValue::Real(real) | FieldValue::Optional(Some(real)) => {

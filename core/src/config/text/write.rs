@@ -1,4 +1,5 @@
-//! Writes a configuration; fields that are derived from others are left out.
+//! Writes a configuration; fields that are derived from others, and later fields at their default,
+//! are left out.
 
 use core::fmt::{self, Write};
 
@@ -10,12 +11,10 @@ impl Config {
     /// # Errors
     /// Those of `out`.
     pub fn write_toml(&self, out: &mut impl Write) -> fmt::Result {
-        for (info, value) in Self::FIELDS.iter().zip(self.values()) {
-            if !value.is_derived() {
-                write!(out, "{} = ", info.name)?;
-                write!(out, "{value}")?;
-                out.write_char('\n')?;
-            }
+        for (info, value) in self.held() {
+            write!(out, "{} = ", info.name)?;
+            write!(out, "{value}")?;
+            out.write_char('\n')?;
         }
         Ok(())
     }
@@ -26,12 +25,10 @@ impl Config {
     /// Those of `out`.
     pub fn write_json(&self, out: &mut impl Write) -> fmt::Result {
         let mut before = '{';
-        for (info, value) in Self::FIELDS.iter().zip(self.values()) {
-            if !value.is_derived() {
-                write!(out, "{before}\"{}\":", info.name)?;
-                write!(out, "{value}")?;
-                before = ',';
-            }
+        for (info, value) in self.held() {
+            write!(out, "{before}\"{}\":", info.name)?;
+            write!(out, "{value}")?;
+            before = ',';
         }
         out.write_char('}')
     }
