@@ -192,6 +192,18 @@
 /// Observations end with the UAV's index over N - 1.
 #define JCAS_TAG_INDEX 1
 
+/// The pilot density adds nothing to the sensing SNR, as in the paper.
+#define JCAS_PILOT_GAIN_NONE 0
+
+/// The radar integrates its pilots coherently: the SNR gains 10 log10(ρ/ρ_max) dB.
+#define JCAS_PILOT_GAIN_COHERENT 1
+
+/// The probability of detection is the paper's logistic function of the margin.
+#define JCAS_CURVE_LOGISTIC 0
+
+/// The probability of detection is that of a Swerling-1 echo in one look.
+#define JCAS_CURVE_SWERLING1 1
+
 /// A step may begin, whole or by parts. Next: jcas_sim_step or jcas_sim_step_begin.
 #define JCAS_PHASE_READY 1
 
@@ -333,8 +345,9 @@ typedef struct jcas_config {
     /// Single-pulse probability of detection that defines the threshold (Albersheim's equation).
     /// [probability, 0.1 to 0.9; default 0.9]
     double detection_probability;
-    /// Single-pulse probability of false alarm that defines the threshold. [probability, 1e-7 to
-    /// 1e-3; default 1e-6]
+    /// Single-pulse probability of false alarm (P_fa) that defines the threshold, or the curve
+    /// JCAS_CURVE_SWERLING1. JCAS_CURVE_LOGISTIC takes 1e-7 to 1e-3. [probability, 1e-12 to 0.1;
+    /// default 1e-6]
     double false_alarm_probability;
     /// Detection threshold (γ_det); JCAS_DERIVED: by Albersheim's equation. [dB, -300 to 300;
     /// default JCAS_DERIVED]
@@ -437,6 +450,12 @@ typedef struct jcas_config {
     /// explicit detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to
     /// 1e6; default JCAS_DERIVED]
     double sensing_range_m;
+    /// What the pilot density adds to the sensing SNR: JCAS_PILOT_GAIN_NONE (default) or
+    /// JCAS_PILOT_GAIN_COHERENT.
+    int32_t pilot_gain;
+    /// Probability of detection over the sensing SNR: JCAS_CURVE_LOGISTIC (default) or
+    /// JCAS_CURVE_SWERLING1. The latter refuses a threshold, a sensing range and a slope.
+    int32_t detection_curve;
 } jcas_config;
 
 /// The sizes and constants of a model, which determine the lengths of all buffers.

@@ -8,8 +8,8 @@ pub mod text;
 mod validate;
 
 pub use choices::{
-    ChargeBilling, InformPayment, MapDirections, Preset, SearchMaps, TargetVisibility, UavTag,
-    UnknownName,
+    ChargeBilling, DetectionCurve, InformPayment, MapDirections, PilotGain, Preset, SearchMaps,
+    TargetVisibility, UavTag, UnknownName,
 };
 pub use depots::{Cell, Depots, MAX_DEPOTS};
 pub use field::{FieldInfo, FieldValue, FieldValues};
@@ -141,8 +141,8 @@ configuration! { $
     comm_load_penalty_db: f64 = 1.0, "dB", 0..=20;
     /// Single-pulse probability of detection that defines the threshold (Albersheim's equation).
     detection_probability: f64 = 0.9, "probability", 0.1..=0.9;
-    /// Single-pulse probability of false alarm that defines the threshold.
-    false_alarm_probability: f64 = 1e-6, "probability", 1e-7..=1e-3;
+    /// Single-pulse probability of false alarm (P_fa) that defines the threshold, or the curve `swerling1`.
+    false_alarm_probability: f64 = 1e-6, "probability", 1e-12..=0.1;
     /// Detection threshold (γ_det); derived by Albersheim's equation where absent.
     detection_threshold_db: Option<f64> = None, "dB", -300..=300;
     /// Slope of the logistic detection curve (κ).
@@ -234,6 +234,11 @@ configuration! { $
     shaping_unconfirmed_weight: f64 = 1.0, "longest ways", 0..=1000;
     /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit one wins.
     sensing_range_m: Option<f64> = None, "m", 0.001..=1e6;
+
+    /// What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or 10 log10(ρ/ρ_max) (`coherent`).
+    pilot_gain: PilotGain = PilotGain::None, "none | coherent", 0..=1;
+    /// Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a fluctuating echo).
+    detection_curve: DetectionCurve = DetectionCurve::Logistic, "logistic | swerling1", 0..=1;
 }
 
 impl Default for Config {
@@ -337,5 +342,16 @@ mod tests {
         );
         // The fingerprint of the default before there were later fields.
         assert_eq!(Config::default().hash(), 0xb02b_f031_d65f_c071);
+    }
+
+    #[test]
+    fn a_later_field_is_held_where_it_differs_from_its_default() {
+        let held = |config: &Config| config.held().any(|(info, _)| info.name == "pilot_gain");
+        let coherent = Config {
+            pilot_gain: PilotGain::Coherent,
+            ..Config::default()
+        };
+        assert!(!held(&Config::default()) && held(&coherent));
+        assert_ne!(coherent.hash(), Config::default().hash());
     }
 }

@@ -74,8 +74,8 @@ mod word;
 
 pub use action::Motion;
 pub use config::{
-    Cell, ChargeBilling, Config, InformPayment, MapDirections, Preset, SearchMaps,
-    TargetVisibility, UavTag,
+    Cell, ChargeBilling, Config, DetectionCurve, InformPayment, MapDirections, PilotGain, Preset,
+    SearchMaps, TargetVisibility, UavTag,
 };
 pub use error::{ConfigError, Error};
 pub use metrics::Metrics;

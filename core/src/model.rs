@@ -7,6 +7,7 @@ use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
 use crate::lanes::{self, Cells, Lanes, Rows};
 use crate::layout::Layout;
+use crate::radar::curve::{self, AnyCurve};
 use crate::reward::RewardPlan;
 use crate::search::{self, Disc};
 use crate::{link, motion, radar};
@@ -41,7 +42,7 @@ pub struct Model<'m> {
     hotspots: usize,
     width: u32,
     height: u32,
-    loss_per_load: f64,
+    curve: AnyCurve,
     threshold_db: f64,
     reach_cells: u32,
     bucket_side: u32,
@@ -128,8 +129,6 @@ impl OffsetTable<'_> {
 
 /// Constants that follow from the tables.
 struct Parts {
-    loss_per_load: f64,
-    threshold_db: f64,
     reach_cells: u32,
 }
 
@@ -137,15 +136,12 @@ impl Parts {
     fn fill(config: &Config, words: &mut [u64]) -> Self {
         let (width, height) = (config.grid_width, config.grid_height);
         let tables = Tables::of(width, height);
-        let threshold_db = radar::detection_threshold_db(config);
         let depots = config.effective_depots();
         for y in 0..height {
             for x in 0..width {
                 let index = (y * width + x) as usize;
                 let range_m = radar::range_m(config, x, y);
-                let odds =
-                    radar::range_odds_against(config, radar::snr_db(config, range_m), threshold_db);
-                words[index] = odds.to_bits();
+                words[index] = curve::tabulated(config, range_m).to_bits();
                 words[tables.link + index] = link::full_throughput(config, range_m).to_bits();
                 let (depot, distance) = motion::nearest(Cell { x, y }, depots.as_slice());
                 words[tables.depot + index] = depot as u64 | u64::from(distance) << 32;
@@ -162,11 +158,7 @@ impl Parts {
                 reach_cells = cells;
             }
         }
-        Self {
-            loss_per_load: config.logistic_slope_per_db * config.comm_load_penalty_db,
-            threshold_db,
-            reach_cells,
-        }
+        Self { reach_cells }
     }
 
     fn model(self, config: Config, tables: Words<'_>) -> Model<'_> {
@@ -183,8 +175,8 @@ impl Parts {
             hotspots: config.hotspot_count as usize,
             width: config.grid_width,
             height: config.grid_height,
-            loss_per_load: self.loss_per_load,
-            threshold_db: self.threshold_db,
+            curve: AnyCurve::of(&config),
+            threshold_db: radar::detection_threshold_db(&config),
             reach_cells: self.reach_cells,
             bucket_side,
             bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
@@ -416,7 +408,7 @@ impl<'m> Model<'m> {
         self.reach_cells
     }
 
-    /// Detection threshold γ_det of the sensing SNR, in dB.
+    /// Detection threshold γ_det of the sensing SNR, in dB. Only the logistic curve uses it.
     #[must_use]
     pub const fn detection_threshold_db(&self) -> f64 {
         self.threshold_db
@@ -443,8 +435,8 @@ impl<'m> Model<'m> {
         let Some(offset) = self.offset(dx, dy) else {
             return 0.0;
         };
-        let load = radar::load_odds_against(self.loss_per_load, 1.0 - pilot_density);
-        1.0 / (1.0 + f64::from_bits(self.words()[offset]) * load)
+        let tabulated = f64::from_bits(self.words()[offset]);
+        self.curve.probability(tabulated, pilot_density)
     }
 
     /// Normalised throughput from one UAV to another (η_ij), without a unit.
@@ -479,8 +471,8 @@ impl<'m> Model<'m> {
     }
 
     #[inline]
-    pub(crate) const fn loss_per_load(&self) -> f64 {
-        self.loss_per_load
+    pub(crate) const fn curve(&self) -> &AnyCurve {
+        &self.curve
     }
 
     #[inline]
@@ -488,9 +480,10 @@ impl<'m> Model<'m> {
         self.config.link_throughput_min
     }
 
-    /// The factor of the odds against detection that depends on the distance between two cells.
+    /// The part of the probability of detection that depends on the distance between two cells: the
+    /// value that the detection curve tabulates.
     #[inline]
-    pub(crate) fn range_odds(&self) -> OffsetTable<'_> {
+    pub(crate) fn detection_table(&self) -> OffsetTable<'_> {
         OffsetTable {
             width: self.width,
             len: self.cells(),

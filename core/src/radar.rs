@@ -1,5 +1,7 @@
 //! The monostatic OFDM radar: SNR, detection margin, detection probability.
 
+pub mod curve;
+
 use libm::{exp, log, log10};
 
 use crate::config::Config;
@@ -79,13 +81,18 @@ pub fn detection_threshold_db(config: &Config) -> f64 {
 #[must_use]
 pub fn range_odds_against(config: &Config, snr_db: f64, threshold_db: f64) -> f64 {
     let exponent = -config.logistic_slope_per_db * (snr_db - threshold_db);
-    exp(if exponent > EXPONENT_BOUND {
-        EXPONENT_BOUND
-    } else if exponent < -EXPONENT_BOUND {
-        -EXPONENT_BOUND
+    exp(bounded(exponent, EXPONENT_BOUND))
+}
+
+/// The value, or the nearer end of [-bound, bound].
+const fn bounded(value: f64, bound: f64) -> f64 {
+    if value > bound {
+        bound
+    } else if value < -bound {
+        -bound
     } else {
-        exponent
-    })
+        value
+    }
 }
 
 /// The UAV's factor of the odds against detection, exp(κ α ρ_comm), for κ α from 0 to 700 and a
@@ -109,7 +116,13 @@ pub fn odds_against(range_odds: f64, load_odds: f64) -> f64 {
 #[inline(always)]
 #[must_use]
 pub fn detects(draw: u32, odds_against: f64) -> bool {
-    f64::from(draw) + 1.0 <= DRAWS / (1.0 + odds_against)
+    inverse_detects(draw, 1.0 + odds_against)
+}
+
+/// The same for 1/p, from 1 to infinity.
+#[inline(always)]
+fn inverse_detects(draw: u32, inverse_probability: f64) -> bool {
+    f64::from(draw) + 1.0 <= DRAWS / inverse_probability
 }
 
 #[cfg(test)]

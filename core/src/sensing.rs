@@ -5,7 +5,7 @@ use crate::bits;
 use crate::config::Cell;
 use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
-use crate::radar;
+use crate::radar::curve::{AnyCurve, Curve};
 use crate::rng::{self, Purpose};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
@@ -42,7 +42,17 @@ pub(crate) fn sense_and_learn(
 ) {
     let positives = scratch.list(model.hotspot_count());
     positives.fill(0);
-    at_width!(model, detect_in_blocks(model, state, positives));
+    match model.curve() {
+        AnyCurve::Logistic(curve) => {
+            at_width!(model, detect_in_blocks(curve, model, state, positives))
+        }
+        AnyCurve::Coherent(curve) => {
+            at_width!(model, detect_in_blocks(curve, model, state, positives))
+        }
+        AnyCurve::Swerling1(curve) => {
+            at_width!(model, detect_in_blocks(curve, model, state, positives))
+        }
+    }
     conclude(model, state, positives);
 }
 
@@ -84,18 +94,20 @@ fn conclude(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
 
 #[inline(always)]
 fn detect_in_blocks<const W: usize>(
+    curve: &impl Curve,
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     positives: &mut [u64],
 ) {
     for block in lanes::blocks::<W>(model.uav_count()) {
-        detect_in(model, state, block, positives);
+        detect_in(curve, model, state, block, positives);
     }
 }
 
 /// Draws the detections of a block's UAVs, with one block of the generator for four hotspots.
 #[inline(always)]
 fn detect_in<const W: usize>(
+    curve: &impl Curve,
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     block: Block<W>,
@@ -104,7 +116,7 @@ fn detect_in<const W: usize>(
     let (row, seed, t) = (model.hotspot_words(), state.header.seed(), state.header.t());
     let flies = lanes::spread::<W>(!block.bits(state.grounded) & block.mask());
     let rows = Cells::load(block, state.cells).rows(model.config().grid_width);
-    let load_odds = load_odds(model, &block.load(state.pilot));
+    let factors = factors(curve, &block.load(state.pilot));
     let uavs = block.indices().map(|index| block.first as u32 + index);
     let mut wanting = [0; W];
     let words = state.hotspots.chunks(64).zip(positives.chunks_mut(64));
@@ -125,9 +137,10 @@ fn detect_in<const W: usize>(
             let index = (word * 16 + part) as u32;
             let draws = rng::blocks(seed, t, &uavs, index, Purpose::Detect);
             for (draw, (&cell, positives)) in cells.iter().zip(positives).enumerate() {
-                let range_odds = model.range_odds().gather(&rows, Cell::from_word(cell));
+                let tabulated = model.detection_table().gather(&rows, Cell::from_word(cell));
                 let (draws, bit) = (&draws[draw % DRAWS], first + draw);
-                *positives += hits(draws, &range_odds, &load_odds, &unknown, bit, &mut found);
+                let parts = (&tabulated, &factors);
+                *positives += hits(curve, draws, parts, &unknown, bit, &mut found);
             }
         }
         block.store_word(&found, state.detected, row, word);
@@ -135,31 +148,31 @@ fn detect_in<const W: usize>(
     block.put_bits(lanes::gather_bits(&wanting), state.sensing);
 }
 
-/// [`radar::load_odds_against`] of each UAV.
+/// The curve's factor of each UAV.
 #[inline(always)]
-fn load_odds<const W: usize>(model: &Model<'_>, pilot: &Lanes<u64, W>) -> Lanes<f64, W> {
-    let mut odds = [0.0; W];
+fn factors<const W: usize>(curve: &impl Curve, pilot: &Lanes<u64, W>) -> Lanes<f64, W> {
+    let mut factors = [0.0; W];
     for lane in 0..W {
-        let load = 1.0 - f64::from_bits(pilot[lane]);
-        odds[lane] = radar::load_odds_against(model.loss_per_load(), load);
+        factors[lane] = curve.factor(f64::from_bits(pilot[lane]));
     }
-    odds
+    factors
 }
 
 /// Marks the UAVs that detect hotspot `bit` of the word, and counts them.
 #[inline(always)]
 fn hits<const W: usize>(
+    curve: &impl Curve,
     draws: &Lanes<u32, W>,
-    range_odds: &Lanes<f64, W>,
-    load_odds: &Lanes<f64, W>,
+    parts: (&Lanes<f64, W>, &Lanes<f64, W>),
     unknown: &Lanes<u64, W>,
     bit: usize,
     found: &mut Lanes<u64, W>,
 ) -> u64 {
+    let (tabulated, factors) = parts;
     let mut count = 0;
     for lane in 0..W {
-        let odds = radar::odds_against(range_odds[lane], load_odds[lane]);
-        let hit = unknown[lane] >> bit & u64::from(radar::detects(draws[lane], odds));
+        let detects = curve.detects(draws[lane], tabulated[lane], factors[lane]);
+        let hit = unknown[lane] >> bit & u64::from(detects);
         found[lane] |= hit << bit;
         count += hit;
     }

@@ -3,7 +3,8 @@
 use jcas_core::config::{Cell, Config, Depots, MAX_DEPOTS};
 use jcas_core::error::{Allowed, ConfigError, Value};
 use jcas_core::{
-    ChargeBilling, InformPayment, MapDirections, SearchMaps, TargetVisibility, UavTag,
+    ChargeBilling, DetectionCurve, InformPayment, MapDirections, PilotGain, SearchMaps,
+    TargetVisibility, UavTag,
 };
 
 use crate::memory::{Plain, Record};
@@ -34,6 +35,14 @@ pub const JCAS_DIRECTIONS_SHOWN: i32 = 1;
 pub const JCAS_TAG_OFF: i32 = 0;
 /// Observations end with the UAV's index over N - 1.
 pub const JCAS_TAG_INDEX: i32 = 1;
+/// The pilot density adds nothing to the sensing SNR, as in the paper.
+pub const JCAS_PILOT_GAIN_NONE: i32 = 0;
+/// The radar integrates its pilots coherently: the SNR gains 10 log10(ρ/ρ_max) dB.
+pub const JCAS_PILOT_GAIN_COHERENT: i32 = 1;
+/// The probability of detection is the paper's logistic function of the margin.
+pub const JCAS_CURVE_LOGISTIC: i32 = 0;
+/// The probability of detection is that of a Swerling-1 echo in one look.
+pub const JCAS_CURVE_SWERLING1: i32 = 1;
 
 const _: () = assert!(JCAS_MAX_DEPOTS == MAX_DEPOTS);
 
@@ -109,8 +118,9 @@ pub struct jcas_config {
     /// Single-pulse probability of detection that defines the threshold (Albersheim's equation).
     /// [probability, 0.1 to 0.9; default 0.9]
     pub detection_probability: f64,
-    /// Single-pulse probability of false alarm that defines the threshold. [probability, 1e-7 to
-    /// 1e-3; default 1e-6]
+    /// Single-pulse probability of false alarm (P_fa) that defines the threshold, or the curve
+    /// JCAS_CURVE_SWERLING1. JCAS_CURVE_LOGISTIC takes 1e-7 to 1e-3. [probability, 1e-12 to 0.1;
+    /// default 1e-6]
     pub false_alarm_probability: f64,
     /// Detection threshold (γ_det); JCAS_DERIVED: by Albersheim's equation. [dB, -300 to 300;
     /// default JCAS_DERIVED]
@@ -213,6 +223,12 @@ pub struct jcas_config {
     /// explicit detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to
     /// 1e6; default JCAS_DERIVED]
     pub sensing_range_m: f64,
+    /// What the pilot density adds to the sensing SNR: JCAS_PILOT_GAIN_NONE (default) or
+    /// JCAS_PILOT_GAIN_COHERENT.
+    pub pilot_gain: i32,
+    /// Probability of detection over the sensing SNR: JCAS_CURVE_LOGISTIC (default) or
+    /// JCAS_CURVE_SWERLING1. The latter refuses a threshold, a sensing range and a slope.
+    pub detection_curve: i32,
 }
 
 // SAFETY: integers and floats only.
@@ -354,8 +370,10 @@ macro_rules! choices {
 
 choices!(
     ChargeBilling,
+    DetectionCurve,
     InformPayment,
     MapDirections,
+    PilotGain,
     SearchMaps,
     TargetVisibility,
     UavTag

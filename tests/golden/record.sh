@@ -51,6 +51,13 @@ record ten_uavs --uavs 10 --hotspots 4 --policy random --pilot max --episode 3 \
 record fifteen_uavs --preset paper --uavs 15 --hotspots 5 --policy random --pilot mid
 record twenty_uavs --preset search --uavs 20 --hotspots 5 --policy sweep --pilot adaptive \
     --set horizon_steps=20
+record coherent_pilots --uavs 12 --hotspots 4 --policy teams --pilot adaptive \
+    --set pilot_gain=coherent --set radar_cross_section_dbsm=20 --set horizon_steps=40
+record swerling1 --uavs 12 --hotspots 4 --policy teams --pilot adaptive \
+    --set pilot_gain=coherent --set detection_curve=swerling1 --set false_alarm_probability=1e-4 \
+    --set radar_cross_section_dbsm=20 --set horizon_steps=40
+record swerling1_alone --uavs 3 --hotspots 4 --policy greedy --pilot max \
+    --set detection_curve=swerling1 --set quorum=1 --set horizon_steps=60
 short_of_charge=(--hotspots 16 --policy teams --pilot adaptive --set link_throughput_min=1.75
     --set battery_capacity_kwh=0.009 --set initial_soc_min=0 --set rtb_threshold_kwh=0
     --set hover_energy_kwh=0.0004 --set charge_power_kw=0.05 --set horizon_steps=10)

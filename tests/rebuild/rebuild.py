@@ -130,10 +130,17 @@ class Mission:
     def detects(self, i, j):
         c = self.c
         snr = self.sensing_snr_db(self.range_m(self.cells[i], self.hotspots[j]))
-        margin = snr - c["comm_load_penalty_db"] * (1 - self.density[i]) - self.threshold_db()
-        exponent = -c["logistic_slope_per_db"] * margin
-        below = math.floor(2**32 / (1 + math.exp(exponent))) if exponent < 300 else 0
-        return self.block(self.t, i, j // 4, DETECT)[j % 4] < below
+        snr -= c["comm_load_penalty_db"] * (1 - self.density[i])
+        if c.get("pilot_gain") == "coherent":
+            snr += 10 * math.log10(self.density[i] / c["pilot_density_max"])
+        return self.block(self.t, i, j // 4, DETECT)[j % 4] < math.floor(2**32 * self.p_d(snr))
+
+    def p_d(self, snr_db):
+        c = self.c
+        if c.get("detection_curve") == "swerling1":
+            return c["false_alarm_probability"] ** (1 / (1 + 10 ** (snr_db / 10)))
+        exponent = -c["logistic_slope_per_db"] * (snr_db - self.threshold_db())
+        return 1 / (1 + math.exp(exponent)) if exponent < 300 else 0
 
     def throughput(self, i, k):
         c = self.c

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use abi_support::skip;
 use jcas_core::config::FieldValue;
-use jcas_core::{Cell, Config, Model, TargetVisibility, motion};
+use jcas_core::{Cell, Config, DetectionCurve, Model, PilotGain, TargetVisibility, motion};
 use jcas_episode::trace::{self, Step, Trace};
 
 fn folder() -> PathBuf {
@@ -471,6 +471,52 @@ fn hundred_uavs() {
     assert!(trace.end.metrics.confirmed > 0 && trace.end.metrics.informed == 0);
 }
 
+/// UAVs that detected a hotspot while flying at the lowest and at the highest pilot density.
+fn learners_by_density(trace: &Trace) -> [usize; 2] {
+    let config = &trace.header.config;
+    let mut learners = [0; 2];
+    for (before, step) in pairs(trace) {
+        for uav in 0..step.positions.len() {
+            if step.knowledge[uav].len() > before.knowledge[uav].len() {
+                let density = step.pilot_density[uav];
+                learners[0] += usize::from(density == config.pilot_density_min);
+                learners[1] += usize::from(density == config.pilot_density_max);
+            }
+        }
+    }
+    learners
+}
+
+#[test]
+fn coherent_pilots() {
+    let trace = reproduced("coherent_pilots");
+    let config = &trace.header.config;
+    assert_eq!(config.pilot_gain, PilotGain::Coherent);
+    assert_eq!(config.detection_curve, DetectionCurve::Logistic);
+    assert!(trace.end.metrics.confirmed > 0);
+    assert!(learners_by_density(&trace).iter().all(|&count| count > 0));
+}
+
+#[test]
+fn swerling1() {
+    let trace = reproduced("swerling1");
+    let config = &trace.header.config;
+    assert_eq!(config.pilot_gain, PilotGain::Coherent);
+    assert_eq!(config.detection_curve, DetectionCurve::Swerling1);
+    assert!(trace.end.metrics.confirmed > 0);
+    assert!(learners_by_density(&trace).iter().all(|&count| count > 0));
+}
+
+/// Fewer UAVs than a wide block, and no gain of the pilots.
+#[test]
+fn swerling1_alone() {
+    let trace = reproduced("swerling1_alone");
+    let config = &trace.header.config;
+    assert_eq!(config.pilot_gain, PilotGain::None);
+    assert_eq!(config.detection_curve, DetectionCurve::Swerling1);
+    assert!(trace.end.metrics.confirmed > 0);
+}
+
 /// Every trace has a test and a line in the script that records it, and every test has a trace.
 #[test]
 fn every_trace_has_its_test_and_its_line() {
@@ -529,13 +575,15 @@ fn any_changed_field_is_caught() {
     }
 }
 
-/// The configuration in a trace is complete: no value comes from the defaults of the reading build.
+/// The configuration in a trace is complete: no value comes from the defaults of the reading build,
+/// but for the later fields, whose default is that they are off.
 #[test]
 fn headers_hold_every_field() {
     let path = folder().join("completion.jsonl");
     let text = fs::read_to_string(path).unwrap();
     let header = text.lines().next().unwrap();
-    for (info, value) in Config::FIELDS.iter().zip(Config::default().values()) {
+    let fields = Config::FIELDS.iter().zip(Config::default().values());
+    for (info, value) in fields.take(Config::LATER_FIELDS) {
         let derived = value == FieldValue::Optional(None);
         assert_eq!(
             header.contains(&format!("\"{}\":", info.name)),

@@ -3,7 +3,10 @@
 use crate::specification::philox::{block, first_u64};
 use crate::specification::{Specification, World};
 use jcas_core::config::Depots;
-use jcas_core::{Cell, Config, MapDirections, Preset, SearchMaps, TargetVisibility, UavTag};
+use jcas_core::{
+    Cell, Config, DetectionCurve, MapDirections, PilotGain, Preset, SearchMaps, TargetVisibility,
+    UavTag,
+};
 
 /// A stream of random numbers, independent of the model's draws.
 #[derive(Clone, Debug)]
@@ -194,6 +197,21 @@ fn radio(dice: &mut Dice, c: &mut Config) {
         } else {
             dice.real(0.0, 10.0)
         });
+    }
+    detection(dice, c);
+}
+
+/// Draws the gain of the pilots and the detection curve.
+fn detection(dice: &mut Dice, c: &mut Config) {
+    if dice.one_in(2) {
+        c.pilot_gain = PilotGain::Coherent;
+    }
+    if dice.one_in(2) {
+        c.detection_curve = DetectionCurve::Swerling1;
+        c.false_alarm_probability = libm::pow(10.0, -dice.real(1.0, 12.0));
+        c.detection_threshold_db = None;
+        c.sensing_range_m = None;
+        c.logistic_slope_per_db = Config::default().logistic_slope_per_db;
     }
 }
 

@@ -130,3 +130,23 @@ choice! {
         Index = "index",
     }
 }
+
+choice! {
+    /// What the pilot density adds to the sensing SNR.
+    PilotGain, "`none` or `coherent`" {
+        /// Nothing, as in the paper.
+        None = "none",
+        /// 10 log10(ρ/ρ_max) dB: the radar integrates the pilots coherently.
+        Coherent = "coherent",
+    }
+}
+
+choice! {
+    /// The curve that gives the probability of detection over the sensing SNR.
+    DetectionCurve, "`logistic` or `swerling1`" {
+        /// The paper's logistic function of the margin above the threshold.
+        Logistic = "logistic",
+        /// A Swerling-1 echo behind a square-law detector, in one look.
+        Swerling1 = "swerling1",
+    }
+}

@@ -5,8 +5,8 @@ use core::fmt;
 #[cfg(feature = "text")]
 use super::text::TextValue;
 use super::{
-    ChargeBilling, Config, Depots, InformPayment, MapDirections, SearchMaps, TargetVisibility,
-    UavTag,
+    ChargeBilling, Config, Depots, DetectionCurve, InformPayment, MapDirections, PilotGain,
+    SearchMaps, TargetVisibility, UavTag,
 };
 use crate::error::Value;
 use crate::hash::Fnv1a;
@@ -150,7 +150,7 @@ impl Field for Option<f64> {
     #[cfg(feature = "text")]
     fn read(value: &TextValue<'_>) -> Option<Self> {
         match value {
-            TextValue::Null => Some(None),
+            TextValue::Null | TextValue::Name("none") => Some(None),
             _ => value.real().map(Some),
         }
     }
@@ -192,5 +192,7 @@ choice_field!(
     InformPayment,
     SearchMaps,
     MapDirections,
-    UavTag
+    UavTag,
+    PilotGain,
+    DetectionCurve
 );

@@ -1,6 +1,6 @@
 //! The rules of a legal configuration.
 
-use super::{Config, MapDirections, SearchMaps};
+use super::{Config, DetectionCurve, MapDirections, SearchMaps};
 use crate::carbon::milligrams;
 use crate::energy::EnergyPlan;
 use crate::error::{Allowed, ConfigError, Value};
@@ -39,6 +39,7 @@ impl Config {
             self.battery_capacity_kwh,
             "battery_capacity_kwh",
         )?;
+        self.radar_fits_its_curve()?;
         self.depots_are_cells()?;
         self.hotspots_have_room()?;
         self.maps_have_room()?;
@@ -74,6 +75,43 @@ impl Config {
             });
         }
         Ok(())
+    }
+
+    /// Checks that no field is given that the detection curve does not use, and that P_fa is in the
+    /// range of Albersheim's equation where that equation is the threshold's.
+    fn radar_fits_its_curve(&self) -> Result<(), ConfigError> {
+        let refused = |field, value, rule| {
+            Err(ConfigError {
+                field,
+                value: Value::Real(value),
+                allowed: Allowed::Rule(rule),
+            })
+        };
+        let p_fa = self.false_alarm_probability;
+        match self.detection_curve {
+            DetectionCurve::Logistic if !(1e-7..=1e-3).contains(&p_fa) => refused(
+                "false_alarm_probability",
+                p_fa,
+                "from 1e-7 to 1e-3 while detection_curve is logistic (Albersheim's equation)",
+            ),
+            DetectionCurve::Logistic => Ok(()),
+            DetectionCurve::Swerling1 => {
+                if let Some(threshold_db) = self.detection_threshold_db {
+                    let rule = "absent while detection_curve is swerling1, which has no threshold";
+                    return refused("detection_threshold_db", threshold_db, rule);
+                }
+                if let Some(range_m) = self.sensing_range_m {
+                    let rule = "absent while detection_curve is swerling1, which has no threshold";
+                    return refused("sensing_range_m", range_m, rule);
+                }
+                if self.logistic_slope_per_db != Self::DEFAULT.logistic_slope_per_db {
+                    let rule =
+                        "0.25, its default, while detection_curve is swerling1, which has no slope";
+                    return refused("logistic_slope_per_db", self.logistic_slope_per_db, rule);
+                }
+                Ok(())
+            }
+        }
     }
 
     fn each_field_is_in_range(&self) -> Result<(), ConfigError> {

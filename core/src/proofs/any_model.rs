@@ -112,7 +112,7 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         hotspots: config.hotspot_count as usize,
         width: 2,
         height: 2,
-        loss_per_load: 0.25,
+        curve: crate::radar::curve::AnyCurve::of(&config),
         threshold_db: 13.1,
         reach_cells: 1,
         bucket_side: 2,

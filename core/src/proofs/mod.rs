@@ -30,6 +30,7 @@ pub(crate) mod standin;
 mod action;
 mod carbon;
 mod communication;
+mod curves;
 mod energy;
 mod host;
 mod knowledge;

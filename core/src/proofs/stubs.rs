@@ -7,6 +7,9 @@
 #![allow(dead_code)]
 
 use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
+use super::curves::{
+    FALSE_ALARM_EXPONENT_MAX, INVERSE_PROBABILITY_MAX, LOG_MAX, UAV_ODDS_MAX, UAV_ODDS_MIN,
+};
 use super::inputs::{between, real_between};
 use super::reward::REWARD_MAX;
 use super::state::{links_join_two, radios_are_valid};
@@ -30,6 +33,21 @@ pub(super) fn any_exp(x: f64) -> f64 {
 pub(super) fn any_odds_exp(x: f64) -> f64 {
     assert!(x >= -300.0 && x <= 300.0);
     real_between(ODDS_MIN, ODDS_MAX)
+}
+
+pub(super) fn any_uav_exp(x: f64) -> f64 {
+    assert!(x >= -380.0 && x <= 380.0);
+    real_between(UAV_ODDS_MIN, UAV_ODDS_MAX)
+}
+
+pub(super) fn any_log(x: f64) -> f64 {
+    assert!(x >= 1e-30 && x <= 1e4);
+    real_between(-LOG_MAX, LOG_MAX)
+}
+
+pub(super) fn any_real_exp(x: f64) -> f64 {
+    assert!(x >= 0.0 && x <= FALSE_ALARM_EXPONENT_MAX);
+    real_between(1.0, INVERSE_PROBABILITY_MAX)
 }
 
 pub(super) fn any_log10(x: f64) -> f64 {

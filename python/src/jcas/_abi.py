@@ -54,6 +54,10 @@ JCAS_DIRECTIONS_OFF = 0
 JCAS_DIRECTIONS_SHOWN = 1
 JCAS_TAG_OFF = 0
 JCAS_TAG_INDEX = 1
+JCAS_PILOT_GAIN_NONE = 0
+JCAS_PILOT_GAIN_COHERENT = 1
+JCAS_CURVE_LOGISTIC = 0
+JCAS_CURVE_SWERLING1 = 1
 JCAS_PHASE_READY = 1
 JCAS_PHASE_MOVED = 2
 JCAS_PHASE_SENSED = 3
@@ -143,6 +147,8 @@ class jcas_config(Structure):
         ("uav_tag", c_int32),
         ("shaping_unconfirmed_weight", c_double),
         ("sensing_range_m", c_double),
+        ("pilot_gain", c_int32),
+        ("detection_curve", c_int32),
     )
 
 

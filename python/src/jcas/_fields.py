@@ -58,8 +58,8 @@ class Fields(TypedDict, total=False):
     """Single-pulse probability of detection that defines the threshold (Albersheim's equation).
     0.1 to 0.9 probability."""
     false_alarm_probability: float | None
-    """Single-pulse probability of false alarm that defines the threshold. 1e-07 to 0.001
-    probability."""
+    """Single-pulse probability of false alarm (P_fa) that defines the threshold, or the curve
+    `swerling1`. 1e-12 to 0.1 probability."""
     detection_threshold_db: float | None
     """Detection threshold (γ_det); derived by Albersheim's equation where absent. -300 to 300
     dB."""
@@ -156,3 +156,9 @@ class Fields(TypedDict, total=False):
     sensing_range_m: float | None
     """The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an
     explicit one wins. 0.001 to 1e+06 m."""
+    pilot_gain: Literal["none", "coherent"] | None
+    """What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or 10
+    log10(ρ/ρ_max) (`coherent`). One of none, coherent."""
+    detection_curve: Literal["logistic", "swerling1"] | None
+    """Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a
+    fluctuating echo). One of logistic, swerling1."""

@@ -1,7 +1,7 @@
 //! The radar equations.
 
 use super::{Position, SPEED_OF_LIGHT_M_PER_S, Specification};
-use jcas_core::Config;
+use jcas_core::{Config, DetectionCurve, PilotGain};
 use std::f64::consts::PI;
 
 /// SNR^sens in dB at range R, before communication load.
@@ -47,8 +47,20 @@ impl Specification {
         let c = &self.config;
         let load = 1.0 - pilot;
         let snr_db = self.sensing_snr_db.between(uav, hotspot);
-        let margin = snr_db - c.comm_load_penalty_db * load - self.detection_threshold_db;
-        1.0 / (1.0 + libm::exp(-c.logistic_slope_per_db * margin))
+        let gain_db = match c.pilot_gain {
+            PilotGain::None => 0.0,
+            PilotGain::Coherent => 10.0 * libm::log10(pilot / c.pilot_density_max),
+        };
+        let snr_db = snr_db + gain_db - c.comm_load_penalty_db * load;
+        match c.detection_curve {
+            DetectionCurve::Logistic => {
+                let margin = snr_db - self.detection_threshold_db;
+                1.0 / (1.0 + libm::exp(-c.logistic_slope_per_db * margin))
+            }
+            DetectionCurve::Swerling1 => {
+                libm::pow(c.false_alarm_probability, 1.0 / (1.0 + ratio(snr_db)))
+            }
+        }
     }
 }
 

@@ -93,6 +93,34 @@ fn messages_name_field_value_and_what_is_allowed() {
             "line 1 column 12: must be the end of the line",
         ),
         ("\nquorum = = 3", "line 2 column 10: must be a value"),
+        (
+            "detection_curve = 'swerling2'",
+            "detection_curve = 'swerling2': must be one of logistic, swerling1",
+        ),
+        (
+            "detection_curve = 'swerling1'\ndetection_threshold_db = 3",
+            "detection_threshold_db = 3.0: must be absent while detection_curve is swerling1, \
+             which has no threshold",
+        ),
+        (
+            "preset = 'search'\ndetection_curve = 'swerling1'",
+            "sensing_range_m = 150.0: must be absent while detection_curve is swerling1, \
+             which has no threshold",
+        ),
+        (
+            "detection_curve = 'swerling1'\nlogistic_slope_per_db = 0.5",
+            "logistic_slope_per_db = 0.5: must be 0.25, its default, while detection_curve is \
+             swerling1, which has no slope",
+        ),
+        (
+            "false_alarm_probability = 0.01",
+            "false_alarm_probability = 0.01: must be from 1e-7 to 1e-3 while detection_curve is \
+             logistic (Albersheim's equation)",
+        ),
+        (
+            "detection_curve = 'swerling1'\nfalse_alarm_probability = 0.5",
+            "false_alarm_probability = 0.5: must be a number from 0.000000000001 to 0.1",
+        ),
     ] {
         assert_eq!(refused(text), says);
     }
@@ -203,6 +231,8 @@ fn null_takes_a_derived_field_back_and_no_other() {
         None
     );
     assert!(given.assigned("quorum", "none").is_err());
+    let text = "range_min_m = 'none'\ndepots = []";
+    assert_eq!(given.overlaid(text, Form::Toml).unwrap(), Config::default());
 }
 
 #[test]
