@@ -29,7 +29,7 @@ macro_rules! configuration {
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(
             feature = "serde",
-            derive(serde::Serialize, serde::Deserialize),
+            derive(serde::Deserialize),
             serde(default, deny_unknown_fields)
         )]
         pub struct Config {
@@ -38,7 +38,6 @@ macro_rules! configuration {
                 #[doc = concat!(
                     "\n\nUnit: ", $unit, ". Legal: ", stringify!($low), " to ", stringify!($high), "."
                 )]
-                #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Field::is_derived"))]
                 pub $name: $type,
             )+
         }
@@ -326,6 +325,14 @@ impl Config {
             value.write(&mut hash);
         }
         hash.finish()
+    }
+}
+
+/// Writes the fields that a text holds, see [`Config::held`].
+#[cfg(feature = "serde")]
+impl serde::Serialize for Config {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.held().map(|(info, value)| (info.name, value)))
     }
 }
 

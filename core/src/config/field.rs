@@ -61,6 +61,20 @@ impl fmt::Display for FieldValue {
     }
 }
 
+/// Serialises the value itself, without the kind.
+#[cfg(feature = "serde")]
+impl serde::Serialize for FieldValue {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Integer(value) => value.serialize(serializer),
+            Self::Real(value) => value.serialize(serializer),
+            Self::Optional(value) => value.serialize(serializer),
+            Self::Choice(name, _) => name.serialize(serializer),
+            Self::Cells(cells) => cells.serialize(serializer),
+        }
+    }
+}
+
 /// The values of all fields.
 pub type FieldValues = [FieldValue; Config::FIELD_COUNT];
 
@@ -114,10 +128,6 @@ pub(super) trait Field: Sized {
     /// The value that a text gives; `None` if it is of another type.
     #[cfg(feature = "text")]
     fn read(value: &TextValue<'_>) -> Option<Self>;
-    #[cfg(feature = "serde")]
-    fn is_derived(&self) -> bool {
-        self.field_value().is_derived()
-    }
 }
 
 impl Field for u32 {
