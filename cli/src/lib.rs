@@ -7,6 +7,7 @@ pub mod config_source;
 pub mod error;
 pub mod export;
 pub mod files;
+pub mod idle;
 pub mod interrupt;
 pub mod learned;
 pub mod options;

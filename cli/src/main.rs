@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
-use jcas_cli::{Command, error, interrupt};
+use clap::{CommandFactory, FromArgMatches, Parser};
+use jcas_cli::{Command, error, idle, interrupt};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,7 +24,8 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = Cli::command().get_matches();
+    let Cli { command } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     interrupt::listen();
-    error::exit_code(cli.command.run())
+    error::exit_code(idle::refuse(&matches, &command.idle()).and_then(|()| command.run()))
 }

@@ -9,6 +9,7 @@ use jcas_policy::{BaselineKind, PilotMode};
 
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::CliError;
+use crate::idle::Idle;
 use crate::learned::{self, PolicyFactory};
 use crate::planned;
 
@@ -136,7 +137,23 @@ pub fn policy_factory(
     Ok(Box::new(move || Box::new(kind.build_privileged(pilot))))
 }
 
+/// The options that have no effect with a policy: a plan holds its own pilot densities.
+#[must_use]
+pub fn idle_for(policy: &str) -> Vec<Idle> {
+    if planned::is_plan(policy) {
+        let applies = "to baselines and trained policies; a plan sets its own pilot density";
+        return vec![Idle::options(&["pilot"], applies)];
+    }
+    Vec::new()
+}
+
 impl PolicyOptions {
+    /// The options that have no effect with the requested policy.
+    #[must_use]
+    pub fn idle(&self) -> Vec<Idle> {
+        idle_for(&self.policy)
+    }
+
     /// The requested policies.
     pub fn factory(&self, model: &Model<'_>) -> Result<PolicyFactory, CliError> {
         policy_factory(&self.policy, &self.pilot, model)

@@ -126,6 +126,62 @@ fn unknown_names() {
 }
 
 #[test]
+fn options_without_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, option, applies) in [
+        ("replay flight.jsonl --uavs 5", "--uavs", "without TRACE"),
+        (
+            "replay flight.jsonl --set quorum=2",
+            "--set",
+            "without TRACE",
+        ),
+        (
+            "replay flight.jsonl --preset paper",
+            "--preset",
+            "without TRACE",
+        ),
+        (
+            "replay flight.jsonl --pilot max",
+            "--pilot",
+            "without TRACE",
+        ),
+        (
+            "replay flight.jsonl --episode-seed 3",
+            "--episode-seed",
+            "without TRACE",
+        ),
+        (
+            "replay --policy plan --pilot max",
+            "--pilot",
+            "to baselines",
+        ),
+        ("evaluate teams --mode sampled", "--mode", "trained policy"),
+        ("evaluate plan --pilot max", "--pilot", "to baselines"),
+        (
+            "simulate --policy replan --pilot 0.1",
+            "--pilot",
+            "to baselines",
+        ),
+        (
+            "trace record -o x.jsonl --policy plan --pilot max",
+            "--pilot",
+            "to baselines",
+        ),
+        ("plan --altitude-m 30", "--altitude-m", "with --geojson"),
+        ("plan --depot 48.1,11.5", "--depot", "with --geojson"),
+        ("plan --hotspot 3,8 --seed 2", "--seed", "with --page"),
+    ] {
+        let words: Vec<&str> = arguments.split(' ').collect();
+        refuses(
+            folder.path(),
+            &words,
+            INPUT,
+            &[option, "has no effect", applies],
+        );
+    }
+}
+
+#[test]
 fn configuration_files() {
     let folder = tempfile::tempdir().unwrap();
     for (name, text, parts) in [

@@ -10,8 +10,9 @@ use jcas_policy::head::Mode;
 
 use super::simulate::{Report, fly};
 use crate::error::{CliError, Outcome};
+use crate::idle::Idle;
 use crate::learned;
-use crate::options::{MissionOptions, ThreadOptions, policy_factory};
+use crate::options::{self, MissionOptions, ThreadOptions, policy_factory};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -66,6 +67,16 @@ pub struct Evaluate {
 }
 
 impl Evaluate {
+    /// The options that have no effect with the policy.
+    pub fn idle(&self) -> Vec<Idle> {
+        let mut idle = options::idle_for(&self.policy);
+        if !learned::is_policy(&self.policy) {
+            let applies = "where POLICY is the folder of a trained policy";
+            idle.push(Idle::options(&["mode"], applies));
+        }
+        idle
+    }
+
     /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let learned = learned::is_policy(&self.policy);

@@ -14,6 +14,7 @@ mod trace;
 use clap::Subcommand;
 
 use crate::error::{CliError, Outcome};
+use crate::idle::Idle;
 
 /// The commands. The doc comment of each variant is its help text.
 #[allow(missing_docs)]
@@ -34,6 +35,21 @@ pub enum Command {
 }
 
 impl Command {
+    /// The options that would have no effect with the values of the others.
+    #[must_use]
+    pub fn idle(&self) -> Vec<Idle> {
+        match self {
+            Self::Simulate(command) => command.idle(),
+            Self::Plan(command) => command.idle(),
+            Self::Evaluate(command) => command.idle(),
+            Self::Trace(command) => command.idle(),
+            Self::Replay(command) => command.idle(),
+            Self::Tour(_) | Self::Sweep(_) | Self::Play(_) | Self::Config(_) | Self::Bench(_) => {
+                Vec::new()
+            }
+        }
+    }
+
     /// Runs the command.
     pub fn run(self) -> Result<Outcome, CliError> {
         match self {

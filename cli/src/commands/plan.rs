@@ -13,6 +13,7 @@ use jcas_plan::{Plan as Flights, Progress, Settings, search, tour};
 use super::replay::fly_page;
 use crate::error::{CliError, Outcome};
 use crate::export::{Place, geojson, mission_of, picture};
+use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{EpisodeOptions, MissionOptions};
 use crate::{files, interrupt, progress};
@@ -119,6 +120,20 @@ fn place(text: &str) -> Result<(f64, f64), String> {
 }
 
 impl Plan {
+    /// The options that have no effect with the outputs and the hotspots.
+    pub fn idle(&self) -> Vec<Idle> {
+        let mut idle = Vec::new();
+        if self.geojson.is_none() && self.qgroundcontrol.is_none() {
+            let applies = "with --geojson or --qgroundcontrol";
+            idle.push(Idle::options(&["depot", "altitude_m"], applies));
+        }
+        if !self.hotspot.is_empty() && self.page.is_none() {
+            let applies = "with --page, or without --hotspot";
+            idle.push(Idle::group::<EpisodeOptions>(applies));
+        }
+        idle
+    }
+
     /// Makes the plan, writes the files and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let model = Model::new(self.mission.load()?)?;

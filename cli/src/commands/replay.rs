@@ -9,6 +9,7 @@ use jcas_episode::{replay, trace};
 use super::trace::read_from;
 use crate::error::{CliError, Outcome};
 use crate::files;
+use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions};
 
@@ -39,6 +40,19 @@ pub struct Replay {
 }
 
 impl Replay {
+    /// A trace holds its own configuration, actions and seed.
+    pub fn idle(&self) -> Vec<Idle> {
+        const APPLIES: &str = "without TRACE, which is played as it was recorded";
+        match self.trace {
+            Some(_) => vec![
+                Idle::group::<MissionOptions>(APPLIES),
+                Idle::group::<PolicyOptions>(APPLIES),
+                Idle::group::<EpisodeOptions>(APPLIES),
+            ],
+            None => self.policy.idle(),
+        }
+    }
+
     /// Writes the page.
     pub fn run(self) -> Result<Outcome, CliError> {
         match &self.trace {

@@ -9,6 +9,7 @@ use jcas_episode::statistics::Summary;
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
+use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{MissionOptions, PolicyOptions, ThreadOptions};
 use crate::{files, interrupt, learned, progress};
@@ -70,6 +71,11 @@ pub struct Report<'a> {
 }
 
 impl Simulate {
+    /// The options that have no effect with the policy.
+    pub fn idle(&self) -> Vec<Idle> {
+        self.policy.idle()
+    }
+
     /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
         let config = self.mission.load_for(&self.policy.policy)?;

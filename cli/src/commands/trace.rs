@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
 use crate::files;
+use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions};
 
@@ -78,6 +79,14 @@ pub struct Diff {
 }
 
 impl Trace {
+    /// The options that have no effect with the policy.
+    pub fn idle(&self) -> Vec<Idle> {
+        match self {
+            Self::Record(command) => command.policy.idle(),
+            Self::Verify(_) | Self::Diff(_) => Vec::new(),
+        }
+    }
+
     /// Runs the subcommand.
     pub fn run(self) -> Result<Outcome, CliError> {
         match self {
