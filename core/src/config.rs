@@ -140,7 +140,8 @@ configuration! { $
     comm_load_penalty_db: f64 = 1.0, "dB", 0..=20;
     /// Single-pulse probability of detection that defines the threshold (Albersheim's equation).
     detection_probability: f64 = 0.9, "probability", 0.1..=0.9;
-    /// Single-pulse probability of false alarm (P_fa) that defines the threshold, or the curve `swerling1`.
+    /// Single-pulse probability of false alarm (P_fa) that defines the threshold, or the curve
+    /// `swerling1`.
     false_alarm_probability: f64 = 1e-6, "probability", 1e-12..=0.1;
     /// Detection threshold (γ_det); derived by Albersheim's equation where absent.
     detection_threshold_db: Option<f64> = None, "dB", -300..=300;
@@ -234,9 +235,11 @@ configuration! { $
     /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit one wins.
     sensing_range_m: Option<f64> = None, "m", 0.001..=1e6;
 
-    /// What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or 10 log10(ρ/ρ_max) (`coherent`).
+    /// What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or
+    /// 10 log10(ρ/ρ_max) (`coherent`).
     pilot_gain: PilotGain = PilotGain::None, "none | coherent", 0..=1;
-    /// Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a fluctuating echo).
+    /// Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a
+    /// fluctuating echo).
     detection_curve: DetectionCurve = DetectionCurve::Logistic, "logistic | swerling1", 0..=1;
 }
 

@@ -575,8 +575,8 @@ fn any_changed_field_is_caught() {
     }
 }
 
-/// The configuration in a trace is complete: no value comes from the defaults of the reading build,
-/// but for the later fields, whose default is that they are off.
+/// The configuration in a trace is complete. The later fields alone may be left out: at their
+/// default they are off.
 #[test]
 fn headers_hold_every_field() {
     let path = folder().join("completion.jsonl");

@@ -2,8 +2,8 @@
 //!
 //! A text may name a `preset` (default `mission`); every other key is a field of [`Config`] and
 //! replaces the preset's value. A key that is unknown or comes twice is an error. `null` (JSON) and
-//! `"none"` take a real number that may be derived from others back to that. Reading and writing allocate
-//! nothing.
+//! `"none"` take a real number that may be derived from others back to that. Reading and writing
+//! allocate nothing.
 
 mod error;
 mod scan;

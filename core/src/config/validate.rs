@@ -77,8 +77,8 @@ impl Config {
         Ok(())
     }
 
-    /// Checks that no field is given that the detection curve does not use, and that P_fa is in the
-    /// range of Albersheim's equation where that equation is the threshold's.
+    /// Checks that no field is given that the detection curve does not use. P_fa must be in the
+    /// range of Albersheim's equation where that equation gives the threshold.
     fn radar_fits_its_curve(&self) -> Result<(), ConfigError> {
         let refused = |field, value, rule| {
             Err(ConfigError {

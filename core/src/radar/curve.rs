@@ -1,7 +1,7 @@
 //! Detection curves: the probability of detection over the SNR, with the gain of the pilots.
 //!
-//! Each probability has two parts: a value that the model tabulates for the range, and a factor
-//! that a step computes for each UAV from its pilot density.
+//! Each probability has two parts. The model tabulates a value for the range, and a step computes
+//! a factor for each UAV from its pilot density.
 
 use libm::{exp, log};
 
