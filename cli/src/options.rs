@@ -193,18 +193,45 @@ fn parse_seed(text: &str) -> Result<u64, String> {
 /// Option for the number of threads.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ThreadOptions {
-    /// Threads; 0 for one on each core. Results do not depend on it
-    #[arg(long, value_name = "COUNT", default_value_t = 0)]
-    pub threads: usize,
+    /// Threads, at most 1024; 0 for one on each core. Results do not depend on it
+    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub threads: u16,
 }
 
 impl ThreadOptions {
     /// Runs a function in a pool of that number of threads.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, CliError> {
+        self.run_missions(u64::MAX, work)
+    }
+
+    /// Runs a function that flies missions, in a pool of at most one thread for each.
+    pub fn run_missions<T: Send>(
+        &self,
+        missions: u64,
+        work: impl FnOnce() -> T + Send,
+    ) -> Result<T, CliError> {
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
+            .num_threads(u64::from(self.threads).min(missions) as usize)
             .build()
             .map_err(|error| CliError::input(format!("threads = {}: {error}", self.threads)))?;
         Ok(pool.install(work))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ThreadOptions;
+
+    #[test]
+    fn no_thread_is_without_a_mission() {
+        let threads = |threads: u16, missions: u64| {
+            let options = ThreadOptions { threads };
+            options
+                .run_missions(missions, rayon::current_num_threads)
+                .unwrap()
+        };
+        assert_eq!(threads(64, 2), 2);
+        assert_eq!(threads(2, 64), 2);
+        assert_eq!(threads(0, 1 << 40), threads(0, 1));
     }
 }

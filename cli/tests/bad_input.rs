@@ -182,6 +182,17 @@ fn options_without_effect() {
 }
 
 #[test]
+fn more_threads_than_a_machine_has() {
+    let folder = tempfile::tempdir().unwrap();
+    refuses(
+        folder.path(),
+        &["simulate", "--episodes", "2", "--threads", "100000"],
+        INPUT,
+        &["--threads", "100000", "0..=1024"],
+    );
+}
+
+#[test]
 fn configuration_files() {
     let folder = tempfile::tempdir().unwrap();
     for (name, text, parts) in [

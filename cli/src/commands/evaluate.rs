@@ -97,9 +97,9 @@ impl Evaluate {
             episodes: self.episodes,
             seed: self.seed,
         };
-        let summary = self
-            .threads
-            .run(|| fly(&model, campaign, &factory, "missions"))??;
+        let summary = self.threads.run_missions(self.episodes, || {
+            fly(&model, campaign, &factory, "missions")
+        })??;
         let who = (
             self.policy.as_str(),
             learned::pilot_rule(&self.policy, &self.pilot),

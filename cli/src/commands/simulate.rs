@@ -88,9 +88,9 @@ impl Simulate {
         if let Some(path) = &self.trace {
             super::trace::record_to(path, &model, &factory, campaign.episode_seed(0))?;
         }
-        let summary = self
-            .threads
-            .run(|| fly(&model, campaign, &factory, "missions"))??;
+        let summary = self.threads.run_missions(self.episodes, || {
+            fly(&model, campaign, &factory, "missions")
+        })??;
         let PolicyOptions { policy, pilot } = &self.policy;
         let who = (policy.as_str(), learned::pilot_rule(policy, pilot));
         Report::new(who, &config, self.seed, summary).print(self.json)?;

@@ -25,7 +25,7 @@ pub fn fly(
     let bar = progress::bar(cells.len() as u64 * campaign.episodes, "missions");
     bar.inc(store.len() as u64 * campaign.episodes);
     bar.reset_eta();
-    let flown = threads.run(|| {
+    let flown = threads.run_missions(campaign.episodes, || {
         for (index, cell) in cells.iter().enumerate() {
             if store.has(index) {
                 continue;
