@@ -10,6 +10,7 @@ pub mod files;
 pub mod idle;
 pub mod interrupt;
 pub mod learned;
+pub mod numbers;
 pub mod options;
 pub mod planned;
 mod progress;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
-use jcas_cli::{Command, error, idle, interrupt};
+use jcas_cli::{Command, error, idle, interrupt, numbers};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,7 +24,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
+    let matches = numbers::accept_negative(Cli::command()).get_matches();
     let Cli { command } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     interrupt::listen();
     error::exit_code(idle::refuse(&matches, &command.idle()).and_then(|()| command.run()))

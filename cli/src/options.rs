@@ -11,6 +11,7 @@ use crate::config_source::{ConfigSource, PresetName};
 use crate::error::CliError;
 use crate::idle::Idle;
 use crate::learned::{self, PolicyFactory};
+use crate::numbers;
 use crate::planned;
 
 /// Sources of the configuration.
@@ -58,10 +59,10 @@ pub struct MissionOptions {
     #[command(flatten)]
     pub config: ConfigOptions,
     /// UAVs in the fleet [default: as configured]
-    #[arg(long, value_name = "N", help_heading = "Configuration")]
+    #[arg(long, value_name = "N", value_parser = numbers::uavs, help_heading = "Configuration")]
     pub uavs: Option<u32>,
     /// Hotspots to find [default: as configured]
-    #[arg(long, value_name = "n", help_heading = "Configuration")]
+    #[arg(long, value_name = "n", value_parser = numbers::hotspots, help_heading = "Configuration")]
     pub hotspots: Option<u32>,
 }
 
@@ -164,13 +165,31 @@ impl PolicyOptions {
 #[derive(Args, Clone, Copy, Debug)]
 pub struct EpisodeOptions {
     /// Seed of the campaign, as in `jcas simulate`
-    #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Episode")]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 1,
+        value_parser = numbers::whole,
+        help_heading = "Episode"
+    )]
     pub seed: u64,
     /// Index of the episode in the campaign, from 0
-    #[arg(long, value_name = "K", default_value_t = 0, help_heading = "Episode")]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 0,
+        value_parser = numbers::whole,
+        help_heading = "Episode"
+    )]
     pub episode: u64,
     /// Seed of the episode itself, as in a trace's header (0x and hexadecimal digits, or decimal)
-    #[arg(long, value_name = "S", value_parser = parse_seed, conflicts_with_all = ["seed", "episode"], help_heading = "Episode")]
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = parse_seed,
+        conflicts_with_all = ["seed", "episode"],
+        help_heading = "Episode"
+    )]
     pub episode_seed: Option<u64>,
 }
 
@@ -194,7 +213,12 @@ fn parse_seed(text: &str) -> Result<u64, String> {
 #[derive(Args, Clone, Copy, Debug)]
 pub struct ThreadOptions {
     /// Threads, at most 1024; 0 for one on each core. Results do not depend on it
-    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    #[arg(
+        long,
+        value_name = "COUNT",
+        default_value_t = 0,
+        value_parser = clap::value_parser!(u16).range(..=1024)
+    )]
     pub threads: u16,
 }
 

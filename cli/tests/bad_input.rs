@@ -193,6 +193,72 @@ fn more_threads_than_a_machine_has() {
 }
 
 #[test]
+fn negative_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let u64_range = "a whole number from 0 to 18446744073709551615";
+    for (arguments, option, range) in [
+        (
+            "simulate --uavs -3",
+            "--uavs",
+            "a whole number from 1 to 4096",
+        ),
+        (
+            "simulate --hotspots -3",
+            "--hotspots",
+            "a whole number from 1 to ",
+        ),
+        (
+            "simulate --episodes -3",
+            "--episodes",
+            "a whole number from 1 to ",
+        ),
+        ("simulate --seed -3", "--seed", u64_range),
+        ("simulate --threads -3", "--threads", "0..=1024"),
+        (
+            "simulate --pilot -0.1",
+            "pilot = -0.1",
+            "0.3 (pilot_density_max)",
+        ),
+        ("evaluate teams --seed -3", "--seed", u64_range),
+        (
+            "sweep --uavs -3,5",
+            "--uavs",
+            "a whole number from 1 to 4096",
+        ),
+        (
+            "sweep --hotspots -3",
+            "--hotspots",
+            "a whole number from 1 to ",
+        ),
+        (
+            "sweep --pilot -0.1,0.2",
+            "pilot = -0.1",
+            "0.3 (pilot_density_max)",
+        ),
+        ("plan --iterations -3", "--iterations", u64_range),
+        ("plan --hotspot -1,2", "--hotspot", "a column and a row"),
+        ("plan --time-limit -3", "--time-limit", "a number above 0"),
+        ("replay --episode -3", "--episode", u64_range),
+        (
+            "replay --episode-seed -3",
+            "--episode-seed",
+            "hexadecimal digits",
+        ),
+        ("bench --environments -3", "--environments", "1..=65536"),
+        ("bench --seconds -3", "seconds = -3", "0.01 to 3600"),
+        ("play --port -3", "--port", "0..=65535"),
+        (
+            "tour --episodes -3",
+            "--episodes",
+            "a whole number from 1 to ",
+        ),
+    ] {
+        let words: Vec<&str> = arguments.split(' ').collect();
+        refuses(folder.path(), &words, INPUT, &[option, range]);
+    }
+}
+
+#[test]
 fn configuration_files() {
     let folder = tempfile::tempdir().unwrap();
     for (name, text, parts) in [

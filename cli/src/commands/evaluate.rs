@@ -12,6 +12,7 @@ use super::simulate::{Report, fly};
 use crate::error::{CliError, Outcome};
 use crate::idle::Idle;
 use crate::learned;
+use crate::numbers;
 use crate::options::{self, MissionOptions, ThreadOptions, policy_factory};
 
 const EXAMPLES: &str = "\
@@ -54,10 +55,10 @@ pub struct Evaluate {
     #[command(flatten)]
     mission: MissionOptions,
     /// Missions to fly
-    #[arg(long, value_name = "M", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "M", default_value_t = 1000, value_parser = numbers::above_zero)]
     episodes: u64,
     /// Seed; each mission's own seed follows from it
-    #[arg(long, value_name = "S", default_value_t = EVALUATION_SEED)]
+    #[arg(long, value_name = "S", default_value_t = EVALUATION_SEED, value_parser = numbers::whole)]
     seed: u64,
     #[command(flatten)]
     threads: ThreadOptions,

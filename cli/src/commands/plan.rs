@@ -16,7 +16,7 @@ use crate::export::{Place, geojson, mission_of, picture};
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{EpisodeOptions, MissionOptions};
-use crate::{files, interrupt, progress};
+use crate::{files, interrupt, numbers, progress};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -38,16 +38,16 @@ pub struct Plan {
     #[command(flatten)]
     mission: MissionOptions,
     /// Moves that the annealing tries
-    #[arg(long, value_name = "COUNT", default_value_t = 1_000_000)]
+    #[arg(long, value_name = "COUNT", default_value_t = 1_000_000, value_parser = numbers::whole)]
     iterations: u64,
     /// Seed of the annealing
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = numbers::whole)]
     plan_seed: u64,
     /// Seconds after which the annealing ends early
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     time_limit: Option<f64>,
     /// Cell of a known hotspot, x,y; repeat the option for each hotspot
-    #[arg(long, value_name = "X,Y", value_parser = cell)]
+    #[arg(long, value_name = "X,Y", value_parser = cell, allow_hyphen_values = true)]
     hotspot: Vec<Cell>,
     #[command(flatten)]
     episode: EpisodeOptions,

@@ -12,7 +12,7 @@ use crate::error::{CliError, Outcome};
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{MissionOptions, PolicyOptions, ThreadOptions};
-use crate::{files, interrupt, learned, progress};
+use crate::{files, interrupt, learned, numbers, progress};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -33,10 +33,10 @@ pub struct Simulate {
     #[command(flatten)]
     policy: PolicyOptions,
     /// Missions to run
-    #[arg(long, value_name = "M", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "M", default_value_t = 1000, value_parser = numbers::above_zero)]
     episodes: u64,
     /// Seed; each mission's own seed follows from it
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = numbers::whole)]
     seed: u64,
     #[command(flatten)]
     threads: ThreadOptions,

@@ -18,7 +18,7 @@ use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions
 use crate::sweep::plan::{self, Axis, Cell};
 use crate::sweep::store::Store;
 use crate::sweep::{self, charts};
-use crate::{files, learned};
+use crate::{files, learned, numbers};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -43,10 +43,26 @@ pub struct Sweep {
     #[command(flatten)]
     config: ConfigOptions,
     /// Numbers of UAVs
-    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5, 10, 15, 20], help_heading = "Lists")]
+    #[arg(
+        long,
+        value_name = "N,N",
+        value_delimiter = ',',
+        default_values_t = [5, 10, 15, 20],
+        value_parser = numbers::uavs,
+        allow_hyphen_values = true,
+        help_heading = "Lists"
+    )]
     uavs: Vec<u32>,
     /// Numbers of hotspots
-    #[arg(long, value_name = "n,n", value_delimiter = ',', default_values_t = [3, 5, 7, 9, 11], help_heading = "Lists")]
+    #[arg(
+        long,
+        value_name = "n,n",
+        value_delimiter = ',',
+        default_values_t = [3, 5, 7, 9, 11],
+        value_parser = numbers::hotspots,
+        allow_hyphen_values = true,
+        help_heading = "Lists"
+    )]
     hotspots: Vec<u32>,
     /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. The
     /// default is teams, or every searching baseline where hotspots are hidden
@@ -59,16 +75,23 @@ pub struct Sweep {
     policy: Vec<String>,
     /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive; adaptive uses a trained
     /// policy's own density
-    #[arg(long, value_name = "MODE,MODE", value_delimiter = ',', default_value = DEFAULT_PILOT, help_heading = "Lists")]
+    #[arg(
+        long,
+        value_name = "MODE,MODE",
+        value_delimiter = ',',
+        default_value = DEFAULT_PILOT,
+        allow_hyphen_values = true,
+        help_heading = "Lists"
+    )]
     pilot: Vec<String>,
     /// Values of any field; may be repeated
     #[arg(long, value_name = "FIELD=VALUE,VALUE", help_heading = "Lists")]
     vary: Vec<String>,
     /// Missions in each cell
-    #[arg(long, value_name = "M", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "M", default_value_t = 300, value_parser = numbers::above_zero)]
     episodes: u64,
     /// Seed; every cell uses the same seeds of missions
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = numbers::whole)]
     seed: u64,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "out")]

@@ -15,6 +15,7 @@ use super::trace::read_from;
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::{CliError, Outcome};
 use crate::files;
+use crate::numbers;
 use crate::options::{DEFAULT_PILOT, ThreadOptions, policy_factory};
 use crate::sweep::plan::{self, Axis, Cell};
 use crate::sweep::store::Store;
@@ -81,7 +82,7 @@ pub struct Tour {
         long,
         value_name = "M",
         default_value_t = 100,
-        value_parser = clap::value_parser!(u64).range(1..)
+        value_parser = numbers::above_zero
     )]
     episodes: u64,
     /// Folder for the results
