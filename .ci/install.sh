@@ -11,6 +11,8 @@ PACKAGES=(
     rustc-web libstd-rust-web-dev:arm64 rust-web-src gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
     # figures and the replay page
     libfontconfig-dev fonts-dejavu-core chromium
+    # the C reference of the documentation site
+    doxygen
 )
 # Not where the machine has them from elsewhere.
 command -v node >/dev/null || PACKAGES+=(nodejs)

@@ -1,11 +1,11 @@
 """Reinforcement-learning environments of UAV fleets that sense and communicate with one waveform.
 
-- :func:`parallel_env`: PettingZoo, one agent for each UAV;
-- :class:`FleetEnv` (`gymnasium.make("jcas/Fleet-v0")`): one joint action for the fleet;
-- :func:`make_vec`: many fleets stepped by one call;
-- :class:`Sim`: the simulation itself, with every quantity, snapshots and forks;
-- :class:`Policy`: trained fleets and baselines that fly it;
-- :mod:`jcas.rllib`: the paper's training pipeline on Ray.
+- `parallel_env`: PettingZoo, one agent for each UAV;
+- `FleetEnv` (`gymnasium.make("jcas/Fleet-v0")`): one joint action for the fleet;
+- `make_vec`: many fleets stepped by one call;
+- `Sim`: the simulation itself, with every quantity, snapshots and forks;
+- `Policy`: trained fleets and baselines that fly it;
+- `jcas.rllib`: the paper's training pipeline on Ray.
 """
 
 import gymnasium as _gymnasium

@@ -238,7 +238,7 @@ class Batch:
         return b"".join(self.member(index).save() for index in range(self.num_envs))
 
     def load(self, snapshot: bytes) -> None:
-        """Take up what :meth:`save` gave; anything else is refused and changes nothing."""
+        """Take up what `save` gave; anything else is refused and changes nothing."""
         saved, size = snapshot_of("snapshot", snapshot), self.model.snapshot_size
         if len(saved) != size * self.num_envs:
             raise SnapshotError(

@@ -31,7 +31,7 @@ class BusyError(JcasError, RuntimeError):
     """Another thread is using the object, or its buffers. Nothing has changed.
 
     An object serves one thread at a time: give each thread its own, or take turns with a lock. A
-    :class:`~jcas.Model` serves any number of threads at once.
+    `jcas.Model` serves any number of threads at once.
     """
 
 

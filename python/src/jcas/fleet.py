@@ -33,7 +33,7 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
     """One fleet: observations [N, observation length], actions [N, 2] (or hybrid), one team reward.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
         credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward, whose mean is the
             team's.
@@ -82,7 +82,7 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode. Equal seeds give equal episodes; without one, episodes differ.
 
-        `options["snapshot"]`, bytes of :meth:`save`, takes that state up instead of beginning anew.
+        `options["snapshot"]`, bytes of `save`, takes that state up instead of beginning anew.
         """
         given = options_of(options, "snapshot")
         super().reset(seed=None if seed is None else seed_of("seed", seed))

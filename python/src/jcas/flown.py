@@ -30,7 +30,7 @@ WEIGHTS = "policy.safetensors"
 
 
 class Policy:
-    """What flies a fleet: made by :meth:`load` or :meth:`baseline`, for missions of one model.
+    """What flies a fleet: made by `load` or `baseline`, for missions of one model.
 
     A copy, also one that was pickled, flies as a policy that was just made: a baseline that plans
     over several steps plans anew.
@@ -111,7 +111,7 @@ class Policy:
         )
 
     def act(self, sim: Sim) -> Actions:
-        """Choose the actions of a simulation's present state, [N, 2], for :meth:`jcas.Sim.step`."""
+        """Choose the actions of a simulation's present state, [N, 2], for `jcas.Sim.step`."""
         if not isinstance(sim, Sim):
             raise ArgumentError(f"sim = {shown(sim)}: must be a jcas.Sim")
         self._check_model("sim", sim.model)

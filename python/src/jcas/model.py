@@ -34,7 +34,7 @@ class Model:
     """An immutable model; any number of simulations and batches may share one.
 
     Args:
-        config: see :class:`~jcas.Config`.
+        config: see `jcas.Config`.
         **fields: fields that replace those of `config`.
 
     """

@@ -35,7 +35,7 @@ Observation = npt.NDArray[np.float32]
 
 
 class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
-    """A fleet as PettingZoo sees it. Made by :func:`parallel_env`."""
+    """A fleet as PettingZoo sees it. Made by `parallel_env`."""
 
     metadata: dict[str, Any] = {
         "name": "jcas_v0",
@@ -102,7 +102,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """Begin an episode. Equal seeds give equal episodes; without one, episodes differ.
 
-        `options["snapshot"]`, bytes of :meth:`save`, takes that state up instead of beginning anew.
+        `options["snapshot"]`, bytes of `save`, takes that state up instead of beginning anew.
         """
         # PettingZoo's conformance tests pass an option named "options", which changes nothing.
         self._mission.reset(seed, options_of(options, "snapshot", "options"))
@@ -188,7 +188,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
 
 
 class JcasEnv(OrderEnforcingWrapper[str, Observation, Any]):
-    """The same in PettingZoo's turn-based form. Made by :func:`env`."""
+    """The same in PettingZoo's turn-based form. Made by `env`."""
 
     def __init__(self, fleet: JcasParallelEnv) -> None:
         super().__init__(parallel_to_aec_wrapper(fleet))
@@ -212,7 +212,7 @@ class JcasEnv(OrderEnforcingWrapper[str, Observation, Any]):
         return self.fleet._mission.describe("jcas.env")
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
-        """Begin an episode, or take up `options["snapshot"]`, as :meth:`JcasParallelEnv.reset`."""
+        """Begin an episode, or take up `options["snapshot"]`, as `JcasParallelEnv.reset`."""
         super().reset(seed=seed, options=options)
 
     def save(self) -> bytes:
@@ -253,7 +253,7 @@ def parallel_env(
     """Make a PettingZoo parallel environment with one agent for each UAV.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
         credit: whose reward an agent receives: the `team`'s, as in the paper, or with `uav` its
             own, whose mean over the fleet is the team's.
@@ -283,7 +283,7 @@ def env(
     max_cycles: int | None = None,
     **fields: Unpack[Fields],
 ) -> JcasEnv:
-    """Make the turn-based PettingZoo environment, with the options of :func:`parallel_env`."""
+    """Make the turn-based PettingZoo environment, with the options of `parallel_env`."""
     return JcasEnv(
         parallel_env(
             config,

@@ -2,7 +2,7 @@
 
 A policy is a folder with weights (`policy.safetensors`) and a card (`policy.json`). The card
 describes the policy and its training. `jcas-lab train` and `jcas.rllib` write both, and
-:class:`jcas.Policy` runs them.
+`jcas.Policy` runs them.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Layer:
 
 
 class MlpPolicy:
-    """Linear layers with ReLU between them, to be written for :meth:`jcas.Policy.load`.
+    """Linear layers with ReLU between them, to be written for `jcas.Policy.load`.
 
     Args:
         layers: from the observation to the head's outputs.

@@ -1,7 +1,7 @@
 """Draws a mission: a map of the fleet and a panel of its state, as an RGB array.
 
 The parts that do not change during a mission are drawn once and cached (`_background`). Moving
-parts are pasted onto a copy from cached sprites (:mod:`jcas.sprites`), so a frame takes
+parts are pasted onto a copy from cached sprites (`jcas.sprites`), so a frame takes
 milliseconds.
 """
 

@@ -33,7 +33,7 @@ class FleetVecEnv(VecEnv):
     """M missions of N UAVs as a Stable-Baselines3 vector environment of M · N members.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
         missions: M.
         credit: whose reward a member receives: its `team`'s, or with `uav` its own.
         threads: how many missions step at once, 1 to 256; None for every core.
@@ -128,7 +128,7 @@ class FleetVecEnv(VecEnv):
         return self.envs.save()
 
     def load(self, snapshot: bytes) -> npt.NDArray[np.float32]:
-        """Take up what :meth:`save` gave and return the observations."""
+        """Take up what `save` gave and return the observations."""
         return self._rows(self.envs.load(snapshot))
 
     def fork(self) -> FleetVecEnv:

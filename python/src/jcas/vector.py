@@ -35,13 +35,13 @@ Array = npt.NDArray[Any]
 
 
 class FleetVectorEnv(VectorEnv[Array, Any, Array]):
-    """A vector environment of M fleets, made by :func:`make_vec`.
+    """A vector environment of M fleets, made by `make_vec`.
 
     Each sub-environment is a whole fleet. Its observation is [N, observation length], its action
     [N, 2]. Rewards, terminations and truncations belong to the team, so their arrays have the shape
     [M].
 
-    The caller owns the arrays that :meth:`reset` and :meth:`step` return. With `copy=False` they
+    The caller owns the arrays that `reset` and `step` return. With `copy=False` they
     are the kernel's own, in `buffer_sets` sets that alternate. With two sets, the next step keeps
     the arrays and the one after overwrites them. With one set, as in Gymnasium's own vector
     environments, the next step overwrites them.
@@ -126,7 +126,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def step(self, actions: Any) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Step every fleet.
 
-        `infos["reward_components"]` is [M, 12], in the order of :data:`jcas.REWARD_NAMES`. Where an
+        `infos["reward_components"]` is [M, 12], in the order of `jcas.REWARD_NAMES`. Where an
         episode ended, `infos["final_info"]` holds its metrics. With `SameStep`,
         `infos["final_obs"]` holds its last observation, and `infos["_final_obs"]` marks the ended
         fleets. With `NextStep`, the step after ignores the ended fleet's action, begins its next
@@ -166,7 +166,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         return self.batch.save()
 
     def load(self, snapshot: bytes) -> Array:
-        """Take up what :meth:`save` gave and return the observations."""
+        """Take up what `save` gave and return the observations."""
         with self._in_use:
             self.batch.load(snapshot)
             members = [self.batch.member(member) for member in range(self.num_envs)]
@@ -326,7 +326,7 @@ def make_vec(
     """Make a Gymnasium vector environment of `num_envs` fleets.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a :class:`~jcas.Config`.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
         num_envs: how many missions fly side by side.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
         credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N], whose mean

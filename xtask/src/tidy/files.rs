@@ -59,6 +59,9 @@ impl File {
     }
 }
 
+/// The path of code that others wrote, which keeps their style.
+const OF_OTHERS: &str = ":(exclude)site/assets";
+
 /// Every file that git does not ignore and that is text.
 pub fn read_all(root: &Path) -> Result<Vec<File>, String> {
     let listed = Command::new("git")
@@ -69,6 +72,9 @@ pub fn read_all(root: &Path) -> Result<Vec<File>, String> {
             "--cached",
             "--others",
             "--exclude-standard",
+            "--",
+            ".",
+            OF_OTHERS,
         ])
         .output()
         .map_err(|error| format!("cannot start git: {error}"))?;

@@ -21,8 +21,8 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
-        config: RLlib's environment configuration; its fields are those of :class:`jcas.Config`, and
-            `credit`: `team` (the default) or `uav`, as in :func:`jcas.parallel_env`.
+        config: RLlib's environment configuration; its fields are those of `jcas.Config`, and
+            `credit`: `team` (the default) or `uav`, as in `jcas.parallel_env`.
 
     """
 
@@ -56,7 +56,7 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode: the one that :func:`jcas.parallel_env` begins with that seed."""
+        """Begin an episode: the one that `jcas.parallel_env` begins with that seed."""
         self._mission.reset(seed, options)
         self.agents = list(self.possible_agents)
         return self._observations(), {}

@@ -1,0 +1,66 @@
+// Opens the documentation site from its folder in headless Chromium. It catches a page that loads
+// anything from outside, logs an error, lacks a picture or is wider than a phone. It also catches a
+// search that finds nothing.
+//
+//   node tests/browser/site.mjs FOLDER [FOLDER-FOR-SCREENSHOTS]
+
+import assert from 'node:assert/strict';
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { openBrowser } from './devtools.mjs';
+
+const [folder, pictures] = process.argv.slice(2);
+if (!folder) {
+  console.error('usage: node tests/browser/site.mjs FOLDER [FOLDER-FOR-SCREENSHOTS]');
+  process.exit(2);
+}
+const PAGES = [
+  'index', 'docs/cookbook', 'docs/model', 'docs/trust', 'lab/results', 'reference/python',
+  'reference/c',
+];
+/** The width of a common phone, in CSS pixels. */
+const PHONE = { width: 390, height: 844, deviceScaleFactor: 2, mobile: true };
+const urlOf = (page) => pathToFileURL(resolve(folder, `${page}.html`)).href;
+
+async function look(browser, name) {
+  const page = await browser.openPage(urlOf(name));
+  await page.until('[...document.images].every((image) => image.complete)');
+  const whole = await page.evaluate('[...document.images].every((image) => image.naturalWidth)');
+  assert.ok(whole, `${name}: a picture is missing`);
+  await page.call('Emulation.setDeviceMetricsOverride', PHONE);
+  const width = await page.evaluate('document.documentElement.scrollWidth');
+  assert.ok(width <= PHONE.width, `${name}: ${width} pixels wide on a phone of ${PHONE.width}`);
+  if (pictures) {
+    mkdirSync(pictures, { recursive: true });
+    writeFileSync(join(pictures, `${name.replaceAll('/', '-')}.png`), await page.screenshot());
+  }
+  return page;
+}
+
+async function search(page, words) {
+  await page.evaluate(`(() => {
+    document.querySelector('#__search').click();
+    const field = document.querySelector('.md-search__input');
+    field.focus();
+    field.value = ${JSON.stringify(words)};
+    field.dispatchEvent(new KeyboardEvent('keyup', { bubbles: true }));
+    field.dispatchEvent(new InputEvent('input', { bubbles: true }));
+  })()`);
+  await page.until("document.querySelectorAll('.md-search-result__item').length > 0");
+}
+
+const browser = await openBrowser();
+try {
+  for (const name of PAGES) {
+    const page = await look(browser, name);
+    if (name === 'index') await search(page, 'Swerling');
+    const outside = page.requests.filter((url) => !/^(file|data|about|blob):/.test(url));
+    assert.deepEqual(outside, [], `${name} loads from outside`);
+    assert.deepEqual(page.complaints, [], `${name} logs an error`);
+    await page.close();
+  }
+} finally {
+  await browser.close();
+}
+console.log(`${PAGES.length} pages of ${folder}: nothing from outside, nothing missing`);
