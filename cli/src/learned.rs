@@ -5,7 +5,7 @@ use std::path::Path;
 use jcas_core::Model;
 use jcas_episode::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
 use jcas_policy::head::Mode;
-use jcas_policy::{PilotMode, Policy};
+use jcas_policy::{PilotMode, Policy, PolicyError};
 
 use crate::error::CliError;
 use crate::planned;
@@ -16,6 +16,18 @@ pub type PolicyFactory = Box<dyn Fn() -> Box<dyn Policy> + Sync>;
 /// Whether a name is a folder with a trained policy.
 pub fn is_policy(name: &str) -> bool {
     Path::new(name).join(CARD).is_file()
+}
+
+/// The error of a name that is neither that of a baseline nor a folder with a trained policy.
+pub fn absent(name: &str, error: &PolicyError<'_>) -> CliError {
+    let reason = if Path::new(name).is_dir() {
+        format!("the folder holds no {CARD}")
+    } else {
+        "there is no such folder".to_owned()
+    };
+    CliError::input(format!(
+        "{error}, plan, replan, plan:FILE, or the folder of a trained policy, with a {CARD}; {reason}"
+    ))
 }
 
 /// The pilot rule that a report names; an adaptive trained policy follows its own.

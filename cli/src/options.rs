@@ -131,7 +131,7 @@ pub fn policy_factory(
     if let Some(factory) = planned::factory(policy, model)? {
         return Ok(factory);
     }
-    let kind = BaselineKind::named(policy)?;
+    let kind = BaselineKind::named(policy).map_err(|error| learned::absent(policy, &error))?;
     let pilot = PilotMode::named(pilot)?;
     // A baseline that reads what the model withholds is refused here, once.
     kind.build(model, pilot)?;

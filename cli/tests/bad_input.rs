@@ -126,6 +126,30 @@ fn unknown_names() {
 }
 
 #[test]
+fn folders_without_a_policy() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    let choices = "clean, plan, replan, plan:FILE, or the folder of a trained policy";
+    for (policy, reason) in [
+        ("runs/absent", "no such folder"),
+        ("empty", "holds no policy.json"),
+        ("clever", "no such folder"),
+    ] {
+        let name = format!("policy = {policy}");
+        let parts = [name.as_str(), choices, reason];
+        for command in [
+            ["simulate", "--policy", policy].as_slice(),
+            &["evaluate", policy],
+            &["evaluate", policy, "--mode", "sampled"],
+            &["replay", "--policy", policy],
+            &["sweep", "--policy", policy],
+        ] {
+            refuses(folder.path(), command, INPUT, &parts);
+        }
+    }
+}
+
+#[test]
 fn options_without_effect() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, option, applies) in [

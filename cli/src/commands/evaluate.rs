@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use jcas_core::Model;
 use jcas_episode::card::EVALUATION_SEED;
 use jcas_episode::mission::Campaign;
+use jcas_policy::BaselineKind;
 use jcas_policy::head::Mode;
 
 use super::simulate::{Report, fly};
@@ -14,6 +15,7 @@ use crate::idle::Idle;
 use crate::learned;
 use crate::numbers;
 use crate::options::{self, MissionOptions, ThreadOptions, policy_factory};
+use crate::planned;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -71,7 +73,8 @@ impl Evaluate {
     /// The options that have no effect with the policy.
     pub fn idle(&self) -> Vec<Idle> {
         let mut idle = options::idle_for(&self.policy);
-        if !learned::is_policy(&self.policy) {
+        // A name that is neither is refused later, since --mode may suit the folder that was meant.
+        if planned::is_plan(&self.policy) || BaselineKind::named(&self.policy).is_ok() {
             let applies = "where POLICY is the folder of a trained policy";
             idle.push(Idle::options(&["mode"], applies));
         }
