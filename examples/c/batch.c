@@ -1,7 +1,11 @@
 /* Steps many environments at once, as a learner does: contiguous buffers, worker threads, automatic
  * resets, and the metrics of each finished episode.
  *
- *   cc batch.c $(pkg-config --cflags --libs jcas) && ./a.out [environments [threads]]
+ * With jcas installed and PKG_CONFIG_PATH set, as docs/c.md says:
+ *
+ *   libdir=$(pkg-config --variable=libdir jcas)
+ *   cc batch.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir"
+ *   ./a.out [environments [threads]]
  */
 #include <jcas.h>
 #include <stdio.h>

@@ -2,7 +2,10 @@
  * links. The kernel does sensing, knowledge, energy, carbon and reward. Nothing is allocated:
  * model, simulation and recording live in static arenas.
  *
- *   cc external_mobility.c $(pkg-config --cflags --libs jcas) -lm && ./a.out
+ * With jcas installed and PKG_CONFIG_PATH set, as docs/c.md says:
+ *
+ *   libdir=$(pkg-config --variable=libdir jcas)
+ *   cc external_mobility.c $(pkg-config --cflags --libs jcas) -lm -Wl,-rpath,"$libdir" && ./a.out
  *
  * With a file name, the mission is recorded there together with the host's values:
  *

@@ -1,9 +1,13 @@
 /* Flies a mission with a trained policy, for which its file of weights is enough.
  *
- *   cc fly_policy.c $(pkg-config --cflags --libs jcas) && ./a.out policies/fleet/policy.safetensors
+ * With jcas installed and PKG_CONFIG_PATH set, as docs/c.md says:
  *
- * The argument may also name a baseline: random, greedy, swarm, teams, sweep, line, frontier or
- * relay.
+ *   libdir=$(pkg-config --variable=libdir jcas)
+ *   cc fly_policy.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir"
+ *   ./a.out policies/fleet/policy.safetensors
+ *
+ * The argument may also name a baseline: random, greedy, swarm, teams, sweep, line, frontier,
+ * relay, charging or clean.
  *
  * The mission is the first of `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy POLICY`, bit
  * for bit.

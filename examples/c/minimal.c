@@ -1,6 +1,9 @@
 /* A whole mission: every UAV flies to the first hotspot that is not confirmed yet.
  *
- *   cc minimal.c $(pkg-config --cflags --libs jcas) && ./a.out
+ * With jcas installed and PKG_CONFIG_PATH set, as docs/c.md says:
+ *
+ *   libdir=$(pkg-config --variable=libdir jcas)
+ *   cc minimal.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir" && ./a.out
  */
 #include <jcas.h>
 #include <stdio.h>

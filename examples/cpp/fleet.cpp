@@ -1,7 +1,10 @@
 // A fleet that looks ahead. Before each step it forks the simulation and tries each hotspot as a
 // common target for a few steps. It then flies to the one with the best return.
 //
-//     c++ -std=c++17 fleet.cpp $(pkg-config --cflags --libs jcas) && ./a.out
+// With jcas installed and PKG_CONFIG_PATH set, as docs/c.md says:
+//
+//     libdir=$(pkg-config --variable=libdir jcas)
+//     c++ -std=c++17 fleet.cpp $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir" && ./a.out
 #include <jcas.hpp>
 
 #include <cstdio>

@@ -14,6 +14,15 @@ trap 'rm -rf "$outside"' EXIT
 cp "$root"/examples/c/minimal.c "$root"/examples/cpp/fleet.cpp "$root"/tests/package/CMakeLists.txt "$outside"
 cd "$outside"
 
+# Compiles an example by the lines in its own head, runs it, and leaves no library path to help.
+by_its_own_lines() {
+    local lines
+    lines=$(sed -nE 's,^[ */]*((libdir=|cc |c\+\+ ).*),\1,p' "$1" | sed 's/ && .*//')
+    [[ $lines == *"$1"* ]] || { echo "$1 does not say how it is compiled" >&2; exit 1; }
+    eval "$lines"
+    env -u LD_LIBRARY_PATH ./a.out >/dev/null
+}
+
 case $how in
 pkg-config)
     export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
@@ -35,6 +44,8 @@ pkg-config)
     fi
     c++ -std=c++17 fleet.cpp $(pkg-config --cflags --libs jcas) -o fleet
     LD_LIBRARY_PATH=$prefix/lib ./fleet
+    cp "$root"/examples/c/*.c .
+    for example in *.c *.cpp; do by_its_own_lines "$example"; done
     ;;
 cmake)
     cmake -B build -DCMAKE_PREFIX_PATH="$prefix" >/dev/null

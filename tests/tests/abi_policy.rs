@@ -5,6 +5,7 @@
 
 mod abi_support;
 
+use std::fs;
 use std::process::Command;
 
 use abi_support::{c_compilers, compile, root, run};
@@ -109,5 +110,11 @@ fn the_example_flies_the_shipped_policy() {
             "{compiler}: {text}, not 0x{hash:016x}"
         );
         assert!(fly("swarm".as_ref()).contains("7 of 7"));
+        let head = fs::read_to_string(root().join("examples/c/fly_policy.c")).expect("it is there");
+        let head = head.split("*/").next().unwrap_or_default();
+        for kind in BaselineKind::ALL {
+            assert!(head.contains(kind.name()), "{kind} is not listed");
+            assert!(fly(kind.name().as_ref()).contains(" of 7"), "{kind}");
+        }
     }
 }
