@@ -1,4 +1,4 @@
-//! The four memory routines that compiled Rust code calls and that every machine has to provide.
+//! The five memory routines that compiled Rust code calls and that every machine has to provide.
 
 use core::arch::asm;
 
@@ -46,4 +46,11 @@ unsafe extern "C" fn memcmp(a: *const u8, b: *const u8, len: usize) -> i32 {
         }
     }
     0
+}
+
+/// Returns 0 if the bytes are equal.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn bcmp(a: *const u8, b: *const u8, len: usize) -> i32 {
+    // SAFETY: the caller's promise is that of `memcmp`.
+    unsafe { memcmp(a, b, len) }
 }
