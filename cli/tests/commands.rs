@@ -281,6 +281,7 @@ fn every_command_has_help_with_examples_or_commands() {
     for command in [
         ["simulate"].as_slice(),
         &["sweep"],
+        &["merge"],
         &["trace", "record"],
         &["trace", "verify"],
         &["trace", "diff"],

@@ -3,6 +3,7 @@
 mod bench;
 mod config;
 mod evaluate;
+mod merge;
 mod plan;
 mod play;
 mod replay;
@@ -24,6 +25,7 @@ pub enum Command {
     Simulate(simulate::Simulate),
     Plan(plan::Plan),
     Sweep(sweep::Sweep),
+    Merge(merge::Merge),
     Evaluate(evaluate::Evaluate),
     #[command(subcommand)]
     Trace(trace::Trace),
@@ -44,9 +46,12 @@ impl Command {
             Self::Evaluate(command) => command.idle(),
             Self::Trace(command) => command.idle(),
             Self::Replay(command) => command.idle(),
-            Self::Tour(_) | Self::Sweep(_) | Self::Play(_) | Self::Config(_) | Self::Bench(_) => {
-                Vec::new()
-            }
+            Self::Tour(_)
+            | Self::Sweep(_)
+            | Self::Merge(_)
+            | Self::Play(_)
+            | Self::Config(_)
+            | Self::Bench(_) => Vec::new(),
         }
     }
 
@@ -57,6 +62,7 @@ impl Command {
             Self::Simulate(command) => command.run(),
             Self::Plan(command) => command.run(),
             Self::Sweep(command) => command.run(),
+            Self::Merge(command) => command.run(),
             Self::Evaluate(command) => command.run(),
             Self::Trace(command) => command.run(),
             Self::Replay(command) => command.run(),

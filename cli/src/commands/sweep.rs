@@ -16,7 +16,8 @@ use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
 use crate::sweep::plan::{self, Axis, Cell};
-use crate::sweep::store::Store;
+use crate::sweep::shard::Shard;
+use crate::sweep::store::{Frame, Store};
 use crate::sweep::{self, charts};
 use crate::{files, learned, numbers};
 
@@ -27,6 +28,7 @@ Examples:
   jcas sweep --preset search --hotspots 3,7,11 --out searchers
   jcas sweep --uavs 10 --hotspots 5,11 --pilot 0.01,0.1,0.2,0.3 --out pilot
   jcas sweep --uavs 4,6,8 --vary battery_capacity_kwh=0.02,0.05,0.2 --episodes 500 --out battery
+  jcas sweep --episodes 5000 --out parts --shard 2/8
 
 Every option with a list flies every combination. Ctrl-C keeps the finished cells; the same \
 command goes on with the others.";
@@ -102,6 +104,9 @@ pub struct Sweep {
     /// Write only the table
     #[arg(long)]
     no_figures: bool,
+    /// Run only the i-th of n parts and write only its table; `jcas merge` joins the parts
+    #[arg(long, value_name = "i/n")]
+    shard: Option<Shard>,
     #[command(flatten)]
     threads: ThreadOptions,
     /// Print JSON
@@ -117,19 +122,20 @@ impl Sweep {
         self.say_what_cards_do_not(&base, &axes)?;
         let cells = plan::cells(&base, &axes)?;
         files::prepare_folder(&self.out)?;
-        let table = self.out.join("results.csv");
-        let mut store = Store::open(
-            &table,
-            &axes,
-            &cells,
-            self.seed,
-            self.episodes,
-            self.overwrite,
-        )?;
+        let frame = Frame::new(&axes, &cells, self.seed, self.episodes);
+        let (cells, mut store) = match self.shard {
+            Some(shard) => shard.open(&self.out, cells, frame, self.overwrite)?,
+            None => {
+                let table = self.out.join("results.csv");
+                (cells, Store::open(&table, frame, self.overwrite)?)
+            }
+        };
         sweep::fly(&cells, &mut store, self.campaign(), &self.threads)?;
 
-        let mut written = vec![table];
-        if !self.no_figures {
+        let mut written = vec![store.path().to_owned()];
+        if let Some(shard) = self.shard {
+            written.push(shard.manifest_path(&self.out));
+        } else if !self.no_figures {
             written.extend(charts::draw(
                 &self.out,
                 &axes,

@@ -18,7 +18,7 @@ use crate::files;
 use crate::numbers;
 use crate::options::{DEFAULT_PILOT, ThreadOptions, policy_factory};
 use crate::sweep::plan::{self, Axis, Cell};
-use crate::sweep::store::Store;
+use crate::sweep::store::{Frame, Store};
 use crate::sweep::{self, charts};
 
 const EXAMPLES: &str = "\
@@ -181,7 +181,8 @@ impl Tour {
         ];
         let cells = plan::cells(&ConfigSource::preset(grid.preset), &axes)?;
         let table = self.out.join(format!("{}.csv", grid.name));
-        let mut store = Store::open(&table, &axes, &cells, SEED, self.episodes, true)?;
+        let frame = Frame::new(&axes, &cells, SEED, self.episodes);
+        let mut store = Store::open(&table, frame, true)?;
         sweep::fly(&cells, &mut store, self.campaign(), &self.threads)?;
         Ok(Flown { axes, cells, store })
     }

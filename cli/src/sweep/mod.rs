@@ -2,6 +2,7 @@
 
 pub mod charts;
 pub mod plan;
+pub mod shard;
 pub mod store;
 
 use jcas_core::Model;

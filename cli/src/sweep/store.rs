@@ -13,31 +13,21 @@ use crate::files;
 /// Minimum time between two writes of the file; it is also written at the end.
 const WRITE_INTERVAL: Duration = Duration::from_secs(1);
 
-/// The table and the file that holds it.
-pub struct Store {
-    path: PathBuf,
-    header: Vec<String>,
-    /// Columns that identify the cell of a row.
-    key_len: usize,
-    keys: Vec<Vec<String>>,
-    rows: BTreeMap<usize, Vec<String>>,
-    written: Instant,
+/// What a table holds beside its results.
+#[derive(Clone)]
+pub struct Frame {
+    /// The columns.
+    pub columns: Vec<String>,
+    /// The fields that identify the cell of each row; they stand in the first columns.
+    pub keys: Vec<Vec<String>>,
 }
 
-impl Store {
-    /// Opens the table and reads the rows that an earlier run of the same sweep has written.
-    pub fn open(
-        path: &Path,
-        axes: &[Axis],
-        cells: &[Cell],
-        seed: u64,
-        episodes: u64,
-        overwrite: bool,
-    ) -> Result<Self, CliError> {
-        let mut header: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
-        header.extend(["config_hash", "seed", "episodes"].map(str::to_owned));
-        let key_len = header.len();
-        header.extend(quantity_columns());
+impl Frame {
+    /// The frame of a sweep's table.
+    pub fn new(axes: &[Axis], cells: &[Cell], seed: u64, episodes: u64) -> Self {
+        let mut columns: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
+        columns.extend(["config_hash", "seed", "episodes"].map(str::to_owned));
+        columns.extend(quantity_columns());
         let keys = cells
             .iter()
             .map(|cell| {
@@ -48,49 +38,94 @@ impl Store {
                 key
             })
             .collect();
-        let mut store = Self {
-            path: path.to_owned(),
-            header,
-            key_len,
-            keys,
-            rows: BTreeMap::new(),
-            written: Instant::now(),
-        };
+        Self { columns, keys }
+    }
+
+    fn key_len(&self) -> usize {
+        self.keys.first().map_or(self.columns.len(), Vec::len)
+    }
+}
+
+/// The table and the file that holds it.
+pub struct Store {
+    path: PathBuf,
+    frame: Frame,
+    rows: BTreeMap<usize, Vec<String>>,
+    written: Instant,
+}
+
+impl Store {
+    /// Opens the table and reads the rows that an earlier run of the same sweep has written.
+    pub fn open(path: &Path, frame: Frame, overwrite: bool) -> Result<Self, CliError> {
+        let mut store = Self::empty(path, frame);
         if path.exists() && !overwrite {
-            store.read()?;
+            store.read("give another --out, or --overwrite to replace it")?;
         }
         Ok(store)
     }
 
-    fn read(&mut self) -> Result<(), CliError> {
-        let refuse = |what: &str| {
-            CliError::file(
-                &self.path,
-                format!("{what}; give another --out, or --overwrite to replace it"),
-            )
-        };
+    /// Opens a table that must have all of its rows.
+    pub fn complete(path: &Path, frame: Frame) -> Result<Self, CliError> {
+        let mut store = Self::empty(path, frame);
+        store.read("run this shard again with --overwrite")?;
+        if store.rows.len() < store.frame.keys.len() {
+            return Err(CliError::file(
+                path,
+                format!(
+                    "holds {} of the {} cells of its shard: the shard's command goes on from there",
+                    store.rows.len(),
+                    store.frame.keys.len()
+                ),
+            ));
+        }
+        Ok(store)
+    }
+
+    /// A table without rows.
+    pub fn empty(path: &Path, frame: Frame) -> Self {
+        Self {
+            path: path.to_owned(),
+            frame,
+            rows: BTreeMap::new(),
+            written: Instant::now(),
+        }
+    }
+
+    /// Takes over the rows of another table, whose row of index `i` is that of `cells[i]` here.
+    pub fn take(&mut self, other: Self, cells: impl IntoIterator<Item = usize>) {
+        self.rows
+            .extend(cells.into_iter().zip(other.rows.into_values()));
+    }
+
+    fn read(&mut self, advice: &str) -> Result<(), CliError> {
+        let refuse = |what: &str| CliError::file(&self.path, format!("{what}; {advice}"));
+        let key_len = self.frame.key_len();
         let bytes = std::fs::read(&self.path).map_err(CliError::io(&self.path))?;
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let header = reader
             .headers()
             .map_err(|error| refuse(&error.to_string()))?;
-        if header.iter().ne(self.header.iter().map(String::as_str)) {
+        if header
+            .iter()
+            .ne(self.frame.columns.iter().map(String::as_str))
+        {
             return Err(refuse("holds the table of another sweep: other columns"));
         }
         for record in reader.records() {
             let record = record.map_err(|error| refuse(&error.to_string()))?;
             let row: Vec<String> = record.iter().map(str::to_owned).collect();
-            let cell = self
-                .keys
-                .iter()
-                .position(|key| row.starts_with(key))
+            let keys = &mut self.frame.keys.iter().enumerate();
+            // Equal values on an axis give equal keys; each row then belongs to a cell of its own.
+            let cell = keys
+                .find(|(cell, key)| row.starts_with(key) && !self.rows.contains_key(cell))
+                .map(|(cell, _)| cell)
                 .ok_or_else(|| {
                     refuse(&format!(
                         "holds a row of another sweep: {}",
-                        row[..self.key_len].join(",")
+                        row[..key_len].join(",")
                     ))
                 })?;
-            if row[self.key_len..]
+            if row[key_len..]
                 .iter()
                 .any(|text| text.parse::<f64>().is_err())
             {
@@ -121,7 +156,7 @@ impl Store {
 
     /// Adds the results of a cell.
     pub fn add(&mut self, cell: usize, summary: &Summary) -> Result<(), CliError> {
-        let mut row = self.keys[cell].clone();
+        let mut row = self.frame.keys[cell].clone();
         for quantity in summary.quantities() {
             let Estimate { value, low, high } = quantity.estimate;
             // This is the shortest text that parses to the same number.
@@ -136,23 +171,32 @@ impl Store {
 
     /// Writes the file.
     pub fn write(&mut self) -> Result<(), CliError> {
-        files::write_atomically(&self.path, |out| {
-            let mut writer = csv::Writer::from_writer(out);
-            let failed = |error: csv::Error| CliError::Io(self.path.clone(), error.into());
-            writer.write_record(&self.header).map_err(failed)?;
-            for row in self.rows.values() {
-                writer.write_record(row).map_err(failed)?;
-            }
-            writer.flush().map_err(CliError::io(&self.path))
-        })?;
+        files::write_bytes(&self.path, &self.bytes()?)?;
         self.written = Instant::now();
         Ok(())
+    }
+
+    /// The content of the file.
+    pub fn bytes(&self) -> Result<Vec<u8>, CliError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let failed = |error: csv::Error| CliError::Io(self.path.clone(), error.into());
+        writer.write_record(&self.frame.columns).map_err(failed)?;
+        for row in self.rows.values() {
+            writer.write_record(row).map_err(failed)?;
+        }
+        writer
+            .into_inner()
+            .map_err(|error| CliError::Io(self.path.clone(), error.into_error()))
     }
 
     /// The result of a cell in one quantity, by its column.
     pub fn estimate(&self, cell: usize, quantity: &str) -> Option<Estimate> {
         let row = self.rows.get(&cell)?;
-        let column = self.header.iter().position(|name| name == quantity)?;
+        let column = self
+            .frame
+            .columns
+            .iter()
+            .position(|name| name == quantity)?;
         let number = |offset: usize| row.get(column + offset)?.parse().ok();
         Some(Estimate {
             value: number(0)?,
