@@ -303,3 +303,45 @@ fn a_killed_shard_leaves_nothing_half_written() {
     let shards = ["out/shard-1-of-2.json".to_owned()];
     refuse_merge(folder.path(), &shards, &["missing shard-2-of-2.json"]);
 }
+
+/// The array script in a loop over its tasks, then the merge script, as Slurm runs them.
+#[cfg(unix)]
+#[test]
+fn the_cluster_scripts_give_the_single_run() {
+    use std::process::Command;
+
+    let folder = tempfile::tempdir().unwrap();
+    succeed(folder.path(), &SWEEP);
+    let binary = Path::new(assert_cmd::cargo::cargo_bin!("jcas"));
+    let mut search = vec![binary.parent().unwrap().to_owned()];
+    search.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
+    let search = std::env::join_paths(search).unwrap();
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/cluster");
+    let run = |script: &str, task: Option<usize>| {
+        let mut command = Command::new("bash");
+        command
+            .arg(scripts.join(script))
+            .env("PATH", &search)
+            .env("SHARDS", "3")
+            .env("SWEEP", SWEEP[1..].join(" "))
+            .current_dir(folder.path());
+        if let Some(task) = task {
+            command.env("SLURM_ARRAY_TASK_ID", task.to_string());
+        }
+        let output = command.output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.success(), told)
+    };
+    for task in 1..=2 {
+        let (done, told) = run("sweep.sbatch", Some(task));
+        assert!(done, "{task}: {told}");
+    }
+    let (done, told) = run("merge.sbatch", None);
+    assert!(!done && told.contains("shard-3-of-3.json"), "{told}");
+    let (done, told) = run("sweep.sbatch", Some(3));
+    assert!(done, "{told}");
+    let (done, told) = run("merge.sbatch", None);
+    assert!(done, "{told}");
+    let of = |path: &str| fs::read(folder.path().join(path)).unwrap();
+    assert_eq!(of("campaign/results.csv"), of("out/results.csv"));
+}
