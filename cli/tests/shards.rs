@@ -282,7 +282,7 @@ fn a_killed_shard_leaves_nothing_half_written() {
     let vary = format!("quorum={}", quorums.join(","));
     let mut killed = Command::new(assert_cmd::cargo::cargo_bin!("jcas"))
         .args(["sweep", "--uavs", "5", "--hotspots", "3", "--shard", "1/2"])
-        .args(["--vary", &vary])
+        .args(["--vary", &vary, "--episodes", "2000"])
         .current_dir(folder.path())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
