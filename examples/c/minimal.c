@@ -1,7 +1,4 @@
-/* A whole mission: every UAV flies to the first hotspot that is not confirmed yet.
- *
- * With jcas installed and PKG_CONFIG_PATH set, as docs/c.md says:
- *
+/* Flies every UAV to the first unconfirmed hotspot. With jcas installed as docs/c.md says:
  *   libdir=$(pkg-config --variable=libdir jcas)
  *   cc minimal.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir" && ./a.out
  */
