@@ -26,7 +26,8 @@ pub fn absent(name: &str, error: &PolicyError<'_>) -> CliError {
         "there is no such folder".to_owned()
     };
     CliError::input(format!(
-        "{error}, plan, replan, plan:FILE, or the folder of a trained policy, with a {CARD}; {reason}"
+        "{error}, plan, replan, plan:FILE, or the folder of a trained policy, with a {CARD}; \
+         {reason}"
     ))
 }
 

@@ -114,18 +114,18 @@ impl Merge {
     fn join(&self, parts: Vec<(&PathBuf, Manifest)>) -> Result<Store, CliError> {
         let all = parts[0].1.cells_in_all;
         let mut frame = Frame {
-            columns: parts[0].1.frame().columns,
+            columns: parts[0].1.frame.columns.clone(),
             keys: vec![Vec::new(); all],
         };
         for (_, part) in &parts {
-            for (cell, key) in part.shard.cells(all).zip(part.frame().keys) {
-                frame.keys[cell] = key;
+            for (cell, key) in part.shard.cells(all).zip(&part.frame.keys) {
+                frame.keys[cell].clone_from(key);
             }
         }
         let mut merged = Store::empty(&self.out, frame);
         for (path, part) in parts {
-            let table = Store::complete(&table_of(path), part.frame())?;
-            merged.take(table, part.shard.cells(all));
+            let cells = part.shard.cells(all);
+            merged.take(Store::complete(&table_of(path), part.frame)?, cells);
         }
         Ok(merged)
     }

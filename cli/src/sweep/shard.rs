@@ -2,6 +2,7 @@
 
 use core::fmt;
 use core::str::FromStr;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -92,10 +93,9 @@ impl Shard {
         let mut text = serde_json::to_vec_pretty(&manifest).map_err(CliError::input)?;
         text.push(b'\n');
         files::write_bytes(&path, &text)?;
-        let store = Store::open(&table, manifest.frame(), false)?;
-        let is_own = |(cell, _): &(usize, Cell)| cell % self.count == self.number - 1;
-        let own = cells.into_iter().enumerate().filter(is_own);
-        Ok((own.map(|(_, cell)| cell).collect(), store))
+        let store = Store::open(&table, manifest.frame, false)?;
+        let own = cells.into_iter().skip(self.number - 1).step_by(self.count);
+        Ok((own.collect(), store))
     }
 }
 
@@ -140,15 +140,6 @@ impl fmt::Display for Build {
     }
 }
 
-/// A row of the table, in order.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct CellRow {
-    /// Index of its cell in the whole sweep.
-    cell: usize,
-    /// The fields that identify the cell.
-    key: Vec<String>,
-}
-
 /// What merging must know of a part. It stands beside the part's table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -161,24 +152,23 @@ pub struct Manifest {
     pub shard: Shard,
     /// Number of cells of all parts.
     pub cells_in_all: usize,
-    columns: Vec<String>,
-    rows: Vec<CellRow>,
+    /// Columns and keys of the part's table.
+    pub frame: Frame,
 }
 
 impl Manifest {
     fn new(shard: Shard, cells: &[Cell], frame: &Frame) -> Result<Self, CliError> {
-        let row = |cell: usize| CellRow {
-            cell,
-            key: frame.keys[cell].clone(),
-        };
+        let key = |cell: usize| frame.keys[cell].clone();
         Ok(Self {
             format: FORMAT,
             build: Build::current()?,
             sweep: fingerprint(cells, frame)?,
             shard,
             cells_in_all: cells.len(),
-            columns: frame.columns.clone(),
-            rows: shard.cells(cells.len()).map(row).collect(),
+            frame: Frame {
+                columns: frame.columns.clone(),
+                keys: shard.cells(cells.len()).map(key).collect(),
+            },
         })
     }
 
@@ -198,28 +188,17 @@ impl Manifest {
                 "shard = {shard}: must be i/n, 1 <= i <= n"
             )));
         }
-        let cells = manifest.rows.iter().map(|row| row.cell);
-        if cells.ne(shard.cells(manifest.cells_in_all)) {
-            let (all, rows) = (manifest.cells_in_all, manifest.rows.len());
-            let what = format!("its {rows} rows are not those of shard {shard} of {all} cells");
+        let Frame { columns, keys } = &manifest.frame;
+        let (rows, all) = (keys.len(), manifest.cells_in_all);
+        let own = shard.cells(all).count();
+        if rows != own {
+            let what = format!("it has {rows} keys: must be {own}, shard {shard} of {all} cells");
             return Err(refuse(&what));
         }
-        if manifest
-            .rows
-            .iter()
-            .any(|row| row.key.len() > manifest.columns.len())
-        {
+        if keys.iter().any(|key| key.len() > columns.len()) {
             return Err(refuse(&"a key is longer than the columns"));
         }
         Ok(manifest)
-    }
-
-    /// The frame of the part's table.
-    pub fn frame(&self) -> Frame {
-        Frame {
-            columns: self.columns.clone(),
-            keys: self.rows.iter().map(|row| row.key.clone()).collect(),
-        }
     }
 
     /// Refuses a part of another sweep, of another split or by another build.
@@ -235,8 +214,9 @@ impl Manifest {
         if own != others || self.cells_in_all != other.cells_in_all {
             return differs("other sweep: fingerprint", own, others);
         }
-        if self.columns != other.columns {
-            return differs("columns", &self.columns.join(","), &other.columns.join(","));
+        let (own, others) = (&self.frame.columns, &other.frame.columns);
+        if own != others {
+            return differs("columns", &own.join(","), &others.join(","));
         }
         if self.shard.count != other.shard.count {
             return differs("number of shards", &self.shard.count, &other.shard.count);
@@ -256,8 +236,7 @@ fn fingerprint(cells: &[Cell], frame: &Frame) -> Result<String, CliError> {
     for text in frame.columns.iter().chain(frame.keys.iter().flatten()) {
         add(text.as_bytes());
     }
-    let mut policies: Vec<&str> = cells.iter().map(|cell| cell.policy.as_str()).collect();
-    policies.dedup();
+    let policies: BTreeSet<&str> = cells.iter().map(|cell| cell.policy.as_str()).collect();
     for policy in policies {
         for path in files_of(policy) {
             add(&fs::read(&path).map_err(CliError::io(&path))?);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use jcas_episode::statistics::{Estimate, Summary};
+use serde::{Deserialize, Serialize};
 
 use super::plan::{Axis, Cell};
 use crate::error::CliError;
@@ -14,7 +15,7 @@ use crate::files;
 const WRITE_INTERVAL: Duration = Duration::from_secs(1);
 
 /// What a table holds beside its results.
-#[derive(Clone)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frame {
     /// The columns.
     pub columns: Vec<String>,
