@@ -1,12 +1,14 @@
 //! What several fuzz targets share.
 
+use jcas_core::hash::Fnv1a;
 use jcas_core::{Config, Model};
 
-/// FNV-1a, 64 bits: the checksum of snapshots and traces.
+/// The checksum of snapshots and traces.
 #[must_use]
-pub fn fnv(bytes: &[u8]) -> u64 {
-    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, mix)
+pub fn checksum(bytes: &[u8]) -> u64 {
+    let mut hash = Fnv1a::new();
+    hash.write(bytes);
+    hash.finish()
 }
 
 /// UAVs of [`small_model`].

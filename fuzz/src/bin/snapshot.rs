@@ -4,7 +4,7 @@
 #![no_main]
 
 use jcas_core::{Model, Sim};
-use jcas_fuzz::{fnv, small_model};
+use jcas_fuzz::{checksum, small_model};
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 
@@ -20,8 +20,8 @@ fuzz_target!(|data: &[u8]| {
     for (byte, change) in snapshot[24..content].iter_mut().zip(data) {
         *byte ^= change;
     }
-    let checksum = fnv(&snapshot[..content]);
-    snapshot[content..].copy_from_slice(&checksum.to_le_bytes());
+    let repaired = checksum(&snapshot[..content]);
+    snapshot[content..].copy_from_slice(&repaired.to_le_bytes());
     let before = sim.words().to_vec();
     if sim.load(&snapshot).is_err() {
         assert_eq!(sim.words(), before);

@@ -3,7 +3,7 @@
 #![no_main]
 
 use jcas_episode::trace;
-use jcas_fuzz::fnv;
+use jcas_fuzz::checksum;
 use libfuzzer_sys::fuzz_target;
 
 /// Larger episodes are read, and not flown again.
@@ -18,7 +18,7 @@ fn with_checksum(text: &str) -> String {
     format!(
         "{}{CHECKSUM}{:016x}\"}}\n",
         &text[..at],
-        fnv(text[..at].as_bytes())
+        checksum(text[..at].as_bytes())
     )
 }
 
