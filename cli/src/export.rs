@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use jcas_core::Cell;
-use jcas_episode::plan_file::PlanFile;
+use jcas_plan::PlanFile;
 use serde_json::{Value, json};
 
 /// Mean radius of the earth, in metres.

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use jcas_core::{Model, TargetVisibility};
-use jcas_episode::plan_file::PlanFile;
-use jcas_episode::planned::{Planned, PlannedTour, Replanned, checked};
+use jcas_core::Model;
+use jcas_plan::{PlanFile, Planned, PlannedKind};
 
 use crate::error::CliError;
 use crate::learned::PolicyFactory;
@@ -21,7 +20,7 @@ pub fn file_of(policy: &str) -> Option<&Path> {
 /// Whether a policy of this name follows plans.
 #[must_use]
 pub fn is_plan(policy: &str) -> bool {
-    policy == "plan" || policy == "replan" || file_of(policy).is_some()
+    PlannedKind::named(policy).is_some() || file_of(policy).is_some()
 }
 
 /// Reads a plan.
@@ -38,24 +37,13 @@ pub fn read(path: &Path) -> Result<PlanFile, CliError> {
 /// # Errors
 /// A plan cannot be made, or its file does not fit the model.
 pub fn factory(policy: &str, model: &Model<'_>) -> Result<Option<PolicyFactory>, CliError> {
-    if let Some(path) = file_of(policy) {
-        let file = read(path)?;
-        let plan = file
-            .plan(model)
-            .map_err(|error| CliError::file(path, error))?;
-        return Ok(Some(Box::new(move || Box::new(Planned::new(plan.clone())))));
-    }
-    if !is_plan(policy) {
+    let planned = if let Some(path) = file_of(policy) {
+        let plan = read(path)?.plan(model);
+        Planned::following(plan.map_err(|error| CliError::file(path, error))?)
+    } else if let Some(kind) = PlannedKind::named(policy) {
+        kind.build(model).map_err(CliError::input)?
+    } else {
         return Ok(None);
-    }
-    checked(model).map_err(CliError::input)?;
-    if policy == "replan" {
-        let policy = Replanned::new(model).map_err(CliError::input)?;
-        return Ok(Some(Box::new(move || Box::new(policy.clone()))));
-    }
-    if model.config().target_visibility == TargetVisibility::Known {
-        return Ok(Some(Box::new(|| Box::new(PlannedTour::default()))));
-    }
-    let plan = Planned::search(model).map_err(CliError::input)?;
-    Ok(Some(Box::new(move || Box::new(Planned::new(plan.clone())))))
+    };
+    Ok(Some(Box::new(move || Box::new(planned.clone()))))
 }

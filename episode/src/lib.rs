@@ -2,7 +2,6 @@
 //!
 //! - [`card`]: trained policies on disk, with their cards;
 //! - [`mission`]: one episode, or a campaign of many on all cores;
-//! - [`planned`]: policies that follow plans; [`plan_file`]: plans on file;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
 //! - [`replay`]: a page that plays such an episode.
@@ -15,8 +14,6 @@
 
 pub mod card;
 pub mod mission;
-pub mod plan_file;
-pub mod planned;
 pub mod replay;
 pub mod statistics;
 pub mod trace;

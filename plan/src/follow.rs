@@ -40,13 +40,19 @@ impl Follower {
         self.meeting = None;
     }
 
-    /// Writes (u_dir, u_pilot) of each UAV, each in [-1, 1].
-    pub fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+    /// Looks whether every hotspot is confirmed, and then chooses the meeting cell.
+    pub fn see(&mut self, model: &Model<'_>, state: &StateRef<'_>) {
         let config = model.config();
         if self.meeting.is_none() && (0..state.hotspot_count()).all(|j| state.confirmed(j)) {
             let cells: Vec<Cell> = (0..state.uav_count()).map(|uav| state.cell(uav)).collect();
             self.meeting = Some(meeting_cell(&cells, config.grid_width, config.grid_height));
         }
+    }
+
+    /// Writes (u_dir, u_pilot) of each UAV, each in [-1, 1], for the state that the follower has
+    /// just seen.
+    pub fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        let config = model.config();
         let step = (state.t().saturating_sub(self.plan.first_step)) as usize + 1;
         for (uav, action) in actions.chunks_exact_mut(2).enumerate() {
             let (target, density) = match self.meeting {

@@ -9,6 +9,9 @@
 //! clock. A caller with a time limit ends the annealing from its progress callback; the best plan
 //! found by then is returned.
 //!
+//! [`Planned`] is the policy that follows plans, and [`PlannedKind`] names those that make them.
+//! The feature `file` reads and writes plans as JSON (`PlanFile`).
+//!
 //! ```
 //! use core::ops::ControlFlow;
 //! use jcas_core::{Config, Model, Preset};
@@ -34,6 +37,8 @@ mod battery;
 mod bound;
 mod draws;
 mod error;
+#[cfg(feature = "file")]
+mod file;
 mod follow;
 mod formation;
 mod gather;
@@ -41,6 +46,7 @@ mod objective;
 mod odds;
 mod paths;
 mod plan;
+mod planned;
 mod problem;
 mod replan;
 mod targets;
@@ -50,12 +56,15 @@ pub use anneal::{Annealer, Progress, Settings};
 pub use battery::allows;
 pub use bound::bound;
 pub use error::PlanError;
+#[cfg(feature = "file")]
+pub use file::{FORMAT, PlanFile, PlanFileError, Trajectory};
 pub use follow::Follower;
 pub use gather::meeting_cell;
 pub use objective::{Expectation, expect};
 pub use odds::Odds;
 pub use paths::Paths;
 pub use plan::{Plan, improve, search, starts, tour};
+pub use planned::{Planned, PlannedKind, REPLAN_ITERATIONS, SEARCH_ITERATIONS, TOUR_ITERATIONS};
 pub use problem::{Problem, Situation};
 pub use replan::Replanner;
 pub use targets::{Group, Targets};

@@ -28,6 +28,8 @@ pub struct Replanner {
     views: Vec<View>,
     /// The view of each UAV.
     view_of: Vec<usize>,
+    /// The members of each radio component.
+    components: Vec<Vec<usize>>,
 }
 
 /// A plan as the members of a component share it.
@@ -62,6 +64,7 @@ impl Replanner {
             first_iterations,
             views: Vec::new(),
             view_of: Vec::new(),
+            components: Vec::new(),
         }
     }
 
@@ -76,17 +79,18 @@ impl Replanner {
         self.view_of.fill(0);
     }
 
-    /// Writes (u_dir, u_pilot) of each UAV, each in [-1, 1].
+    /// Returns the plan that a UAV follows at present. There is none before the first step.
+    #[must_use]
+    pub fn plan_of(&self, uav: usize) -> Option<&Plan> {
+        let view = self.view_of.get(uav)?;
+        self.views.get(*view).map(|view| &view.plan)
+    }
+
+    /// Makes the plans that are due in this state.
     ///
     /// # Errors
     /// [`PlanError`], where the fleet or the grid is too large.
-    pub fn act(
-        &mut self,
-        model: &Model<'_>,
-        state: &StateRef<'_>,
-        actions: &mut [f32],
-    ) -> Result<(), PlanError> {
-        let everyone: Vec<usize> = (0..state.uav_count()).collect();
+    pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
         if self.views.is_empty() {
             if model.config().target_visibility == TargetVisibility::Hidden {
                 self.prepare(model)?;
@@ -97,15 +101,24 @@ impl Replanner {
                 self.views.push(view);
             }
         }
-        self.view_of.resize(everyone.len(), 0);
-        let mut open = everyone.clone();
+        let mut open: Vec<usize> = (0..state.uav_count()).collect();
+        self.view_of.resize(open.len(), 0);
+        self.components.clear();
         while let Some(&first) = open.first() {
             let members = component(state, first);
             open.retain(|uav| !members.contains(uav));
             self.share(model, state, &members)?;
-            self.write(model, state, &members, actions);
+            self.components.push(members);
         }
         Ok(())
+    }
+
+    /// Writes (u_dir, u_pilot) of each UAV, each in [-1, 1], for the state of the last
+    /// [`Replanner::try_plan`].
+    pub fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        for members in &self.components {
+            self.write_members(model, state, members, actions);
+        }
     }
 
     /// Makes the first plan, which is the same in every episode if hotspots are hidden.
@@ -169,7 +182,7 @@ impl Replanner {
         if agreed && self.views[newest].known == known {
             return Ok(());
         }
-        let view = self.plan(model, state, members, &self.views[newest], known)?;
+        let view = self.renewed(model, state, members, &self.views[newest], known)?;
         for &uav in members {
             self.view_of[uav] = self.views.len();
         }
@@ -177,7 +190,7 @@ impl Replanner {
         Ok(())
     }
 
-    fn plan(
+    fn renewed(
         &self,
         model: &Model<'_>,
         state: &StateRef<'_>,
@@ -222,7 +235,7 @@ impl Replanner {
         })
     }
 
-    fn write(
+    fn write_members(
         &self,
         model: &Model<'_>,
         state: &StateRef<'_>,

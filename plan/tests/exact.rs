@@ -41,7 +41,8 @@ fn fly(model: &Model<'_>, plan: &Plan, hotspots: Option<&[Cell]>, missions: u64)
             }
             follower.reset();
             loop {
-                follower.act(model, &sim.state(), &mut actions);
+                follower.see(model, &sim.state());
+                follower.write(model, &sim.state(), &mut actions);
                 let outcome = sim.step(&actions).unwrap();
                 if outcome.terminated || outcome.truncated {
                     return f64::from(sim.state().t());
@@ -206,7 +207,8 @@ fn batteries_are_respected() {
             sim.reset(mission);
             follower.reset();
             loop {
-                follower.act(&model, &sim.state(), &mut actions);
+                follower.see(&model, &sim.state());
+                follower.write(&model, &sim.state(), &mut actions);
                 let confirmed = sim.state().confirmed_count() == 3;
                 let outcome = sim.step(&actions).unwrap();
                 let state = sim.state();
@@ -265,7 +267,8 @@ fn replanned(model: &Model<'_>, missions: u64) -> Vec<f64> {
             sim.reset(derive_seed(11, mission));
             replanner.reset();
             loop {
-                replanner.act(model, &sim.state(), &mut actions).unwrap();
+                replanner.try_plan(model, &sim.state()).unwrap();
+                replanner.write(model, &sim.state(), &mut actions);
                 let outcome = sim.step(&actions).unwrap();
                 if outcome.terminated || outcome.truncated {
                     return f64::from(sim.state().t());

@@ -6,9 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use jcas_core::{Cell, Model, Sim, TargetVisibility};
-use jcas_episode::plan_file::PlanFile;
-use jcas_episode::planned::Planned;
-use jcas_plan::{Plan as Flights, Progress, Settings, search, tour};
+use jcas_plan::{Plan as Flights, PlanFile, Planned, Progress, Settings, search, tour};
 
 use super::replay::fly_page;
 use crate::error::{CliError, Outcome};
@@ -203,7 +201,8 @@ impl Plan {
         }
         if let Some(path) = &self.page {
             let flown = plan.clone();
-            let factory: PolicyFactory = Box::new(move || Box::new(Planned::new(flown.clone())));
+            let factory: PolicyFactory =
+                Box::new(move || Box::new(Planned::following(flown.clone())));
             fly_page(path, model, &factory, self.episode.seed())?;
         }
         let Some((latitude, longitude)) = self.depot else {

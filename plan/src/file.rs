@@ -1,10 +1,16 @@
 //! Plans on file, as JSON.
 
-use std::fmt;
+use alloc::string::String;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::fmt;
 
 use jcas_core::{Cell, Config, Model};
-use jcas_plan::{Expectation, Paths, Plan};
 use serde::{Deserialize, Serialize};
+
+use crate::objective::Expectation;
+use crate::paths::Paths;
+use crate::plan::Plan;
 
 /// Version of the file that is written and read.
 pub const FORMAT: u32 = 1;
@@ -79,10 +85,10 @@ impl fmt::Display for PlanFileError {
     }
 }
 
-impl std::error::Error for PlanFileError {}
+impl core::error::Error for PlanFileError {}
 
 fn hash_text(hash: u64) -> String {
-    format!("0x{hash:016x}")
+    alloc::format!("0x{hash:016x}")
 }
 
 impl PlanFile {
@@ -204,12 +210,12 @@ impl PlanFile {
 
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
+    use core::ops::ControlFlow;
 
     use jcas_core::Preset;
-    use jcas_plan::{Settings, search};
 
     use super::*;
+    use crate::{Settings, search};
 
     #[test]
     fn a_file_gives_the_plan_back() {

@@ -1,0 +1,229 @@
+//! Policies that follow plans: a given one, one made before the episode, or plans that are renewed.
+
+use core::fmt;
+use core::ops::ControlFlow;
+
+use alloc::vec::Vec;
+use jcas_core::rng::derive_seed;
+use jcas_core::{Cell, Model, StateRef, TargetVisibility};
+use jcas_policy::Policy;
+
+use crate::anneal::Settings;
+use crate::error::PlanError;
+use crate::follow::Follower;
+use crate::plan::{Plan, search, tour};
+use crate::problem::{Problem, Situation};
+use crate::replan::Replanner;
+use crate::targets::Targets;
+
+/// Annealing moves of `plan` and `replan` for a search; one plan serves all episodes.
+pub const SEARCH_ITERATIONS: u64 = 400_000;
+/// Annealing moves for known hotspots, in each episode.
+pub const TOUR_ITERATIONS: u64 = 20_000;
+/// Annealing moves of `replan` after each confirmation.
+pub const REPLAN_ITERATIONS: u64 = 5_000;
+/// Seed of the annealing.
+const SEED: u64 = 1;
+
+/// A policy that plans by itself, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlannedKind {
+    /// One plan for all episodes of a search, or one for each episode with known hotspots.
+    Plan,
+    /// A plan before the first step, and another one after each confirmation and each meeting.
+    Replan,
+}
+
+impl PlannedKind {
+    /// All policies that plan.
+    pub const ALL: [Self; 2] = [Self::Plan, Self::Replan];
+
+    /// The name of the policy.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plan => "plan",
+            Self::Replan => "replan",
+        }
+    }
+
+    /// Returns the policy of this name, if there is one.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Builds the policy. If hotspots are hidden, the plan of the first step is made here.
+    ///
+    /// # Errors
+    /// [`PlanError`] if the fleet or the grid is too large.
+    pub fn build(self, model: &Model<'_>) -> Result<Planned, PlanError> {
+        let hidden = model.config().target_visibility == TargetVisibility::Hidden;
+        if !hidden {
+            check(model)?;
+        }
+        let way = match self {
+            Self::Plan if hidden => {
+                let plan = search(model, &settings(SEARCH_ITERATIONS), &mut go_on)?;
+                Way::Follow(Follower::new(plan))
+            }
+            Self::Plan => Way::Tour(Tour::default()),
+            Self::Replan if hidden => {
+                let mut replanner = Replanner::new(SEARCH_ITERATIONS, settings(REPLAN_ITERATIONS));
+                replanner.prepare(model)?;
+                Way::Replan(replanner)
+            }
+            Self::Replan => {
+                Way::Replan(Replanner::new(TOUR_ITERATIONS, settings(REPLAN_ITERATIONS)))
+            }
+        };
+        Ok(Planned { kind: self, way })
+    }
+}
+
+impl fmt::Display for PlannedKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
+
+const fn settings(iterations: u64) -> Settings {
+    Settings {
+        iterations,
+        seed: SEED,
+    }
+}
+
+fn go_on(_: crate::anneal::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Checks that plans of a model can be made.
+fn check(model: &Model<'_>) -> Result<(), PlanError> {
+    let targets = Targets::hidden(model);
+    Problem::new(model, &targets, Situation::at_reset(model)).map(|_| ())
+}
+
+/// A policy that follows plans. A plan chooses the pilot densities too.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    kind: PlannedKind,
+    way: Way,
+}
+
+#[derive(Clone, Debug)]
+enum Way {
+    Follow(Follower),
+    Tour(Tour),
+    Replan(Replanner),
+}
+
+/// A tour of known hotspots, planned before the first step of each episode.
+#[derive(Clone, Debug, Default)]
+struct Tour {
+    follower: Option<Follower>,
+    seed: u64,
+}
+
+impl Planned {
+    /// Makes a policy that follows this plan in every episode.
+    #[must_use]
+    pub fn following(plan: Plan) -> Self {
+        Self {
+            kind: PlannedKind::Plan,
+            way: Way::Follow(Follower::new(plan)),
+        }
+    }
+
+    /// Returns the plan that the policy follows at present. `replan` has one for each radio
+    /// component; it returns that of the first UAV. There is none before the first step of a tour.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        match &self.way {
+            Way::Follow(follower) => Some(follower.plan()),
+            Way::Tour(tour) => tour.follower.as_ref().map(Follower::plan),
+            Way::Replan(replanner) => replanner.plan_of(0),
+        }
+    }
+
+    /// Decides a step: makes the plans that are due. This is the part that takes time and memory.
+    ///
+    /// # Errors
+    /// [`PlanError`] if the fleet or the grid is too large.
+    pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
+        match &mut self.way {
+            Way::Follow(follower) => follower.see(model, state),
+            Way::Tour(tour) => tour.follower(model, state)?.see(model, state),
+            Way::Replan(replanner) => replanner.try_plan(model, state)?,
+        }
+        Ok(())
+    }
+
+    /// Writes the actions that [`Planned::try_plan`] has just decided in this state: (u_dir,
+    /// u_pilot) of each UAV, each in [-1, 1].
+    pub fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        match &self.way {
+            Way::Follow(follower)
+            | Way::Tour(Tour {
+                follower: Some(follower),
+                ..
+            }) => follower.write(model, state, actions),
+            Way::Tour(_) => {}
+            Way::Replan(replanner) => replanner.write(model, state, actions),
+        }
+    }
+}
+
+impl Tour {
+    fn follower(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+    ) -> Result<&mut Follower, PlanError> {
+        let follower = match self.follower.take() {
+            Some(follower) => follower,
+            None => {
+                let hotspots: Vec<Cell> = (0..state.hotspot_count())
+                    .map(|hotspot| state.hotspot_cell(hotspot))
+                    .collect();
+                let settings = Settings {
+                    iterations: TOUR_ITERATIONS,
+                    seed: self.seed,
+                };
+                Follower::new(tour(model, &hotspots, &settings, &mut go_on)?)
+            }
+        };
+        Ok(self.follower.insert(follower))
+    }
+}
+
+impl Policy for Planned {
+    fn name(&self) -> &str {
+        self.kind.name()
+    }
+
+    fn pilot(&self) -> &dyn fmt::Display {
+        &"planned"
+    }
+
+    fn reset(&mut self, _: &Model<'_>, seed: u64) {
+        match &mut self.way {
+            Way::Follow(follower) => follower.reset(),
+            Way::Tour(tour) => {
+                *tour = Tour {
+                    follower: None,
+                    seed: derive_seed(SEED, seed),
+                }
+            }
+            Way::Replan(replanner) => replanner.reset(),
+        }
+    }
+
+    /// # Panics
+    /// It panics if no plan can be made, which [`PlannedKind::build`] reports before.
+    fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
+        self.try_plan(model, state)
+            .expect("a plan of this model can be made");
+        self.write(model, state, actions);
+    }
+}
