@@ -20,8 +20,8 @@ rm "$overrides"
 
 (
     cd python
-    "$venv/bin/ruff" check . ../examples/*.py
-    "$venv/bin/ruff" format --check . ../examples/*.py
+    "$venv/bin/ruff" check . ../examples/*.py ../examples/radar
+    "$venv/bin/ruff" format --check . ../examples/*.py ../examples/radar
     "$venv/bin/mypy"
 )
 
@@ -45,6 +45,8 @@ sed -n '/^```python$/,/^```$/p' python/README.md | sed '/^```/d' >"$work/readme.
 "$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
 "$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 --episodes 5
 "$python" python/run_notebook.py examples/tour.ipynb
+"$python" examples/radar/ofdm_radar.py --frames 100 --ranges-m 60 \
+    --out "$work/p_d.csv" --figure "$work/p_d.png"
 
 # The FMU, in an importer that is not ours.
 cargo xtask fmu --out "$work/jcas.fmu"
