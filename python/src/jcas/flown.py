@@ -68,7 +68,7 @@ class Policy:
             file /= WEIGHTS
         name = file.parent.name if file.name == WEIGHTS else file.stem
         try:
-            return _trained(fitting, name, read_file(file), mode)
+            return trained(fitting, name, read_file(file), mode)
         except SnapshotError as error:
             raise PolicyError(f"{file}: {error}", error.status) from None
 
@@ -141,7 +141,7 @@ class Policy:
     """How pickle and copy make the policy again."""
 
 
-def _trained(model: Model, name: str, weights: bytes, mode: Mode | None) -> Policy:
+def trained(model: Model, name: str, weights: bytes, mode: Mode | None) -> Policy:
     """Make a policy of a file's bytes."""
     handle = ctypes.c_void_p()
     check_with_message(
@@ -150,7 +150,7 @@ def _trained(model: Model, name: str, weights: bytes, mode: Mode | None) -> Poli
         )
     )
     policy = Policy(model, handle, name)
-    policy._made_by = (_trained, (model, name, weights, mode))
+    policy._made_by = (trained, (model, name, weights, mode))
     if mode is not None:
         check(lib.jcas_policy_set_mode(handle, MODES[mode]))
     return policy

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -21,6 +21,7 @@ import numpy.typing as npt
 from .arguments import read_file
 from .config import Config
 from .errors import MissingDependencyError, PolicyError
+from .files import write_whole
 
 Array = npt.NDArray[np.float32]
 Head = Literal["gaussian", "hybrid"]
@@ -112,9 +113,9 @@ class MlpPolicy:
             "config_hash": f"0x{config.hash:016x}",
             **about,
         }
-        _write_whole(target / WEIGHTS, lambda path: save_file(arrays, path))
+        write_whole(target / WEIGHTS, lambda path: save_file(arrays, path))
         text = json.dumps(card, indent=2) + "\n"
-        _write_whole(target / CARD, lambda path: path.write_text(text, encoding="utf-8"))
+        write_whole(target / CARD, lambda path: path.write_text(text, encoding="utf-8"))
 
 
 def trained_on(folder: str | os.PathLike[str]) -> Config:
@@ -138,10 +139,3 @@ def trained_on(folder: str | os.PathLike[str]) -> Config:
     if "config" not in card:
         raise PolicyError(f"{path}: there is no 'config'")
     return Config(card["config"])
-
-
-def _write_whole(path: Path, write: Callable[[Path], Any]) -> None:
-    """Write under another name and rename, so that no half-written file ever carries the name."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    write(temporary)
-    temporary.replace(path)
