@@ -10,14 +10,26 @@ pub struct Paragraph {
     pub text: String,
 }
 
+/// What opens and closes a Python string of several lines.
+const MARK: &str = "\"\"\"";
+
+/// What a line begins in.
+#[derive(Clone, Copy, PartialEq)]
+enum Within {
+    Code,
+    Comment,
+    /// A Python string of several lines that is data, not a docstring.
+    String,
+}
+
 /// The paragraphs of a file: comments of a source, running text of a document.
 pub fn paragraphs(file: &File) -> Vec<Paragraph> {
     let mut found: Vec<Paragraph> = Vec::new();
     let mut open = false;
     let mut in_code = false;
-    let mut in_comment = false;
+    let mut within = Within::Code;
     for (index, line) in file.text.lines().enumerate() {
-        let prose = prose_of(line, file.language, &mut in_comment).map(str::trim);
+        let prose = prose_of(line, file.language, &mut within).map(str::trim);
         let Some(prose) = prose else {
             open = false;
             continue;
@@ -54,27 +66,37 @@ pub fn paragraphs(file: &File) -> Vec<Paragraph> {
 }
 
 /// The prose of a line, or `None` where it is code.
-fn prose_of<'a>(line: &'a str, language: Language, in_comment: &mut bool) -> Option<&'a str> {
+fn prose_of<'a>(line: &'a str, language: Language, within: &mut Within) -> Option<&'a str> {
     let trimmed = line.trim_start();
     match language {
         Language::Markdown => Some(line),
         Language::Rust | Language::Braces => {
-            if *in_comment || trimmed.starts_with("/*") {
-                *in_comment = !line.contains("*/");
+            if *within == Within::Comment || trimmed.starts_with("/*") {
+                *within = if line.contains("*/") {
+                    Within::Code
+                } else {
+                    Within::Comment
+                };
                 let inner = trimmed.trim_start_matches(['/', '*']);
                 return Some(inner.trim_end().trim_end_matches("*/"));
             }
             let comment = trimmed.strip_prefix("//")?;
             Some(comment.trim_start_matches(['/', '!']))
         }
-        Language::Python if *in_comment || trimmed.starts_with("\"\"\"") => {
-            let marks = trimmed.matches("\"\"\"").count();
-            *in_comment ^= marks == 1;
-            Some(
-                trimmed
-                    .trim_start_matches("\"\"\"")
-                    .trim_end_matches("\"\"\""),
-            )
+        Language::Python if *within != Within::Code || trimmed.contains(MARK) => {
+            let begun = match *within {
+                Within::Code if trimmed.starts_with(MARK) => Within::Comment,
+                Within::Code => Within::String,
+                begun => begun,
+            };
+            if trimmed.matches(MARK).count() % 2 == 1 {
+                *within = if *within == Within::Code {
+                    begun
+                } else {
+                    Within::Code
+                };
+            }
+            (begun == Within::Comment).then(|| trimmed.trim_matches('"'))
         }
         Language::Python | Language::Hashes => {
             let comment = trimmed.strip_prefix('#')?;
@@ -150,6 +172,8 @@ mod tests {
         let python = "#!/usr/bin/env python3\n# One.\n\"\"\"Two\nlines.\"\"\"\nx = 1\n";
         let expected = [(2, "One. Two lines.".to_owned())];
         assert_eq!(texts("a.py", python), expected);
+        let data = "TEXT = \"\"\"\nno prose\n\"\"\"\ndef f():\n    \"\"\"Three.\"\"\"\n";
+        assert_eq!(texts("a.py", data), [(5, "Three.".to_owned())]);
         let document = "# Title\n\nSee [this](a.md) page.\n- An item\n| a | 1 |\n```\ncode\n```\n";
         let expected = [(3, "See this page.".to_owned()), (4, "An item".to_owned())];
         assert_eq!(texts("a.md", document), expected);
