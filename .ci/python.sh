@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The Python package: built and installed from the clone into an environment of its own, linted, type-checked,
-# tested; then RLlib on two Ray nodes, Stable-Baselines3, TorchRL and the notebook.
+# tested; then RLlib and sweeps on two Ray nodes, Stable-Baselines3, TorchRL and the notebook.
 # PyTorch and Ray are large (some 5 GB unpacked); uv fetches and unpacks them in under a minute. The registry has
 # PyTorch with CUDA alone, which does not load without CUDA's libraries; its compiler, triton, can stay away.
 set -euo pipefail
@@ -15,13 +15,13 @@ uv() { "$venv/bin/uv" "$@"; }
 "$python" -m pip install --quiet --disable-pip-version-check ./python
 overrides=$(mktemp)
 echo 'triton; sys_platform == "never"' >"$overrides"
-uv pip install --quiet --python "$python" --override "$overrides" './python[test,rllib,sb3,torchrl,notebook]'
+uv pip install --quiet --python "$python" --override "$overrides" './python[test,rllib,sweep,sb3,torchrl,notebook]'
 rm "$overrides"
 
 (
     cd python
-    "$venv/bin/ruff" check . ../examples/*.py ../examples/radar
-    "$venv/bin/ruff" format --check . ../examples/*.py ../examples/radar
+    "$venv/bin/ruff" check . ../examples/*.py ../examples/{cluster,radar}
+    "$venv/bin/ruff" format --check . ../examples/*.py ../examples/{cluster,radar}
     "$venv/bin/mypy"
 )
 

@@ -1,17 +1,16 @@
 """RLlib on a Ray cluster of two nodes: training improves, and a killed env runner comes back."""
 
-import contextlib
 import json
 import math
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
+
+from ray_nodes import two_nodes, wait_for
 
 pytestmark = pytest.mark.heavy
 
@@ -21,81 +20,20 @@ MISSION = {
     "horizon_steps": 20,
     "radar_cross_section_dbsm": 8, "reward_throughput": 0,
 }  # fmt: skip
-NODE_SECONDS = 90
 RECOVERY_SECONDS = 150
 RUN_SECONDS = 240
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def start_node(log, *options):
-    """Start a Ray node as a foreground process, which ends when it is terminated."""
-    ray = Path(sys.executable).with_name("ray")
-    command = [
-        str(ray), "start", "--block", "--num-cpus", "1", "--object-store-memory", "100000000",
-        "--disable-usage-stats", *options,
-    ]  # fmt: skip
-    return subprocess.Popen(command, stdout=log.open("w"), stderr=subprocess.STDOUT)
-
-
-def wait_for(condition, seconds, what, log=None):
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        if condition():
-            return
-        time.sleep(0.5)
-    raise AssertionError(
-        f"{what} took more than {seconds} s" + (f":\n{log.read_text()[-2000:]}" if log else "")
-    )
-
-
-def listening(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    """A head and a second node that joins it by address, both on loopback."""
+    """A connection to two nodes on loopback, and their head's address."""
     pytest.importorskip("ray")
     import ray
 
-    tmp_path = tmp_path_factory.mktemp("ray")
-    port = free_port()
-    address = f"127.0.0.1:{port}"
-    with contextlib.ExitStack() as nodes:
-
-        def node(name, *options):
-            log = tmp_path / f"{name}.log"
-            process = start_node(log, *options)
-            nodes.callback(lambda: (process.terminate(), process.wait(30)))
-            return log
-
-        log = node(
-            "head",
-            "--head",
-            "--port",
-            str(port),
-            "--node-ip-address",
-            "127.0.0.1",
-            "--include-dashboard",
-            "false",
-        )
-        wait_for(lambda: listening(port), NODE_SECONDS, "the head node", log)
-        log = node("joined", "--address", address, "--node-ip-address", "127.0.0.2")
-        ray.init(address=address, logging_level="error")
-        nodes.callback(ray.shutdown)
-        wait_for(
-            lambda: sum(node["Alive"] for node in ray.nodes()) == 2,
-            NODE_SECONDS,
-            "the second node",
-            log,
-        )
-        yield address
+    with two_nodes(tmp_path_factory.mktemp("ray")) as nodes:
+        ray.init(address=nodes.address, logging_level="error")
+        yield nodes.address
+        ray.shutdown()
 
 
 def where(algorithm):

@@ -20,7 +20,7 @@ from .spec import Sweep
 PARQUET, CSV = "results.parquet", "results.csv"
 FINGERPRINT = b"jcas_sweep"
 WRITE_SECONDS_MIN = 1.0
-WRITE_SHARE_MAX = 0.05
+WRITE_SHARE_MAX = 0.2
 """Largest share of the time that goes into writing the growing file."""
 
 
