@@ -20,6 +20,11 @@ pub enum PlanError {
         /// The maximum number of entries.
         most: usize,
     },
+    /// The system has no memory for the plan.
+    OutOfMemory {
+        /// The most bytes that making the plan can take.
+        bytes: u64,
+    },
     /// A length does not fit the model.
     Length {
         /// The name of the list.
@@ -49,6 +54,10 @@ impl fmt::Display for PlanError {
             Self::TooLarge { entries, most } => write!(
                 out,
                 "the plan needs a table of {entries} entries; at most {most} are allowed"
+            ),
+            Self::OutOfMemory { bytes } => write!(
+                out,
+                "planning may take {bytes} bytes of memory, which could not be had"
             ),
             Self::Length {
                 what,

@@ -1,6 +1,6 @@
 //! The policy that follows a plan.
 
-use alloc::vec::Vec;
+use alloc::sync::Arc;
 
 use jcas_core::action::pilot_action;
 use jcas_core::motion::toward;
@@ -13,18 +13,19 @@ use crate::plan::Plan;
 /// to the meeting cell at the least pilot density.
 ///
 /// It reads which hotspots are confirmed, as every baseline does. The trajectories use no feedback.
+/// Copies share the plan; copying and following take no memory.
 #[derive(Clone, Debug)]
 pub struct Follower {
-    plan: Plan,
+    plan: Arc<Plan>,
     meeting: Option<Cell>,
 }
 
 impl Follower {
     /// Makes a follower of this plan.
     #[must_use]
-    pub fn new(plan: Plan) -> Self {
+    pub fn new(plan: impl Into<Arc<Plan>>) -> Self {
         Self {
-            plan,
+            plan: plan.into(),
             meeting: None,
         }
     }
@@ -44,8 +45,8 @@ impl Follower {
     pub fn see(&mut self, model: &Model<'_>, state: &StateRef<'_>) {
         let config = model.config();
         if self.meeting.is_none() && (0..state.hotspot_count()).all(|j| state.confirmed(j)) {
-            let cells: Vec<Cell> = (0..state.uav_count()).map(|uav| state.cell(uav)).collect();
-            self.meeting = Some(meeting_cell(&cells, config.grid_width, config.grid_height));
+            let cells = (0..state.uav_count()).map(|uav| state.cell(uav));
+            self.meeting = Some(meeting_cell(cells, config.grid_width, config.grid_height));
         }
     }
 

@@ -14,6 +14,9 @@ const MOST: u32 = 4;
 /// The maximum spread of a line, in thirds of the width of its strip; 0 is a flock.
 const THIRDS: u32 = 3;
 
+/// The maximum number of sweeps.
+pub(crate) const SWEEPS_MAX: usize = (MOST * MOST * (THIRDS + 1)) as usize;
+
 /// A recorder that flies a fleet toward targets, as its batteries allow, and stores its cells.
 pub(crate) struct Recorder<'p, 'm> {
     problem: &'p Problem<'m>,

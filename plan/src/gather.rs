@@ -15,10 +15,10 @@ pub(crate) const UAVS_MAX: usize = 128;
 /// centre is then that of the bounding box. Where it is no cell, the best cell around it is taken.
 /// Among equals that is the one with the least total distance, then the first.
 #[must_use]
-pub fn meeting_cell(cells: &[Cell], width: u32, height: u32) -> Cell {
+pub fn meeting_cell(cells: impl Iterator<Item = Cell> + Clone, width: u32, height: u32) -> Cell {
     let middle = |of: fn(i64, i64) -> i64| {
         let (mut low, mut high) = (i64::MAX, i64::MIN);
-        for cell in cells {
+        for cell in cells.clone() {
             let value = of(i64::from(cell.x), i64::from(cell.y));
             low = low.min(value);
             high = high.max(value);
@@ -39,7 +39,7 @@ pub fn meeting_cell(cells: &[Cell], width: u32, height: u32) -> Cell {
                 y: (y + dy).max(0).min(i64::from(height) - 1) as u32,
             };
             let (mut most, mut sum) = (0, 0);
-            for cell in cells {
+            for cell in cells.clone() {
                 let distance = cell.manhattan(centre);
                 most = most.max(distance);
                 sum += u64::from(distance);
@@ -82,7 +82,7 @@ pub(crate) fn connected(odds: &Odds, cells: &[Cell], level: impl Fn(usize) -> u8
 pub(crate) fn steps_to_meet(model: &Model<'_>, odds: &Odds, cells: &mut [Cell]) -> u32 {
     let config = model.config();
     let (width, height) = (config.grid_width, config.grid_height);
-    let meeting = meeting_cell(cells, width, height);
+    let meeting = meeting_cell(cells.iter().copied(), width, height);
     for step in 1..=width + height {
         let mut all_there = true;
         for cell in cells.iter_mut() {

@@ -8,7 +8,9 @@ use jcas_core::{Cell, Model};
 /// The number of sites that the inner loops take at a time.
 pub(crate) const LANES: usize = 8;
 /// The maximum number of entries of cached rows.
-const CACHED_ENTRIES_MAX: usize = 1 << 22;
+pub(crate) const CACHED_ENTRIES_MAX: usize = 1 << 22;
+/// The maximum number of levels.
+pub(crate) const LEVELS_MAX: usize = 5;
 /// The difference of a detection probability below which two densities are enough.
 const FINE_DIFFERENCE: f64 = 0.1;
 

@@ -12,7 +12,7 @@ use crate::objective::{Expectation, expect};
 use crate::paths::Paths;
 use crate::problem::{Problem, Situation};
 use crate::targets::Targets;
-use crate::{formation, teams};
+use crate::{formation, memory, teams};
 
 /// A plan: trajectories with their expected time.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,12 +64,13 @@ impl Plan {
 /// depot is as likely as any other.
 ///
 /// # Errors
-/// [`PlanError`] if the fleet or the grid is too large.
+/// [`PlanError`] if the fleet or the grid is too large, or if there is no memory for the plan.
 pub fn search(
     model: &Model<'_>,
     settings: &Settings,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Plan, PlanError> {
+    memory::check(model, None, 1)?;
     let targets = Targets::hidden(model);
     let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
     Ok(improve(&problem, starts(&problem), settings, progress))
@@ -79,13 +80,15 @@ pub fn search(
 /// in which teams and for how long the UAVs visit them.
 ///
 /// # Errors
-/// [`PlanError`] if the fleet or the grid is too large, or if a hotspot lies off the grid.
+/// [`PlanError`] if the fleet or the grid is too large, or if a hotspot lies off the grid. So it is
+/// if there is no memory for the plan.
 pub fn tour(
     model: &Model<'_>,
     hotspots: &[Cell],
     settings: &Settings,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Plan, PlanError> {
+    memory::check(model, Some(hotspots.len()), 1)?;
     let targets = Targets::known(model, hotspots)?;
     let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
     Ok(improve(&problem, starts(&problem), settings, progress))

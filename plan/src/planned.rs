@@ -3,6 +3,7 @@
 use core::fmt;
 use core::ops::ControlFlow;
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
@@ -11,10 +12,9 @@ use jcas_policy::Policy;
 use crate::anneal::Settings;
 use crate::error::PlanError;
 use crate::follow::Follower;
+use crate::memory;
 use crate::plan::{Plan, search, tour};
-use crate::problem::{Problem, Situation};
 use crate::replan::Replanner;
-use crate::targets::Targets;
 
 /// Annealing moves of `plan` and `replan` for a search; one plan serves all episodes.
 pub const SEARCH_ITERATIONS: u64 = 400_000;
@@ -56,11 +56,11 @@ impl PlannedKind {
     /// Builds the policy. If hotspots are hidden, the plan of the first step is made here.
     ///
     /// # Errors
-    /// [`PlanError`] if the fleet or the grid is too large.
+    /// [`PlanError`] if the fleet or the grid is too large, or if there is no memory for a plan.
     pub fn build(self, model: &Model<'_>) -> Result<Planned, PlanError> {
         let hidden = model.config().target_visibility == TargetVisibility::Hidden;
         if !hidden {
-            check(model)?;
+            memory::check(model, Some(model.hotspot_count()), model.uav_count())?;
         }
         let way = match self {
             Self::Plan if hidden => {
@@ -98,12 +98,6 @@ fn go_on(_: crate::anneal::Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Checks that plans of a model can be made.
-fn check(model: &Model<'_>) -> Result<(), PlanError> {
-    let targets = Targets::hidden(model);
-    Problem::new(model, &targets, Situation::at_reset(model)).map(|_| ())
-}
-
 /// A policy that follows plans. A plan chooses the pilot densities too.
 #[derive(Clone, Debug)]
 pub struct Planned {
@@ -128,7 +122,7 @@ struct Tour {
 impl Planned {
     /// Makes a policy that follows this plan in every episode.
     #[must_use]
-    pub fn following(plan: Plan) -> Self {
+    pub fn following(plan: impl Into<Arc<Plan>>) -> Self {
         Self {
             kind: PlannedKind::Plan,
             way: Way::Follow(Follower::new(plan)),
@@ -149,7 +143,7 @@ impl Planned {
     /// Decides a step: makes the plans that are due. This is the part that takes time and memory.
     ///
     /// # Errors
-    /// [`PlanError`] if the fleet or the grid is too large.
+    /// [`PlanError`] if the fleet or the grid is too large, or if there is no memory for a plan.
     pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
         match &mut self.way {
             Way::Follow(follower) => follower.see(model, state),
@@ -183,6 +177,7 @@ impl Tour {
         let follower = match self.follower.take() {
             Some(follower) => follower,
             None => {
+                memory::check(model, Some(state.hotspot_count()), 1)?;
                 let hotspots: Vec<Cell> = (0..state.hotspot_count())
                     .map(|hotspot| state.hotspot_cell(hotspot))
                     .collect();

@@ -15,7 +15,7 @@ use crate::paths::Paths;
 use crate::targets::Targets;
 
 /// The maximum number of steps of a plan; the fleet stays in its last cells after them.
-const STEPS_MAX: usize = 512;
+pub(crate) const STEPS_MAX: usize = 512;
 /// The maximum number of entries of a table over steps and sites.
 const ENTRIES_MAX: usize = 1 << 25;
 
@@ -93,12 +93,6 @@ impl<'m> Problem<'m> {
         situation: Situation,
     ) -> Result<Self, PlanError> {
         let config = model.config();
-        if model.uav_count() > UAVS_MAX {
-            return Err(PlanError::TooManyUavs {
-                uavs: model.uav_count(),
-                most: UAVS_MAX,
-            });
-        }
         let lengths = [
             ("cells", model.uav_count(), situation.cells.len()),
             ("charges_uj", model.uav_count(), situation.charges_uj.len()),
@@ -120,16 +114,10 @@ impl<'m> Problem<'m> {
                 });
             }
         }
-        let (draws, sites) = draws(targets, config.grid_width);
         let steps_left = config.horizon_steps.saturating_sub(situation.step);
         let steps = STEPS_MAX.min(steps_left as usize);
-        let entries = sites.len() * (steps + 1);
-        if entries > ENTRIES_MAX {
-            return Err(PlanError::TooLarge {
-                entries,
-                most: ENTRIES_MAX,
-            });
-        }
+        let (draws, sites) = draws(targets, config.grid_width);
+        check_sizes(model, sites.len(), steps)?;
         Ok(Self {
             model,
             odds: Odds::new(model, sites),
@@ -182,6 +170,24 @@ impl<'m> Problem<'m> {
             )
         })
     }
+}
+
+/// Checks that a fleet and its tables over sites and steps are not too large for a plan.
+pub(crate) fn check_sizes(model: &Model<'_>, sites: usize, steps: usize) -> Result<(), PlanError> {
+    if model.uav_count() > UAVS_MAX {
+        return Err(PlanError::TooManyUavs {
+            uavs: model.uav_count(),
+            most: UAVS_MAX,
+        });
+    }
+    let entries = sites.saturating_mul(steps + 1);
+    if entries > ENTRIES_MAX {
+        return Err(PlanError::TooLarge {
+            entries,
+            most: ENTRIES_MAX,
+        });
+    }
+    Ok(())
 }
 
 /// Returns each group with its sites, padded to whole lanes.

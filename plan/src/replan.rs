@@ -1,5 +1,6 @@
 //! A policy that plans anew during an episode, after each confirmation and each meeting.
 
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -10,6 +11,7 @@ use crate::anneal::Settings;
 use crate::error::PlanError;
 use crate::follow::write;
 use crate::gather::meeting_cell;
+use crate::memory;
 use crate::objective::missed_after;
 use crate::plan::{Plan, improve, starts};
 use crate::problem::{Problem, Situation};
@@ -25,9 +27,10 @@ use crate::targets::{Targets, index_of};
 pub struct Replanner {
     settings: Settings,
     first_iterations: u64,
-    views: Vec<View>,
+    /// The view of all UAVs before the first step.
+    first: Option<Arc<View>>,
     /// The view of each UAV.
-    view_of: Vec<usize>,
+    views: Vec<Arc<View>>,
     /// The members of each radio component.
     components: Vec<Vec<usize>>,
 }
@@ -62,8 +65,8 @@ impl Replanner {
         Self {
             settings,
             first_iterations,
+            first: None,
             views: Vec::new(),
-            view_of: Vec::new(),
             components: Vec::new(),
         }
     }
@@ -71,38 +74,38 @@ impl Replanner {
     /// Called before the first step of an episode.
     pub fn reset(&mut self) {
         // With hidden hotspots, the first plan is the same in every episode.
-        let hidden = self
-            .views
-            .first()
-            .is_some_and(|view| !view.weights.is_empty());
-        self.views.truncate(usize::from(hidden));
-        self.view_of.fill(0);
+        self.first = self.first.take().filter(|view| !view.weights.is_empty());
+        self.views.clear();
     }
 
     /// Returns the plan that a UAV follows at present. There is none before the first step.
     #[must_use]
     pub fn plan_of(&self, uav: usize) -> Option<&Plan> {
-        let view = self.view_of.get(uav)?;
-        self.views.get(*view).map(|view| &view.plan)
+        self.views.get(uav).map(|view| &view.plan)
     }
 
     /// Makes the plans that are due in this state.
     ///
     /// # Errors
-    /// [`PlanError`], where the fleet or the grid is too large.
+    /// [`PlanError`], where the fleet or the grid is too large, or where there is no memory for a
+    /// plan.
     pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
+        let hidden = model.config().target_visibility == TargetVisibility::Hidden;
+        memory::check(
+            model,
+            (!hidden).then(|| state.hotspot_count()),
+            state.uav_count(),
+        )?;
         if self.views.is_empty() {
-            if model.config().target_visibility == TargetVisibility::Hidden {
-                self.prepare(model)?;
-            } else {
-                let known = vec![false; state.hotspot_count()];
-                let targets = Targets::known(model, &unknown_cells(state, &known))?;
-                let view = self.first(model, &targets, Situation::of(state))?;
-                self.views.push(view);
-            }
+            let first = match self.first.take() {
+                Some(first) => first,
+                None if hidden => self.search(model)?,
+                None => self.tour(model, state)?,
+            };
+            self.views = vec![Arc::clone(&first); state.uav_count()];
+            self.first = Some(first);
         }
         let mut open: Vec<usize> = (0..state.uav_count()).collect();
-        self.view_of.resize(open.len(), 0);
         self.components.clear();
         while let Some(&first) = open.first() {
             let members = component(state, first);
@@ -124,21 +127,33 @@ impl Replanner {
     /// Makes the first plan, which is the same in every episode if hotspots are hidden.
     ///
     /// # Errors
-    /// [`PlanError`], where the fleet or the grid is too large.
+    /// [`PlanError`], where the fleet or the grid is too large, or where there is no memory for a
+    /// plan.
     pub fn prepare(&mut self, model: &Model<'_>) -> Result<(), PlanError> {
-        let targets = Targets::hidden(model);
-        // The plan holds for the least charges.
-        let view = self.first(model, &targets, Situation::at_reset(model))?;
-        self.views = vec![view];
+        memory::check(model, None, 1)?;
+        self.first = Some(self.search(model)?);
+        self.views.clear();
         Ok(())
     }
 
-    fn first(
+    fn search(&self, model: &Model<'_>) -> Result<Arc<View>, PlanError> {
+        let targets = Targets::hidden(model);
+        // The plan holds for the least charges.
+        self.begun(model, &targets, Situation::at_reset(model))
+    }
+
+    fn tour(&self, model: &Model<'_>, state: &StateRef<'_>) -> Result<Arc<View>, PlanError> {
+        let known = vec![false; state.hotspot_count()];
+        let targets = Targets::known(model, &unknown_cells(state, &known))?;
+        self.begun(model, &targets, Situation::of(state))
+    }
+
+    fn begun(
         &self,
         model: &Model<'_>,
         targets: &Targets,
         situation: Situation,
-    ) -> Result<View, PlanError> {
+    ) -> Result<Arc<View>, PlanError> {
         let problem = Problem::new(model, targets, situation)?;
         let settings = Settings {
             iterations: self.first_iterations,
@@ -151,12 +166,12 @@ impl Replanner {
             }
             _ => Vec::new(),
         };
-        Ok(View {
+        Ok(Arc::new(View {
             first_step: problem.situation().step,
             plan,
             known: vec![false; model.hotspot_count()],
             weights,
-        })
+        }))
     }
 
     /// Gives the members of a component one view, and plans anew if they know more than the view
@@ -170,23 +185,22 @@ impl Replanner {
         let known: Vec<bool> = (0..state.hotspot_count())
             .map(|hotspot| state.knows(members[0], hotspot))
             .collect();
-        let mut newest = self.view_of[members[0]];
+        let mut newest = &self.views[members[0]];
         let mut agreed = true;
         for &uav in members {
-            let view = self.view_of[uav];
-            agreed &= view == newest;
-            if self.views[view].first_step > self.views[newest].first_step {
+            let view = &self.views[uav];
+            agreed &= Arc::ptr_eq(view, newest);
+            if view.first_step > newest.first_step {
                 newest = view;
             }
         }
-        if agreed && self.views[newest].known == known {
+        if agreed && newest.known == known {
             return Ok(());
         }
-        let view = self.renewed(model, state, members, &self.views[newest], known)?;
+        let view = Arc::new(self.renewed(model, state, members, newest, known)?);
         for &uav in members {
-            self.view_of[uav] = self.views.len();
+            self.views[uav] = Arc::clone(&view);
         }
-        self.views.push(view);
         Ok(())
     }
 
@@ -243,19 +257,17 @@ impl Replanner {
         actions: &mut [f32],
     ) {
         let config = model.config();
-        let view = &self.views[self.view_of[members[0]]];
+        let view = &self.views[members[0]];
         let gathers = view.known.iter().all(|known| *known);
         let meeting = gathers.then(|| {
-            let cells: Vec<Cell> = (0..state.uav_count())
-                .map(|uav| {
-                    if members.contains(&uav) {
-                        state.cell(uav)
-                    } else {
-                        view.cell(state, uav)
-                    }
-                })
-                .collect();
-            meeting_cell(&cells, config.grid_width, config.grid_height)
+            let cells = (0..state.uav_count()).map(|uav| {
+                if members.contains(&uav) {
+                    state.cell(uav)
+                } else {
+                    view.cell(state, uav)
+                }
+            });
+            meeting_cell(cells, config.grid_width, config.grid_height)
         });
         let step = view.flown(state) + 1;
         for &uav in members {

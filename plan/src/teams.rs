@@ -14,6 +14,9 @@ const HOVERS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 /// The maximum number of teams.
 const TEAMS_MAX: usize = 8;
 
+/// The maximum number of tours.
+pub(crate) const TOURS_MAX: usize = TEAMS_MAX * HOVERS.len();
+
 /// A team on its tour.
 struct Team {
     /// The cell where the team is next free, and the step after which it is.
