@@ -24,8 +24,10 @@ pub mod results;
 pub mod scope;
 mod search;
 mod seed_spread;
+pub mod statistics;
 pub mod table;
 mod text;
+pub mod verdict;
 
 use jcas_train::error::TrainError;
 use jcas_train::store::write_whole;
