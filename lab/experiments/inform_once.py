@@ -57,16 +57,16 @@ def cells():
         yield ("once", 175, uavs, 5, "0.3", 0, "ppo")
 
 
-def finished():
-    """Returns the keys of the rows that the table holds."""
-    if not TABLE.exists():
+def finished(path):
+    """Returns the keys of the rows that a table holds."""
+    if not path.exists():
         return set()
-    with TABLE.open(newline="") as table:
+    with path.open(newline="") as table:
         return {tuple(row[name] for name in KEY) for row in csv.DictReader(table)}
 
 
-def run(options, cell):
-    """Trains where the policy is PPO, evaluates, and appends one row to the table."""
+def run(options, cell, path):
+    """Trains where the policy is PPO, evaluates, and appends one row to a table."""
     reading, range_m, uavs, hotspots, pilot, seed, policy = cell
     config = ["--preset", "paper", "--uavs", str(uavs), "--hotspots", str(hotspots)]
     for change in [*READINGS[reading], f"sensing_range_m={range_m}"]:
@@ -83,6 +83,8 @@ def run(options, cell):
         subprocess.run(train, check=True)
         seconds = round(time.monotonic() - begun)
         fly = [folder, "--mode", "sampled"]
+    elif pilot == "planned":
+        fly = [policy]
     else:
         fly = [policy, "--pilot", pilot]
     evaluate = [options.jcas, "evaluate", *fly, *config, "--episodes", str(EPISODES), "--json"]
@@ -91,8 +93,8 @@ def run(options, cell):
     for name, field in QUANTITIES.items():
         for end in ("", "_low", "_high"):
             row[name + end] = report[field + end]
-    new = not TABLE.exists()
-    with TABLE.open("a", newline="") as table:
+    new = not path.exists()
+    with path.open("a", newline="") as table:
         writer = csv.DictWriter(table, FIELDS, lineterminator="\n")
         if new:
             writer.writeheader()
@@ -107,8 +109,8 @@ def main():
     parser.add_argument("--runs", required=True, help="folder of the trainings")
     options = parser.parse_args()
     for cell in cells():
-        if tuple(map(str, cell)) not in finished():
-            run(options, cell)
+        if tuple(map(str, cell)) not in finished(TABLE):
+            run(options, cell, TABLE)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ mod progress_sink;
 pub mod range;
 mod regimes;
 pub mod results;
+pub mod scan;
 pub mod scope;
 mod search;
 mod seed_spread;
