@@ -69,10 +69,7 @@ impl Chapter {
         for block in &self.blocks {
             text += "\n";
             match block {
-                Block::Text(words) => {
-                    text += words.trim_end();
-                    text += "\n";
-                }
+                Block::Text(words) => text += &crate::text::wrapped(words),
                 Block::Table { head, rows, .. } => {
                     text += &crate::text::table(head, rows);
                 }

@@ -1,164 +1,239 @@
-//! The paper's claims, judged by the table of results. A claim is data: its text, its measure, and
-//! the rule that judges the measure. To add one, add a row to [`CLAIMS`].
+//! The paper's claims, judged by intervals. A claim is data: its text, its measure, and the region
+//! in which the paper says that the measure lies. To add one, add a row to [`CLAIMS`].
 
-use crate::curves::Curve;
-use crate::fit;
+use crate::evidence::Evidence;
+use crate::results::Results;
 use crate::scope::{CONSTANT_PILOT, Scope};
-use crate::table::{Quantity, Query, Row, Table, in_common, numbers_of_hotspots};
+use crate::table::Quantity;
+use crate::verdict::{Region, Verdict, verdict};
 use jcas_core::Preset;
-use jcas_episode::statistics::wilson;
 
 /// One claim of the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claim {
     /// What the paper says.
     pub text: &'static str,
+    /// When it holds, in words.
+    pub holds_if: &'static str,
     /// Measure of the claim.
     pub measure: Measure,
-    /// When it holds.
-    pub rule: Rule,
+    /// Where the measure lies if it holds.
+    pub region: Region,
 }
 
-/// A measure: one or several numbers of the table.
+/// A measure: one or several numbers of the results, each with its noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// A quantity at one fleet size.
+    /// A quantity at one fleet size, mean over the numbers of hotspots.
     At(Quantity, u32),
-    /// A quantity at every fleet size.
-    OverFleets(Quantity),
+    /// A quantity at one fleet size for each number of hotspots.
+    OfEachHotspots(Quantity, u32),
+    /// A quantity at each fleet size.
+    OfEachFleet(Quantity),
+    /// A quantity of the largest fleet over that of the smallest.
+    LastOverFirst(Quantity),
+    /// The same over the ratio of the fleets' sizes.
+    Growth(Quantity),
+    /// How far a quantity falls from the first fleet to the second, and the mean of its second
+    /// differences over the fleets.
+    Saturation(Quantity),
     /// Success with adaptive less that with constant pilot density, in points of 100, at one fleet
     /// size.
     PilotGap(u32),
-    /// A quantity with adaptive and with constant pilot density, at one fleet size.
-    Pilots(Quantity, u32),
-    /// Share of the trainings of at least sixty iterations whose return changes by at most a tenth
-    /// of its whole gain after the fortieth.
-    FlatTrainings,
-    /// Seconds that the paper's number of iterations takes at one fleet size, mean over trainings.
-    TrainingTime(u32),
+    /// The slope of that over the number of hotspots, mean of N = 10 and 15.
+    PilotGapSlope,
+    /// A quantity with constant over that with adaptive pilot density, at one fleet size.
+    PilotRatio(Quantity, u32),
+    /// The same for each number of hotspots at N = 10 and 15.
+    PilotRatioOfEachHotspots(Quantity),
+    /// Pilot density within a cell of an unconfirmed hotspot less that farther away.
+    Approach,
+    /// Change of the return over the last third of a training, in the scatter of one iteration.
+    LateChange,
+    /// Time of an iteration of the largest fleet over that of the smallest.
+    TimeGrowth,
+    /// Steps of moving, sensing and talking that a full battery lasts.
+    Endurance,
 }
 
-/// When a claim holds, given the measured values.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rule {
-    /// The value lies within the 95 % interval of this success rate in 100 missions, or above it.
-    Success(f64),
-    /// The value is at least this.
-    AtLeast(f64),
-    /// The value is at most this.
-    AtMost(f64),
-    /// The value is at most this far from 0.
-    Within(f64),
-    /// Each value is lower than the one before, and the last step down is smaller than the first.
-    FallsAndSaturates,
-    /// The last value over the first is less than the fleets' ratio.
-    LessThanProportional,
-    /// The second value is lower than the first.
-    SecondIsLower,
-}
-
-const fn claim(text: &'static str, measure: Measure, rule: Rule) -> Claim {
+const fn claim(
+    text: &'static str,
+    holds_if: &'static str,
+    measure: Measure,
+    region: Region,
+) -> Claim {
     Claim {
         text,
+        holds_if,
         measure,
-        rule,
+        region,
     }
 }
 
+const ANOTHER: &str = "within what one training and 100 missions of that rate may give";
+
 /// The paper's claims.
-pub const CLAIMS: [Claim; 12] = [
+pub const CLAIMS: [Claim; 17] = [
     claim(
         "success 0.73 at N = 10",
+        ANOTHER,
         Measure::At(Quantity::Success, 10),
-        Rule::Success(0.73),
+        Region::AnotherTraining(0.73),
     ),
     claim(
         "success 0.97 at N = 15",
+        ANOTHER,
         Measure::At(Quantity::Success, 15),
-        Rule::Success(0.97),
+        Region::AnotherTraining(0.97),
+    ),
+    claim(
+        "success 0.97 at N = 15 for all target densities",
+        "the same for each n",
+        Measure::OfEachHotspots(Quantity::Success, 15),
+        Region::AnotherTraining(0.97),
     ),
     claim(
         "mission time falls with N and saturates",
-        Measure::OverFleets(Quantity::Steps),
-        Rule::FallsAndSaturates,
+        "the first step down and the mean second difference are above 0",
+        Measure::Saturation(Quantity::Steps),
+        Region::Above(0.0),
     ),
     claim(
         "energy grows less than in proportion to N",
-        Measure::OverFleets(Quantity::Energy),
-        Rule::LessThanProportional,
+        "the growth is below that of N",
+        Measure::Growth(Quantity::Energy),
+        Region::Below(1.0),
+    ),
+    claim(
+        "normalised throughput above 1",
+        "above 1 at each N",
+        Measure::OfEachFleet(Quantity::Throughput),
+        Region::Above(1.0),
+    ),
+    claim(
+        "enough throughput even for larger teams",
+        "no lower at the largest N than at the smallest",
+        Measure::LastOverFirst(Quantity::Throughput),
+        Region::Above(1.0),
     ),
     claim(
         "adaptive and constant pilot within about 5 points at N = 10",
+        "between -5 and +5 points",
         Measure::PilotGap(10),
-        Rule::Within(5.0),
+        Region::Between(-5.0, 5.0),
     ),
     claim(
-        "adaptive pilot up to about 10 points better at N = 15",
+        "adaptive pilot better by around 10 points at N = 15",
+        "between +5 and +15 points",
         Measure::PilotGap(15),
-        Rule::AtLeast(5.0),
+        Region::Between(5.0, 15.0),
+    ),
+    claim(
+        "adaptivity is worth less with more targets",
+        "its worth falls with n",
+        Measure::PilotGapSlope,
+        Region::Below(0.0),
+    ),
+    claim(
+        "constant pilot lowers throughput, N = 10",
+        "the ratio is below 1",
+        Measure::PilotRatio(Quantity::Throughput, 10),
+        Region::Below(1.0),
     ),
     claim(
         "constant pilot lowers throughput, N = 15",
-        Measure::Pilots(Quantity::Throughput, 15),
-        Rule::SecondIsLower,
+        "the ratio is below 1",
+        Measure::PilotRatio(Quantity::Throughput, 15),
+        Region::Below(1.0),
+    ),
+    claim(
+        "constant pilot lowers throughput for each n, N = 10 and 15",
+        "each ratio is below 1",
+        Measure::PilotRatioOfEachHotspots(Quantity::Throughput),
+        Region::Below(1.0),
+    ),
+    claim(
+        "pilot density is high on approach and low afterwards",
+        "denser within a cell of an unconfirmed hotspot than farther away",
+        Measure::Approach,
+        Region::Above(0.0),
     ),
     claim(
         "the return is flat after about 40 iterations",
-        Measure::FlatTrainings,
-        Rule::AtLeast(0.5),
+        "it changes over the last third by less than one iteration scatters",
+        Measure::LateChange,
+        Region::Between(-1.0, 1.0),
     ),
     claim(
-        "training takes 402 s at N = 5 on eight processes",
-        Measure::TrainingTime(5),
-        Rule::AtMost(402.0),
+        "training takes 4.4 times as long at N = 20 as at N = 5",
+        "within a fifth of 4.4 times",
+        Measure::TimeGrowth,
+        Region::Between(3.5, 5.2),
     ),
     claim(
-        "training takes 598 s at N = 10 on eight processes",
-        Measure::TrainingTime(10),
-        Rule::AtMost(598.0),
-    ),
-    claim(
-        "training takes 1253 s at N = 15 on eight processes",
-        Measure::TrainingTime(15),
-        Rule::AtMost(1253.0),
-    ),
-    claim(
-        "training takes 1751 s at N = 20 on eight processes",
-        Measure::TrainingTime(20),
-        Rule::AtMost(1751.0),
+        "the horizon of 100 steps is the endurance of 0.20 kWh",
+        "within a tenth of 100 steps",
+        Measure::Endurance,
+        Region::Between(90.0, 110.0),
     ),
 ];
 
-/// A reading of the paper that is held against the claims: a variant of its training, or our own
-/// settings.
+/// What is held against the claims.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subject {
+    /// A variant of the paper's training, trained once a cell.
+    Trained,
+    /// Our own policy.
+    Ours,
+    /// The paper's own numbers.
+    Numbers,
+}
+
+/// A reading of the paper that is held against the claims.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// For people.
     pub title: String,
-    preset: &'static str,
-    policy: &'static str,
-    /// Trained once a cell, so that its trainings can be compared with the paper's.
-    of_a_cell: bool,
+    /// Preset in which it is flown.
+    pub preset: Preset,
+    /// Its policy in the table.
+    pub policy: &'static str,
+    subject: Subject,
 }
 
 impl Reading {
-    /// Whether a reproduction of this size trains and flies what a measure takes.
+    /// Whether a reproduction of this size trains and flies what a measure takes. The two success
+    /// rates are asked of the paper's training alone.
     fn answers(&self, scope: &Scope, measure: Measure) -> bool {
-        let flies = |uavs| {
-            if self.of_a_cell {
+        if measure == Measure::Endurance || self.subject == Subject::Numbers {
+            return measure == Measure::Endurance && self.subject == Subject::Numbers;
+        }
+        let trained = self.subject == Subject::Trained;
+        let flies = |uavs: u32| {
+            if trained {
                 scope.paper_cells.iter().any(|cell| cell.0 == uavs)
             } else {
                 scope.fleets.contains(&uavs)
             }
         };
-        let trains_whole = self.of_a_cell && scope.shortened().is_none();
-        let holds_pilots = !self.of_a_cell || scope.paper_pilots.contains(&Some(CONSTANT_PILOT));
+        let fleets = || scope.fleets.iter().all(|&uavs| flies(uavs));
+        let holds_pilots = !trained || scope.paper_pilots.contains(&Some(CONSTANT_PILOT));
         match measure {
-            Measure::At(_, uavs) => flies(uavs),
-            Measure::OverFleets(_) => scope.fleets.iter().all(|&uavs| flies(uavs)),
-            Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => flies(uavs) && holds_pilots,
-            Measure::FlatTrainings => trains_whole,
-            Measure::TrainingTime(uavs) => trains_whole && flies(uavs),
+            Measure::At(Quantity::Success, uavs)
+            | Measure::OfEachHotspots(Quantity::Success, uavs) => trained && flies(uavs),
+            Measure::At(_, uavs) | Measure::OfEachHotspots(_, uavs) => flies(uavs),
+            Measure::OfEachFleet(_)
+            | Measure::LastOverFirst(_)
+            | Measure::Growth(_)
+            | Measure::Saturation(_) => fleets(),
+            Measure::PilotGap(uavs) | Measure::PilotRatio(_, uavs) => flies(uavs) && holds_pilots,
+            Measure::PilotGapSlope | Measure::PilotRatioOfEachHotspots(_) => {
+                flies(10) && flies(15) && holds_pilots
+            }
+            Measure::Approach => trained || self.preset == Preset::Mission,
+            Measure::LateChange => trained,
+            Measure::TimeGrowth => trained && fleets(),
+            Measure::Endurance => false,
         }
     }
 }
@@ -167,49 +242,30 @@ impl Reading {
 pub fn readings(scope: &Scope) -> Vec<Reading> {
     let learners = scope.learners().into_iter().map(|learner| Reading {
         title: learner.as_trained(),
-        preset: Preset::Paper.name(),
+        preset: Preset::Paper,
         policy: learner.name,
-        of_a_cell: true,
+        subject: Subject::Trained,
     });
-    let ours = scope.presets.iter().map(|preset| Reading {
+    let ours = scope.presets.iter().map(|&preset| Reading {
         title: format!("our policy, preset `{}`", preset.name()),
-        preset: preset.name(),
-        policy: "learned",
-        of_a_cell: false,
+        preset,
+        policy: crate::campaign::OURS,
+        subject: Subject::Ours,
     });
-    learners.chain(ours).collect()
-}
-
-/// How a claim came out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// It holds.
-    Holds,
-    /// More is reached than is claimed.
-    Exceeded,
-    /// It does not hold.
-    Fails,
-    /// What it takes has not been trained or flown.
-    NotMeasured,
-}
-
-impl Verdict {
-    /// In words.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Verdict::Holds => "holds",
-            Verdict::Exceeded => "exceeded",
-            Verdict::Fails => "does not hold",
-            Verdict::NotMeasured => "not run",
-        }
-    }
+    let numbers = Reading {
+        title: "the paper's own table".to_owned(),
+        preset: Preset::Paper,
+        policy: "",
+        subject: Subject::Numbers,
+    };
+    learners.chain(ours).chain([numbers]).collect()
 }
 
 /// The verdict on a claim for one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
     /// What the paper says.
-    pub claim: &'static str,
+    pub claim: Claim,
     /// Title of the reading.
     pub reading: String,
     /// What was measured, in words and numbers.
@@ -221,283 +277,101 @@ pub struct Judged {
 /// The claims that a reproduction of this size does not hold the paper's training to.
 pub fn unasked(scope: &Scope) -> Vec<&'static str> {
     let readings = readings(scope);
-    let papers = readings.iter().filter(|reading| reading.of_a_cell);
-    let unasked = |claim: &Claim| !papers.clone().any(|r| r.answers(scope, claim.measure));
+    let others = readings
+        .iter()
+        .filter(|reading| reading.subject != Subject::Ours);
+    let unasked = |claim: &Claim| !others.clone().any(|r| r.answers(scope, claim.measure));
     let claims = CLAIMS.iter().filter(|&claim| unasked(claim));
     claims.map(|claim| claim.text).collect()
 }
 
 /// Every claim with every reading that answers it.
-pub fn judge(scope: &Scope, table: &Table, curves: &[Curve]) -> Vec<Judged> {
+pub fn judge(results: &Results) -> Vec<Judged> {
+    let scope = results.scope;
     let readings = readings(scope);
     let mut judged = Vec::new();
     for claim in CLAIMS {
         for reading in readings.iter().filter(|r| r.answers(scope, claim.measure)) {
-            let evidence = Evidence {
-                scope,
-                table,
-                curves,
-                reading,
+            let evidence = Evidence::new(results, reading);
+            let shortened = reading.subject == Subject::Trained && scope.shortened().is_some();
+            let (measured, verdict) = match evidence.measure(claim.measure) {
+                None => ("not run".to_owned(), Verdict::NotJudged),
+                Some(measured) if shortened => (measured.words, Verdict::NotJudged),
+                Some(measured) => {
+                    let ends = claim.region.ends(evidence.spread(Quantity::Success));
+                    (measured.words, verdict(&measured.effects, ends))
+                }
             };
-            let values = evidence.values(claim.measure);
             judged.push(Judged {
-                claim: claim.text,
+                claim,
                 reading: reading.title.clone(),
-                measured: evidence.words(claim.measure, &values),
-                verdict: verdict(claim.rule, &values, &scope.fleets),
+                measured,
+                verdict,
             });
         }
     }
     judged
 }
 
-fn verdict(rule: Rule, values: &[Option<f64>], fleets: &[u32]) -> Verdict {
-    let values: Option<Vec<f64>> = values.iter().copied().collect();
-    let (Some(values), true) = (values, !fleets.is_empty()) else {
-        return Verdict::NotMeasured;
-    };
-    let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
-        return Verdict::NotMeasured;
-    };
-    let holds = match rule {
-        Rule::Success(rate) => {
-            let missions = fit::PAPER[0].missions;
-            let interval = wilson((rate * missions).round() as u64, missions as u64);
-            if first > interval.high {
-                return Verdict::Exceeded;
-            }
-            first >= interval.low
-        }
-        Rule::AtLeast(bound) => first >= bound,
-        Rule::AtMost(bound) => first <= bound,
-        Rule::Within(bound) => first.abs() <= bound,
-        Rule::FallsAndSaturates => {
-            let falls: Vec<f64> = values.windows(2).map(|w| w[0] - w[1]).collect();
-            falls.iter().all(|&fall| fall > 0.0) && falls.last() < falls.first()
-        }
-        Rule::LessThanProportional => {
-            let fleets = f64::from(fleets[fleets.len() - 1]) / f64::from(fleets[0]);
-            last / first < fleets
-        }
-        Rule::SecondIsLower => last < first,
-    };
-    if holds {
-        Verdict::Holds
-    } else {
-        Verdict::Fails
-    }
-}
-
-struct Evidence<'a> {
-    scope: &'a Scope,
-    table: &'a Table,
-    curves: &'a [Curve],
-    reading: &'a Reading,
-}
-
-impl Evidence<'_> {
-    fn query(&self, pilot: &'static str) -> Query<'static> {
-        Query::new("grid", self.reading.preset, (self.reading.policy, pilot))
-    }
-
-    /// The rows that a measure takes: groups whose means are its values.
-    fn groups(&self, measure: Measure) -> Vec<Vec<&Row>> {
-        let of = |pilot, uavs| self.query(pilot).uavs(uavs).rows(self.table);
-        match measure {
-            Measure::At(_, uavs) => vec![of("adaptive", uavs)],
-            Measure::OverFleets(_) => {
-                let fleets = self.scope.fleets.iter();
-                in_common(fleets.map(|&uavs| of("adaptive", uavs)).collect())
-            }
-            Measure::PilotGap(uavs) | Measure::Pilots(_, uavs) => {
-                in_common(vec![of("adaptive", uavs), of("constant", uavs)])
-            }
-            Measure::FlatTrainings | Measure::TrainingTime(_) => Vec::new(),
-        }
-    }
-
-    fn values(&self, measure: Measure) -> Vec<Option<f64>> {
-        let means = |quantity| -> Vec<Option<f64>> {
-            self.groups(measure)
-                .iter()
-                .map(|rows| Some(crate::table::mean(rows, quantity)?.value))
-                .collect()
-        };
-        match measure {
-            Measure::At(quantity, _)
-            | Measure::OverFleets(quantity)
-            | Measure::Pilots(quantity, _) => means(quantity),
-            Measure::PilotGap(_) => {
-                let both: Option<Vec<f64>> = means(Quantity::Success).into_iter().collect();
-                // Two policies that never succeed say nothing about pilots.
-                let gap = both
-                    .filter(|both| both.iter().sum::<f64>() > 0.0)
-                    .map(|both| 100.0 * (both[0] - both[1]));
-                vec![gap]
-            }
-            Measure::FlatTrainings => {
-                let mut adaptive = self.trainings(None);
-                adaptive.retain(|curve| curve.constant.is_none());
-                vec![flat_share(&adaptive)]
-            }
-            Measure::TrainingTime(uavs) => {
-                let times: Vec<f64> = self
-                    .trainings(Some(uavs))
-                    .iter()
-                    .map(|curve| curve.whole_training_s())
-                    .collect();
-                vec![(!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)]
-            }
-        }
-    }
-
-    fn trainings(&self, uavs: Option<u32>) -> Vec<&Curve> {
-        self.curves
-            .iter()
-            .filter(|curve| curve.learner == self.reading.policy)
-            .filter(|curve| uavs.is_none_or(|uavs| curve.uavs == uavs))
-            .collect()
-    }
-
-    /// The values, and over which numbers of hotspots they are means where that is not the whole
-    /// grid.
-    fn words(&self, measure: Measure, values: &[Option<f64>]) -> String {
-        if values.iter().all(Option::is_none) {
-            return "not run".to_owned();
-        }
-        let number = |value: Option<f64>, digits: usize| {
-            value.map_or("not run".to_owned(), |value| format!("{value:.digits$}"))
-        };
-        let text = match measure {
-            Measure::At(quantity, _) => number(values[0], quantity.digits()),
-            Measure::OverFleets(quantity) => {
-                let parts = self.scope.fleets.iter().zip(values);
-                let parts: Vec<String> = parts
-                    .map(|(n, value)| format!("N = {n}: {}", number(*value, quantity.digits())))
-                    .collect();
-                parts.join(", ")
-            }
-            Measure::PilotGap(_) => {
-                values[0].map_or(String::new(), |gap| format!("{gap:+.1} points"))
-            }
-            Measure::Pilots(quantity, _) => format!(
-                "adaptive {}, constant {}",
-                number(values[0], quantity.digits()),
-                number(values[1], quantity.digits())
-            ),
-            Measure::FlatTrainings => format!("in {} of the trainings", number(values[0], 2)),
-            Measure::TrainingTime(_) => format!(
-                "{} s for 62 iterations at the pace measured here, beside whatever else the machine did",
-                number(values[0], 0)
-            ),
-        };
-        text + &self.over(measure)
-    }
-
-    fn over(&self, measure: Measure) -> String {
-        let groups = self.groups(measure);
-        let numbers = numbers_of_hotspots(&groups.concat());
-        if groups.is_empty() {
-            return String::new();
-        }
-        self.scope.over(&numbers)
-    }
-}
-
-fn flat_share(curves: &[&Curve]) -> Option<f64> {
-    let long: Vec<&&Curve> = curves
-        .iter()
-        .filter(|curve| curve.returns.len() >= 60)
-        .collect();
-    let mean = |returns: &[f64]| {
-        let finite: Vec<f64> = returns.iter().copied().filter(|r| r.is_finite()).collect();
-        finite.iter().sum::<f64>() / finite.len().max(1) as f64
-    };
-    let flat = long.iter().filter(|curve| {
-        let returns = &curve.returns;
-        let (start, middle) = (mean(&returns[..5]), mean(&returns[37..42]));
-        let end = mean(&returns[returns.len() - 5..]);
-        (end - middle).abs() <= 0.1 * (end - start).abs()
-    });
-    (!long.is_empty()).then(|| flat.count() as f64 / long.len() as f64)
+/// How many of the verdicts chance would make wrong.
+pub fn by_chance(judged: &[Judged]) -> String {
+    let decided = judged.iter().filter(|j| j.verdict.is_decided()).count();
+    format!(
+        "Each verdict \"holds\" or \"does not hold\" is made at 95 %. Of the {decided} here, at \
+            most {:.1} would be wrong by chance.",
+        0.05 * decided as f64
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn curve(returns: Vec<f64>) -> Curve {
-        Curve {
-            learner: "ppo",
-            uavs: 10,
-            hotspots: 5,
-            constant: None,
-            seed: 0,
-            returns,
-            iteration_s: 1.0,
-        }
-    }
-
-    #[test]
-    fn a_curve_that_goes_on_rising_is_not_flat() {
-        let rising = curve((0..62).map(f64::from).collect());
-        let flat = curve((0..62).map(|k| f64::from(k.min(35))).collect());
-        assert_eq!(flat_share(&[&rising]), Some(0.0));
-        assert_eq!(flat_share(&[&flat, &rising]), Some(0.5));
-        assert_eq!(flat_share(&[&curve(vec![0.0; 6])]), None);
-    }
-
-    #[test]
-    fn rules_judge_as_they_say() {
-        use Verdict::{Exceeded, Fails, Holds, NotMeasured};
-        let fleets = [5, 10, 20];
-        for (rule, values, expected) in [
-            // Wilson's interval of 73 of 100 is [0.636, 0.807].
-            (Rule::Success(0.73), &[0.64][..], Holds),
-            (Rule::Success(0.73), &[0.63], Fails),
-            (Rule::Success(0.73), &[0.81], Exceeded),
-            (Rule::AtLeast(0.5), &[0.5], Holds),
-            (Rule::AtMost(402.0), &[402.5], Fails),
-            (Rule::Within(5.0), &[-5.5], Fails),
-            (Rule::FallsAndSaturates, &[90.0, 50.0, 40.0], Holds),
-            (Rule::FallsAndSaturates, &[90.0, 80.0, 40.0], Fails),
-            (Rule::LessThanProportional, &[1.0, 2.0, 3.9], Holds),
-            (Rule::LessThanProportional, &[1.0, 2.0, 4.1], Fails),
-            (Rule::SecondIsLower, &[2.0, 1.9], Holds),
-        ] {
-            let values: Vec<Option<f64>> = values.iter().copied().map(Some).collect();
-            assert_eq!(
-                verdict(rule, &values, &fleets),
-                expected,
-                "{rule:?} {values:?}"
-            );
-        }
-        assert_eq!(verdict(Rule::AtLeast(0.0), &[None], &fleets), NotMeasured);
-    }
-
-    /// A full reproduction asks everything of the paper's training; a quick one what its short
+    /// A full reproduction asks everything of the paper's training; a quick one what its few
     /// trainings answer.
     #[test]
     fn claims_are_asked_of_what_is_trained() {
-        let told = |scope: &Scope| -> Vec<(&'static str, usize)> {
+        let told = |scope: &Scope| -> Vec<usize> {
             let readings = readings(scope);
             let of = |claim: &Claim| {
-                readings
-                    .iter()
-                    .filter(|r| r.answers(scope, claim.measure))
-                    .count()
+                let answering = readings.iter().filter(|r| r.answers(scope, claim.measure));
+                answering.count()
             };
-            CLAIMS.iter().map(|claim| (claim.text, of(claim))).collect()
+            CLAIMS.iter().map(of).collect()
         };
         let full = Scope::full(1);
         assert_eq!(unasked(&full), Vec::<&str>::new());
-        // Two readings of the paper's training; ours in two presets, but not about training.
-        let counts: Vec<usize> = told(&full).iter().map(|claim| claim.1).collect();
-        assert_eq!(counts, [4, 4, 4, 4, 4, 4, 4, 2, 2, 2, 2, 2]);
+        // Two readings of the paper's training; ours in two presets, but not about the two rates or
+        // training; the horizon is arithmetic.
+        assert_eq!(
+            told(&full),
+            [2, 2, 2, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 3, 2, 2, 1]
+        );
 
         let quick = Scope::quick(1);
-        let counts: Vec<usize> = told(&quick).iter().map(|claim| claim.1).collect();
-        assert_eq!(counts, [3, 3, 3, 3, 1, 1, 1, 0, 0, 0, 0, 0]);
-        assert_eq!(unasked(&quick).len(), 8);
+        assert_eq!(
+            told(&quick),
+            [2, 2, 2, 3, 3, 3, 3, 1, 1, 1, 1, 1, 1, 2, 2, 2, 1]
+        );
+        assert_eq!(unasked(&quick).len(), 6);
+    }
+
+    #[test]
+    fn the_decided_verdicts_are_counted() {
+        let of = |verdict| Judged {
+            claim: CLAIMS[0],
+            reading: String::new(),
+            measured: String::new(),
+            verdict,
+        };
+        let judged = [
+            Verdict::Holds,
+            Verdict::Fails,
+            Verdict::Undecided,
+            Verdict::NotJudged,
+        ]
+        .map(of);
+        let told = by_chance(&judged);
+        assert!(told.contains("Of the 2 here, at most 0.1 "), "{told}");
     }
 }

@@ -1,9 +1,9 @@
 //! The course of the trainings with the paper's settings. It is a table beside the results, so that
 //! pages depend only on tables.
 
-use crate::campaign::pilot_name;
+use crate::campaign::{ADAPTIVE, pilot_name};
 use crate::flights::{POLICIES, paper_name};
-use crate::scope::{PAPER_ITERATIONS, Scope, Training};
+use crate::scope::{CONSTANT_PILOT, PAPER_ITERATIONS, Scope, Training};
 use jcas_episode::card::CARD;
 use jcas_train::error::TrainError;
 use jcas_train::run::METRICS;
@@ -111,13 +111,25 @@ pub(crate) fn gather(scope: &Scope, out: &Path) -> Result<(), TrainError> {
     write_whole(&path, &csv_bytes(&lines, true, &path)?)
 }
 
-/// The training curves in the preset `paper`, as far as the folder's table has them.
+/// The training curves in the preset `paper` that the folder's table has, with every seed.
 pub fn curves(scope: &Scope, out: &Path) -> Result<Vec<Curve>, TrainError> {
     let lines = table(&out.join(TRAININGS))?;
+    let mut trainings: Vec<(u64, (u32, u32), &str)> = Vec::new();
+    for line in &lines {
+        let training = (line.seed, (line.uavs, line.hotspots), line.pilot.as_str());
+        if !trainings.contains(&training) {
+            trainings.push(training);
+        }
+    }
+    trainings.sort_unstable();
     let mut curves = Vec::new();
     for learner in scope.learners() {
-        for training in scope.trainings() {
-            let pilot = pilot_name(training.constant);
+        for &(seed, cell, pilot) in &trainings {
+            let training = Training {
+                cell,
+                constant: (pilot != ADAPTIVE).then_some(CONSTANT_PILOT),
+                seed,
+            };
             let of = |line: &&Line| line.is_of(learner.name, pilot, &training);
             let lines: Vec<&Line> = lines.iter().filter(of).collect();
             if lines.is_empty() {

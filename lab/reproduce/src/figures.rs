@@ -3,14 +3,13 @@
 
 use crate::curves::Curve;
 use crate::fit::PAPER;
+use crate::pilot_by_distance::{Approach, DistanceBin};
 use crate::results::Results;
 use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table, in_common, mean, numbers_of_hotspots};
 use crate::text::capital;
 use jcas_core::Preset;
 use jcas_figures::{Axis, Figure, Point, Series};
-use jcas_train::error::TrainError;
-use std::path::Path;
 
 /// A picture and its place.
 pub struct Picture {
@@ -179,24 +178,26 @@ impl Picture {
         }
     }
 
-    /// The figure; `out` holds the tables of their own that some pictures show.
-    pub(crate) fn draw(&self, results: &Results, out: &Path) -> Result<Figure, TrainError> {
+    /// The figure.
+    pub(crate) fn draw(&self, results: &Results) -> Figure {
         let Results {
             scope,
             table,
             curves,
-        } = *results;
+            approach: approaches,
+            ..
+        } = results;
         let figure = match &self.content {
             Content::Means(means) => means.figure(scope, table),
             Content::Returns => returns(scope, curves),
             Content::TrainingTimes => training_times(scope, curves),
             Content::TradeOff => trade_off(scope, table),
-            Content::Approach => approach(scope, out)?,
+            Content::Approach => approach(approaches),
         };
-        Ok(Figure {
+        Figure {
             title: format!("{}{}", capital(self.title), self.condition(scope)),
             ..figure
-        })
+        }
     }
 
     /// Which mission the picture is of, where its title does not say.
@@ -227,10 +228,17 @@ impl Means {
             Over::Varied(_) => {
                 "N = 10, n = 5, batteries of 0.03 kWh: about 25 moves to a charge.".to_owned()
             }
-            Over::Fleets | Over::Hotspots(_) => format!(
-                "{} missions a cell, mean over training seeds; intervals: mean of the 95 % intervals of the cells.",
-                scope.episodes
-            ),
+            Over::Fleets | Over::Hotspots(_) => {
+                let fitted = match self.preset {
+                    Preset::Paper => " 150 m was fitted to a random walk.",
+                    _ => "",
+                };
+                format!(
+                    "{} missions a cell, mean over training seeds; intervals: mean of the 95 % \
+                        intervals of the cells.{fitted}",
+                    scope.episodes
+                )
+            }
         };
         let mut figure = Figure::new("", x_axis, y_axis).note(note);
         for &(name, policy, pilot) in self.lines {
@@ -337,9 +345,11 @@ fn band(runs: &[&Curve]) -> Vec<Point> {
 fn training_times(scope: &Scope, curves: &[Curve]) -> Figure {
     let shortened = scope.shortened();
     let how = shortened.map_or(String::new(), |shortened| format!(" ({shortened})"));
-    let mut figure = Figure::new("", Axis::new("UAVs", ""), Axis::new("wall time", "s")).note(
-        format!("62 iterations at the pace measured here{how}; the paper: eight processes of a Xeon Gold 6444Y."),
-    );
+    let mut figure =
+        Figure::new("", Axis::new("UAVs", ""), Axis::new("wall time", "s")).note(format!(
+            "62 iterations at the pace measured here{how}; the paper: eight processes of a \
+            Xeon Gold 6444Y."
+        ));
     for learner in scope.learners() {
         let measured = scope.fleets.iter().filter_map(|&uavs| {
             let of = |curve: &&Curve| curve.learner == learner.name && curve.uavs == uavs;
@@ -396,34 +406,20 @@ fn trade_off(scope: &Scope, table: &Table) -> Figure {
     figure
 }
 
-fn approach(scope: &Scope, out: &Path) -> Result<Figure, TrainError> {
-    #[derive(serde::Deserialize)]
-    struct Line {
-        distance_cells: f64,
-        pilot_density_mean: f64,
-    }
+fn approach(approaches: &[Approach]) -> Figure {
     let mut figure = Figure::new(
         "",
         Axis::new("Manhattan distance", "cells"),
         Axis::new("mean pilot density", "").span(0.0, 0.3),
     )
     .note("The learned policy, deterministic.");
-    for &seed in &scope.seeds {
-        let path = out.join(crate::pilot_by_distance::table(seed));
-        if !path.exists() {
-            continue;
-        }
-        let mut reader = csv::Reader::from_path(&path).map_err(TrainError::format(&path))?;
-        let points = reader
-            .deserialize::<Line>()
-            .map(|line| {
-                let line = line.map_err(TrainError::format(&path))?;
-                Ok(Point::new(line.distance_cells, line.pilot_density_mean))
-            })
-            .collect::<Result<_, TrainError>>()?;
-        figure = figure.with(Series::line(format!("seed {seed}"), points));
+    for approach in approaches {
+        let point =
+            |bin: &DistanceBin| Point::new(f64::from(bin.distance_cells), bin.pilot_density_mean);
+        let points = approach.bins.iter().map(point).collect();
+        figure = figure.with(Series::line(format!("seed {}", approach.seed), points));
     }
-    Ok(figure)
+    figure
 }
 
 #[cfg(test)]

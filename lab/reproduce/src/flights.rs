@@ -441,8 +441,9 @@ impl Flights<'_> {
         }
         let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
         let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
-        let bins = pilot_by_distance::observe(&model, policy, self.scope.episodes.min(100))
-            .map_err(|error| TrainError::Setting(error.to_string()))?;
+        let bins =
+            pilot_by_distance::observe(&model, policy, pilot_by_distance::missions(self.scope))
+                .map_err(|error| TrainError::Setting(error.to_string()))?;
         let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
         for (distance, (count, sum)) in bins.iter().enumerate() {
             if *count > 0 {

@@ -5,20 +5,23 @@
 //! small ones: the course of trainings, and the pilot density over the distance.
 
 mod campaign;
+mod cell_means;
 pub mod cell_table;
 mod chapter;
 pub mod claims;
 pub mod curves;
 mod endurance;
+mod evidence;
 pub mod figures;
 pub mod fit;
 mod flights;
 mod page;
 mod pilot;
-mod pilot_by_distance;
+pub mod pilot_by_distance;
 mod pilot_comparison;
 mod progress_sink;
 pub mod range;
+pub mod readings;
 mod regimes;
 pub mod results;
 pub mod scan;
@@ -40,6 +43,8 @@ use table::Table;
 
 /// Name of the table of results.
 pub const TABLE: &str = "results.csv";
+/// Name of the file that says from which trainer and policies published tables come.
+pub const ORIGIN: &str = "origin.md";
 
 /// Computes the missing results, then writes figures and reports of those that exist, also when
 /// stopped.
@@ -53,12 +58,7 @@ pub fn reproduce(
     let progress = flights::fly_all(scope, out, &mut table, narrator)?;
     narrator.chapter("figures and report");
     curves::gather(scope, out)?;
-    let curves = curves::curves(scope, out)?;
-    let results = Results {
-        scope,
-        table: &table,
-        curves: &curves,
-    };
+    let results = Results::open(scope, out)?;
     results.write(out)?;
     write_whole(&out.join("results.md"), results.markdown("").as_bytes())?;
     Ok(progress)
@@ -67,13 +67,7 @@ pub fn reproduce(
 /// Writes the page of a reproduction to `page`, and its pictures and tables into a folder beside
 /// it. A reproduction can make the same page from these tables.
 pub fn publish(scope: &Scope, out: &Path, page: &Path) -> Result<(), TrainError> {
-    let table = Table::open(&out.join(TABLE))?;
-    let curves = curves::curves(scope, out)?;
-    let results = Results {
-        scope,
-        table: &table,
-        curves: &curves,
-    };
+    let results = Results::open(scope, out)?;
     let folder = page.with_extension("");
     std::fs::create_dir_all(&folder).map_err(TrainError::file(&folder))?;
     let pictures = results.pictures_on_page().into_iter();
@@ -94,7 +88,8 @@ fn tables(scope: &Scope, out: &Path) -> Vec<String> {
         .seeds
         .iter()
         .map(|&seed| pilot_by_distance::table(seed));
-    let names = [TABLE, curves::TRAININGS].map(str::to_owned);
-    let all = names.into_iter().chain(approaches);
+    let names = [TABLE, curves::TRAININGS, ORIGIN, scan::TRAININGS];
+    let names = names.into_iter().chain(scan::TABLES).map(str::to_owned);
+    let all = names.chain(approaches);
     all.filter(|name| out.join(name).exists()).collect()
 }

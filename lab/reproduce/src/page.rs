@@ -3,14 +3,15 @@
 use crate::campaign::{OURS, pilot_name};
 use crate::cell_table::{self, bars};
 use crate::chapter::{Block, Chapter};
-use crate::claims::{self, Judged, Verdict};
+use crate::claims;
 use crate::curves::TRAININGS;
 use crate::figures::{self, PICTURES};
 use crate::fit::PAPER;
 use crate::range::Study;
+use crate::readings::{self, FITTED};
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
-use crate::{TABLE, endurance, pilot, search, seed_spread, text};
+use crate::{TABLE, cell_means, endurance, pilot, search, seed_spread, text};
 use jcas_core::Preset;
 use jcas_episode::card::EVALUATION_SEED;
 use jcas_figures::report::{Cell, Report, Table as ReportTable, Tone};
@@ -26,7 +27,21 @@ const NUMBERS_HEAD: [&str; 5] = [
     "steps at N = 10",
     "steps at N = 15",
 ];
-const CLAIMS_HEAD: [&str; 4] = ["the paper", "who", "measured here", ""];
+const CLAIMS_HEAD: [&str; 5] = [
+    "the paper",
+    "holds if",
+    "who",
+    "measured here, 95 %",
+    "verdict",
+];
+const JUDGED: &str = "A verdict compares an interval with the region in which the claim lies. It \
+    is \"holds\" where \
+    the interval lies inside, \"does not hold\" where it lies outside, and \"undecided\" \
+    otherwise. What was not \
+    run, or trained for less than the paper's iterations, is \"not judged\". An interval has the \
+    noise of the missions and that of the training. The latter is the standard deviation between \
+    training seeds, pooled over the cells with \
+    several seeds; it enters where a cell has one seed as well.";
 const VARIATION_HEAD: [&str; 6] = [
     "changed",
     "tests",
@@ -60,7 +75,7 @@ impl Results<'_> {
         let measured = policies.map(|(title, policy, pilot)| {
             let at = |uavs, quantity: Quantity| {
                 let query = Query::new("grid", Preset::Paper.name(), (policy, pilot)).uavs(uavs);
-                let rows = query.rows(self.table);
+                let rows = query.rows(&self.table);
                 let Some(e) = mean(&rows, quantity) else {
                     return "not run".to_owned();
                 };
@@ -79,8 +94,42 @@ impl Results<'_> {
         [paper].into_iter().chain(measured).collect()
     }
 
-    fn claims(&self) -> Vec<Judged> {
-        claims::judge(self.scope, self.table, self.curves)
+    /// The paper's two numbers: over the sensing range, then in the preset `paper`.
+    fn two_numbers(&self) -> Chapter {
+        let mut blocks = readings::numbers(self);
+        blocks.push(Block::Text(FITTED.to_owned()));
+        let rows = self.numbers();
+        blocks.push(Block::table("Success and mission time", NUMBERS_HEAD, rows));
+        Chapter {
+            heading: "The paper's two numbers".to_owned(),
+            blocks,
+        }
+    }
+
+    /// The claims with their verdicts.
+    fn claims(&self) -> Chapter {
+        let judged = claims::judge(self);
+        let rows = judged.iter().map(|judged| {
+            [
+                judged.claim.text.to_owned(),
+                judged.claim.holds_if.to_owned(),
+                judged.reading.clone(),
+                judged.measured.clone(),
+                judged.verdict.text().to_owned(),
+            ]
+        });
+        Chapter {
+            heading: "The paper's claims".to_owned(),
+            blocks: vec![
+                Block::Text(format!(
+                    "{JUDGED} {}{}\n\n{FITTED}",
+                    cell_means::told(&self.table),
+                    claims::by_chance(&judged)
+                )),
+                Block::table("The paper's claims", CLAIMS_HEAD, rows.collect()),
+                Block::Text(self.trained()),
+            ],
+        }
     }
 
     /// What becomes of the paper's training when one thing is changed; first as the paper has it.
@@ -90,7 +139,7 @@ impl Results<'_> {
         };
         let line = |experiment, name: &str, shown: &str, tests: &str| -> Option<[String; 6]> {
             let query = Query::new(experiment, Preset::Paper.name(), (name, "adaptive"));
-            let rows = query.uavs(uavs).hotspots(hotspots).rows(self.table);
+            let rows = query.uavs(uavs).hotspots(hotspots).rows(&self.table);
             let of = |quantity: Quantity| {
                 let e = mean(&rows, quantity)?;
                 let digits = quantity.digits();
@@ -131,7 +180,8 @@ impl Results<'_> {
             format!(", but with {shortened}, which shows that it runs and not what it comes to")
         });
         let mut text = format!(
-            "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are several): ",
+            "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are \
+                several): ",
             self.scope.cells().len()
         );
         let learners = self.scope.learners();
@@ -148,7 +198,7 @@ impl Results<'_> {
                     .cells()
                     .into_iter()
                     .filter_map(|(uavs, hotspots)| {
-                        let seeds = query.uavs(uavs).hotspots(hotspots).rows(self.table).len();
+                        let seeds = query.uavs(uavs).hotspots(hotspots).rows(&self.table).len();
                         match seeds {
                             0 => None,
                             1 => Some(format!("{uavs} × {hotspots}")),
@@ -196,7 +246,8 @@ impl Results<'_> {
             format!("; our policies are those of {}{others}", given.join(", "))
         };
         format!(
-            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training seed(s){more}; means over n = {}, \
+            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training \
+                seed(s){more}; means over n = {}, \
              or over the numbers that stand beside a value{ours}",
             self.scope.episodes,
             self.scope.seeds.len(),
@@ -216,32 +267,22 @@ impl Results<'_> {
         } else {
             format!(", [{TRAININGS}]({pictures}{TRAININGS}) how trainings went")
         };
-        let mut text = format!(
-            "# Results\n\nMade by `jcas reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every campaign{trainings}.\n\n## \
-             The paper's two numbers\n\n",
-            self.summary()
-        );
-        text += &text::table(&NUMBERS_HEAD, &self.numbers());
-        if let Some(study) = Study::of(self.scope, self.table) {
-            text += &study.chapter(self.scope, self.table).markdown(pictures);
+        let mut text = "# Results\n\n".to_owned();
+        if let Some(origin) = &self.origin {
+            text += &format!("{}\n", origin);
         }
-        text += "\n## The paper's claims\n\n";
-        let rows: Vec<[String; 4]> = self
-            .claims()
-            .into_iter()
-            .map(|c| {
-                [
-                    c.claim.to_owned(),
-                    c.reading,
-                    c.measured,
-                    c.verdict.text().to_owned(),
-                ]
-            })
-            .collect();
-        text += &text::table(&CLAIMS_HEAD, &rows);
-        text += &format!("\n{}\n", self.trained());
+        text += &text::wrapped(&format!(
+            "Made by `jcas-lab reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every \
+                campaign{trainings}.",
+            self.summary()
+        ));
+        text += &self.two_numbers().markdown(pictures);
+        if let Some(study) = Study::of(self.scope, &self.table) {
+            text += &study.chapter(self.scope, &self.table).markdown(pictures);
+        }
+        text += &self.claims().markdown(pictures);
         for &preset in &self.scope.presets {
-            let rows: Vec<[String; 8]> = bars(self.scope, self.table, preset)
+            let rows: Vec<[String; 8]> = bars(self.scope, &self.table, preset)
                 .iter()
                 .map(cell_table::Bar::texts)
                 .collect();
@@ -249,10 +290,14 @@ impl Results<'_> {
                 continue;
             }
             text += &format!(
-                "\n## Every cell of the preset `{}` against the best baseline\n\nThe best baseline has the highest \
-                 success, then the shortest missions, among five baselines with three pilot rules.\n\n",
+                "\n## Every cell of the preset `{}` against the best baseline\n\nThe best baseline \
+                    has the highest success, then the shortest missions, among five baselines with \
+                    three pilot rules.\n\n",
                 preset.name()
             );
+            if preset == Preset::Paper {
+                text += &format!("{}\n", text::wrapped(FITTED));
+            }
             text += &text::table(&cell_table::HEAD, &rows);
         }
         let variations = self.variations();
@@ -260,8 +305,9 @@ impl Results<'_> {
             (self.scope.variation_cell(), variations.is_empty())
         {
             text += &format!(
-                "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = {uavs}, \
-                 n = {hotspots}, with one thing changed at a time.\n\n"
+                "\n## What the paper's training hangs on\n\nPPO with the paper's settings at N = \
+                    {uavs}, n = {hotspots}, with one thing changed at a time.\n\n{}\n",
+                text::wrapped(FITTED)
             );
             text += &text::table(&VARIATION_HEAD, &variations);
         }
@@ -283,15 +329,18 @@ impl Results<'_> {
             endurance::chapter,
             seed_spread::chapter,
         ];
-        all.into_iter()
-            .filter_map(|chapter| chapter(self.scope, self.table))
+        let of_table = all
+            .into_iter()
+            .filter_map(|chapter| chapter(self.scope, &self.table));
+        readings::chapter(self).into_iter().chain(of_table)
     }
 
     /// Names of all pictures on the Markdown page.
     pub fn pictures_on_page(&self) -> Vec<String> {
-        let study = Study::of(self.scope, self.table);
-        let study = study.map(|study| study.chapter(self.scope, self.table));
-        let chapters: Vec<Chapter> = study.into_iter().chain(self.chapters()).collect();
+        let study = Study::of(self.scope, &self.table);
+        let study = study.map(|study| study.chapter(self.scope, &self.table));
+        let first = [self.two_numbers()].into_iter().chain(study);
+        let chapters: Vec<Chapter> = first.chain(self.chapters()).collect();
         let of_chapters = chapters.iter().flat_map(Chapter::figures);
         let names = self.pictures().map(|picture| picture.name);
         names.chain(of_chapters).map(str::to_owned).collect()
@@ -304,7 +353,7 @@ impl Results<'_> {
             .filter(|picture| picture.on_page && picture.shows(self))
     }
 
-    /// ActionSampling every figure and writes the report.
+    /// Draws every figure and writes the report.
     pub fn write(&self, out: &Path) -> Result<(), TrainError> {
         let mut report = Report::new(
             "The paper's results, measured here",
@@ -314,32 +363,22 @@ impl Results<'_> {
                 self.summary()
             ),
         );
-        report.section("The paper's two numbers");
-        report.table(&plain(
-            "Success and mission time",
-            NUMBERS_HEAD,
-            self.numbers(),
-        ));
         let mut gallery = Gallery {
             report: &mut report,
             out,
             section: String::new(),
         };
-        if let Some(study) = Study::of(self.scope, self.table) {
-            gallery.chapter(&study.chapter(self.scope, self.table))?;
+        gallery.chapter(&self.two_numbers())?;
+        if let Some(study) = Study::of(self.scope, &self.table) {
+            gallery.chapter(&study.chapter(self.scope, &self.table))?;
         }
-        gallery.begin("Claims");
-        gallery
-            .report
-            .text("What the paper says, what was measured here, and whether it holds.");
-        gallery.report.table(&judged_table(self.claims()));
-        gallery.report.text(&self.trained());
+        gallery.chapter(&self.claims())?;
         for picture in PICTURES.iter().filter(|picture| picture.shows(self)) {
             gallery.begin(picture.section);
-            gallery.add(picture.name, &picture.draw(self, out)?)?;
+            gallery.add(picture.name, &picture.draw(self))?;
         }
         for &preset in &self.scope.presets {
-            let rows = bars(self.scope, self.table, preset);
+            let rows = bars(self.scope, &self.table, preset);
             if rows.is_empty() {
                 continue;
             }
@@ -373,27 +412,6 @@ fn plain<const K: usize>(caption: &str, head: [&str; K], rows: Vec<[String; K]>)
             .into_iter()
             .map(|row| row.map(Cell::from).to_vec())
             .collect(),
-    }
-}
-
-fn judged_table(judged: Vec<Judged>) -> ReportTable {
-    let row = |judged: Judged| {
-        let tone = match judged.verdict {
-            Verdict::Holds | Verdict::Exceeded => Tone::Good,
-            Verdict::Fails => Tone::Bad,
-            Verdict::NotMeasured => Tone::Plain,
-        };
-        vec![
-            judged.claim.into(),
-            judged.reading.into(),
-            judged.measured.into(),
-            Cell::from(judged.verdict.text()).tone(tone),
-        ]
-    };
-    ReportTable {
-        caption: "The paper's claims".to_owned(),
-        head: CLAIMS_HEAD.map(str::to_owned).to_vec(),
-        rows: judged.into_iter().map(row).collect(),
     }
 }
 
@@ -471,22 +489,26 @@ impl Gallery<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scan::Scan;
     use crate::scope::Scope;
+    use crate::table::Table;
     use crate::table::testing::table;
 
     #[test]
     fn a_page_says_where_it_has_more_seeds_than_were_asked_for() {
         let mut table = table("summary", &[(10, 3, 0), (10, 3, 1)]);
-        let summary = |seeds, table: &_| {
+        let summary = |seeds, table: &Table| {
             let scope = Scope {
                 given: vec!["ours".into()],
                 ..Scope::full(seeds)
             };
-            let curves = &[];
             Results {
                 scope: &scope,
-                table,
-                curves,
+                table: table.clone(),
+                curves: Vec::new(),
+                approach: Vec::new(),
+                scan: Scan::default(),
+                origin: None,
             }
             .summary()
         };

@@ -4,6 +4,7 @@
 use crate::campaign::{CampaignSpec, OURS, Who};
 use crate::chapter::{Block, Chapter};
 use crate::pilot_comparison::{PilotComparison, scripted};
+use crate::readings::FITTED;
 use crate::regimes;
 use crate::scope::{CONSTANT_PILOT, Scope};
 use crate::table::{Quantity, Row, Table};
@@ -150,7 +151,7 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
     }
     let mut blocks = vec![
         Block::Text(reason(scope)),
-        Block::Text(verdict(&worlds)),
+        Block::Text(format!("{}\n\n{FITTED}", verdict(&worlds))),
         Block::table("Adaptive against constant pilot density", HEAD, rows),
     ];
     for (quantity, name) in [
@@ -175,11 +176,13 @@ fn reason(scope: &Scope) -> String {
     let gain_db = config.comm_load_penalty_db * (high - low);
     let odds = (config.logistic_slope_per_db * gain_db).exp();
     format!(
-        "The pilot density acts in two places. A high one leaves less load for the radar to see through: from {low:.2} to \
-         {high:.2} the sensing SNR gains α_JCAS · {:.2} = {gain_db:.2} dB at the paper's α_JCAS = {} dB, which \
-         multiplies the odds of a detection by {odds:.3}. A low one leaves more for data: links reach {:.1} cells at \
-         {high:.2} and {:.1} at {low:.2}, throughput grows with 1 − ρ, and sensing costs energy in proportion to ρ. So \
-         with the paper's numbers there is little to sense better for, and the least density is hard to beat.",
+        "The pilot density acts in two places. A high one leaves less load for the radar to see \
+            through: from {low:.2} to {high:.2} the sensing SNR gains α_JCAS · {:.2} = \
+            {gain_db:.2} dB at the paper's α_JCAS = {} dB, which multiplies the odds of a \
+            detection by {odds:.3}. A low one leaves more for data: links reach {:.1} cells at \
+            {high:.2} and {:.1} at {low:.2}, throughput grows with 1 − ρ, and sensing costs energy \
+            in proportion to ρ. So with the paper's numbers there is little to sense better for, \
+            and the least density is hard to beat.",
         high - low,
         config.comm_load_penalty_db,
         link_cells(&config, high),
@@ -197,10 +200,11 @@ fn link_cells(config: &Config, density: f64) -> f64 {
 
 /// What the worlds come to, in a sentence each.
 fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
-    let mut text = "Adaptive is full density within a cell of an unconfirmed hotspot (hidden ones: until all are \
-                    confirmed) and the least elsewhere; of ours, its own. The best constant has the shortest \
-                    missions and, of those within its interval, the most throughput. "
-        .to_owned();
+    let mut text =
+        "Adaptive is full density within a cell of an unconfirmed hotspot (hidden ones: \
+        until all are confirmed) and the least elsewhere; of ours, its own. The best constant has \
+        the shortest missions and, of those within its interval, the most throughput. "
+            .to_owned();
     for (title, worths) in worlds {
         let times: Vec<f64> = worths
             .iter()
@@ -218,7 +222,8 @@ fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
             .filter(|worth| worth.tells_apart(worth.best()))
             .count();
         text += &format!(
-            "{}: mission time {} % against the best constant (intervals apart in {clear} of {} fleets), throughput {} %, \
+            "{}: mission time {} % against the best constant (intervals apart in {clear} of {} \
+                fleets), throughput {} %, \
              success {} points against the paper's constant {CONSTANT_PILOT}. ",
             capital(title),
             span(times.into_iter()),
@@ -227,9 +232,10 @@ fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
             span(points),
         );
     }
-    text + "The paper has adaptive up to about 10 points ahead of its constant at larger fleets. Fleets that start in one \
-            cell stay together under `greedy`, so that it flies as `swarm` does. `line` chooses its formation for the \
-            density that it senses with, by an estimate over sixty steps: jumps between neighbouring densities, and \
+    text + "The paper has adaptive up to about 10 points ahead of its constant at larger fleets. \
+        Fleets that start in one cell stay together under `greedy`, so that it flies as `swarm` \
+        does. `line` chooses its formation for the density that it senses with, by an estimate \
+        over sixty steps: jumps between neighbouring densities, and \
             constants that beat full density where missions are longer than that, are such choices."
 }
 
@@ -272,7 +278,8 @@ fn panels(scope: &Scope, worlds: &[(String, Vec<PilotComparison>)], quantity: Qu
             capital(quantity.title())
         ),
         note: format!(
-            "{} missions a point; n = 7, in mission n = 11. Above the line a constant takes more than adaptive does.",
+            "{} missions a point; n = 7, in mission n = 11. Above the line a constant takes more \
+                than adaptive does.",
             scope.episodes
         ),
         columns: 2,

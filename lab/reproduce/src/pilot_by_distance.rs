@@ -1,14 +1,65 @@
 //! What pilot density a policy holds at which distance from the nearest unconfirmed hotspot.
 
+use crate::scope::Scope;
 use jcas_core::{Model, Sim};
 use jcas_episode::card::{EVALUATION_SEED, StoredPolicy};
 use jcas_episode::mission::Campaign;
 use jcas_policy::Policy;
 use jcas_policy::head::Mode;
+use jcas_train::error::TrainError;
+use serde::Deserialize;
+use std::path::Path;
+
+/// The densities of one policy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Approach {
+    /// Training seed.
+    pub seed: u64,
+    /// Missions that were flown.
+    pub missions: u64,
+    /// One for each distance, rising.
+    pub bins: Vec<DistanceBin>,
+}
+
+/// The density at one distance.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub struct DistanceBin {
+    /// Manhattan distance to the nearest unconfirmed hotspot.
+    pub distance_cells: u32,
+    /// Steps of single UAVs there.
+    pub uav_steps: u64,
+    /// Mean pilot density over these.
+    pub pilot_density_mean: f64,
+}
 
 /// The table of it that a reproduction keeps of each training seed.
 pub(crate) fn table(seed: u64) -> String {
     format!("approach-s{seed}.csv")
+}
+
+/// Missions for such a table.
+pub(crate) fn missions(scope: &Scope) -> u64 {
+    scope.episodes.min(100)
+}
+
+/// The tables that a folder has.
+pub(crate) fn approaches(scope: &Scope, out: &Path) -> Result<Vec<Approach>, TrainError> {
+    let mut approaches = Vec::new();
+    for &seed in &scope.seeds {
+        let path = out.join(table(seed));
+        if !path.exists() {
+            continue;
+        }
+        let mut reader = csv::Reader::from_path(&path).map_err(TrainError::format(&path))?;
+        let bins = reader.deserialize();
+        let bins = bins.map(|bin| bin.map_err(TrainError::format(&path)));
+        approaches.push(Approach {
+            seed,
+            missions: missions(scope),
+            bins: bins.collect::<Result<_, _>>()?,
+        });
+    }
+    Ok(approaches)
 }
 
 /// For each Manhattan distance: how many UAV-steps, and the sum of their pilot densities.

@@ -3,9 +3,11 @@
 //! difficulty of a mission.
 
 use crate::campaign::{CampaignSpec, Who};
+use crate::cell_means::between_seeds;
 use crate::chapter::{Block, Chapter};
 use crate::fit::{self, Fit, PAPER, Published, Simulated};
 use crate::scope::{Learner, Scope};
+use crate::statistics::Spread;
 use crate::table::{Quantity, Query, Table, mean, numbers_of_hotspots};
 use crate::text::{capital, list};
 use jcas_core::Preset;
@@ -62,7 +64,13 @@ pub struct Studied {
 }
 
 impl Studied {
-    fn new(scope: &Scope, table: &Table, title: String, policy: &str, pilot: &str) -> Studied {
+    /// A policy that was trained once a cell has the noise of its trainings as well.
+    fn new(
+        scope: &Scope,
+        table: &Table,
+        (title, policy, pilot): (String, &str, &str),
+        spread: Option<Spread>,
+    ) -> Studied {
         let mut studied = Studied {
             title,
             policy: policy.to_owned(),
@@ -79,9 +87,14 @@ impl Studied {
         }
         let data: Vec<(Published, Simulated)> = PAPER
             .iter()
-            .map(|&published| (published, studied.simulated(scope, table, published.uavs)))
+            .map(|&published| {
+                let simulated = studied.simulated(scope, table, published.uavs);
+                (published, simulated)
+            })
             .collect();
-        studied.fit = fit::fit(&data);
+        // The paper's training and ours each have the spread.
+        let deviation = spread.map_or(0.0, |spread| spread.deviation * f64::sqrt(2.0));
+        studied.fit = fit::fit(&data, deviation);
         studied
     }
 
@@ -138,6 +151,12 @@ impl Studied {
         figure
     }
 
+    /// Whether the best range is the first or the last that was flown.
+    fn is_at_edge(&self) -> bool {
+        let best = self.fit.as_ref().map(|fit| fit.value);
+        best.is_some_and(|best| best == self.ranges.0 || best == self.ranges.1)
+    }
+
     fn sentence(&self, cell_size_m: f64) -> String {
         let Some(fit) = &self.fit else {
             return format!(
@@ -152,17 +171,23 @@ impl Studied {
             .collect();
         let rates = rates.join(" and ");
         let (value, metres) = (fit.value, fit.value * cell_size_m);
+        let edge = if self.is_at_edge() {
+            "That is the edge of the scan, beyond which a better one may lie. "
+        } else {
+            ""
+        };
         if fit.refused() {
             let (first, last) = self.ranges;
             return format!(
-                "{} fits the two numbers at no range from {first} to {last} cells: at the best of them, {value:.2} \
-                 cells, it succeeds in {rates} (deviance {:.0}). ",
+                "{} fits the two numbers at no range from {first} to {last} cells: at the best of \
+                    them, {value:.2} cells, it succeeds in {rates} (deviance {:.0}). {edge}",
                 capital(&self.title),
                 fit.deviance
             );
         }
         format!(
-            "{} fits both at {value:.2} cells ({metres:.0} m), where it succeeds in {rates} (deviance {:.2}). ",
+            "{} is compatible with both, best at {value:.2} cells ({metres:.0} m), where it \
+                succeeds in {rates} (deviance {:.2}). {edge}",
             capital(&self.title),
             fit.deviance,
         )
@@ -186,10 +211,11 @@ impl Studied {
         [
             self.title.clone(),
             n,
-            if fit.refused() {
-                format!("none (nearest {:.2})", fit.value)
-            } else {
-                interval
+            match (fit.refused(), self.is_at_edge()) {
+                (true, true) => format!("none (nearest {:.2}, the scan's edge)", fit.value),
+                (true, false) => format!("none (nearest {:.2})", fit.value),
+                (false, true) => format!("{interval}, the scan's edge"),
+                (false, false) => interval,
             },
             format!("{:.0}", fit.value * cell_size_m),
             fit.rates
@@ -232,12 +258,13 @@ impl Study {
         let learners = learners
             .iter()
             .map(|Learner { name, title, .. }| (*title, *name, PILOT.to_owned()));
+        let spread = between_seeds(table, Preset::Paper.name(), "ppo", Quantity::Success);
+        let studied = |(title, policy, pilot): (&str, &str, String), spread| {
+            Studied::new(scope, table, (title.to_owned(), policy, &pilot), spread)
+        };
+        let scripted = scripted.into_iter().map(|script| studied(script, None));
         let policies: Vec<Studied> = scripted
-            .into_iter()
-            .chain(learners)
-            .map(|(title, policy, pilot)| {
-                Studied::new(scope, table, title.to_owned(), policy, &pilot)
-            })
+            .chain(learners.map(|learner| studied(learner, spread)))
             .filter(|studied| !studied.hotspots.is_empty())
             .collect();
         (!policies.is_empty()).then(|| Study {
@@ -269,7 +296,8 @@ impl Study {
         Panels {
             title: "Success over the sensing range, and the paper's two numbers".to_owned(),
             note: format!(
-                "{} missions a cell, mean over hotspots. The paper's numbers stand at the range that fits both best, \
+                "{} missions a cell, mean over hotspots. The paper's numbers stand at the range \
+                    that fits both best, \
                  with their 95 % intervals for 100 missions and that of the range.",
                 self.missions
             ),
@@ -293,11 +321,14 @@ impl Study {
     /// What was asked, how it was answered, and what the answer is worth.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "The paper gives two success rates, {} at N = {} and {} at N = {}, each an average of {} missions, but \
-             not the threshold of its radar, which it calls derived. We take the threshold to be the sensing SNR at a \
-             **sensing range**, fly each policy at ranges from {} to {} cells with everything else as the paper has it ({} \
-             missions for each N, n and range, mean over n; who learns is trained anew at each range), and ask which one range makes both rates the most likely \
-             (binomial likelihood, straight lines between the logits of neighbouring ranges, likelihood-ratio interval). \
+            "The paper gives two success rates, {} at N = {} and {} at N = {}, each an average of \
+                {} missions, but not the threshold of its radar, which it calls derived. We take \
+                the threshold to be the sensing SNR at a **sensing range**, fly each policy at \
+                ranges from {} to {} cells with everything else as the paper has it ({} missions \
+                for each N, n and range, mean over n; who learns is trained anew at each range), \
+                and ask which one range makes both rates the most likely (binomial likelihood, \
+                straight lines between the logits of neighbouring ranges, likelihood-ratio \
+                interval). \
              The deviance, on one degree of freedom, says what one range leaves unexplained.\n",
             PAPER[0].rate,
             PAPER[0].uavs,
@@ -312,10 +343,14 @@ impl Study {
         for studied in &self.policies {
             text += &studied.sentence(self.cell_size_m);
         }
-        text += "\n\nWhat this cannot tell: the paper's averages may run over other missions than its table of settings \
-                 says, its two numbers are rounded, and a policy and a range can make up for each other, so a fit \
-                 shows that a policy in such a world is compatible with the numbers, not that it made them. The \
-                 simulated rates are taken as known, without an error of their own.\n";
+        text += "\n\nWhat this cannot tell: the paper's averages may run over other missions than \
+            its table of settings says, its two numbers are rounded, and a policy and a range can \
+            make up for each other, so a fit shows that a policy in such a world is compatible \
+            with the numbers, not that it made them. The \
+                 simulated rates of scripts are taken as known.\n\n\
+                 A policy that is trained has the noise of two trainings as well, the paper's and \
+                 ours. \
+                 It may shift each rate by a normal variable with the standard deviation of both.\n";
         text
     }
 }
@@ -325,18 +360,17 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// Scripts were flown at more ranges than learners were trained at, and what fits none says of
-    /// which.
+    /// A range at the end of those that were flown is no optimum.
     #[test]
-    fn what_fits_no_range_says_which_were_tried() {
+    fn a_best_range_at_the_edge_of_the_scan_says_so() {
         let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/results.csv");
         let table = Table::open(&published).unwrap();
-        let text = Study::of(&Scope::full(1), &table).unwrap().text();
-        for told in [
-            "`swarm` fits the two numbers at no range from 0.5 to 5 cells: ",
-            "The paper's PPO, credit of the team fits the two numbers at no range from 2 to 5 cells: ",
-        ] {
-            assert!(text.contains(told), "{told}\n{text}");
-        }
+        let study = Study::of(&Scope::full(1), &table).unwrap();
+        let text = study.text();
+        let told = "`swarm` fits the two numbers at no range from 0.5 to 5 cells: at the best of \
+            them, 0.50 cells";
+        assert!(text.contains(told), "{text}");
+        assert!(text.contains("That is the edge of the scan"), "{text}");
+        assert_eq!(study.rows()[1][2], "none (nearest 0.50, the scan's edge)");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::campaign::{OURS, pilot_name};
 use crate::chapter::{Block, Chapter};
+use crate::readings::FITTED;
 use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table};
 use jcas_core::Preset;
@@ -43,7 +44,7 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
     Some(Chapter {
         heading: "What a training's seed changes".to_owned(),
         blocks: vec![
-            Block::Text(text(scope)),
+            Block::Text(format!("{}\n\n{FITTED}", text(scope))),
             Block::table("Trainings with several seeds", HEAD, rows),
         ],
     })
@@ -51,9 +52,10 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
 
 fn text(scope: &Scope) -> String {
     format!(
-        "Cells (N × n) in which several seeds of the paper's training, or several policies given as ours, were flown on the \
-         same {} missions: in how many the 95 % intervals of all of them have a value in common, and where two are \
-         farthest apart. Such an interval is one of the missions, for the policy at hand; what trainings come to varies \
+        "Cells (N × n) in which several seeds of the paper's training, or several policies given \
+            as ours, were flown on the same {} missions: in how many the 95 % intervals of all of \
+            them have a value in common, and where two are farthest apart. Such an interval is one \
+            of the missions, for the policy at hand; what trainings come to varies \
          besides, and this is how much.",
         scope.episodes
     )
@@ -180,7 +182,10 @@ mod tests {
         let two = table("two", &[(10, 3, 0), (10, 5, 0), (10, 5, 1)]);
         let page = chapter(&scope, &two).unwrap().markdown("");
         assert!(
-            page.contains("| the paper's PPO, credit of the team | adaptive | 1 × 2 | in 1 of 1; 0.000 (10 × 5) |"),
+            page.contains(
+                "| the paper's PPO, credit of the team | adaptive | 1 × 2 | in 1 of 1; \
+                0.000 (10 × 5) |"
+            ),
             "{page}"
         );
     }

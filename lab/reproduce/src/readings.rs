@@ -1,0 +1,402 @@
+//! The first chapter: the paper's two numbers over the sensing range, under each reading of its
+//! reward. And the chapter on what each reading pays for.
+
+use crate::campaign::OURS;
+use crate::cell_means::of_trainings;
+use crate::chapter::{Block, Chapter};
+use crate::fit::{PAPER, Published};
+use crate::results::Results;
+use crate::scan::{self, Flown, HOTSPOTS, PLANNERS, PPO, RANDOM, READINGS, Scan, ScanRow, TEAMS};
+use crate::statistics::Spread;
+use crate::table::{Quantity, Query};
+use crate::verdict::one_training;
+use jcas_core::Preset;
+use jcas_episode::statistics::Estimate;
+use jcas_figures::{Axis, Figure, Panels, Point, Series};
+
+/// Stands beside every number of the preset `paper`.
+pub const FITTED: &str = "The preset `paper` has a sensing range of 150 m. This range was chosen \
+    by fitting a random walk to the paper's two success rates; the paper does not give it.";
+/// Sensing range of the preset `paper`.
+const FITTED_M: f64 = 150.0;
+/// The fleet of the returns.
+const UAVS: u32 = 10;
+
+/// The lines of the figure and the columns of the table: reading, policy, title.
+fn lines() -> Vec<(&'static str, Flown, String)> {
+    let mut lines = vec![(READINGS[1], RANDOM, RANDOM.2.to_owned())];
+    lines.extend(READINGS.map(|reading| (reading, PPO, format!("PPO, paid {reading}"))));
+    lines.extend(PLANNERS.map(|planner| (READINGS[1], planner, planner.0.to_owned())));
+    lines
+}
+
+/// Every range of the scan, rising.
+fn ranges(scan: &Scan) -> Vec<f64> {
+    let lines = lines();
+    let all = lines.iter().flat_map(|line| scan.ranges(line.0, line.1));
+    let mut ranges: Vec<f64> = all.collect();
+    ranges.sort_by(f64::total_cmp);
+    ranges.dedup();
+    ranges
+}
+
+/// The spread between trainings with the paper's settings, of all results together.
+fn spread(results: &Results) -> Option<Spread> {
+    of_trainings(&results.table, &results.scan)
+}
+
+/// The first blocks of the page; none where the scan has not been run.
+pub fn numbers(results: &Results) -> Vec<Block> {
+    let scan = &results.scan;
+    if scan.rows.is_empty() {
+        return Vec::new();
+    }
+    let spread = spread(results);
+    let title = "Success over the sensing range, under three readings of the reward";
+    let mut blocks = vec![
+        Block::Text(introduction(results, spread)),
+        Block::figure("two_numbers", title, figure(results, spread)),
+    ];
+    for published in PAPER {
+        let alone = one_training(published, None);
+        let trained = one_training(published, spread);
+        blocks.push(Block::Text(format!(
+            "N = {}. The paper: {} {} by its missions, {} with the spread between trainings.",
+            published.uavs,
+            published.rate,
+            ends(&alone),
+            ends(&trained)
+        )));
+        let rows = ranges(scan).into_iter().map(|range_m| {
+            let cell = |(reading, flown, _): (&str, Flown, String)| {
+                let rows = scan.cell(reading, range_m, published.uavs, flown);
+                scan::success_interval(&rows, spread).map_or(String::new(), |e| told(&e, 3))
+            };
+            let chosen = if range_m == FITTED_M { " (fitted)" } else { "" };
+            let mut row = vec![format!("{range_m}{chosen}")];
+            row.extend(lines().into_iter().map(cell));
+            row
+        });
+        let mut head = vec!["range (m)".to_owned()];
+        head.extend(lines().into_iter().map(|line| line.2));
+        blocks.push(Block::Table {
+            caption: format!("Success at N = {}, n = {HOTSPOTS}", published.uavs),
+            head,
+            rows: rows.collect(),
+        });
+    }
+    blocks.push(Block::Text(compatible(scan, spread)));
+    blocks
+}
+
+fn introduction(results: &Results, spread: Option<Spread>) -> String {
+    let noise = spread.map_or(String::new(), |spread| {
+        format!(
+            " Those of PPO also have the standard deviation between training seeds, {:.1} points.",
+            100.0 * spread.deviation
+        )
+    });
+    format!(
+        "The paper gives two success rates: {} with {} UAVs and {} with {}. It does not give the \
+            threshold of its radar. Its reward can be read in three ways: informing is paid at \
+            every step (its letter), once, or once without throughput. Each number below is \
+            success at n = {HOTSPOTS}, of {} missions. The intervals are those of the missions \
+            (Wilson, 95 %).{noise}\n\n{FITTED} The tables have other ranges beside it.\n\n\
+         The tables are [{}](results/{}), made by `lab/experiments/inform_once.py`, and \
+         [{}](results/{}), made by `lab/experiments/inform_once_baselines.py`.",
+        PAPER[0].rate,
+        PAPER[0].uavs,
+        PAPER[1].rate,
+        PAPER[1].uavs,
+        results.scan.rows[0].episodes,
+        scan::TABLES[0],
+        scan::TABLES[0],
+        scan::TABLES[1],
+        scan::TABLES[1],
+    )
+}
+
+fn ends(e: &Estimate) -> String {
+    format!("[{:.2}, {:.2}]", e.low, e.high)
+}
+
+fn told(e: &Estimate, digits: usize) -> String {
+    format!(
+        "{:.digits$} [{:.digits$}, {:.digits$}]",
+        e.value, e.low, e.high
+    )
+}
+
+/// Which ranges have both numbers within intervals, in a sentence for each policy.
+fn compatible(scan: &Scan, spread: Option<Spread>) -> String {
+    let mut text = String::new();
+    for (reading, flown, title) in lines() {
+        let (_, tried) = scan::compatible(scan, reading, flown, spread);
+        let (Some(&first), Some(&last)) = (tried.first(), tried.last()) else {
+            continue;
+        };
+        let sentence = |spread: Option<Spread>| {
+            let (both, _) = scan::compatible(scan, reading, flown, spread);
+            let metres: Vec<String> = both.iter().map(f64::to_string).collect();
+            if metres.is_empty() {
+                return "at no range".to_owned();
+            }
+            let edge = if first == last {
+                " (the only one with both fleets)"
+            } else if both.contains(&first) || both.contains(&last) {
+                " (at the edge of the scan, beyond which others may be)"
+            } else {
+                ""
+            };
+            format!("at {} m{edge}", metres.join(", "))
+        };
+        let title = crate::text::capital(&title);
+        let tried = if first == last {
+            format!("{first} m")
+        } else {
+            format!("{first} to {last} m")
+        };
+        text += &format!(
+            "- {title} ({tried}): {} by the missions alone",
+            sentence(None)
+        );
+        if flown == PPO && spread.is_some() {
+            text += &format!("; {} with the spread between trainings", sentence(spread));
+        }
+        text += ".\n";
+    }
+    format!(
+        "The ranges at which both numbers of the paper are compatible with the measured rates are \
+            these. A rate is \
+         compatible where the interval of its difference from the paper's number has 0.\n\n{text}\n\
+         Where several ranges are compatible, the two numbers do not tell which of them the paper \
+         used."
+    )
+}
+
+fn figure(results: &Results, spread: Option<Spread>) -> Panels {
+    let scan = &results.scan;
+    let scanned = ranges(scan);
+    let panel = |published: Published| {
+        let mut figure = Figure::new(
+            format!("N = {}", published.uavs),
+            Axis::new("sensing range", "m"),
+            Axis::new(Quantity::Success.title(), "").span(0.0, 1.0),
+        );
+        for (reading, flown, title) in lines() {
+            let point = |range_m: f64| {
+                let rows = scan.cell(reading, range_m, published.uavs, flown);
+                let e = scan::success_interval(&rows, spread)?;
+                Some(Point::interval(range_m, e.value, e.low, e.high))
+            };
+            let ranges = scan.ranges(reading, flown).into_iter();
+            figure = figure.with(Series::line(title, ranges.filter_map(point).collect()));
+        }
+        let query = Query::new("grid", Preset::Paper.name(), (OURS, "adaptive"));
+        let ours = query.uavs(published.uavs).hotspots(HOTSPOTS);
+        let ours = ours.mean(&results.table, Quantity::Success);
+        let ours = ours.map(|e| Point::interval(FITTED_M, e.value, e.low, e.high));
+        let paper = one_training(published, None);
+        let at = |range_m| Point::interval(range_m, paper.value, paper.low, paper.high);
+        let ends = [scanned.first(), scanned.last()];
+        let paper = ends.into_iter().flatten().map(|&range_m| at(range_m));
+        figure
+            .with(Series::points("our policy", ours.into_iter().collect()))
+            .with(Series::band("the paper", paper.collect()))
+    };
+    Panels {
+        title: "The paper's two numbers over the sensing range".to_owned(),
+        note: format!(
+            "n = {HOTSPOTS}; 95 % intervals of missions, for PPO of trainings too. 150 m was \
+                fitted to a random walk."
+        ),
+        columns: PAPER.len(),
+        figures: PAPER.map(panel).to_vec(),
+    }
+}
+
+/// What each reading pays for.
+pub fn chapter(results: &Results) -> Option<Chapter> {
+    let scan = &results.scan;
+    let mut rows = Vec::new();
+    for reading in READINGS {
+        for flown in [TEAMS, RANDOM, PPO] {
+            let cells = scan.cell(reading, FITTED_M, UAVS, flown);
+            let Some(&row) = cells.first() else {
+                continue;
+            };
+            rows.push([
+                reading.to_owned(),
+                flown.2.to_owned(),
+                told(&row.episode_return(), 1),
+                told(&row.success(), 3),
+                told(&row.steps(), 1),
+            ]);
+        }
+    }
+    if rows.is_empty() {
+        return None;
+    }
+    let mut blocks = vec![
+        Block::Text(paid(scan)),
+        Block::table(
+            "Return and success at 150 m, N = 10, n = 5",
+            [
+                "informing paid",
+                "policy",
+                "undiscounted return",
+                "success",
+                "steps",
+            ],
+            rows,
+        ),
+    ];
+    if let Some(figure) = over_training(results) {
+        let title = "Return and success over training";
+        blocks.push(Block::Text(
+            "Each panel has one training of the paper's PPO. Its return is divided by that of a \
+                random walk under the same reading, so that all panels share one axis. The curves \
+                are [inform_once_trainings.csv](results/inform_once_trainings.csv), made by \
+             `lab/experiments/inform_once_trainings.py`."
+                .to_owned(),
+        ));
+        blocks.push(Block::figure("return_against_mission", title, figure));
+    }
+    Some(Chapter {
+        heading: "The return against the mission".to_owned(),
+        blocks,
+    })
+}
+
+fn paid(scan: &Scan) -> String {
+    let mut text = format!(
+        "Does the reward pay for the mission? The table has the undiscounted return of a mission \
+            beside its success, at N = {UAVS}, n = {HOTSPOTS} in the preset `paper`. {FITTED}\n\n"
+    );
+    for reading in READINGS {
+        let of = |flown| scan.cell(reading, FITTED_M, UAVS, flown).first().copied();
+        let (Some(teams), Some(random)) = (of(TEAMS), of(RANDOM)) else {
+            continue;
+        };
+        let ratio = random.episode_return / teams.episode_return;
+        text += &format!(
+            "Paid {reading}, a random walk earns {ratio:.2} times what `teams` earns, which ends \
+                every mission in {:.1} steps. ",
+            teams.steps
+        );
+        if let Some(ppo) = of(PPO) {
+            text += &format!("{} ", against(ppo, random));
+        }
+    }
+    text + "A return that grows with the time of a mission teaches a learner not to end it."
+}
+
+/// PPO beside a random walk, in a sentence.
+fn against(ppo: &ScanRow, random: &ScanRow) -> String {
+    let more = ppo.return_low > random.return_high;
+    let less = ppo.return_high < random.return_low;
+    let earned = match (more, less) {
+        (true, _) => "more than",
+        (_, true) => "less than",
+        _ => "as much as",
+    };
+    format!(
+        "PPO earns {earned} a random walk within the intervals and succeeds in {:.2} of the \
+            missions beside {:.2}.",
+        ppo.success, random.success
+    )
+}
+
+fn over_training(results: &Results) -> Option<Panels> {
+    let panel = |reading: &&str| {
+        let curve: Vec<_> = results
+            .scan
+            .trainings
+            .iter()
+            .filter(|line| {
+                (
+                    line.reading.as_str(),
+                    line.range_m,
+                    line.uavs,
+                    line.hotspots,
+                ) == (*reading, FITTED_M, UAVS, HOTSPOTS)
+            })
+            .collect();
+        let of = |flown| {
+            results
+                .scan
+                .cell(reading, FITTED_M, UAVS, flown)
+                .first()
+                .copied()
+        };
+        let (random, teams) = (of(RANDOM)?, of(TEAMS)?);
+        let unit = random.episode_return;
+        let points = |value: &dyn Fn(&scan::ScanIteration) -> Option<f64>| {
+            let points = curve
+                .iter()
+                .filter_map(|line| Some(Point::new(f64::from(line.iteration), value(line)?)));
+            points.collect::<Vec<Point>>()
+        };
+        let last = curve.last()?.iteration;
+        let level = |name: &str, value: f64| {
+            let ends = [1, last].map(|k| Point::new(f64::from(k), value));
+            Series::band(name, ends.to_vec())
+        };
+        let returns = points(&|line| Some(line.return_mean? / unit));
+        let figure = Figure::new(
+            format!("paid {reading}"),
+            Axis::new("iteration of 4096 environment steps", ""),
+            Axis::new("share", "").span(0.0, 1.0),
+        )
+        .with(Series::band("return over a random walk's", returns))
+        .with(Series::band("success", points(&|line| line.success_rate)))
+        .with(level("return of teams", teams.episode_return / unit))
+        .with(level("return of a random walk", 1.0));
+        Some(figure)
+    };
+    let figures: Vec<Figure> = READINGS.iter().filter_map(panel).collect();
+    (!figures.is_empty()).then(|| Panels {
+        title: "Return and success over training, under each reading".to_owned(),
+        note: format!(
+            "The paper's PPO, N = {UAVS}, n = {HOTSPOTS}, 150 m (fitted to a random walk), sampled \
+                actions. In the first iterations only fast missions have ended."
+        ),
+        columns: figures.len(),
+        figures,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::testing::row;
+
+    #[test]
+    fn a_compatible_range_at_the_edge_says_so() {
+        let scan = Scan {
+            rows: vec![
+                row(RANDOM, 150.0, 10, 0, 0.774),
+                row(RANDOM, 150.0, 15, 0, 0.961),
+                row(RANDOM, 175.0, 10, 0, 0.919),
+                row(RANDOM, 175.0, 15, 0, 0.992),
+            ],
+            ..Scan::default()
+        };
+        let text = compatible(&scan, None);
+        assert!(
+            text.contains("- A random walk (150 to 175 m): at 150 m (at the edge of the scan, "),
+            "{text}"
+        );
+        assert!(!text.contains("PPO"), "{text}");
+    }
+
+    #[test]
+    fn returns_are_compared_by_their_intervals() {
+        let random = row(RANDOM, 150.0, 10, 0, 0.774);
+        let mut ppo = row(PPO, 150.0, 10, 0, 0.429);
+        assert!(against(&ppo, &random).starts_with("PPO earns as much as"));
+        (ppo.return_low, ppo.return_high) = (101.1, 103.0);
+        assert!(against(&ppo, &random).starts_with("PPO earns more than"));
+        assert!(against(&ppo, &random).ends_with("in 0.43 of the missions beside 0.77."));
+    }
+}
