@@ -456,6 +456,17 @@ typedef struct jcas_config {
     /// Probability of detection over the sensing SNR: JCAS_CURVE_LOGISTIC (default) or
     /// JCAS_CURVE_SWERLING1. The latter refuses a threshold, a sensing range and a slope.
     int32_t detection_curve;
+    /// Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
+    /// hotspot. 0 stands for no false alarms. [probability, 0 to 0.5; default 0]
+    double false_alarm_per_cell;
+    /// A UAV may raise false alarms in the cells whose centre is at most this far from its own
+    /// (footprint). JCAS_DERIVED: the sensing range, or the range at which the probability of
+    /// detection is 0.5 at pilot_density_max. Refused without false alarms. [m, 0 to 1e6; default
+    /// JCAS_DERIVED]
+    double sensing_footprint_m;
+    /// Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
+    /// [reward, -1e6 to 1e6; default 0]
+    double reward_false_confirmation;
 } jcas_config;
 
 /// The sizes and constants of a model, which determine the lengths of all buffers.
@@ -527,8 +538,8 @@ typedef struct jcas_outcome {
     uint32_t terminated;
     /// 1 if the horizon ended the episode before that, else 0.
     uint32_t truncated;
-    /// Always 0.
-    uint32_t reserved;
+    /// Cells without a hotspot that a quorum confirmed in this step.
+    uint32_t false_confirmations;
     /// The team reward, the same for every UAV.
     double reward;
 } jcas_outcome;
@@ -597,6 +608,8 @@ typedef struct jcas_metrics {
     double throughput_mean;
     /// Mean over steps and UAVs of the pilot density, a fraction.
     double pilot_density_mean;
+    /// Cells without a hotspot that a quorum confirmed.
+    uint64_t false_confirmations;
 } jcas_metrics;
 
 /// The state of a UAV.
@@ -1443,6 +1456,29 @@ JCAS_API
 jcas_status jcas_sim_get_search_maps(const struct jcas_sim *sim,
                                      uint8_t *maps,
                                      size_t count);
+
+/// Writes the false alarms of the last sensing: 1 where a UAV saw a hotspot in a cell that held
+/// none, else 0. There is one grid for each UAV in turn, row (y) by row.
+///
+/// `sim`, `alarms`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without false
+/// alarms.
+/// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_false_alarms(const struct jcas_sim *sim,
+                                      uint8_t *alarms,
+                                      size_t count);
+
+/// Writes the false confirmations, row (y) by row: 1 where a quorum has confirmed a cell that held
+/// no hotspot, else 0.
+///
+/// `sim`, `cells`: not NULL. `count`: grid_width * grid_height, or 0 without false alarms.
+/// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_false_confirmations(const struct jcas_sim *sim,
+                                             uint8_t *cells,
+                                             size_t count);
 
 /** @} */
 

@@ -406,6 +406,14 @@ public:
     {
         return jcas_sim_get_visited(get(), out.data(), out.size());
     }
+    status false_alarms(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_false_alarms(get(), out.data(), out.size());
+    }
+    status false_confirmations(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_false_confirmations(get(), out.data(), out.size());
+    }
 
     std::vector<unsigned char> save() const
     {

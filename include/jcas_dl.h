@@ -69,6 +69,8 @@ typedef jcas_status jcas_sim_get_detections_fn(const struct jcas_sim *sim, uint8
 typedef jcas_status jcas_sim_get_throughputs_fn(const struct jcas_sim *sim, double *throughputs, size_t count);
 typedef jcas_status jcas_sim_get_visited_fn(const struct jcas_sim *sim, uint8_t *visited, size_t count);
 typedef jcas_status jcas_sim_get_search_maps_fn(const struct jcas_sim *sim, uint8_t *maps, size_t count);
+typedef jcas_status jcas_sim_get_false_alarms_fn(const struct jcas_sim *sim, uint8_t *alarms, size_t count);
+typedef jcas_status jcas_sim_get_false_confirmations_fn(const struct jcas_sim *sim, uint8_t *cells, size_t count);
 typedef jcas_status jcas_sim_save_fn(const struct jcas_sim *sim, void *snapshot, size_t size);
 typedef jcas_status jcas_sim_load_fn(struct jcas_sim *sim, const void *snapshot, size_t size);
 typedef jcas_status jcas_sim_fork_fn(const struct jcas_sim *from, struct jcas_sim *to);

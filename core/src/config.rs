@@ -241,6 +241,14 @@ configuration! { $
     /// Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a
     /// fluctuating echo).
     detection_curve: DetectionCurve = DetectionCurve::Logistic, "logistic | swerling1", 0..=1;
+    /// Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
+    /// hotspot. 0 stands for no false alarms.
+    false_alarm_per_cell: f64 = 0.0, "probability", 0..=0.5;
+    /// A UAV may raise false alarms in the cells whose centre is at most this far from its own
+    /// (footprint). Where absent: the sensing range, or the range at which P_d is 0.5 at ρ_max.
+    sensing_footprint_m: Option<f64> = None, "m", 0..=1e6;
+    /// Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
+    reward_false_confirmation: f64 = 0.0, "reward", -1e6..=1e6;
 }
 
 impl Default for Config {

@@ -33,7 +33,7 @@ use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::step::expect;
-use crate::{graph, knowledge, potential, sensing};
+use crate::{alarms, graph, knowledge, potential, sensing};
 
 fn check_len(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
     if expected == got {
@@ -95,6 +95,7 @@ impl Model<'_> {
     ///
     /// `detections` is an N × n matrix, row by row; any value but 0 is a detection. Detections by
     /// grounded UAVs, and of hotspots that the UAV knows, are ignored: the kernel draws none there.
+    /// No UAV raises a false alarm in this step.
     ///
     /// # Errors
     /// [`Error::OutOfOrder`] or [`Error::Length`].
@@ -109,6 +110,7 @@ impl Model<'_> {
         check_len("detections", expected, detections.len())?;
         sensing::look_around(self, state);
         sensing::learn_from(self, state, scratch, detections);
+        alarms::silence(state);
         state.header.set_phase(Phase::Sensed);
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Where each quantity of a state lies in its slab of words.
 
+use crate::alarms::ALARMS_MAX;
 use crate::bits::words_for;
 use crate::config::{Config, SearchMaps};
 use crate::header;
@@ -13,6 +14,10 @@ pub struct Layout {
     pub(crate) visited: usize,
     /// Number of words of a UAV's search map; 0 without maps.
     pub(crate) map: usize,
+    /// Number of words of a UAV's false alarms, and of a set of cells for the false confirmations;
+    /// both 0 without false alarms.
+    pub(crate) alarms: usize,
+    pub(crate) false_cells: usize,
     /// Number of words of a state.
     pub end: usize,
 }
@@ -29,6 +34,12 @@ impl Layout {
             SearchMaps::Off => 0,
             SearchMaps::Shared => words_for(cells),
         };
+        let (alarms, false_cells) = if config.false_alarm_per_cell > 0.0 {
+            (ALARMS_MAX, words_for(cells))
+        } else {
+            (0, 0)
+        };
+        let alarm_words = uavs * alarms + false_cells + alarms / ALARMS_MAX;
         let per_uav = (12 + OWN_KEPT) * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
         let pairs = 2 * uavs * words_for(hotspots) + uavs * words_for(uavs);
@@ -37,7 +48,9 @@ impl Layout {
             hotspots,
             visited,
             map,
-            end: header::WORDS + per_uav + per_hotspot + pairs + visited + uavs * map,
+            alarms,
+            false_cells,
+            end: header::WORDS + per_uav + per_hotspot + pairs + visited + uavs * map + alarm_words,
         }
     }
 }

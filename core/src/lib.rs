@@ -35,6 +35,7 @@ extern crate alloc;
 extern crate std;
 
 pub mod action;
+mod alarms;
 pub mod batch;
 pub mod bits;
 pub mod carbon;
@@ -42,6 +43,7 @@ pub mod config;
 mod coverage;
 pub mod energy;
 pub mod error;
+mod footprint;
 mod graph;
 pub mod hash;
 pub mod header;

@@ -36,6 +36,19 @@ pub struct Metrics {
     pub throughput_mean: f64,
     /// Mean over steps and UAVs of the pilot density; 0 before the first step.
     pub pilot_density_mean: f64,
+    /// Number of cells without a hotspot that a quorum confirmed.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_zero"))]
+    pub false_confirmations: u32,
+}
+
+/// Whether a text leaves a count out, as texts from before it did.
+#[cfg(feature = "serde")]
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+const fn is_zero(count: &u32) -> bool {
+    *count == 0
 }
 
 /// Adds a step to the sums from which the summary follows.
@@ -83,6 +96,7 @@ impl StateRef<'_> {
             co2_kg: carbon::kilograms(header.co2_ng()),
             throughput_mean: per_step(header.throughput_sum()),
             pilot_density_mean: per_step(header.pilot_sum()),
+            false_confirmations: self.false_confirmation_count() as u32,
         }
     }
 }

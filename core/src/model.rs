@@ -10,7 +10,7 @@ use crate::layout::Layout;
 use crate::radar::curve::{self, AnyCurve};
 use crate::reward::RewardPlan;
 use crate::search::{self, Disc};
-use crate::{link, motion, radar};
+use crate::{alarms, footprint, link, motion, radar};
 
 #[cfg(any(kani, test))]
 #[path = "proofs/any_model.rs"]
@@ -49,6 +49,7 @@ pub struct Model<'m> {
     bucket_columns: usize,
     bucket_rows: usize,
     disc: Disc,
+    footprint: Disc,
     tables: Words<'m>,
 }
 
@@ -158,6 +159,7 @@ impl Parts {
                 reach_cells = cells;
             }
         }
+        alarms::tabulate(config, &mut words[tables.end..]);
         Self { reach_cells }
     }
 
@@ -182,6 +184,7 @@ impl Parts {
             bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
             bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
             disc: Disc::of(&config),
+            footprint: footprint::of(&config),
             tables,
             config,
         }
@@ -215,13 +218,15 @@ fn fill_offsets(words: &mut [u64], extent: u32) {
 }
 
 impl<'m> Model<'m> {
-    /// Number of `u64` words that [`Model::new_in`] needs: 3 W H + 2 W + 2 H − 2.
+    /// Number of `u64` words that [`Model::new_in`] needs: 3 W H + 2 W + 2 H − 2. False alarms need
+    /// another W H words, and eight for each size of a footprint.
     ///
     /// # Errors
     /// [`ConfigError`] with the first illegal field.
     pub fn table_words(config: &Config) -> Result<usize, ConfigError> {
         config.validate()?;
-        Ok(Tables::of(config.grid_width, config.grid_height).end)
+        let tables = Tables::of(config.grid_width, config.grid_height);
+        Ok(tables.end + alarms::table_words(config))
     }
 
     /// Validates the configuration and builds its model in the caller's memory.
@@ -386,6 +391,18 @@ impl<'m> Model<'m> {
     #[inline]
     pub(crate) const fn disc(&self) -> Disc {
         self.disc
+    }
+
+    /// The cells of a UAV's footprint, around its own cell.
+    #[inline]
+    pub(crate) const fn footprint(&self) -> Disc {
+        self.footprint
+    }
+
+    /// The tables of false alarms; no words without them.
+    #[inline]
+    pub(crate) fn alarm_tables(&self) -> &[u64] {
+        &self.words()[Tables::of(self.width, self.height).end..]
     }
 
     /// Number of reals in the global state: 6 N + 4 n + 4.

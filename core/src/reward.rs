@@ -52,6 +52,7 @@ pub(crate) const OWN_KEPT: usize = if cfg!(kani) { 1 } else { OWN_COMPONENTS };
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RewardPlan {
     detect: f64,
+    false_confirmation: f64,
     inform: f64,
     inform_once: bool,
     complete: f64,
@@ -70,6 +71,8 @@ pub struct RewardPlan {
 pub struct Happenings {
     /// Number of hotspots confirmed in this step.
     pub newly_confirmed: u64,
+    /// Number of cells falsely confirmed in this step.
+    pub newly_false: u64,
     /// Number of hotspots informed in this step.
     pub newly_informed: u64,
     /// Number of hotspots informed in this step or before.
@@ -106,6 +109,7 @@ impl RewardPlan {
     pub fn new(config: &Config) -> Self {
         Self {
             detect: config.reward_detect,
+            false_confirmation: config.reward_false_confirmation,
             inform: config.reward_inform,
             inform_once: config.inform_payment == InformPayment::Once,
             complete: config.reward_complete,
@@ -130,7 +134,8 @@ impl RewardPlan {
             step.informed
         };
         [
-            self.detect * step.newly_confirmed as f64,
+            self.detect * step.newly_confirmed as f64
+                + self.false_confirmation * step.newly_false as f64,
             self.inform * paid as f64,
             if step.complete { self.complete } else { 0.0 },
             self.coverage(step.new_cells as f64),

@@ -50,6 +50,8 @@ pub enum Purpose {
     Seed = 6,
     /// Draws of policies.
     Policy = 7,
+    /// The false alarms of a UAV in a step.
+    FalseAlarm = 8,
 }
 
 /// The counter of a block. It is injective, because each argument has its own word.

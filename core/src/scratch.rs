@@ -29,11 +29,12 @@ impl<'a> Scratch<'a> {
         } else {
             0
         };
-        bits::words_for(cells)
-            .max(graph)
-            .max(consensus)
-            .max(ending)
-            .max(pairs)
+        let alarms = if model.layout().alarms > 0 {
+            cells
+        } else {
+            bits::words_for(cells)
+        };
+        alarms.max(graph).max(consensus).max(ending).max(pairs)
     }
 
     /// Uses the caller's memory; its content does not matter.
@@ -54,6 +55,11 @@ impl<'a> Scratch<'a> {
     /// A set of cells.
     pub(crate) fn cells(&mut self, model: &Model<'_>) -> &mut [u64] {
         self.list(bits::words_for(model.config().cell_count()))
+    }
+
+    /// A word for each cell.
+    pub(crate) fn cell_counts(&mut self, model: &Model<'_>) -> &mut [u64] {
+        self.list(model.config().cell_count())
     }
 
     /// Bucket boundaries and the UAVs sorted by bucket.

@@ -7,8 +7,8 @@ use crate::config::{Cell, Config};
 /// The disc of cells that a UAV searches: offsets from its own cell with Δx² + Δy² ≤ `squared`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Disc {
-    squared: u32,
-    reach: u32,
+    pub(crate) squared: u32,
+    pub(crate) reach: u32,
 }
 
 impl Disc {
@@ -18,7 +18,13 @@ impl Disc {
     /// The cells within `search_map_radius_m`.
     #[must_use]
     pub fn of(config: &Config) -> Self {
-        let radius = config.search_map_radius_m / config.cell_size_m;
+        Self::from_radius(config.search_map_radius_m, config.cell_size_m)
+    }
+
+    /// The cells within a radius, both in metres.
+    #[must_use]
+    pub fn from_radius(radius_m: f64, cell_size_m: f64) -> Self {
+        let radius = radius_m / cell_size_m;
         let squared = radius * radius;
         Self::from_squared(if squared < f64::from(Self::SQUARED_MAX) {
             squared as u32
@@ -35,12 +41,6 @@ impl Disc {
             reach += 1;
         }
         Self { squared, reach }
-    }
-
-    /// Most rows or columns from its middle.
-    #[cfg(any(kani, test))]
-    pub(crate) const fn reach(self) -> u32 {
-        self.reach
     }
 
     /// Adds the cells of a grid around `cell` to a set of row-major indices.

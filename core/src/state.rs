@@ -10,8 +10,12 @@
 //!
 //! | hotspot sets | knowledge  | links      | visited  | searched       | given | detected   |
 //! | n bits       | N × n bits | N × N bits | W H bits | N rows or none | N     | N × n bits |
+//!
+//! | false alarms  | falsely confirmed | newly so |
+//! | 8 N or none   | W H bits or none  | 1 or none|
 //! ```
 
+use crate::alarms::ALARMS_MAX;
 use crate::bits;
 use crate::config::Cell;
 use crate::error::Error;
@@ -79,6 +83,9 @@ enum Length {
     Links,
     Visited,
     Maps,
+    Alarms,
+    FalseCells,
+    FalseCount,
 }
 
 const fn length(layout: &Layout, length: Length) -> usize {
@@ -93,6 +100,9 @@ const fn length(layout: &Layout, length: Length) -> usize {
         Length::Links => uavs * bits::words_for(uavs),
         Length::Visited => layout.visited,
         Length::Maps => uavs * layout.map,
+        Length::Alarms => uavs * layout.alarms,
+        Length::FalseCells => layout.false_cells,
+        Length::FalseCount => layout.alarms / ALARMS_MAX,
     }
 }
 
@@ -150,6 +160,13 @@ state! {
     given: Length::PerUav;
     /// The hotspots that each UAV detected when it last sensed.
     detected: Length::Knowledge;
+    /// Cells in which each UAV raised a false alarm when it last sensed; no words without false
+    /// alarms. They are row-major indices plus 1, and 0 after the last of them.
+    false_alarms: Length::Alarms;
+    /// Cells without a hotspot that a quorum has confirmed; no words without false alarms.
+    falsely_confirmed: Length::FalseCells;
+    /// Number of cells that joined them when the fleet last sensed; no word without false alarms.
+    newly_false: Length::FalseCount;
 }
 
 impl Model<'_> {
@@ -393,6 +410,37 @@ impl<'a> StateRef<'a> {
     pub fn detected(&self, i: usize, j: usize) -> bool {
         let row = bits::words_for(self.layout.hotspots);
         bits::get(&self.detected[i * row..(i + 1) * row], j)
+    }
+
+    /// Row-major indices of the cells in which UAV `i` raised a false alarm when it last sensed.
+    pub fn false_alarms_of(&self, i: usize) -> impl Iterator<Item = usize> + 'a {
+        let row = self.layout.alarms;
+        let alarms = &self.false_alarms[i * row..(i + 1) * row];
+        let raised = alarms.iter().take_while(|&&alarm| alarm > 0);
+        raised.map(|&alarm| alarm as usize - 1)
+    }
+
+    /// Whether a quorum of false alarms has confirmed the cell with this row-major index.
+    #[must_use]
+    pub fn falsely_confirmed(&self, cell_index: usize) -> bool {
+        self.layout.false_cells > 0 && bits::get(self.falsely_confirmed, cell_index)
+    }
+
+    /// Row-major indices of the falsely confirmed cells, in ascending order.
+    pub fn falsely_confirmed_cells(&self) -> impl Iterator<Item = usize> + 'a {
+        bits::iter(self.falsely_confirmed)
+    }
+
+    /// Number of falsely confirmed cells.
+    #[must_use]
+    pub fn false_confirmation_count(&self) -> usize {
+        bits::count(self.falsely_confirmed)
+    }
+
+    /// Number of cells that were falsely confirmed when the fleet last sensed.
+    #[must_use]
+    pub fn new_false_confirmations(&self) -> u32 {
+        self.newly_false.first().map_or(0, |&count| count as u32)
     }
 
     /// Cell of hotspot `j`.

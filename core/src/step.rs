@@ -9,13 +9,17 @@ use crate::model::Model;
 use crate::reward::{self, Billed, Happenings};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
-use crate::{action, carbon, coverage, energy, graph, knowledge, metrics, potential, sensing};
+use crate::{
+    action, alarms, carbon, coverage, energy, graph, knowledge, metrics, potential, sensing,
+};
 
 /// The result of a step: the team's reward, and whether the episode has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepOutcome {
     /// The team's reward R_t; the mean of the UAVs' own rewards.
     pub reward: f64,
+    /// Number of cells without a hotspot that a quorum confirmed in this step.
+    pub false_confirmations: u32,
     /// True if all UAVs know all hotspots, which ends the episode.
     pub terminated: bool,
     /// True if the episode ended at the horizon without termination.
@@ -145,6 +149,9 @@ fn sense(
     expect(state, Phase::Moved, "step_sense", "step_begin")?;
     sensing::look_around(model, state);
     sensing::sense_and_learn(model, state, scratch);
+    if model.layout().alarms > 0 {
+        alarms::raise(model, state, scratch);
+    }
     state.header.set_phase(Phase::Sensed);
     Ok(())
 }
@@ -173,6 +180,7 @@ fn end(
         goal_potential_before: state.header.goal_potential(),
         charge_potential_before: state.header.charge_potential(),
         mean_throughput: state.header.mean_throughput(),
+        newly_false: alarms::newly_false(state),
         ..Happenings::default()
     };
     let (mut tally, mut rest) = scratch.tally(model.uav_count());
@@ -194,6 +202,7 @@ fn end(
     let phase = state.header.phase();
     Ok(StepOutcome {
         reward,
+        false_confirmations: happened.newly_false as u32,
         terminated: phase == Some(Phase::Terminated),
         truncated: phase == Some(Phase::Truncated),
     })

@@ -33,6 +33,7 @@ impl StateRef<'_> {
             && self.links_are_valid(model)
             && self.visits_are_valid(model, phase)
             && self.maps_are_valid(model, phase)
+            && self.alarms_are_valid(model)
     }
 
     fn time_is_bounded(&self, model: &Model<'_>, phase: Phase) -> bool {
@@ -190,6 +191,27 @@ impl StateRef<'_> {
             }
         }
         true
+    }
+
+    /// Checks that the false alarms of a UAV are distinct cells of the grid, without a gap between
+    /// them. False confirmations must be cells of the grid.
+    fn alarms_are_valid(&self, model: &Model<'_>) -> bool {
+        let cells = model.config().cell_count();
+        if self.layout.alarms == 0 {
+            return true;
+        }
+        for row in self.false_alarms.chunks_exact(self.layout.alarms) {
+            for slot in 0..row.len() {
+                let follows_a_gap = slot > 0 && row[slot - 1] == 0;
+                if row[slot] != 0 && (follows_a_gap || row[..slot].contains(&row[slot]))
+                    || row[slot] > cells as u64
+                {
+                    return false;
+                }
+            }
+        }
+        bits::fits(self.falsely_confirmed, cells)
+            && self.newly_false[0] <= bits::count(self.falsely_confirmed) as u64
     }
 
     /// Checks the scalars that only the end of a step changes.

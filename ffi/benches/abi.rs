@@ -147,7 +147,7 @@ fn one_by_one(uavs: u32, observed: bool, use_paths: &mut dyn FnMut(Paths<'_>)) {
             struct_size: size_of::<jcas_outcome>() as u32,
             terminated: 0,
             truncated: 0,
-            reserved: 0,
+            false_confirmations: 0,
             reward: 0.0,
         };
         // SAFETY: a living simulation, and buffers of these lengths.

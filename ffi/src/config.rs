@@ -229,6 +229,17 @@ pub struct jcas_config {
     /// Probability of detection over the sensing SNR: JCAS_CURVE_LOGISTIC (default) or
     /// JCAS_CURVE_SWERLING1. The latter refuses a threshold, a sensing range and a slope.
     pub detection_curve: i32,
+    /// Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
+    /// hotspot. 0 stands for no false alarms. [probability, 0 to 0.5; default 0]
+    pub false_alarm_per_cell: f64,
+    /// A UAV may raise false alarms in the cells whose centre is at most this far from its own
+    /// (footprint). JCAS_DERIVED: the sensing range, or the range at which the probability of
+    /// detection is 0.5 at pilot_density_max. Refused without false alarms. [m, 0 to 1e6; default
+    /// JCAS_DERIVED]
+    pub sensing_footprint_m: f64,
+    /// Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
+    /// [reward, -1e6 to 1e6; default 0]
+    pub reward_false_confirmation: f64,
 }
 
 // SAFETY: integers and floats only.

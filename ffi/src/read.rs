@@ -362,6 +362,68 @@ pub unsafe extern "C" fn jcas_sim_get_search_maps(
     })
 }
 
+/// Writes the false alarms of the last sensing: 1 where a UAV saw a hotspot in a cell that held
+/// none, else 0. There is one grid for each UAV in turn, row (y) by row.
+///
+/// `sim`, `alarms`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without false
+/// alarms.
+/// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_false_alarms(
+    sim: *const jcas_sim,
+    alarms: *mut u8,
+    count: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let cells = sim.model.config().cell_count();
+        let expected = if has_false_alarms(&sim) {
+            sim.model.uav_count() * cells
+        } else {
+            0
+        };
+        // SAFETY: the caller's promise for `alarms`.
+        let out = unsafe { output(alarms, count, expected) }?;
+        let state = sim.state()?;
+        for (i, row) in out.chunks_exact_mut(cells).enumerate() {
+            row.fill(0);
+            state.false_alarms_of(i).for_each(|cell| row[cell] = 1);
+        }
+        Ok(())
+    })
+}
+
+/// Writes the false confirmations, row (y) by row: 1 where a quorum has confirmed a cell that held
+/// no hotspot, else 0.
+///
+/// `sim`, `cells`: not NULL. `count`: grid_width * grid_height, or 0 without false alarms.
+/// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_false_confirmations(
+    sim: *const jcas_sim,
+    cells: *mut u8,
+    count: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let grid = sim.model.config().cell_count();
+        let expected = if has_false_alarms(&sim) { grid } else { 0 };
+        // SAFETY: the caller's promise for `cells`.
+        let out = unsafe { output(cells, count, expected) }?;
+        let state = sim.state()?;
+        fill_rows(out, grid, |_, index| state.falsely_confirmed(index));
+        Ok(())
+    })
+}
+
+fn has_false_alarms(sim: &Seen<'_>) -> bool {
+    sim.model.config().false_alarm_per_cell > 0.0
+}
+
 fn fill_rows(out: &mut [u8], row_len: usize, is_set: impl Fn(usize, usize) -> bool) {
     for (i, row) in out.chunks_exact_mut(row_len).enumerate() {
         for (k, value) in row.iter_mut().enumerate() {

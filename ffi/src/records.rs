@@ -128,8 +128,8 @@ pub struct jcas_outcome {
     pub terminated: u32,
     /// 1 if the horizon ended the episode before that, else 0.
     pub truncated: u32,
-    /// Always 0.
-    pub reserved: u32,
+    /// Cells without a hotspot that a quorum confirmed in this step.
+    pub false_confirmations: u32,
     /// The team reward, the same for every UAV.
     pub reward: f64,
 }
@@ -259,6 +259,8 @@ pub struct jcas_metrics {
     pub throughput_mean: f64,
     /// Mean over steps and UAVs of the pilot density, a fraction.
     pub pilot_density_mean: f64,
+    /// Cells without a hotspot that a quorum confirmed.
+    pub false_confirmations: u64,
 }
 
 impl jcas_model_info {
@@ -289,7 +291,7 @@ impl jcas_outcome {
             struct_size: Self::SIZE,
             terminated: outcome.terminated.into(),
             truncated: outcome.truncated.into(),
-            reserved: 0,
+            false_confirmations: outcome.false_confirmations,
             reward: outcome.reward,
         }
     }
@@ -372,6 +374,7 @@ impl jcas_metrics {
             co2_kg: metrics.co2_kg,
             throughput_mean: metrics.throughput_mean,
             pilot_density_mean: metrics.pilot_density_mean,
+            false_confirmations: metrics.false_confirmations.into(),
         }
     }
 }

@@ -146,6 +146,23 @@ def test_observation_fields_name_every_entry_once(fields):
     assert places["hotspot_dx"].size == sim.model.hotspot_count
 
 
+def test_false_alarms_confirm_cells_without_a_hotspot():
+    config = jcas.Config(false_alarm_per_cell=0.2, quorum=2, sensing_footprint_m=100)
+    sim = jcas.Sim(jcas.Model(config))
+    sim.reset(1)
+    actions = np.zeros((sim.model.uav_count, 2), np.float32)
+    confirmed = sim.false_confirmations()
+    for _ in range(5):
+        sim.step(actions)
+        alarms, after = sim.false_alarms(), sim.false_confirmations()
+        assert np.array_equal(after, confirmed | (alarms.sum(axis=0) >= 2))
+        assert not alarms[:, sim.hotspot_cells()[:, 1], sim.hotspot_cells()[:, 0]].any()
+        confirmed = after
+    assert sim.metrics()["false_confirmations"] == confirmed.sum() > 0
+    silent = jcas.Sim(jcas.Model())
+    assert silent.false_alarms().shape == (0, 12, 12) and silent.false_confirmations().size == 0
+
+
 def test_search_maps_grow_and_show_in_pictures():
     env = jcas.FleetEnv("search", render_mode="rgb_array", **UNSEEN)
     env.reset(seed=1)

@@ -37,6 +37,7 @@ static void begin(struct subject *subject)
     subject->config.map_window_radius = 2;
     subject->config.map_directions = JCAS_DIRECTIONS_SHOWN;
     subject->config.uav_tag = JCAS_TAG_INDEX;
+    subject->config.false_alarm_per_cell = 0.05;
     OK(jcas_model_new(&subject->config, &subject->model, NULL, 0));
     jcas_config other = subject->config;
     other.quorum = 2;

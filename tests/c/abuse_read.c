@@ -67,6 +67,10 @@ void abuse_reading(struct subject *subject)
     ABUSE_BUFFER(uint8_t, jcas_sim_get_visited, sim, info->grid_width * info->grid_height);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_search_maps, sim,
                  (size_t)info->uav_count * info->grid_width * info->grid_height);
+    ABUSE_BUFFER(uint8_t, jcas_sim_get_false_alarms, sim,
+                 (size_t)info->uav_count * info->grid_width * info->grid_height);
+    ABUSE_BUFFER(uint8_t, jcas_sim_get_false_confirmations, sim,
+                 (size_t)info->grid_width * info->grid_height);
     ABUSE_STRUCT(jcas_episode, jcas_sim_get_episode, sim);
     ABUSE_STRUCT(jcas_metrics, jcas_sim_get_metrics, sim);
 

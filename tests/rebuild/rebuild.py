@@ -16,7 +16,7 @@ import math
 import sys
 
 MASK = 0xFFFFFFFF
-DETECT, CARBON, SOC, HOTSPOT, SHUFFLE = 1, 2, 3, 4, 5
+DETECT, CARBON, SOC, HOTSPOT, SHUFFLE, FALSE_ALARM = 1, 2, 3, 4, 5, 8
 
 
 def philox(counter, key):
@@ -93,6 +93,7 @@ class Mission:
         self.returning = [False] * self.n
         self.knows = [set() for _ in range(self.n)]
         self.confirmed, self.informed = set(), set()
+        self.alarms, self.falsely = [[] for _ in range(self.n)], set()
         self.co2 = 0
         self.coming = self.intensity(0)
         self.visited = set(self.cells)
@@ -141,6 +142,50 @@ class Mission:
             return c["false_alarm_probability"] ** (1 / (1 + 10 ** (snr_db / 10)))
         exponent = -c["logistic_slope_per_db"] * (snr_db - self.threshold_db())
         return 1 / (1 + math.exp(exponent)) if exponent < 300 else 0
+
+    # False alarms.
+
+    def footprint_m(self):
+        c = self.c
+        if "sensing_footprint_m" in c:
+            return c["sensing_footprint_m"]
+        if "detection_threshold_db" not in c and "sensing_range_m" in c:
+            return c["sensing_range_m"]
+        load = c["comm_load_penalty_db"] * (1 - c["pilot_density_max"])
+        even = lambda r: self.p_d(self.sensing_snr_db(r) - load) >= 0.5
+        low, high = 0.0, c["cell_size_m"] * math.hypot(self.w - 1, self.h - 1)
+        if even(high):
+            return high
+        for _ in range(100):
+            middle = (low + high) / 2
+            low, high = (middle, high) if even(middle) else (low, middle)
+        return low
+
+    def false_alarms(self, i):
+        p, (x, y) = self.c["false_alarm_per_cell"], self.cells[i]
+        reach = (self.footprint_m() / self.c["cell_size_m"]) ** 2
+        grid = [(x2, y2) for y2 in range(self.h) for x2 in range(self.w)]
+        footprint = [(x2, y2) for x2, y2 in grid if (x2 - x) ** 2 + (y2 - y) ** 2 <= reach]
+        size, at_most, count = len(footprint), 0.0, 0
+        word = self.block(self.t, i, 0, FALSE_ALARM)[0]
+        for k in range(min(8, size)):
+            at_most += math.comb(size, k) * p**k * (1 - p) ** (size - k)
+            count += word >= math.floor(2**32 * at_most)
+        ranks = []
+        for k in range(count):
+            top = size - count + k
+            rank = self.below(self.bits64(self.t, i, 1 + k, FALSE_ALARM), top + 1)
+            ranks.append(top if rank in ranks else rank)
+        return [footprint[rank] for rank in ranks if footprint[rank] not in self.hotspots]
+
+    def raise_alarms(self, senses):
+        if self.c.get("false_alarm_per_cell", 0) == 0:
+            return 0
+        self.alarms = [self.false_alarms(i) if senses[i] else [] for i in range(self.n)]
+        seen = [cell for alarms in self.alarms for cell in alarms]
+        new = {cell for cell in seen if seen.count(cell) >= self.c["quorum"]} - self.falsely
+        self.falsely |= new
+        return len(new)
 
     def throughput(self, i, k):
         c = self.c
@@ -202,7 +247,8 @@ class Mission:
         self.goal, self.charging = goal, charging
         spread = sum(sum(j in known for known in self.knows) / self.n for j in self.confirmed)
         return {
-            "detect": c["reward_detect"] * found,
+            "detect": c["reward_detect"] * found
+            + c.get("reward_false_confirmation", 0) * self.newly_false,
             "inform": c["reward_inform"] * (told if c["inform_payment"] == "once" else len(self.informed)),
             "complete": c["reward_complete"] * complete,
             "coverage": c["reward_coverage"] * len(new) / (self.w * self.h),
@@ -256,6 +302,7 @@ class Mission:
                 self.confirmed.add(j)
         for i in range(self.n):
             self.knows[i] |= hits[i] & self.confirmed
+        self.newly_false = self.raise_alarms(senses)
         self.link_up()
         self.spread()
         spent = self.spend(before, senses)
@@ -330,6 +377,11 @@ def rebuild(path):
         same(f"{at} knowledge", [sorted(known) for known in mission.knows], step["knowledge"])
         same(f"{at} confirmed", sorted(mission.confirmed), step["confirmed"])
         same(f"{at} informed", sorted(mission.informed), step["informed"])
+        if "false_alarms" in step:
+            by_row = sorted(mission.falsely, key=lambda cell: (cell[1], cell[0]))
+            alarms = [cells(raised) for raised in mission.alarms]
+            same(f"{at} false_alarms", alarms, step["false_alarms"])
+            same(f"{at} falsely_confirmed", cells(by_row), step["falsely_confirmed"])
         same(f"{at} intensity", mission.billed, step["carbon_intensity_mg_per_kwh"])
         same(f"{at} co2_ng", mission.co2, step["co2_ng"])
         near(f"{at} throughput", mission.mean_throughput, step["throughput"])

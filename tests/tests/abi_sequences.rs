@@ -222,7 +222,7 @@ impl<'m> Pair<'m> {
             struct_size: size_of::<jcas_outcome>() as u32,
             terminated: 0,
             truncated: 0,
-            reserved: 0,
+            false_confirmations: 0,
             reward: 0.0,
         };
         // SAFETY (of this function): the simulation and the buffers' lengths are valid.

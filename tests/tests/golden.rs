@@ -575,6 +575,83 @@ fn any_changed_field_is_caught() {
     }
 }
 
+/// The row-major index of a cell in a set of cells that a trace counts by quorum.
+fn seen_by(step: &Step, cell: Cell) -> usize {
+    let alarms = step
+        .false_alarms
+        .as_ref()
+        .expect("a trace with false alarms");
+    alarms.iter().filter(|cells| cells.contains(&cell)).count()
+}
+
+/// A cell is falsely confirmed once its alarms reach the quorum, and for good.
+fn cells_are_confirmed_by_quorum(trace: &Trace) {
+    let config = &trace.header.config;
+    let mut confirmed: BTreeSet<(u32, u32)> = BTreeSet::new();
+    for step in &trace.steps {
+        let before = confirmed.len();
+        for cell in step.false_alarms.iter().flatten().flatten() {
+            assert!(
+                !trace.header.hotspots.contains(cell),
+                "a hotspot is no false alarm"
+            );
+            if seen_by(step, *cell) >= config.quorum as usize {
+                confirmed.insert((cell.y, cell.x));
+            }
+        }
+        let recorded = step.falsely_confirmed.iter().flatten();
+        assert!(
+            recorded
+                .map(|cell| (cell.y, cell.x))
+                .eq(confirmed.iter().copied())
+        );
+        if confirmed.len() > before && config.reward_detect == 0.0 {
+            assert!(step.reward.0[0] < 0.0);
+        }
+    }
+    let counted = trace.end.metrics.false_confirmations;
+    assert_eq!(counted as usize, confirmed.len());
+    assert!(counted > 0);
+}
+
+#[test]
+fn false_alarms() {
+    let trace = reproduced("false_alarms");
+    cells_are_confirmed_by_quorum(&trace);
+    let config = &trace.header.config;
+    let pays = config.reward_false_confirmation;
+    for (before, step) in pairs(&trace) {
+        let count = |step: &Step| step.falsely_confirmed.as_ref().map_or(0, Vec::len);
+        let fresh = count(step) - count(before);
+        let found = step.confirmed.len() - before.confirmed.len();
+        let expected = config.reward_detect * found as f64 + pays * fresh as f64;
+        assert_eq!(step.reward.0[0], expected, "step {}", step.t);
+    }
+    // A footprint of 150 m reaches three cells.
+    for step in &trace.steps {
+        for (uav, alarms) in step.false_alarms.iter().flatten().enumerate() {
+            let here = step.positions[uav];
+            let near = |cell: &Cell| {
+                let (dx, dy) = (cell.x.abs_diff(here.x), cell.y.abs_diff(here.y));
+                dx * dx + dy * dy <= 9
+            };
+            assert!(alarms.iter().all(near));
+        }
+    }
+}
+
+#[test]
+fn false_alarms_alone() {
+    let trace = reproduced("false_alarms_alone");
+    cells_are_confirmed_by_quorum(&trace);
+    let alarms = trace
+        .steps
+        .iter()
+        .flat_map(|step| step.false_alarms.iter().flatten());
+    let most = alarms.map(Vec::len).max();
+    assert_eq!(most, Some(8), "more alarms than eight count as eight");
+}
+
 /// The configuration in a trace is complete. The later fields alone may be left out: at their
 /// default they are off.
 #[test]

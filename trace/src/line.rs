@@ -190,6 +190,9 @@ impl Display for StepLine<'_> {
         numbers(out, hotspots.clone().filter(|&j| state.confirmed(j)))?;
         out.write_str(",\"informed\":")?;
         numbers(out, hotspots.filter(|&j| state.informed(j)))?;
+        if model.config().false_alarm_per_cell > 0.0 {
+            alarms(out, model, state)?;
+        }
         write!(
             out,
             ",\"carbon_intensity_mg_per_kwh\":{},\"co2_ng\":{},\"throughput\":{},\"reward\":{{",
@@ -237,8 +240,24 @@ impl Display for EndLine {
         ] {
             write!(out, ",\"{name}\":{}", Real(value))?;
         }
+        if metrics.false_confirmations > 0 {
+            let count = metrics.false_confirmations;
+            write!(out, ",\"false_confirmations\":{count}")?;
+        }
         out.write_char('}')
     }
+}
+
+/// The false alarms of each UAV, and the cells that are falsely confirmed.
+fn alarms(out: &mut fmt::Formatter<'_>, model: &Model<'_>, state: &StateRef<'_>) -> fmt::Result {
+    let width = model.config().grid_width as usize;
+    let place = move |index: usize| (index % width, index / width);
+    out.write_str(",\"false_alarms\":")?;
+    list(out, 0..model.uav_count(), |out, i| {
+        pairs(out, state.false_alarms_of(i).map(place))
+    })?;
+    out.write_str(",\"falsely_confirmed\":")?;
+    pairs(out, state.falsely_confirmed_cells().map(place))
 }
 
 fn config(out: &mut fmt::Formatter<'_>, config: &Config) -> fmt::Result {

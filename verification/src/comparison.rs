@@ -4,7 +4,7 @@
 //! arrange the formulas differently. The tolerance is 1e-12, relative above one and absolute below
 //! it, because differences of potentials cancel.
 
-use crate::specification::{Specification, World};
+use crate::specification::{Position, Specification, World};
 use jcas_core::{Cell, StateRef};
 
 /// The text that describes the first difference.
@@ -60,6 +60,7 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
     for (index, (&ours, theirs)) in terms.iter().zip(state.rewards()).enumerate() {
         real(format_args!("reward {}", names[index]), ours, theirs)?;
     }
+    alarms(spec, world, state)?;
     for (i, own) in world.uav_rewards.iter().enumerate() {
         for (index, (ours, theirs)) in own
             .terms()
@@ -75,6 +76,28 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
         }
     }
     Ok(())
+}
+
+/// Compares false alarms and false confirmations.
+fn alarms(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outcome {
+    let index = |cell: Position| (cell.y * i64::from(spec.config.grid_width) + cell.x) as usize;
+    for (i, ours) in world.false_alarms.iter().enumerate() {
+        let ours: Vec<usize> = ours.iter().copied().map(index).collect();
+        let theirs: Vec<usize> = state.false_alarms_of(i).collect();
+        equal(format_args!("false alarms of UAV {i}"), ours, theirs)?;
+    }
+    for (y, row) in world.falsely_confirmed.iter().enumerate() {
+        for (x, &ours) in row.iter().enumerate() {
+            let theirs = state.falsely_confirmed(y * spec.config.grid_width as usize + x);
+            equal(
+                format_args!("false confirmation of ({x}, {y})"),
+                ours,
+                theirs,
+            )?;
+        }
+    }
+    let theirs = state.new_false_confirmations();
+    equal("new false confirmations", world.newly_false, theirs)
 }
 
 fn uav(world: &World, state: &StateRef<'_>, i: usize) -> Outcome {

@@ -86,7 +86,27 @@ pub fn configuration_of(dice: &mut Dice, uavs: u32) -> Config {
         weights(dice, &mut c);
     }
     search(dice, &mut c);
+    false_alarms(dice, &mut c);
     c
+}
+
+/// Draws false alarms, often more than are counted, and their footprint.
+fn false_alarms(dice: &mut Dice, c: &mut Config) {
+    if dice.one_in(2) {
+        return;
+    }
+    c.false_alarm_per_cell = match dice.integer(0, 2) {
+        0 => 0.5,
+        1 => dice.real(1e-6, 0.01),
+        _ => dice.real(0.01, 0.3),
+    };
+    c.sensing_footprint_m = match dice.integer(0, 3) {
+        0 => Some(0.0),
+        1 => Some(c.cell_size_m * dice.real(0.0, 4.0)),
+        2 => Some(c.cell_size_m * 20.0),
+        _ => None,
+    };
+    c.reward_false_confirmation = dice.real(-10.0, 1.0);
 }
 
 /// Draws the settings of search maps and their observation.

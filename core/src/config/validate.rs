@@ -40,6 +40,7 @@ impl Config {
             "battery_capacity_kwh",
         )?;
         self.radar_fits_its_curve()?;
+        self.footprint_has_a_use()?;
         self.depots_are_cells()?;
         self.hotspots_have_room()?;
         self.maps_have_room()?;
@@ -111,6 +112,18 @@ impl Config {
                 }
                 Ok(())
             }
+        }
+    }
+
+    /// Checks that a footprint is given only if there are false alarms.
+    fn footprint_has_a_use(&self) -> Result<(), ConfigError> {
+        match self.sensing_footprint_m {
+            Some(radius_m) if self.false_alarm_per_cell == 0.0 => Err(ConfigError {
+                field: "sensing_footprint_m",
+                value: Value::Real(radius_m),
+                allowed: Allowed::Rule("absent while false_alarm_per_cell is 0"),
+            }),
+            _ => Ok(()),
         }
     }
 

@@ -21,7 +21,7 @@ pub(crate) const SMALLEST_TABLE_WORDS: usize = 18;
 pub(crate) const TABLE_WORDS: usize = SMALLEST_TABLE_WORDS;
 /// Room for the tables of every model that [`any_model`] makes.
 #[cfg(not(kani))]
-pub(crate) const TABLE_WORDS: usize = 3 * 16 + 7 + 7;
+pub(crate) const TABLE_WORDS: usize = 3 * 16 + 7 + 7 + 16 + 8 * 17;
 
 /// Two UAVs, one hotspot, two by two cells, a battery for two moves.
 pub(crate) fn smallest() -> Config {
@@ -119,6 +119,7 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         bucket_columns: 1,
         bucket_rows: 1,
         disc: super::Disc::of(&config),
+        footprint: crate::footprint::of(&config),
         tables: Words::Borrowed(words),
         config,
     }
@@ -183,6 +184,9 @@ fn any_config() -> Config {
         if kani::any() {
             config.search_maps = SearchMaps::Shared;
             config.search_map_radius_m = between(0, 200) as f64;
+        }
+        if kani::any() {
+            config.false_alarm_per_cell = real_between(0.0, 0.5);
         }
     }
     config

@@ -28,6 +28,7 @@ pub(crate) mod inputs;
 pub(crate) mod standin;
 
 mod action;
+mod alarms;
 mod carbon;
 mod communication;
 mod curves;

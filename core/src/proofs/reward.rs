@@ -19,6 +19,7 @@ const GOAL_MIN: f64 = -4097.0;
 fn any_happenings() -> Happenings {
     Happenings {
         newly_confirmed: between(0, 4096),
+        newly_false: between(0, 4096),
         newly_informed: between(0, 4096),
         informed: between(0, 4096),
         complete: kani::any(),

@@ -33,7 +33,7 @@ pub(super) const SMALLEST_SPREAD_WORDS: usize = SMALLEST_STATE_WORDS + 3;
 pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
 /// Words of a state of any model that the stand-in makes.
 #[cfg(not(kani))]
-pub(super) const STATE_WORDS: usize = 2048;
+pub(super) const STATE_WORDS: usize = 4096;
 /// Words of working memory of the smallest model.
 #[cfg(any(kani, test))]
 pub(super) const SMALLEST_SCRATCH_WORDS: usize = 15;
@@ -216,6 +216,10 @@ pub(super) fn nothing_is_forgotten(model: &Model<'_>, before: &StateRef<'_>, aft
             assert!(!before.knows(i, j) || after.knows(i, j));
         }
     }
+    assert!(bits::is_subset(
+        before.falsely_confirmed,
+        after.falsely_confirmed
+    ));
 }
 
 /// A hotspot becomes confirmed exactly if the UAVs whose detection of it is on record reach the

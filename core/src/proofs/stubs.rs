@@ -40,6 +40,16 @@ pub(super) fn any_uav_exp(x: f64) -> f64 {
     real_between(UAV_ODDS_MIN, UAV_ODDS_MAX)
 }
 
+pub(super) fn any_alarm_exp(x: f64) -> f64 {
+    assert!(x >= -700.0 && x <= 0.0);
+    real_between(EXP_MIN, 1.0)
+}
+
+pub(super) fn any_log1p(x: f64) -> f64 {
+    assert!(x >= -0.5 && x <= 0.0);
+    real_between(-0.7, 0.0)
+}
+
 pub(super) fn any_log(x: f64) -> f64 {
     assert!(x >= 1e-30 && x <= 1e4);
     real_between(-LOG_MAX, LOG_MAX)

@@ -21,7 +21,7 @@ const HEADER_FIELDS: [&str; 8] = [
     "initial",
 ];
 /// Fields of a step in the order in which a step computes them.
-const STEP_FIELDS: [&str; 17] = [
+const STEP_FIELDS: [&str; 19] = [
     "t",
     "actions",
     "positions",
@@ -33,6 +33,8 @@ const STEP_FIELDS: [&str; 17] = [
     "knowledge",
     "confirmed",
     "informed",
+    "false_alarms",
+    "falsely_confirmed",
     "carbon_intensity_mg_per_kwh",
     "co2_ng",
     "throughput",

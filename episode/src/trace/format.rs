@@ -130,6 +130,12 @@ pub struct Step {
     pub confirmed: Vec<usize>,
     /// Hotspots that every UAV knows.
     pub informed: Vec<usize>,
+    /// The cells in which each UAV raised a false alarm; absent where there are no false alarms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub false_alarms: Option<Vec<Vec<Cell>>>,
+    /// Cells falsely confirmed so far; absent where there are no false alarms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub falsely_confirmed: Option<Vec<Cell>>,
     /// Carbon intensity that this step billed.
     pub carbon_intensity_mg_per_kwh: u64,
     /// CO2 of the mission so far, in nanograms.

@@ -211,7 +211,7 @@ fn any_outcome() -> jcas_outcome {
         struct_size,
         terminated: 0,
         truncated: 0,
-        reserved: 0,
+        false_confirmations: 0,
         reward: 1.5,
     }
 }

@@ -149,6 +149,9 @@ class jcas_config(Structure):
         ("sensing_range_m", c_double),
         ("pilot_gain", c_int32),
         ("detection_curve", c_int32),
+        ("false_alarm_per_cell", c_double),
+        ("sensing_footprint_m", c_double),
+        ("reward_false_confirmation", c_double),
     )
 
 
@@ -195,7 +198,7 @@ class jcas_outcome(Structure):
         ("struct_size", c_uint32),
         ("terminated", c_uint32),
         ("truncated", c_uint32),
-        ("reserved", c_uint32),
+        ("false_confirmations", c_uint32),
         ("reward", c_double),
     )
 
@@ -236,6 +239,7 @@ class jcas_metrics(Structure):
         ("co2_kg", c_double),
         ("throughput_mean", c_double),
         ("pilot_density_mean", c_double),
+        ("false_confirmations", c_uint64),
     )
 
 
@@ -496,6 +500,10 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_get_visited.restype = c_int32
     library.jcas_sim_get_search_maps.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_get_search_maps.restype = c_int32
+    library.jcas_sim_get_false_alarms.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_get_false_alarms.restype = c_int32
+    library.jcas_sim_get_false_confirmations.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_get_false_confirmations.restype = c_int32
     library.jcas_sim_save.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_save.restype = c_int32
     library.jcas_sim_load.argtypes = (c_void_p, c_void_p, c_size_t)

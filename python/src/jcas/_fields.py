@@ -162,3 +162,13 @@ class Fields(TypedDict, total=False):
     detection_curve: Literal["logistic", "swerling1"] | None
     """Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a
     fluctuating echo). One of logistic, swerling1."""
+    false_alarm_per_cell: float | None
+    """Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
+    hotspot. 0 stands for no false alarms. 0 to 0.5 probability."""
+    sensing_footprint_m: float | None
+    """A UAV may raise false alarms in the cells whose centre is at most this far from its own
+    (footprint). Where absent: the sensing range, or the range at which P_d is 0.5 at ρ_max. 0 to
+    1e+06 m."""
+    reward_false_confirmation: float | None
+    """Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
+    -1e+06 to 1e+06 reward."""

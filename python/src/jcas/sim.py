@@ -212,6 +212,25 @@ class Sim:
             lib.jcas_sim_get_search_maps, (uavs, config["grid_height"], config["grid_width"])
         )
 
+    def false_alarms(self) -> npt.NDArray[np.bool_]:
+        """Cells without a hotspot in which each UAV saw one in the last step, [N, H, W].
+
+        N is 0 without false alarms.
+        """
+        record = self.model.config.record
+        uavs = self.model.uav_count if record.false_alarm_per_cell > 0 else 0
+        shape = (uavs, record.grid_height, record.grid_width)
+        return self._flags(lib.jcas_sim_get_false_alarms, shape)
+
+    def false_confirmations(self) -> npt.NDArray[np.bool_]:
+        """Cells without a hotspot that a quorum has confirmed, [H, W].
+
+        H is 0 without false alarms.
+        """
+        record = self.model.config.record
+        rows = record.grid_height if record.false_alarm_per_cell > 0 else 0
+        return self._flags(lib.jcas_sim_get_false_confirmations, (rows, record.grid_width))
+
     def reward_components(self) -> dict[str, float]:
         """Give the components of the last reward by name; their sum, in order, is the reward."""
         values = np.empty(len(REWARD_NAMES))

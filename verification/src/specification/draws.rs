@@ -11,6 +11,7 @@ const SOC: u32 = 3;
 const HOTSPOT: u32 = 4;
 const SHUFFLE: u32 = 5;
 const SEED: u32 = 6;
+const FALSE_ALARM: u32 = 8;
 
 /// One Bernoulli(p) draw for UAV i and hotspot j in step t.
 ///
@@ -58,6 +59,43 @@ pub fn distinct_ranks(seed: u64, n: usize, m: usize) -> Vec<u64> {
         let draw = first_u64(block(seed, [0, 0, k as u32, SHUFFLE]));
         let other = below(draw, k as u64 + 1) as usize;
         chosen.swap(k, other);
+    }
+    chosen
+}
+
+/// Draws how many of n cells raise a false alarm, each with probability p; at most `most`.
+///
+/// The number is above k where the word is at least floor(P(X <= k) 2^32).
+pub fn alarm_count(seed: u64, t: u32, i: usize, n: usize, p: f64, most: usize) -> usize {
+    let word = f64::from(block(seed, [t, i as u32, 0, FALSE_ALARM])[0]);
+    let mut at_most = 0.0;
+    let mut count = 0;
+    for k in 0..most.min(n) {
+        at_most += binomial(n, k, p);
+        if word >= libm::floor(at_most * 4_294_967_296.0) {
+            count += 1;
+        }
+    }
+    count
+}
+
+/// P(X = k) for a binomial X over n trials of probability p.
+pub fn binomial(n: usize, k: usize, p: f64) -> f64 {
+    let mut ways = 1.0;
+    for j in 0..k {
+        ways *= (n - j) as f64 / (j + 1) as f64;
+    }
+    ways * libm::pow(p, k as f64) * libm::pow(1.0 - p, (n - k) as f64)
+}
+
+/// Draws `count` distinct ranks of 0..n by Floyd's sampling.
+pub fn alarm_ranks(seed: u64, t: u32, i: usize, count: usize, n: usize) -> Vec<usize> {
+    let mut chosen: Vec<usize> = Vec::new();
+    for k in 0..count {
+        let top = n - count + k;
+        let draw = first_u64(block(seed, [t, i as u32, 1 + k as u32, FALSE_ALARM]));
+        let rank = below(draw, top as u64 + 1) as usize;
+        chosen.push(if chosen.contains(&rank) { top } else { rank });
     }
     chosen
 }

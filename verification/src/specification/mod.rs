@@ -8,6 +8,7 @@
 //! nothing else. So only a mistake that is made in both, in two different ways,
 //! is missed by `tests/differential.rs`.
 
+mod alarms;
 mod distances;
 pub mod draws;
 mod energy;
@@ -70,6 +71,8 @@ pub struct Specification {
     spectral_efficiency: ByDistance,
     /// γ_det in dB.
     detection_threshold_db: f64,
+    /// Radius of a footprint, in metres.
+    footprint_m: f64,
 }
 
 /// Everything that changes during a mission.
@@ -120,6 +123,12 @@ pub struct World {
     /// `searched[i][y][x]`: UAV i knows that the cell has been looked at; never without search
     /// maps.
     pub searched: Vec<Vec<Vec<bool>>>,
+    /// The cells in which each UAV raised a false alarm when it last sensed.
+    pub false_alarms: Vec<Vec<Position>>,
+    /// `falsely_confirmed[y][x]`: a quorum saw a hotspot in a cell that held none.
+    pub falsely_confirmed: Vec<Vec<bool>>,
+    /// Cells that were falsely confirmed when the fleet last sensed.
+    pub newly_false: u32,
     /// Carbon intensity that the coming step will be billed with, in mg/kWh.
     pub coming_intensity_mg_per_kwh: u64,
     /// Carbon intensity that the last step was billed with, in mg/kWh.
@@ -155,14 +164,17 @@ impl Specification {
             let y = i64::from(config.grid_height / 2);
             depots.push(Position { x, y });
         }
-        Specification {
+        let mut specification = Specification {
             config: *config,
             depots,
             energy: Ledger::new(config),
             sensing_snr_db: ByDistance::new(config, radar::sensing_snr_db),
             spectral_efficiency: ByDistance::new(config, link::spectral_efficiency),
             detection_threshold_db: radar::detection_threshold_db(config),
-        }
+            footprint_m: 0.0,
+        };
+        specification.footprint_m = specification.footprint_radius_m();
+        specification
     }
 
     fn uavs(&self) -> usize {

@@ -44,9 +44,13 @@ pub fn detection_threshold_db(c: &Config) -> f64 {
 impl Specification {
     /// p_ij, the probability that a UAV with this pilot density detects in one step.
     pub fn detection_probability(&self, uav: Position, hotspot: Position, pilot: f64) -> f64 {
+        self.probability_at(self.sensing_snr_db.between(uav, hotspot), pilot)
+    }
+
+    /// The probability of detection at SNR^sens and a pilot density.
+    pub(super) fn probability_at(&self, snr_db: f64, pilot: f64) -> f64 {
         let c = &self.config;
         let load = 1.0 - pilot;
-        let snr_db = self.sensing_snr_db.between(uav, hotspot);
         let gain_db = match c.pilot_gain {
             PilotGain::None => 0.0,
             PilotGain::Coherent => 10.0 * libm::log10(pilot / c.pilot_density_max),

@@ -87,7 +87,8 @@ impl Specification {
         let at_horizon = world.t == c.horizon_steps;
         let gamma = c.shaping_discount;
         Rewards {
-            detect: c.reward_detect * detected as f64,
+            detect: c.reward_detect * detected as f64
+                + c.reward_false_confirmation * f64::from(world.newly_false),
             inform: c.reward_inform * informed as f64,
             complete: if world.terminated {
                 c.reward_complete

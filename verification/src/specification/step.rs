@@ -22,6 +22,13 @@ impl Specification {
         let mut facts = self.fly(world, actions, host);
         self.look_around(world);
         let was_sensing = self.sense_and_learn(world, host);
+        // A host's detections stand for all looks of the step.
+        let looking = host.detections.is_none();
+        let drawing: Vec<bool> = was_sensing
+            .iter()
+            .map(|&senses| senses && looking)
+            .collect();
+        self.raise_false_alarms(world, &drawing);
         match &host.links {
             None => self.link_up(world),
             Some(links) => self.link_over(world, links, host),

@@ -118,6 +118,14 @@ fn messages_name_field_value_and_what_is_allowed() {
              logistic (Albersheim's equation)",
         ),
         (
+            "sensing_footprint_m = 70",
+            "sensing_footprint_m = 70.0: must be absent while false_alarm_per_cell is 0",
+        ),
+        (
+            "false_alarm_per_cell = 0.6",
+            "false_alarm_per_cell = 0.6: must be a number from 0 to 0.5",
+        ),
+        (
             "detection_curve = 'swerling1'\nfalse_alarm_probability = 0.5",
             "false_alarm_probability = 0.5: must be a number from 0.000000000001 to 0.1",
         ),

@@ -1,0 +1,267 @@
+//! False alarms: UAVs that see a hotspot in a cell that holds none, and the quorum that falsely
+//! confirms such a cell.
+//!
+//! The cells of a footprint are independent, so that the number of alarms among them is binomial
+//! and their places are a uniform sample. One draw gives the number, and one more each cell. An
+//! alarm in a cell with a hotspot is dropped, which leaves the other cells as they were.
+
+use libm::{exp, log1p};
+
+use crate::bits;
+use crate::config::{Cell, Config};
+use crate::footprint;
+use crate::lanes::{self, Block, at_width};
+use crate::model::Model;
+use crate::rng::{self, Purpose};
+use crate::scratch::Scratch;
+use crate::state::StateMut;
+
+/// The most false alarms of a UAV in a step. More of them count as this.
+pub const ALARMS_MAX: usize = 8;
+
+/// Number of values of a draw.
+const DRAWS: u64 = 1 << 32;
+
+/// Number of words of the tables of false alarms. They hold the size of the footprint around each
+/// cell, and then the thresholds of each size from 0.
+pub(crate) fn table_words(config: &Config) -> usize {
+    if config.false_alarm_per_cell == 0.0 {
+        return 0;
+    }
+    let footprint = footprint::of(config);
+    let sizes = footprint.size_max(config.grid_width, config.grid_height) as usize + 1;
+    config.cell_count() + sizes * ALARMS_MAX
+}
+
+/// Fills the tables of false alarms.
+pub(crate) fn tabulate(config: &Config, words: &mut [u64]) {
+    if words.is_empty() {
+        return;
+    }
+    let (footprint, width) = (footprint::of(config), config.grid_width);
+    let (sizes, rows) = words.split_at_mut(config.cell_count());
+    for (index, word) in (0..).zip(sizes) {
+        let cell = Cell {
+            x: index % width,
+            y: index / width,
+        };
+        *word = u64::from(footprint.size(cell, width, config.grid_height));
+    }
+    for (cells, row) in (0..).zip(rows.chunks_exact_mut(ALARMS_MAX)) {
+        row.copy_from_slice(&thresholds(cells, config.false_alarm_per_cell));
+    }
+}
+
+/// The thresholds of a footprint of `cells` cells.
+///
+/// Entry k is the whole part of P(X ≤ k) · 2^32, for a binomial number X of alarms. The entries do
+/// not fall, and are at most 2^32.
+// Proof: proofs/alarms.rs, thresholds_rise_within_the_draws
+#[must_use]
+pub fn thresholds(cells: u32, per_cell: f64) -> [u64; ALARMS_MAX] {
+    let (all, odds) = (f64::from(cells), per_cell / (1.0 - per_cell));
+    let mut probability = exp(bounded(all * log1p(-per_cell)));
+    let mut at_most = probability;
+    let mut row = [DRAWS; ALARMS_MAX];
+    for (k, threshold) in row.iter_mut().enumerate() {
+        if k as u32 >= cells {
+            break;
+        }
+        let scaled = at_most * DRAWS as f64;
+        if scaled < DRAWS as f64 {
+            *threshold = scaled as u64;
+        }
+        let k = k as f64;
+        probability *= (all - k) / (k + 1.0) * odds;
+        at_most += probability;
+    }
+    row
+}
+
+/// The exponent, or -700 below it: e^-700 counts as 0 at the resolution of a draw.
+const fn bounded(exponent: f64) -> f64 {
+    if exponent < -700.0 { -700.0 } else { exponent }
+}
+
+/// The number of alarms that a 32-bit draw gives: that of the thresholds that are not above it.
+#[inline(always)]
+#[must_use]
+pub fn count(draw: u32, thresholds: &[u64]) -> u32 {
+    let mut count = 0;
+    for &threshold in thresholds {
+        count += u32::from(u64::from(draw) >= threshold);
+    }
+    count
+}
+
+/// Distinct ranks below `size`, at most `size` of them. Floyd's sampling makes every set equally
+/// likely.
+// Proof: proofs/alarms.rs, sampled_ranks_lie_apart
+#[must_use]
+pub fn sample(seed: u64, t: u32, uav: u32, count: u32, size: u32) -> ([u32; ALARMS_MAX], usize) {
+    let (mut ranks, mut taken) = ([0; ALARMS_MAX], 0);
+    let count = if count < size { count } else { size };
+    while taken < count as usize && taken < ALARMS_MAX {
+        let top = size - count + taken as u32;
+        let draw = rng::bits64(seed, t, uav, 1 + taken as u32, Purpose::FalseAlarm);
+        let rank = rng::below(draw, u64::from(top) + 1) as u32;
+        ranks[taken] = if ranks[..taken].contains(&rank) {
+            top
+        } else {
+            rank
+        };
+        taken += 1;
+    }
+    (ranks, taken)
+}
+
+/// Draws the false alarms of every UAV that sensed, and confirms cells by quorum.
+// Proof: proofs/alarms.rs, a_false_confirmation_is_never_taken_back
+#[inline(always)]
+pub(crate) fn raise(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
+    at_width!(model, raise_in_blocks(model, state));
+    confirm(model, state, scratch.cell_counts(model));
+}
+
+/// Takes back the false alarms of the step before, for a step whose detections a host supplies.
+pub(crate) fn silence(state: &mut StateMut<'_>) {
+    state.false_alarms.fill(0);
+    state.newly_false.fill(0);
+}
+
+/// Number of cells that were falsely confirmed in this step.
+#[inline(always)]
+pub(crate) fn newly_false(state: &StateMut<'_>) -> u64 {
+    state.newly_false.first().copied().unwrap_or(0)
+}
+
+#[inline(always)]
+fn raise_in_blocks<const W: usize>(model: &Model<'_>, state: &mut StateMut<'_>) {
+    for block in lanes::blocks::<W>(model.uav_count()) {
+        raise_in(model, state, block);
+    }
+}
+
+/// Draws the false alarms of a block's UAVs. The numbers of alarms are drawn side by side; most of
+/// them are 0.
+#[inline(always)]
+fn raise_in<const W: usize>(model: &Model<'_>, state: &mut StateMut<'_>, block: Block<W>) {
+    let (seed, t) = (state.header.seed(), state.header.t());
+    let uavs = block.indices().map(|index| block.first as u32 + index);
+    let senses = block.bits(state.sensing);
+    let [draws, ..] = rng::blocks(seed, t, &uavs, 0, Purpose::FalseAlarm);
+    let (sizes, rows) = model.alarm_tables().split_at(model.config().cell_count());
+    let first = block.first * ALARMS_MAX;
+    let alarms = state.false_alarms[first..].chunks_exact_mut(ALARMS_MAX);
+    let cells = state.cells[block.first..].iter();
+    for (lane, (alarms, &word)) in block.lanes().zip(alarms.zip(cells)) {
+        alarms.fill(0);
+        if senses >> lane & 1 == 0 {
+            continue;
+        }
+        let cell = Cell::from_word(word);
+        let size = sizes[model.cell_index(cell)] as u32;
+        let thresholds = &rows[size as usize * ALARMS_MAX..][..ALARMS_MAX];
+        let count = count(draws[lane], thresholds);
+        if count > 0 {
+            let (ranks, taken) = sample(seed, t, uavs[lane], count, size);
+            see(model, state.hotspots, cell, &ranks[..taken], alarms);
+        }
+    }
+}
+
+/// Stores the cells of a footprint with these ranks, except for cells that hold a hotspot.
+fn see(model: &Model<'_>, hotspots: &[u64], own: Cell, ranks: &[u32], alarms: &mut [u64]) {
+    let (width, height) = (model.config().grid_width, model.config().grid_height);
+    let mut raised = 0;
+    for &rank in ranks {
+        let cell = model.footprint().ranked(rank, own, width, height);
+        if !hotspots.contains(&cell.to_word()) {
+            alarms[raised] = model.cell_index(cell) as u64 + 1;
+            raised += 1;
+        }
+    }
+}
+
+/// Confirms the cells in which at least θ UAVs raised a false alarm.
+fn confirm(model: &Model<'_>, state: &mut StateMut<'_>, counts: &mut [u64]) {
+    let quorum = u64::from(model.config().quorum);
+    let (alarms, confirmed) = (&*state.false_alarms, &mut *state.falsely_confirmed);
+    state.newly_false[0] = confirm_cells(alarms, quorum, confirmed, counts);
+}
+
+/// Adds each cell with at least `quorum` alarms to a set, and returns how many cells joined it.
+///
+/// An alarm is a row-major index plus 1, or 0 for none. `counts` has a word for each cell and any
+/// content; only the words of cells with an alarm are used.
+// Proof: proofs/alarms.rs, a_false_confirmation_is_never_taken_back
+#[must_use]
+pub fn confirm_cells(
+    alarms: &[u64],
+    quorum: u64,
+    confirmed: &mut [u64],
+    counts: &mut [u64],
+) -> u64 {
+    let mut fresh = 0;
+    for &alarm in alarms {
+        if alarm > 0 {
+            counts[alarm as usize - 1] = 0;
+        }
+    }
+    for &alarm in alarms {
+        if alarm > 0 {
+            let cell = alarm as usize - 1;
+            counts[cell] += 1;
+            if counts[cell] == quorum && !bits::get(confirmed, cell) {
+                bits::set(confirmed, cell);
+                fresh += 1;
+            }
+        }
+    }
+    fresh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// P(X <= k) for 29 cells at 1 %, by `scipy.stats.binom.cdf(range(8), 29, 0.01)`.
+    #[test]
+    fn thresholds_are_those_of_a_statistics_library() {
+        let expected = [
+            0.747_172_094_331_596_4,
+            0.966_040_687_620_649_9,
+            0.996_991_801_823_142_3,
+            0.999_805_539_477_914_3,
+            0.999_990_279_828_985_3,
+            0.999_999_610_149_746_4,
+            0.999_999_987_132_403_3,
+            0.999_999_999_644_093_3,
+        ];
+        for (threshold, cdf) in thresholds(29, 0.01).into_iter().zip(expected) {
+            let difference = threshold as f64 / DRAWS as f64 - cdf;
+            assert!(difference.abs() < 1e-9, "{difference}");
+        }
+    }
+
+    /// No cell, no alarm; and a threshold for each count of alarms that a few cells cannot exceed.
+    #[test]
+    fn no_footprint_raises_more_alarms_than_it_has_cells() {
+        assert_eq!(thresholds(0, 0.5), [DRAWS; ALARMS_MAX]);
+        let two = thresholds(2, 0.5);
+        assert_eq!(two[..3], [DRAWS / 4, DRAWS / 4 * 3, DRAWS]);
+        assert_eq!(count(u32::MAX, &two), 2);
+        assert_eq!(count(0, &two), 0);
+        // With 2^20 cells P(X <= 7) is 0 at the resolution of a draw.
+        assert_eq!(count(0, &thresholds(1 << 20, 0.5)), 8);
+    }
+
+    #[test]
+    fn without_false_alarms_the_state_and_the_tables_have_no_word_more() {
+        let config = Config::default();
+        let mut words = std::vec![0; Model::table_words(&config).unwrap()];
+        let silent = Model::new_in(config, &mut words).unwrap();
+        assert!(silent.alarm_tables().is_empty());
+        assert_eq!(silent.layout().alarms + silent.layout().false_cells, 0);
+    }
+}

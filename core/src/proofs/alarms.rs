@@ -1,0 +1,122 @@
+//! P8 and P13 for false alarms: their tables are in range. The cells of a UAV's alarms lie apart
+//! and in its footprint. A false confirmation is never taken back.
+
+use super::inputs::{between, real_between};
+#[cfg(not(kani))]
+use super::standin as kani;
+use super::tables::{EXP_MAX, EXP_MIN};
+use crate::alarms::{ALARMS_MAX, sample, thresholds};
+use crate::config::Cell;
+use crate::search::Disc;
+
+/// Cells along a side of the harness's grid: one beside the middle on every side.
+const SIDE: u32 = 3;
+
+/// The thresholds of a footprint do not fall, and none is above 2^32.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(10))]
+#[cfg_attr(kani, kani::stub(libm::exp, crate::proofs::stubs::any_alarm_exp))]
+#[cfg_attr(kani, kani::stub(libm::log1p, crate::proofs::stubs::any_log1p))]
+pub fn thresholds_rise_within_the_draws() {
+    let cells = between(0, 1 << 20) as u32;
+    let row = thresholds(cells, real_between(0.0, 0.5));
+    kani::cover!(row[0] < 1 << 31, "an alarm more often than not");
+    kani::cover!(cells > 0 && cells < 8, "fewer cells than counted alarms");
+    for k in 0..ALARMS_MAX {
+        assert!(row[k] <= 1 << 32);
+        assert!(k == 0 || row[k] >= row[k - 1]);
+        assert!((k as u32) < cells || row[k] == 1 << 32);
+    }
+}
+
+/// The ranks of a sample lie apart and below the size of the footprint.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(10))]
+#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+pub fn sampled_ranks_lie_apart() {
+    let size = between(0, 12) as u32;
+    let count = between(0, ALARMS_MAX as u64) as u32;
+    let (ranks, taken) = sample(kani::any(), kani::any(), kani::any(), count, size);
+    kani::cover!(count > size, "more alarms than cells");
+    kani::cover!(taken == 2 && ranks[1] == size - 1, "the last cell");
+    assert!(taken as u32 == if count < size { count } else { size });
+    for k in 0..taken {
+        assert!(ranks[k] < size);
+        for other in 0..k {
+            assert!(ranks[k] != ranks[other]);
+        }
+    }
+}
+
+/// Each rank below the size of a footprint names a cell of the grid within its radius, and two
+/// ranks name two cells.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(5))]
+pub fn a_rank_names_a_cell_of_the_footprint() {
+    let side = u64::from(SIDE);
+    let own = Cell {
+        x: between(0, side - 1) as u32,
+        y: between(0, side - 1) as u32,
+    };
+    let squared = between(0, 8) as u32;
+    let disc = Disc::from_squared(squared);
+    let size = disc.size(own, SIDE, SIDE);
+    assert!(size >= 1 && size <= disc.size_max(SIDE, SIDE));
+    let rank = between(0, u64::from(size) - 1) as u32;
+    let other = between(0, u64::from(size) - 1) as u32;
+    let cell = disc.ranked(rank, own, SIDE, SIDE);
+    kani::cover!(size == 1, "its own cell alone");
+    kani::cover!(size == SIDE * SIDE, "the whole grid");
+    let (dx, dy) = (cell.x.abs_diff(own.x), cell.y.abs_diff(own.y));
+    assert!(cell.x < SIDE && cell.y < SIDE && dx * dx + dy * dy <= squared);
+    let second = disc.ranked(other, own, SIDE, SIDE);
+    assert!((rank == other) == (cell == second));
+}
+
+/// A set of false confirmations only grows, by the cells that a quorum sees, and the count of the
+/// step is how many joined it.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(5))]
+pub fn a_false_confirmation_is_never_taken_back() {
+    let (alarms, quorum) = ([0; 4].map(|_: u64| between(0, 3)), between(1, 3));
+    let before = between(0, 7);
+    let (mut confirmed, mut counts) = ([before], kani::any::<[u64; 3]>());
+    let fresh = crate::alarms::confirm_cells(&alarms, quorum, &mut confirmed, &mut counts);
+    kani::cover!(fresh == 2, "two cells");
+    kani::cover!(fresh == 0 && before == 7, "nothing is left to confirm");
+    assert!(confirmed[0] & before == before);
+    assert!(fresh == u64::from((confirmed[0] & !before).count_ones()));
+    let cell = between(0, 2);
+    let mut seen = 0;
+    for alarm in alarms {
+        seen += u64::from(alarm == cell + 1);
+    }
+    let joins = confirmed[0] >> cell & 1 == 1;
+    assert!(joins == (before >> cell & 1 == 1 || seen >= quorum));
+}
+
+#[cfg(not(kani))]
+super::standin::twins! {
+    thresholds_rise_within_the_draws: 4000 cases, 2 covers;
+    sampled_ranks_lie_apart: 4000 cases, 2 covers;
+    a_rank_names_a_cell_of_the_footprint: 4000 cases, 2 covers;
+    a_false_confirmation_is_never_taken_back: 4000 cases, 2 covers;
+}
+
+/// The real functions on dense grids of what the stubs assume.
+#[cfg(test)]
+mod dense {
+    use super::*;
+
+    #[test]
+    fn exp_and_log1p_stay_within_their_stubs() {
+        for step in 0..=700_000 {
+            let value = libm::exp(f64::from(-step) / 1000.0);
+            assert!((EXP_MIN..=EXP_MAX.min(1.0)).contains(&value), "{step}");
+        }
+        for step in 0..=500_000 {
+            let value = libm::log1p(-f64::from(step) / 1e6);
+            assert!((-0.7..=0.0).contains(&value), "{step}: {value}");
+        }
+    }
+}
