@@ -2,7 +2,7 @@
 
 pip install "./python[render]"
 python examples/fly_policy.py policies/fleet --uavs 15 --hotspots 7 --picture policy.png
-python examples/fly_policy.py policies/search --uavs 20
+python examples/fly_policy.py policies/paper --uavs 20
 """
 
 import argparse

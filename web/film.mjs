@@ -2,7 +2,7 @@
 // image in a document.
 //
 //   cargo xtask web
-//   node web/film.mjs target/web/index.html '{"preset":"search","policy":"search","seed":2,"set":{"uav_count":15,"hotspot_count":7}}' FOLDER [PARTS]
+//   node web/film.mjs target/web/index.html '{"preset":"search","policy":"line","seed":2,"set":{"uav_count":15,"hotspot_count":7}}' FOLDER [PARTS]
 //   img2webp -loop 0 -lossy -q 70 -d 120 FOLDER/*.png -o film.webp
 
 import { mkdirSync, writeFileSync } from 'node:fs';

@@ -7,7 +7,7 @@ use jcas_cli::{Command, error, idle, interrupt, numbers};
 
 const EXAMPLES: &str = "\
 Examples:
-  jcas tour                              fly the shipped policies over the paper's grid; report in out/tour/
+  jcas tour                              fly policies over the paper's grid; report in out/tour/
   jcas sweep                             fly the paper's grid; table, figures and replay in out/
   jcas simulate --uavs 15 --hotspots 7   one cell of it
   jcas play                              fly missions in a browser and change them as they fly

@@ -17,7 +17,7 @@ pub const MOST_CELLS: u64 = 64 * 64;
 const MOST_AGENT_STEPS: u64 = 200_000;
 
 /// The trained policies that the page contains.
-pub const SHIPPED: [(&str, &[u8]); 3] = [
+pub const SHIPPED: [(&str, &[u8]); 2] = [
     (
         "fleet",
         include_bytes!("../../policies/fleet/policy.safetensors"),
@@ -25,10 +25,6 @@ pub const SHIPPED: [(&str, &[u8]); 3] = [
     (
         "paper",
         include_bytes!("../../policies/paper/policy.safetensors"),
-    ),
-    (
-        "search",
-        include_bytes!("../../policies/search/policy.safetensors"),
     ),
 ];
 

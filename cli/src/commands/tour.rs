@@ -41,9 +41,9 @@ struct Grid {
     heading: &'static str,
     text: &'static str,
     preset: PresetName,
-    /// The shipped policy, a folder in `policies/`.
-    trained: &'static str,
     baselines: &'static [&'static str],
+    /// The shipped policy that runs besides, a folder in `policies/`.
+    trained: Option<&'static str>,
     hotspots: &'static [u32],
 }
 
@@ -54,23 +54,23 @@ const GRIDS: [Grid; 2] = [
         text: "Every UAV knows where the hotspots are; three detections in one step confirm a \
                hotspot. `policies/paper` was trained with PPO, the others are scripts.",
         preset: PresetName::Paper,
-        trained: "paper",
         baselines: &["random", "greedy", "swarm", "teams", "sweep"],
+        trained: Some("paper"),
         hotspots: &HOTSPOTS,
     },
     Grid {
         name: "search",
         heading: "The search for hidden hotspots",
-        text: "No UAV knows where the hotspots are. `policies/search` was trained with PPO, the \
-               others are scripts that search.",
+        text: "No UAV knows where the hotspots are. `plan` flies the trajectories of least expected \
+               time that the planner has found, the others are scripts that search.",
         preset: PresetName::Search,
-        trained: "search",
-        baselines: &["sweep", "line", "frontier"],
+        baselines: &["sweep", "line", "frontier", "plan"],
+        trained: None,
         hotspots: &[7],
     },
 ];
 
-/// Run the shipped policies and the baselines over the paper's grid; write a report
+/// Run a shipped policy, a plan and the baselines over the paper's grid; write a report
 ///
 /// The tour also verifies the golden traces bit for bit. It writes into the folder of --out: a
 /// table of each grid (CSV), figures (SVG and PNG) and replay pages. report.html shows all of them.
@@ -165,14 +165,13 @@ impl Tour {
     }
 
     fn fly(&self, grid: &Grid) -> Result<Flown, CliError> {
-        let trained = self.repository.join("policies").join(grid.trained);
-        let trained = trained
-            .strip_prefix(".")
-            .unwrap_or(&trained)
-            .display()
-            .to_string();
+        let trained = grid.trained.map(|name| {
+            let folder = self.repository.join("policies").join(name);
+            let shown = folder.strip_prefix(".").unwrap_or(&folder).display();
+            shown.to_string()
+        });
         let policies = grid.baselines.iter().map(|&name| name.to_owned());
-        let policies: Vec<String> = policies.chain([trained]).collect();
+        let policies: Vec<String> = policies.chain(trained).collect();
         let axes = vec![
             Axis::new("policy", policies),
             Axis::new("pilot", [DEFAULT_PILOT]),
@@ -204,7 +203,7 @@ impl Tour {
         charts::draw(&folder, axes, cells, store, self.episodes)?;
         report.section(grid.heading).text(&format!(
             "{} {} missions in each cell, seed {SEED}. The page `{page}` beside this report plays one \
-             mission of the trained policy.",
+             mission of the table's last policy.",
             grid.text, self.episodes
         ));
         for (name, figure) in charts::figures(axes, cells, store, self.episodes) {
@@ -218,7 +217,7 @@ impl Tour {
         Ok(())
     }
 
-    /// Plays the first mission of the last cell: the trained policy with the largest fleet.
+    /// Plays the first mission of the last cell: the last policy with the largest fleet.
     fn replay(&self, cells: &[Cell], path: &Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
             return Ok(());

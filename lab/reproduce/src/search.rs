@@ -1,6 +1,6 @@
 //! Study of the search for hidden hotspots.
 
-use crate::campaign::{ADAPTIVE, CampaignSpec, OURS, Who};
+use crate::campaign::{ADAPTIVE, CampaignSpec, Who};
 use crate::chapter::{Block, Chapter};
 use crate::scope::Scope;
 use crate::table::{Quantity, Query, Row, Table, mean};
@@ -18,17 +18,13 @@ fn searchers() -> impl Iterator<Item = BaselineKind> {
     all.filter(|kind| !kind.reads_positions())
 }
 
-/// All of them, and ours, in every cell.
+/// All of them in every cell.
 pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
     let mut flights = Vec::new();
     for cell in scope.cells() {
         let config = scope.mission(Preset::Search, cell);
         let scripts = searchers().map(|kind| Who::Script(kind, PilotMode::Adaptive));
-        let ours = Who::Ours {
-            base: config,
-            held: None,
-        };
-        flights.extend(scripts.chain([ours]).map(|who| CampaignSpec {
+        flights.extend(scripts.map(|who| CampaignSpec {
             experiment: (EXPERIMENT.to_owned(), 0.0),
             preset: Preset::Search,
             config,
@@ -64,33 +60,10 @@ impl Place {
     }
 }
 
-/// How ours compares with the best script, cell by cell.
-struct Comparison {
-    /// Success no lower than the lower end of the script's interval.
-    succeeds: bool,
-    /// Steps over the script's.
-    time: f64,
-}
-
-/// The best script has the highest success, then the fewest steps.
-fn comparison(place: &Place, ours: usize) -> Option<Comparison> {
-    let scripts = place.rows[..ours].iter().flatten();
-    let best = scripts.max_by(|a, b| {
-        let key = |row: &Row| (row.success_rate, -row.mission_steps);
-        let (a, b) = (key(a), key(b));
-        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-    })?;
-    Some(Comparison {
-        succeeds: place.mean(ours, Quantity::Success)? >= best.success_rate_low,
-        time: place.mean(ours, Quantity::Steps)? / best.mission_steps,
-    })
-}
-
 /// The chapter as far as the table has it; none without a row.
 pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
-    let names: Vec<&str> = searchers().map(BaselineKind::name).chain([OURS]).collect();
-    let flown: Vec<&str> = names
-        .into_iter()
+    let flown: Vec<&str> = searchers()
+        .map(BaselineKind::name)
         .filter(|name| !query(name).rows(table).is_empty())
         .collect();
     let places: Vec<Place> = scope
@@ -111,33 +84,12 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
     if places.is_empty() {
         return None;
     }
-    let mut text = format!(
+    let text = format!(
         "The preset `search` hides the hotspots. Mean steps to the end of {} missions a cell, pilot density `adaptive`; \
          the share of missions that succeeded in brackets where it is not 1. A mission that did not succeed counts with \
          its horizon.",
         scope.episodes
     );
-    let ours = flown.iter().position(|name| *name == OURS);
-    let compared: Vec<Comparison> = ours
-        .map(|ours| {
-            places
-                .iter()
-                .filter_map(|place| comparison(place, ours))
-                .collect()
-        })
-        .unwrap_or_default();
-    if !compared.is_empty() {
-        let count = |wanted: fn(&Comparison) -> bool| compared.iter().filter(|c| wanted(c)).count();
-        text += &format!(
-            " The learned policy succeeds no less often than the best script (within its interval) in {} of {} cells, \
-             takes at least a tenth fewer steps in {}, fewer in {}, and more than 3 % more in {}.",
-            count(|c| c.succeeds),
-            compared.len(),
-            count(|c| c.time <= 0.9),
-            count(|c| c.time < 1.0),
-            count(|c| c.time > 1.03),
-        );
-    }
     let mut head = vec!["N".to_owned(), "n".to_owned()];
     head.extend(flown.iter().map(|&name| name.to_owned()));
     let rows = places

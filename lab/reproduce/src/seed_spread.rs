@@ -69,7 +69,7 @@ fn flown(scope: &Scope) -> Vec<(Preset, String, &'static str, &'static str)> {
         let title = learner.title.to_owned();
         all.extend(pilots().map(|pilot| (Preset::Paper, title.clone(), learner.name, pilot)));
     }
-    for preset in [Preset::Paper, Preset::Mission, Preset::Search] {
+    for preset in [Preset::Paper, Preset::Mission] {
         all.extend(pilots().map(|pilot| (preset, "our policy".to_owned(), OURS, pilot)));
     }
     all

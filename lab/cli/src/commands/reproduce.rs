@@ -22,7 +22,7 @@ Examples:
   jcas-lab reproduce --only paper --credit team
                                           the paper's own training alone, judged as the paper does
   jcas-lab reproduce --only sensing-range     which sensing range the paper's two success rates imply
-  jcas-lab reproduce --only search,pilot,endurance --policy policies/search
+  jcas-lab reproduce --only search,pilot,endurance --policy policies/endurance
                                           who finds what is hidden, what adapting the pilot density is worth, who charges";
 
 /// A part that can be done by itself.
