@@ -247,10 +247,6 @@
 /// episode, the step and the UAV.
 #define JCAS_POLICY_SAMPLED 1
 
-/// Actions are stratified without random draws: UAVs of one cell take different quantiles of the
-/// motion. The pilot density is the mean.
-#define JCAS_POLICY_STRATIFIED 2
-
 /** @} */
 
 /** @defgroup handles Handles
@@ -1904,8 +1900,7 @@ jcas_status jcas_policy_baseline(const struct jcas_model *model,
 
 /// Sets how a trained policy derives actions from its network. Baselines are not affected.
 ///
-/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or
-/// JCAS_POLICY_STRATIFIED.
+/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED.
 /// Threads: only this one uses `policy`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
 JCAS_API JCAS_NODISCARD jcas_status jcas_policy_set_mode(struct jcas_policy *policy, int32_t mode);

@@ -615,9 +615,6 @@ public:
         return jcas_policy_set_mode(get(), sampled ? JCAS_POLICY_SAMPLED : JCAS_POLICY_DETERMINISTIC);
     }
 
-    /// Takes stratified motions: UAVs of one cell take different quantiles, without random draws.
-    status stratified() { return jcas_policy_set_mode(get(), JCAS_POLICY_STRATIFIED); }
-
     status act(const sim &sim, span<float> actions)
     {
         return jcas_policy_act(get(), sim.get(), actions.data(), actions.size());

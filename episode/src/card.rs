@@ -198,7 +198,6 @@ impl StoredPolicy {
         self.trained.clone().with_flight(Flight {
             mode: mode.unwrap_or(self.card.mode),
             pilot: self.pilot,
-            starts: self.trained.note().starts,
         })
     }
 }

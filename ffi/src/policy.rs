@@ -27,9 +27,6 @@ pub const JCAS_POLICY_DETERMINISTIC: i32 = 0;
 /// Actions are drawn from the network's distribution; the draws follow from the seed of the
 /// episode, the step and the UAV.
 pub const JCAS_POLICY_SAMPLED: i32 = 1;
-/// Actions are stratified without random draws: UAVs of one cell take different quantiles of the
-/// motion. The pilot density is the mean.
-pub const JCAS_POLICY_STRATIFIED: i32 = 2;
 
 /// Reads the network of a file and checks that it fits the model. The reason for a refusal goes to
 /// the caller's buffer.
@@ -223,8 +220,7 @@ pub unsafe extern "C" fn jcas_policy_baseline(
 
 /// Sets how a trained policy derives actions from its network. Baselines are not affected.
 ///
-/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC, JCAS_POLICY_SAMPLED or
-/// JCAS_POLICY_STRATIFIED.
+/// `policy`: not NULL. `mode`: JCAS_POLICY_DETERMINISTIC or JCAS_POLICY_SAMPLED.
 /// Threads: only this one uses `policy`.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT.
 #[must_use]
@@ -234,7 +230,6 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
         let mode = match mode {
             JCAS_POLICY_DETERMINISTIC => Mode::Deterministic,
             JCAS_POLICY_SAMPLED => Mode::Sampled,
-            JCAS_POLICY_STRATIFIED => Mode::Stratified,
             _ => return Err(Fault::Status(JCAS_ERROR_ARGUMENT)),
         };
         // SAFETY: the caller's promise for `policy`.

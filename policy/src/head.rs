@@ -36,14 +36,11 @@ pub enum Mode {
     Deterministic,
     /// A draw that is a function of the seed of the episode.
     Sampled,
-    /// Stratified motions and the mean pilot density: UAVs of one cell take quantiles that lie
-    /// apart.
-    Stratified,
 }
 
 impl Mode {
     /// All modes, in ascending order of randomness.
-    pub const ALL: [Self; 3] = [Self::Deterministic, Self::Stratified, Self::Sampled];
+    pub const ALL: [Self; 2] = [Self::Deterministic, Self::Sampled];
 
     /// The name of the mode in files and reports.
     #[must_use]
@@ -51,7 +48,6 @@ impl Mode {
         match self {
             Self::Deterministic => "deterministic",
             Self::Sampled => "sampled",
-            Self::Stratified => "stratified",
         }
     }
 
@@ -159,20 +155,6 @@ impl Head {
         }
     }
 
-    /// The motion at a quantile of its distribution, in [0, 1), with the mean pilot density.
-    pub(crate) fn at_quantile(self, outputs: &[f32], quantile: f64) -> [f32; 2] {
-        match self {
-            Self::Gaussian => {
-                let motion = normal_motion_at(outputs, quantile);
-                [motion_centre(motion), between(outputs[1], -1.0, 1.0)]
-            }
-            Self::Hybrid => {
-                let motion = motion_at(outputs, quantile);
-                [motion_centre(motion), mean_pilot(outputs)]
-            }
-        }
-    }
-
     /// A drawn action (u_dir, u_pilot).
     pub(crate) fn sample(self, outputs: &[f32], draw: Draw) -> [f32; 2] {
         match self {
@@ -208,21 +190,6 @@ fn concentrations(outputs: &[f32]) -> (f64, f64) {
 fn mean_pilot(outputs: &[f32]) -> f32 {
     let (alpha, beta) = concentrations(outputs);
     2.0 * (alpha / (alpha + beta)) as f32 - 1.0
-}
-
-/// The motion with the bin that holds a quantile of the normal.
-fn normal_motion_at(outputs: &[f32], quantile: f64) -> usize {
-    let log_std = between(outputs[2], LOG_STD[0], LOG_STD[1]);
-    let scale = core::f64::consts::SQRT_2 * libm::exp(f64::from(log_std));
-    let mut motion = 0;
-    while motion < MOTIONS - 1 {
-        let edge = f64::from(motion_centre(motion)) + 0.2;
-        if 0.5 * libm::erfc((f64::from(outputs[0]) - edge) / scale) > quantile {
-            break;
-        }
-        motion += 1;
-    }
-    motion
 }
 
 /// The motion at a quantile of the categorical distribution.
@@ -284,34 +251,6 @@ mod tests {
                 (variance / expected - 1.0).abs() < 0.04,
                 "{variance} {expected}"
             );
-        }
-    }
-
-    // Evenly spaced quantiles give each motion its share. For the categorical distribution the
-    // shares are the softmax. For N(0.1, e⁻¹) they are its mass in each bin of width 0.4 and beyond
-    // the outer ones. By a table of Φ these are 0.0285, 0.1789, 0.3997, 0.3058, 0.0871.
-    #[test]
-    fn quantiles_share_out_the_distribution() {
-        let total: f64 = [0.0f64, 1.0, -1.0, 0.5, 0.0].iter().map(|x| x.exp()).sum();
-        let softmax = [0.0f64, 1.0, -1.0, 0.5, 0.0].map(|x| x.exp() / total);
-        let normal = [0.0285, 0.1789, 0.3997, 0.3058, 0.0871];
-        let outputs: [&[f32]; 2] = [
-            &[0.0, 1.0, -1.0, 0.5, 0.0, 2.0, 0.0],
-            &[0.1, -0.2, -1.0, -1.5],
-        ];
-        for (head, outputs, shares) in [
-            (Head::Hybrid, outputs[0], softmax),
-            (Head::Gaussian, outputs[1], normal),
-        ] {
-            let mut counts = [0.0; MOTIONS];
-            for k in 0..10_000 {
-                let [direction, pilot] = head.at_quantile(outputs, (f64::from(k) + 0.5) / 1e4);
-                counts[((direction + 1.0) / 0.4) as usize] += 1e-4;
-                assert_eq!(pilot, head.deterministic(outputs)[1]);
-            }
-            for (count, share) in counts.iter().zip(shares) {
-                assert!((count - share).abs() < 2e-4, "{counts:?} {shares:?}");
-            }
         }
     }
 

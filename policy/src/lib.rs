@@ -12,7 +12,6 @@ pub mod baselines;
 pub use baselines::*;
 pub mod head;
 pub mod network;
-pub mod strata;
 #[cfg(feature = "baselines")]
 mod trained;
 #[cfg(feature = "baselines")]

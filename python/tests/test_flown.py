@@ -45,9 +45,8 @@ def test_each_mode_flies_its_own_way() -> None:
     def flown(mode: jcas.flown.Mode) -> int:
         return fly(jcas.Policy.load(folder, model, mode=mode), model, 8)
 
-    assert len({flown(mode) for mode in ("deterministic", "sampled", "stratified")}) == 3
-    assert flown("stratified") == flown("stratified")
-    with pytest.raises(jcas.ArgumentError, match="deterministic, sampled, stratified"):
+    assert flown("deterministic") != flown("sampled")
+    with pytest.raises(jcas.ArgumentError, match="deterministic, sampled"):
         jcas.Policy.load(folder, model, mode="shared")
 
 

@@ -135,7 +135,6 @@ static void fly_policies(const jcas::model &model)
     CHECK(jcas::policy::load(model, {}).code() == JCAS_ERROR_CORRUPT);
     CHECK(!jcas::policy::baseline(model, "swan"));
     jcas::policy policy = jcas::policy::baseline(model, "swarm", "max").take();
-    CHECK(policy.stratified());
     CHECK(policy.sampled(true));
     jcas::sim sim = jcas::sim::create(model).take();
     CHECK(sim.reset(3));

@@ -71,7 +71,6 @@ fn policies_in_c_fly_what_they_fly_in_rust() {
     let mut expected = vec![
         fly_network(&model, SEED, Mode::Deterministic),
         fly_network(&model, SEED, Mode::Sampled),
-        fly_network(&model, SEED, Mode::Stratified),
     ];
     for kind in BaselineKind::ALL {
         let mut policy = kind

@@ -32,8 +32,6 @@ pub enum ModeName {
     Deterministic,
     /// A draw that follows from the mission's seed
     Sampled,
-    /// Motions divided among the UAVs of each cell, and the mean pilot density
-    Stratified,
 }
 
 /// Evaluate a trained policy or a baseline on the published seeds
@@ -90,7 +88,6 @@ impl Evaluate {
             ModeName::Card => None,
             ModeName::Deterministic => Some(Mode::Deterministic),
             ModeName::Sampled => Some(Mode::Sampled),
-            ModeName::Stratified => Some(Mode::Stratified),
         };
         let factory = if learned {
             learned::factory(Path::new(&self.policy), &self.pilot, &model, mode)?

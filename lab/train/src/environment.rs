@@ -116,11 +116,6 @@ pub trait VectorEnvironment: Send {
     /// only on what a checkpoint holds.
     fn begin_batch(&mut self, _batch: u64) {}
 
-    /// For each row, the row of the last UAV before it in its cell.
-    fn companions(&self, out: &mut [Option<usize>]) {
-        out.fill(None);
-    }
-
     /// Steps all missions by `actions` (M·N × 2, each in [-1, 1]); ended missions start anew.
     fn step(&mut self, actions: &[f32], out: &mut StepOut);
 

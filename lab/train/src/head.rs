@@ -8,7 +8,6 @@ pub mod hybrid;
 
 use burn_tensor::Tensor;
 use jcas_policy::head::{Head, MOTIONS, motion_centre};
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 /// Motion index of a direction action: five equal bins over [-1, 1].
@@ -26,14 +25,8 @@ pub struct Densities {
 
 /// Operations of an action head that only training needs.
 pub trait LearningHead {
-    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot. For
-    /// [`Head::Hybrid`], a quantile in [0, 1] may determine the motion.
-    fn draw(
-        self,
-        outputs: &[f32],
-        quantile: Option<f64>,
-        random: &mut ChaCha8Rng,
-    ) -> ([f32; 2], [f32; 2]);
+    /// Draws a raw action; returns it with the log-densities of its motion and of its pilot.
+    fn draw(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]);
 
     /// The kernel's action pair of a raw action.
     fn action(self, raw: [f32; 2]) -> [f32; 2];
@@ -47,18 +40,10 @@ pub trait LearningHead {
 }
 
 impl LearningHead for Head {
-    fn draw(
-        self,
-        outputs: &[f32],
-        quantile: Option<f64>,
-        random: &mut ChaCha8Rng,
-    ) -> ([f32; 2], [f32; 2]) {
+    fn draw(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
         match self {
             Head::Gaussian => gaussian::sample(outputs, random),
-            Head::Hybrid => {
-                let quantile = quantile.unwrap_or_else(|| random.random());
-                hybrid::sample(outputs, quantile, random)
-            }
+            Head::Hybrid => hybrid::sample(outputs, random),
         }
     }
 

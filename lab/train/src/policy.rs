@@ -11,7 +11,6 @@ use jcas_core::Model;
 use jcas_policy::Trained;
 use jcas_policy::head::{Head, Mode};
 use jcas_policy::network::Flight;
-use jcas_policy::strata::FleetStarts;
 use jcas_simd::InstructionSet;
 
 /// An actor: a network with its weights, head and scaling of inputs.
@@ -47,7 +46,6 @@ impl Actor {
         Flight {
             mode,
             pilot: self.constant_pilot,
-            starts: FleetStarts::default(),
         }
     }
 }

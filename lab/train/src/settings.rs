@@ -20,8 +20,6 @@ pub struct Settings {
     pub device: String,
     /// Action head.
     pub head: Head,
-    /// How motions are drawn in training.
-    pub action_sampling: ActionSampling,
     /// Network of actor and critic.
     pub network: NetworkKind,
     /// Hidden layer widths of the actor.
@@ -166,17 +164,6 @@ pub enum PilotCredit {
     Step,
 }
 
-/// How motions are drawn in training.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ActionSampling {
-    /// Each UAV draws its motion independently.
-    #[default]
-    Independent,
-    /// UAVs of one cell use spread quantiles of their distributions, from a drawn first one.
-    Stratified,
-}
-
 /// What the critic sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -232,13 +219,6 @@ impl Settings {
         self.check_ranges()?;
         self.check_batches()?;
         self.check_detection()?;
-        if self.action_sampling == ActionSampling::Stratified && self.head == Head::Gaussian {
-            return Err(
-                "action_sampling: stratified needs a distribution over motions, which the head gaussian \
-                 has not; it must be independent"
-                    .to_owned(),
-            );
-        }
         match self.curriculum {
             Some(Curriculum {
                 batches, stages, ..
@@ -478,11 +458,6 @@ mod tests {
         settings = Settings::preset(Preset::Search);
         settings.shaping.small_fleets = Some(FEW);
         assert!(told(&settings).contains("shaping.small_fleets.detection"));
-        settings = Settings {
-            action_sampling: ActionSampling::Stratified,
-            ..Settings::preset(Preset::Paper)
-        };
-        assert!(told(&settings).contains("action_sampling: stratified"));
     }
 
     #[test]

@@ -200,7 +200,6 @@ impl Trainer {
     fn collect(&mut self) -> Vec<Rollout> {
         let policy = ActingPolicy {
             head: self.settings.head,
-            action_sampling: self.settings.action_sampling,
             network: &self.actor.network,
             parameters: &self.actor.parameters,
             device: &self.device,

@@ -40,7 +40,6 @@ pub use product::{Operands, Product};
 use jcas_core::{Config, Model, StateRef, UavTag};
 
 use crate::head::{Draw, Head, Mode};
-use crate::strata::{self, FleetStarts};
 use dense::padded;
 use file::File;
 use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
@@ -67,7 +66,7 @@ pub struct Network {
     product: Product,
 }
 
-/// The way a policy acts: the acting mode, the pilot density and the phase seeds.
+/// The way a policy acts: the acting mode and the pilot density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
     /// The acting mode: it decides how actions follow from the distribution.
@@ -75,8 +74,6 @@ pub struct Flight {
     /// The action u_pilot that overrides that of the network, in [-1, 1]. `None` keeps that of the
     /// network.
     pub pilot: Option<f32>,
-    /// The phase seeds of the stratified mode.
-    pub starts: FleetStarts,
 }
 
 /// The action component u_pilot, in [-1, 1], that gives a density: the inverse of the kernel's map.
@@ -193,7 +190,6 @@ impl Network {
                 .note
                 .pilot_density
                 .map(|density| pilot_action(config, density)),
-            starts: self.note.starts,
         }
     }
 
@@ -313,7 +309,6 @@ impl Network {
         )?;
         length("actions", 2 * uavs, actions.len())?;
         let (seed, t) = (state.seed(), state.t());
-        let starts = flight.starts.of(uavs as u32);
         self.visit(weights, model, observations, scratch, |row, outputs| {
             if outputs.iter().any(|output| !output.is_finite()) {
                 return Err(FlyError::NotFinite { uav: row });
@@ -322,10 +317,6 @@ impl Network {
             let [direction, pilot] = match flight.mode {
                 Mode::Deterministic => self.head.deterministic(outputs),
                 Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
-                Mode::Stratified => {
-                    let quantile = strata::quantile(state, row, starts);
-                    self.head.at_quantile(outputs, quantile)
-                }
             };
             let action = &mut actions[2 * row..][..2];
             action.copy_from_slice(&[direction, flight.pilot.unwrap_or(pilot)]);

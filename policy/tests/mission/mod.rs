@@ -35,7 +35,7 @@ const fn mission(sizes: (u32, u32), seed: u64, mode: Mode, steps: u32, hash: u64
 }
 
 /// All episodes.
-pub const MISSIONS: [Mission; 5] = [
+pub const MISSIONS: [Mission; 4] = [
     mission(
         (15, 7),
         1,
@@ -45,7 +45,6 @@ pub const MISSIONS: [Mission; 5] = [
     ),
     mission((15, 7), 1, Mode::Sampled, 53, 13_029_458_474_818_902_870),
     mission((10, 3), 2, Mode::Deterministic, 21, 113_254_547_297_590_025),
-    mission((15, 7), 1, Mode::Stratified, 53, 6_451_810_300_539_874_753),
     // This policy reads a tag, which the runtime gives.
     Mission {
         preset: Preset::Paper,

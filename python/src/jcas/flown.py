@@ -22,10 +22,10 @@ from .errors import ArgumentError, PolicyError, SnapshotError
 from .model import Model, check_model
 from .sim import Sim
 
-Mode = Literal["deterministic", "sampled", "stratified"]
+Mode = Literal["deterministic", "sampled"]
 Actions = npt.NDArray[np.float32]
 
-MODES: dict[str, int] = {"deterministic": 0, "sampled": 1, "stratified": 2}
+MODES: dict[str, int] = {"deterministic": 0, "sampled": 1}
 WEIGHTS = "policy.safetensors"
 
 
@@ -52,8 +52,7 @@ class Policy:
             path: a folder with a `policy.safetensors`, or that file.
             model: what it will fly.
             mode: `deterministic`, the most likely motion and the mean pilot density; `sampled`,
-                draws that follow from the mission's seed; `stratified`, motions shared out among
-                the UAVs of each cell, and the mean pilot density. By default as the file says.
+                draws that follow from the mission's seed. By default as the file says.
 
         Raises:
             PolicyError: the file is no policy, or reads other observations than the model has.

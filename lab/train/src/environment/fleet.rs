@@ -319,21 +319,6 @@ impl VectorEnvironment for Fleet {
         self.join(&self.global, global);
     }
 
-    fn companions(&self, out: &mut [Option<usize>]) {
-        let uavs = self.model.uav_count();
-        let states = self.states.chunks_exact(self.model.state_words());
-        for (m, (out, state)) in out.chunks_exact_mut(uavs).zip(states).enumerate() {
-            let state = self.model.state(state).expect("a state of this model");
-            for (uav, companion) in out.iter_mut().enumerate() {
-                let before = (0..uav).rev();
-                *companion = before
-                    .map(|other| (other, state.cell(other)))
-                    .find(|&(_, cell)| cell == state.cell(uav))
-                    .map(|(other, _)| m * uavs + other);
-            }
-        }
-    }
-
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
         self.held.copy_from_slice(actions);
         if let Some(pilot) = self.treatment.constant_pilot {

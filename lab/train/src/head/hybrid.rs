@@ -7,6 +7,7 @@ use super::Densities;
 use burn_tensor::activation::{log_softmax, softplus};
 use burn_tensor::{Int, Tensor, TensorData};
 use jcas_policy::head::MOTIONS;
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Beta, Distribution};
 
@@ -52,14 +53,10 @@ fn beta_log_density(alpha: f64, beta: f64, x: f64) -> f64 {
         - ln_gamma(beta)
 }
 
-/// The motion at this quantile, 0 to 1, and a drawn pilot density.
-pub(super) fn sample(
-    outputs: &[f32],
-    quantile: f64,
-    random: &mut ChaCha8Rng,
-) -> ([f32; 2], [f32; 2]) {
+/// A drawn motion and a drawn pilot density.
+pub(super) fn sample(outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]) {
     let log_probs = log_softmax_slice(&outputs[..MOTIONS]);
-    let mut left = quantile;
+    let mut left: f64 = random.random();
     let mut motion = MOTIONS - 1;
     for (candidate, log_prob) in log_probs.iter().enumerate() {
         left -= log_prob.exp();
@@ -154,7 +151,6 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
 mod tests {
     use super::*;
     use burn_tensor::Device;
-    use rand::RngExt;
 
     fn of(raw: [f32; 2], outputs: [f32; OUTPUT_LEN]) -> (f32, f32) {
         let outputs = Tensor::<2>::from_data(
@@ -201,8 +197,7 @@ mod tests {
         for round in 0..200 {
             let outputs: [f32; OUTPUT_LEN] =
                 std::array::from_fn(|_| random.random_range(-3.0f32..6.0));
-            let quantile = random.random();
-            let (raw, log_probs) = sample(&outputs, quantile, &mut random);
+            let (raw, log_probs) = sample(&outputs, &mut random);
             let log_prob = log_probs[0] + log_probs[1];
             assert!((0.0..MOTIONS as f32).contains(&raw[0]) && (0.0..1.0).contains(&raw[1]));
             let (from_tensors, _) = of(raw, outputs);
@@ -222,8 +217,7 @@ mod tests {
         let (alpha, beta) = concentrations(&outputs);
         let (mut counts, mut pilot, draws) = ([0.0; MOTIONS], 0.0, 40_000);
         for _ in 0..draws {
-            let quantile = random.random();
-            let (raw, _) = sample(&outputs, quantile, &mut random);
+            let (raw, _) = sample(&outputs, &mut random);
             counts[raw[0] as usize] += 1.0;
             pilot += f64::from(raw[1]);
         }

@@ -3,11 +3,9 @@
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::LearningHead;
 use crate::network::{Network, values};
-use crate::settings::{ActionSampling, Credit, CriticInput, PilotCredit};
+use crate::settings::{Credit, CriticInput, PilotCredit};
 use burn_tensor::Device;
 use jcas_policy::head::Head;
-use jcas_policy::strata;
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
@@ -69,8 +67,6 @@ pub struct FinalState {
 pub struct ActingPolicy<'a> {
     /// Action head.
     pub head: Head,
-    /// Sampling of its motions.
-    pub action_sampling: ActionSampling,
     /// Actor network.
     pub network: &'a Network,
     /// Its parameters.
@@ -93,7 +89,6 @@ pub fn collect(
     let mut rollout = Rollout::new(shape, steps, &out);
     let weights = policy.network.tensors(policy.parameters, policy.device);
     let mut actions = vec![0.0; shape.rows() * 2];
-    let (mut companions, mut quantiles) = (vec![None; shape.rows()], vec![0.0; shape.rows()]);
     for t in 0..steps {
         let rows = t * shape.rows()..(t + 1) * shape.rows();
         let started = Instant::now();
@@ -113,18 +108,8 @@ pub fn collect(
         rollout.actor_features.extend_from_slice(&features);
         let outputs = values(policy.network.forward(&weights, features, &shape));
         let samples = outputs.chunks_exact(policy.head.outputs());
-        if policy.action_sampling == ActionSampling::Stratified {
-            environment.companions(&mut companions);
-        }
         for (row, output) in samples.enumerate() {
-            let quantile = (policy.action_sampling == ActionSampling::Stratified).then(|| {
-                quantiles[row] = match companions[row] {
-                    Some(companion) => strata::turned(quantiles[companion], 1),
-                    None => random.random(),
-                };
-                quantiles[row]
-            });
-            let (raw, log_probs) = policy.head.draw(output, quantile, random);
+            let (raw, log_probs) = policy.head.draw(output, random);
             let place = rows.start + row;
             rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
             rollout.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
@@ -300,58 +285,5 @@ impl CriticInput {
             CriticInput::State => shape.global_len,
             CriticInput::StateAndUav => shape.global_len + shape.observation_len,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::environment::fleet::{Fleet, RewardShaping};
-    use crate::environment::task::TrainingTask;
-    use crate::network::Architecture;
-    use crate::settings::{Preset, Settings};
-    use jcas_core::Config;
-
-    // With zero weights all motions are equally likely. So of ten UAVs on the depot two take each
-    // motion in the first step, for any draw. Multiples of φ⁻¹ leave at least one and at most three
-    // of ten points in a fifth of the circle.
-    #[test]
-    fn uavs_of_a_cell_share_out_their_motions() {
-        let settings = Settings::preset(Preset::Tuned);
-        let task = TrainingTask::new(&Config::default(), &settings).unwrap();
-        let uavs = Config::default().uav_count as usize;
-        let treatment = RewardShaping::new(&settings, uavs, None).unwrap();
-        let mut fleet = Fleet::new(task, 60, treatment);
-        let shape = fleet.shape();
-        let network = Network::new(Architecture::Mlp {
-            sizes: vec![shape.observation_len, Head::Hybrid.outputs()],
-        });
-        let farthest_from_two = |fleet: &mut Fleet, action_sampling| {
-            fleet.reset(1);
-            let policy = ActingPolicy {
-                head: Head::Hybrid,
-                action_sampling,
-                network: &network,
-                parameters: &vec![0.0; network.parameters()],
-                device: &Device::default(),
-            };
-            let mut random = crate::random::stream(1, 0);
-            let pilots = PilotCredit::Return;
-            let rollout = collect(fleet, &policy, 1, Credit::Team, pilots, &mut random);
-            let missions = rollout.raw_actions.chunks_exact(2 * uavs);
-            let farthest = missions.map(|actions| {
-                let mut counts = [0i32; jcas_policy::head::MOTIONS];
-                for raw in actions.chunks_exact(2) {
-                    counts[raw[0] as usize] += 1;
-                }
-                counts.into_iter().map(|count| (count - 2).abs()).max()
-            });
-            farthest.max().flatten()
-        };
-        assert_eq!(
-            farthest_from_two(&mut fleet, ActionSampling::Stratified),
-            Some(1)
-        );
-        assert!(farthest_from_two(&mut fleet, ActionSampling::Independent) > Some(2));
     }
 }

@@ -1,8 +1,8 @@
 //! The four sets of settings that have a name.
 
 use super::{
-    ActionSampling, Credit, CriticInput, Curriculum, Entropy, NetworkKind, PilotCredit, Settings,
-    Shaping, SmallFleets,
+    Credit, CriticInput, Curriculum, Entropy, NetworkKind, PilotCredit, Settings, Shaping,
+    SmallFleets,
 };
 use crate::ppo::schedule::Schedule;
 use jcas_policy::head::Head;
@@ -56,7 +56,6 @@ impl Settings {
             seed: 0,
             device: "cpu".to_owned(),
             head: Head::Gaussian,
-            action_sampling: ActionSampling::Independent,
             network: NetworkKind::Mlp,
             actor_hidden: vec![512, 256, 128],
             actor_tours: false,
