@@ -155,8 +155,7 @@ impl Sweep {
                 .map(|path| format!("  {}\n", path.display()))
                 .collect();
             files::print(&format!(
-                "{}\n{} missions a cell; ± half of a 95 % interval; a mission without success counts with \
-                 its horizon\n\nwritten:\n{}",
+                "{}\n{} missions a cell; {INTERVALS}\n\nwritten:\n{}",
                 text_table(&axes, &cells, &store),
                 self.episodes,
                 list.concat()
@@ -245,7 +244,7 @@ pub(super) fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String
     for (index, cell) in cells.iter().enumerate() {
         let values = columns.iter().map(|&axis| cell.values[axis].clone());
         let estimates = SHOWN.map(|(name, _, digits)| match store.estimate(index, name) {
-            Some(estimate) => shown(estimate, digits),
+            Some(estimate) => shown(name, estimate, digits),
             None => String::new(),
         });
         table.add_row(values.chain(estimates));
@@ -265,10 +264,19 @@ pub(super) fn title(axis: &str) -> &str {
     }
 }
 
-/// Formats a value with half the width of its interval; the file has both ends.
-pub(super) fn shown(estimate: Estimate, digits: usize) -> String {
-    let half = (estimate.high - estimate.low) / 2.0;
-    format!("{:.digits$} ± {half:.digits$}", estimate.value)
+/// What the intervals of a table are.
+pub(super) const INTERVALS: &str = "95 % intervals, [low, high] or ± half the width; a mission \
+                                    without success counts with its horizon";
+
+/// Formats a value with its interval. A share has both bounds, because its interval is not
+/// symmetric and ends at 1. A mean has half the width; the file has both ends.
+pub(super) fn shown(quantity: &str, estimate: Estimate, digits: usize) -> String {
+    let Estimate { value, low, high } = estimate;
+    if quantity == "success_rate" {
+        return format!("{value:.digits$} [{low:.digits$}, {high:.digits$}]");
+    }
+    let half = (high - low) / 2.0;
+    format!("{value:.digits$} ± {half:.digits$}")
 }
 
 /// The output of `--json`.
@@ -300,5 +308,20 @@ fn report(axes: &[Axis], cells: &[Cell], store: &Store, written: &[PathBuf]) -> 
     Report {
         cells,
         written: written.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // The Wilson interval of 200 successes in 200 episodes, and the mean steps of some.
+    #[test]
+    fn a_share_is_shown_with_both_bounds_and_a_mean_with_half_the_width() {
+        let estimate = |[value, low, high]: [f64; 3]| Estimate { value, low, high };
+        let share = estimate([1.0, 0.9812, 1.0]);
+        assert_eq!(shown("success_rate", share, 3), "1.000 [0.981, 1.000]");
+        let mean = estimate([16.0, 15.5, 16.5]);
+        assert_eq!(shown("mission_steps_mean", mean, 1), "16.0 ± 0.5");
     }
 }

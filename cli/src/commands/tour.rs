@@ -10,7 +10,7 @@ use jcas_episode::trace;
 use jcas_figures::report::{Report, Table};
 
 use super::replay::fly_page;
-use super::sweep::{SHOWN, shown, title};
+use super::sweep::{INTERVALS, SHOWN, shown, title};
 use super::trace::read_from;
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::{CliError, Outcome};
@@ -52,7 +52,9 @@ const GRIDS: [Grid; 2] = [
         name: "paper",
         heading: "The paper's grid",
         text: "Every UAV knows where the hotspots are; three detections in one step confirm a \
-               hotspot. `policies/paper` was trained with PPO, the others are scripts.",
+               hotspot. `policies/paper` was trained with PPO, the others are scripts. `greedy` and \
+               `swarm` fly alike here: all UAVs start in one cell, so that the hotspot nearest to \
+               each is also the one nearest to their centroid.",
         preset: PresetName::Paper,
         baselines: &["random", "greedy", "swarm", "teams", "sweep"],
         trained: Some("paper"),
@@ -251,13 +253,12 @@ fn table(axes: &[Axis], cells: &[Cell], store: &Store) -> Table {
         let values = columns.iter().map(|&axis| cell.values[axis].clone());
         let estimates = SHOWN.iter().map(|&(name, _, digits)| {
             let estimate = store.estimate(index, name);
-            estimate.map_or(String::new(), |estimate| shown(estimate, digits))
+            estimate.map_or(String::new(), |estimate| shown(name, estimate, digits))
         });
         values.chain(estimates).map(Into::into).collect()
     });
     Table {
-        caption: "± half of a 95 % interval; a mission without success counts with its horizon"
-            .to_owned(),
+        caption: INTERVALS.to_owned(),
         head: names
             .chain(SHOWN.map(|(_, title, _)| title))
             .map(str::to_owned)
