@@ -28,8 +28,8 @@ def test_the_shipped_policy_flies_any_fleet_and_repeats(uavs: int, hotspots: int
 
 
 def test_a_mission_with_other_maps_is_refused() -> None:
-    with pytest.raises(jcas.JcasError, match="reads 101 fields where this mission has 11"):
-        jcas.Policy.load(FLEET.parent / "search", jcas.Model("mission"))
+    with pytest.raises(jcas.JcasError, match="reads 11 fields where this mission has 101"):
+        jcas.Policy.load(FLEET, jcas.Model("search"))
 
 
 def test_draws_follow_from_the_seed() -> None:

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use support::{lab, succeed};
 
-const SMALL: [&str; 18] = [
+const SMALL: [&str; 16] = [
     "train",
     "--uavs=3",
     "--hotspots=2",
@@ -22,8 +22,6 @@ const SMALL: [&str; 18] = [
     "--train-set=batch_steps=256",
     "--train-set=minibatch_rows=256",
     "--train-set=critic_minibatch_rows=128",
-    "--train-set=checkpoint_every=1",
-    "--train-set=evaluate_every=5",
     "--train-set=evaluation_episodes=2",
     "--train-set=kl_target=none",
     "--name=small",
@@ -128,6 +126,19 @@ fn training_goes_on_from_another_run() {
         assert!(told.contains(named), "{told}");
         assert!(!folder.path().join("other").exists());
     }
+}
+
+/// The planner searches for hidden hotspots, so that no preset of training is for them.
+#[test]
+fn hidden_hotspots_are_left_to_the_planner() {
+    let folder = tempfile::tempdir().unwrap();
+    let search = ["train", "--preset=search", "--show-settings"];
+    let refused = lab(folder.path(), &search);
+    assert_eq!(refused.status.code(), Some(2));
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(told.contains("jcas plan"), "{told}");
+    let named = [&search[..], &["--train-preset=tuned"]].concat();
+    assert!(succeed(folder.path(), &named).contains("clip = 0.2"));
 }
 
 /// A shipped policy as a graph for a fleet of another size than its card's.

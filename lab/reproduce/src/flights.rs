@@ -357,6 +357,7 @@ impl Flights<'_> {
                 out: out.clone(),
                 name: name.to_owned(),
                 precision,
+                device: "cpu".to_owned(),
             };
             let narrator: &mut dyn ProgressSink = self.narrator;
             if matches!(plan.train(&Start::Resume, narrator)?, RunOutcome::Stopped) {

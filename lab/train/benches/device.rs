@@ -62,7 +62,6 @@ fn measure(name: &str, on: &Device, steps: usize) {
 fn plan(preset: Preset, device: &str, steps: usize) -> RunSpec {
     RunSpec {
         settings: Settings {
-            device: device.into(),
             batch_steps: steps,
             total_steps: 2 * steps as u64,
             ..Settings::preset(preset)
@@ -75,6 +74,7 @@ fn plan(preset: Preset, device: &str, steps: usize) -> RunSpec {
         out: std::env::temp_dir(),
         name: "device".into(),
         precision: Precision::Single,
+        device: device.into(),
     }
 }
 

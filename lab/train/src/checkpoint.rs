@@ -114,7 +114,8 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
     let (notes, arrays) = decode(bytes)?;
     if notes.run != run {
         return Err(format!(
-            "belongs to a run with other settings; to go on, give the same ones:\n{}\nnow given:\n{run}",
+            "belongs to a run with other settings; to go on, give the same ones:\n{}\nnow given:\n\
+             {run}",
             notes.run
         ));
     }

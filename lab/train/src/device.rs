@@ -34,7 +34,8 @@ pub fn named(name: &str) -> Result<Device, String> {
 fn at_hand(name: &str, kind: burn_tensor::DeviceType, device: Device) -> Result<Device, String> {
     if Device::enumerate(kind).into_vec().is_empty() {
         return Err(format!(
-            "device: {name:?} is built in, but no such device, or no driver for it, is on this machine; allowed here: cpu"
+            "device: {name:?} is built in, but no such device, or no driver for it, is on this \
+             machine; allowed here: cpu"
         ));
     }
     Ok(device)

@@ -3,13 +3,12 @@
 //! The trait is the whole contract between PPO and the simulator. So tests can run the algorithm on
 //! an environment whose best return is known.
 
-pub mod belief_map;
 pub mod detection_credit;
 pub mod fleet;
 pub mod knowledge_credit;
 pub mod task;
 
-use crate::settings::{Credit, PilotCredit};
+use crate::settings::Credit;
 
 /// Sizes that every environment of one group shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,8 +21,6 @@ pub struct Shape {
     pub observation_len: usize,
     /// Floats of the global state that the critic sees.
     pub global_len: usize,
-    /// Those of them, at its end, that show where hotspots may still be.
-    pub survey_len: usize,
     /// Hotspots of each mission (n); 0 where the task has none.
     pub hotspots: usize,
     /// Neighbour slots of an observation; 0 where the task has none.
@@ -65,18 +62,16 @@ pub struct StepOut {
 }
 
 impl StepOut {
-    /// Buffers for a group of this shape; their length says what is asked for.
-    pub fn new(shape: Shape, credit: Credit, pilot_credit: PilotCredit) -> StepOut {
+    /// Buffers for a group of this shape. Their lengths request the rewards of the credit, and with
+    /// `pilot_gains` also the gains of the pilot densities.
+    pub fn new(shape: Shape, credit: Credit, pilot_gains: bool) -> StepOut {
         let rewards = match credit {
             Credit::Team => shape.environments,
             Credit::Uav => shape.rows(),
         };
         StepOut {
             rewards: vec![0.0; rewards],
-            pilot_gains: match pilot_credit {
-                PilotCredit::Return => Vec::new(),
-                PilotCredit::Step => vec![0.0; shape.rows()],
-            },
+            pilot_gains: vec![0.0; if pilot_gains { shape.rows() } else { 0 }],
             terminated: vec![false; shape.environments],
             truncated: vec![false; shape.environments],
             final_global: vec![0.0; shape.environments * shape.global_len],

@@ -6,7 +6,6 @@ use crate::environment::Episode;
 use crate::error::TrainError;
 use crate::store::{csv_bytes, write_whole};
 use crate::trainer::Iteration;
-use jcas_episode::card::Evaluation;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -45,11 +44,7 @@ pub struct Row {
     pub gradient_norm: f64,
     /// Learning rate of the actor.
     pub learning_rate: f64,
-    /// Share of the evaluation's missions that succeeded; empty where none was flown.
-    pub evaluated_success_rate: Option<f64>,
-    /// Steps of the evaluation's missions; one that failed counts its horizon.
-    pub evaluated_mission_steps: Option<f64>,
-    /// Wall time of the iteration, evaluation left out.
+    /// Wall time of the iteration.
     pub wall_s: f64,
     /// Environment steps a second.
     pub steps_per_s: f64,
@@ -104,8 +99,6 @@ impl Row {
             simulation_share: collecting * iteration.simulation_share,
             inference_share: collecting * (1.0 - iteration.simulation_share),
             learning_share: learning / wall,
-            evaluated_success_rate: None,
-            evaluated_mission_steps: None,
             first_to_end: false,
         }
     }
@@ -117,16 +110,6 @@ impl Row {
             (Some(rate), false) => format!("{rate:.2}"),
             (Some(rate), true) => format!("{rate:.2} of the first to end"),
         }
-    }
-
-    /// Adds an evaluation: means over its missions' sizes, in the mode that does better.
-    pub fn evaluated(&mut self, evaluations: &[Evaluation]) {
-        let mean = |of: fn(&Evaluation) -> f64| {
-            let sum: f64 = evaluations.iter().map(of).sum();
-            (!evaluations.is_empty()).then(|| sum / evaluations.len() as f64)
-        };
-        self.evaluated_success_rate = mean(|e| e.success_rate);
-        self.evaluated_mission_steps = mean(|e| e.mission_steps_mean);
     }
 
     /// Names and values of what is plotted.
@@ -149,8 +132,6 @@ impl Row {
             ("missions/steps", self.mission_steps_mean),
             ("missions/energy_kwh", self.energy_kwh_mean),
             ("missions/throughput", self.throughput_mean),
-            ("evaluation/success_rate", self.evaluated_success_rate),
-            ("evaluation/mission_steps", self.evaluated_mission_steps),
         ];
         scalars.extend(
             missions

@@ -47,9 +47,6 @@ pub enum Architecture {
         /// Fields that search maps and tags add to the observation.
         #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
-        /// Fields at the end of the global state that show where hotspots may still be.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        survey: usize,
     },
 }
 
@@ -71,12 +68,8 @@ fn actor(added: usize, fleet_size: bool, tours: bool) -> set::Actor {
     }
 }
 
-fn critic(of_uav: bool, added: usize, survey: usize) -> set::Critic {
-    set::Critic {
-        of_uav,
-        added,
-        survey,
-    }
+fn critic(of_uav: bool, added: usize) -> set::Critic {
+    set::Critic { of_uav, added }
 }
 
 /// One weight matrix or bias row inside the flat parameter vector.
@@ -129,8 +122,7 @@ impl Network {
                 hidden,
                 of_uav,
                 added,
-                survey,
-            } => set::critic_blocks(hidden, critic(*of_uav, *added, *survey)),
+            } => set::critic_blocks(hidden, critic(*of_uav, *added)),
         };
         let mut offset = 0;
         let blocks = shapes
@@ -191,12 +183,9 @@ impl Network {
                 tours,
                 ..
             } => set::observed(inputs, shape, actor(*added, *fleet_size, *tours)),
-            Architecture::SetCritic {
-                of_uav,
-                added,
-                survey,
-                ..
-            } => set::overseen(inputs, shape, critic(*of_uav, *added, *survey)),
+            Architecture::SetCritic { of_uav, added, .. } => {
+                set::overseen(inputs, shape, critic(*of_uav, *added))
+            }
         }
     }
 
@@ -213,12 +202,9 @@ impl Network {
                 .widths(shape)
                 .iter()
                 .sum(),
-            Architecture::SetCritic {
-                of_uav,
-                added,
-                survey,
-                ..
-            } => critic(*of_uav, *added, *survey).widths(shape).iter().sum(),
+            Architecture::SetCritic { of_uav, added, .. } => {
+                critic(*of_uav, *added).widths(shape).iter().sum()
+            }
         }
     }
 
@@ -240,12 +226,9 @@ impl Network {
                 actor(*added, *fleet_size, *tours),
                 shape,
             ),
-            Architecture::SetCritic {
-                of_uav,
-                added,
-                survey,
-                ..
-            } => set::critic(weights, &features, critic(*of_uav, *added, *survey), shape),
+            Architecture::SetCritic { of_uav, added, .. } => {
+                set::critic(weights, &features, critic(*of_uav, *added), shape)
+            }
         }
     }
 }

@@ -58,7 +58,6 @@ pub fn shape_of(model: &Model<'_>) -> Shape {
         agents: model.uav_count(),
         observation_len: model.observation_len(),
         global_len: model.global_len(),
-        survey_len: 0,
         hotspots: model.hotspot_count(),
         neighbour_slots: model.neighbour_slots(),
         grid: [config.grid_width, config.grid_height],

@@ -26,6 +26,8 @@ use std::time::Instant;
 
 /// Checkpoint of a run in its folder.
 pub const CHECKPOINT: &str = "checkpoint.safetensors";
+/// Batches between checkpoints.
+const CHECKPOINT_EVERY: u64 = 10;
 /// Metrics of a run in its folder.
 pub const METRICS: &str = "metrics.csv";
 /// Times and rates of a run in its folder; they differ from run to run.
@@ -44,6 +46,8 @@ pub struct RunSpec {
     pub name: String,
     /// Width of the stored weights.
     pub precision: Precision,
+    /// Device of the tensors: `cpu`, or `cuda`, `wgpu` where built in.
+    pub device: String,
 }
 
 /// Start of a run: random weights, or those of another run.
@@ -101,7 +105,11 @@ impl RunSpec {
             .map(|config| format!("0x{:016x}", config.hash()))
             .collect();
         let settings = serde_json::to_string(&self.settings).unwrap_or_default();
-        format!("configurations {}; settings {settings}", hashes.join(", "))
+        format!(
+            "configurations {}; device {}; settings {settings}",
+            hashes.join(", "),
+            self.device
+        )
     }
 
     fn constant_pilot(&self) -> Option<f32> {
@@ -126,9 +134,7 @@ impl RunSpec {
             .iter()
             .map(|config| {
                 let task = TrainingTask::new(config, settings)?;
-                let treatment =
-                    RewardShaping::new(settings, config.uav_count as usize, self.constant_pilot())?;
-                Ok((task, treatment))
+                Ok((task, RewardShaping::new(settings, self.constant_pilot())?))
             })
             .collect::<Result<_, _>>()
             .map_err(TrainError::Setting)?;
@@ -138,7 +144,7 @@ impl RunSpec {
                 Box::new(Fleet::new(task, missions, treatment)) as Box<dyn VectorEnvironment>
             })
             .collect();
-        Trainer::new(settings.clone(), workers).map_err(TrainError::Setting)
+        Trainer::new(settings.clone(), workers, &self.device).map_err(TrainError::Setting)
     }
 
     /// The trainer as the run begins.
@@ -198,18 +204,12 @@ impl RunSpec {
             let flown = trainer.iterations * trainer.settings.steps_per_batch() as u64;
             row.first_to_end = flown < horizon;
             speed.add(&row);
-            let every = self.settings.evaluate_every as u64;
-            if every > 0 && trainer.iterations.is_multiple_of(every) {
-                row.evaluated(&in_best_mode(&self.evaluations(&self.actor(&trainer))?));
-            }
             metrics.push(&row)?;
             events.scalars(row.iteration, &row.scalars())?;
             let total = trainer.total_iterations();
             let left_s = speed.seconds_per_iteration() * (total - trainer.iterations) as f64;
             observer.iteration(&row, total, left_s);
-            let due = trainer
-                .iterations
-                .is_multiple_of(trainer.settings.checkpoint_every as u64);
+            let due = trainer.iterations.is_multiple_of(CHECKPOINT_EVERY);
             if due || trainer.finished() {
                 checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
                 metrics.write()?;
@@ -319,13 +319,6 @@ pub(crate) fn score<'e>(evaluations: impl IntoIterator<Item = &'e Evaluation>) -
         count += 1.0;
     }
     if count > 0.0 { sum / count } else { 0.0 }
-}
-
-/// The evaluations in the mode that does best.
-fn in_best_mode(evaluations: &[Evaluation]) -> Vec<Evaluation> {
-    let mode = best_mode(evaluations);
-    let of_mode = evaluations.iter().filter(|e| e.mode == mode);
-    of_mode.cloned().collect()
 }
 
 /// Flies missions with an actor that flies in this mode, and sums them up.

@@ -16,22 +16,16 @@ use std::collections::BTreeMap;
 pub struct Settings {
     /// Seed of everything random in the run.
     pub seed: u64,
-    /// Device of the tensors: `cpu`, or `cuda`, `wgpu` where built in.
-    pub device: String,
     /// Action head.
     pub head: Head,
     /// Network of actor and critic.
     pub network: NetworkKind,
     /// Hidden layer widths of the actor.
     pub actor_hidden: Vec<usize>,
-    /// The actor reads which hotspots can begin a tour of all unconfirmed ones (set network only).
-    pub actor_tours: bool,
     /// Hidden layer widths of the critic.
     pub critic_hidden: Vec<usize>,
     /// Input of the critic. The paper's text allows both readings; `reproduce` trains both.
     pub critic_input: CriticInput,
-    /// The critic also sees a map of where hotspots may still be and of where the UAVs are.
-    pub critic_survey: bool,
     /// Scale value targets by running statistics.
     pub normalise_values: bool,
 
@@ -59,20 +53,11 @@ pub struct Settings {
     pub learning_rate: f64,
     /// How it falls over the run.
     pub schedule: Schedule,
-    /// Bound on the norm of a gradient.
-    pub gradient_norm_max: f32,
     /// PPO's clip range ε.
     pub clip: f32,
-    /// Dual-clip bound c (Ye et al., AAAI 2020, take 3): for negative advantages the surrogate is
-    /// at least −c·|A|. Absent: no bound.
-    pub dual_clip: Option<f32>,
-    /// Entropy bonus. Absent: none.
-    pub entropy: Option<Entropy>,
     /// Mean KL divergence of a batch's policy change after which no further epoch runs. Absent: no
     /// bound.
     pub kl_target: Option<f64>,
-    /// Mean KL divergence above which an epoch is undone, and is the last. Absent: none is undone.
-    pub kl_rollback: Option<f64>,
     /// Discount γ, in (0, 1].
     pub discount: f32,
     /// λ of generalised advantage estimation, in (0, 1].
@@ -80,8 +65,6 @@ pub struct Settings {
 
     /// Whose reward an action is judged by.
     pub credit: Credit,
-    /// What the pilot density of an action is judged by.
-    pub pilot_credit: PilotCredit,
     /// Pilot density that replaces the policy's; only motions are trained then. Absent: the policy
     /// chooses it.
     pub constant_pilot: Option<f64>,
@@ -93,22 +76,8 @@ pub struct Settings {
     /// Changes of the reward in training.
     pub shaping: Shaping,
 
-    /// Batches between evaluations; 0: only at the end.
-    pub evaluate_every: usize,
-    /// Episodes of each evaluation.
+    /// Episodes of the evaluation at the end, for each configuration and mode.
     pub evaluation_episodes: usize,
-    /// Batches between checkpoints.
-    pub checkpoint_every: usize,
-}
-
-/// An entropy bonus that falls linearly to 0.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Entropy {
-    /// Weight in the first batch.
-    pub start: f64,
-    /// Batches after which it is 0.
-    pub batches: u64,
 }
 
 /// Changes of the reward in training. All rewards are in the configuration's units.
@@ -119,15 +88,14 @@ pub struct Shaping {
     pub factors: BTreeMap<String, f64>,
     /// Subtracted from the reward of every step.
     pub time_penalty: f64,
-    /// For each confirmation that a UAV is expected to add, with known and with hidden hotspots.
+    /// For each confirmation that a UAV is expected to add, at least 0. Above 0, each pilot density
+    /// is judged by its gain in its own step: detections, throughput and energy, relative to the
+    /// middle of the range. At 0 the advantage judges it, as it does the motion.
     pub detection: f64,
-    /// For each confirmed hotspot that a UAV comes to know.
+    /// For each confirmed hotspot that a UAV comes to know. Once all hotspots are confirmed, 0.6 of
+    /// it is paid for each cell by which a UAV approaches the nearest UAV with other knowledge. A
+    /// step in which a UAV is informed pays nothing for that.
     pub informing: f64,
-    /// For each cell by which a UAV approaches the nearest UAV with other knowledge, once all
-    /// hotspots are confirmed. A step in which a UAV is informed pays nothing.
-    pub meeting: f64,
-    /// Other weights for small fleets.
-    pub small_fleets: Option<SmallFleets>,
 }
 
 /// Networks to choose from.
@@ -149,19 +117,6 @@ pub enum Credit {
     Team,
     /// Each UAV's own reward judges its actions. The mean over the fleet is the team's.
     Uav,
-}
-
-/// What the pilot density of an action is judged by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PilotCredit {
-    /// The advantage judges it, as it does the motion.
-    #[default]
-    Return,
-    /// Its gain in its own step judges it, relative to the middle of the range: detections,
-    /// throughput and energy. Detections have the weight `shaping.detection`. The other UAVs count
-    /// with the highest density where that gives the UAV more.
-    Step,
 }
 
 /// What the critic sees.
@@ -187,43 +142,18 @@ pub struct Curriculum {
     pub stages: u64,
 }
 
-/// Reward weights that replace those of [`Shaping`] for small fleets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SmallFleets {
-    /// UAVs of the largest small fleet.
-    pub uavs_max: usize,
-    /// In place of `shaping.time_penalty`.
-    pub time_penalty: f64,
-    /// In place of `shaping.detection`.
-    pub detection: f64,
-    /// In place of `discount`.
-    pub discount: f32,
-}
-
-/// Reward weights and discount of a fleet of a given size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapingWeights {
-    /// Subtracted from the reward of every step.
-    pub time_penalty: f64,
-    /// For each confirmation that a UAV is expected to add.
-    pub detection: f64,
-    /// Discount γ.
-    pub discount: f32,
-}
-
 impl Settings {
     /// Refuses settings that are out of range or incompatible. The message names the setting, its
     /// value and its range.
     pub fn validate(&self) -> Result<(), String> {
         self.check_ranges()?;
         self.check_batches()?;
-        self.check_detection()?;
         match self.curriculum {
             Some(Curriculum {
                 batches, stages, ..
             }) if !(1..=batches).contains(&stages) => Err(format!(
-                "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches ({batches})"
+                "curriculum.stages: {stages} is not allowed, it must be 1 to curriculum.batches \
+                 ({batches})"
             )),
             _ => Ok(()),
         }
@@ -238,21 +168,14 @@ impl Settings {
             ("minibatch_rows", self.minibatch_rows as u64),
             ("critic_minibatch_rows", self.critic_minibatch_rows as u64),
             ("evaluation_episodes", self.evaluation_episodes as u64),
-            ("checkpoint_every", self.checkpoint_every as u64),
-            (
-                "entropy.batches",
-                self.entropy.map_or(1, |entropy| entropy.batches),
-            ),
         ];
         for (field, value) in counts {
             if value == 0 {
                 return Err(format!("{field}: 0 is not allowed, it must be at least 1"));
             }
         }
-        let small = self.small();
         let unit = [
             ("discount", f64::from(self.discount)),
-            ("shaping.small_fleets.discount", f64::from(small.discount)),
             ("gae_lambda", f64::from(self.gae_lambda)),
             ("sample_fraction", self.sample_fraction),
         ];
@@ -264,23 +187,21 @@ impl Settings {
         let positive = [
             ("learning_rate", self.learning_rate),
             ("clip", f64::from(self.clip)),
-            ("gradient_norm_max", f64::from(self.gradient_norm_max)),
-            // Absent ones bound nothing.
+            // An absent one bounds nothing.
             ("kl_target", self.kl_target.unwrap_or(1.0)),
-            ("kl_rollback", self.kl_rollback.unwrap_or(1.0)),
         ];
         for (field, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(format!("{field}: {value} is not a positive number"));
             }
         }
-        let least = 1.0 + self.clip;
-        match self.dual_clip {
-            Some(bound) if !(bound > least && bound.is_finite()) => Err(format!(
-                "dual_clip: {bound} is not above 1 + clip ({least})"
-            )),
-            _ => Ok(()),
+        let detection = self.shaping.detection;
+        if !(detection >= 0.0 && detection.is_finite()) {
+            return Err(format!(
+                "shaping.detection: {detection} is not a number of at least 0"
+            ));
         }
+        Ok(())
     }
 
     fn check_batches(&self) -> Result<(), String> {
@@ -299,65 +220,19 @@ impl Settings {
         Ok(())
     }
 
-    /// Settings that use expected confirmations need a weight on detection.
-    fn check_detection(&self) -> Result<(), String> {
-        let needs = [
-            ("pilot_credit: step", self.pilot_credit == PilotCredit::Step),
-            ("critic_survey", self.critic_survey),
-        ];
-        let weights = [
-            ("shaping.detection", self.shaping.detection),
-            ("shaping.small_fleets.detection", self.small().detection),
-        ];
-        for (what, _) in needs.into_iter().filter(|&(_, asked)| asked) {
-            for (field, weight) in weights {
-                if weight <= 0.0 {
-                    return Err(format!(
-                        "{what} needs {field}, which is {weight}, it must be above 0"
-                    ));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Weights of the smallest fleets.
-    fn small(&self) -> ShapingWeights {
-        let small = self.shaping.small_fleets;
-        self.shaping_weights(small.map_or(usize::MAX, |small| small.uavs_max))
-    }
-
     /// The settings on a card; none where they are those of another version or of another trainer.
     pub fn of_card(card: &Card) -> Option<Settings> {
         Settings::deserialize(card.settings.as_ref()?).ok()
     }
 
-    /// Reward weights and discount of a fleet of `uavs` UAVs.
-    pub fn shaping_weights(&self, uavs: usize) -> ShapingWeights {
-        match self.shaping.small_fleets {
-            Some(small) if uavs <= small.uavs_max => ShapingWeights {
-                time_penalty: small.time_penalty,
-                detection: small.detection,
-                discount: small.discount,
-            },
-            _ => ShapingWeights {
-                time_penalty: self.shaping.time_penalty,
-                detection: self.shaping.detection,
-                discount: self.discount,
-            },
-        }
+    /// Whether each pilot density is judged by its gain in its own step.
+    pub fn pilot_by_step(&self) -> bool {
+        self.shaping.detection > 0.0 && self.constant_pilot.is_none()
     }
 
     /// Steps of each mission in one iteration.
     pub fn steps_per_batch(&self) -> usize {
         self.batch_steps / self.environments
-    }
-
-    /// Weight of the entropy bonus in this iteration, counted from 0.
-    pub fn entropy_weight(&self, iteration: u64) -> f64 {
-        self.entropy.map_or(0.0, |Entropy { start, batches }| {
-            start * (1.0 - (iteration as f64 / batches as f64).min(1.0))
-        })
     }
 
     /// Actor rows that one core works on at a time. Intermediate tensors of so few stay in its
@@ -376,109 +251,45 @@ impl Settings {
 mod tests {
     use super::*;
 
-    const ALL: [Preset; 4] = [
-        Preset::Paper,
-        Preset::Tuned,
-        Preset::Search,
-        Preset::Mission,
-    ];
-
-    const FEW: SmallFleets = SmallFleets {
-        uavs_max: 5,
-        time_penalty: 2.0,
-        detection: 0.0,
-        discount: 0.985,
-    };
-
     fn told(settings: &Settings) -> String {
         settings.validate().unwrap_err()
     }
 
     #[test]
-    fn the_entropy_bonus_falls_to_nothing() {
-        let settings = Settings {
-            entropy: Some(Entropy {
-                start: 0.4,
-                batches: 20,
-            }),
-            ..Settings::preset(Preset::Tuned)
-        };
-        for (iteration, weight) in [(0, 0.4), (5, 0.3), (20, 0.0), (50, 0.0)] {
-            assert!((settings.entropy_weight(iteration) - weight).abs() < 1e-12);
+    fn numbers_out_of_range_are_refused_by_name() {
+        for preset in [Preset::Paper, Preset::Tuned, Preset::Mission] {
+            Settings::preset(preset).validate().unwrap();
         }
-        assert_eq!(Settings::preset(Preset::Tuned).entropy_weight(0), 0.0);
-    }
-
-    #[test]
-    fn bounds_on_what_a_batch_changes_are_checked_by_name() {
         let mission = || Settings::preset(Preset::Mission);
-        let settings = Settings {
-            dual_clip: Some(1.1),
-            ..mission()
-        };
-        assert!(told(&settings).contains("dual_clip: 1.1 is not above 1 + clip (1.2)"));
-        let settings = Settings {
-            entropy: Some(Entropy {
-                start: 0.1,
-                batches: 0,
-            }),
-            ..mission()
-        };
-        assert!(told(&settings).contains("entropy.batches: 0"));
         for kl in [0.0, -1.0, f64::NAN] {
             let settings = Settings {
                 kl_target: Some(kl),
                 ..mission()
             };
             assert!(told(&settings).contains("kl_target"));
-            let settings = Settings {
-                kl_rollback: Some(kl),
-                ..mission()
-            };
-            assert!(told(&settings).contains("kl_rollback"));
+        }
+        for detection in [-1.0, f64::NAN, f64::INFINITY] {
+            let mut settings = mission();
+            settings.shaping.detection = detection;
+            assert!(told(&settings).contains("shaping.detection"));
         }
     }
 
     #[test]
-    fn presets_are_legal_and_what_needs_a_detection_weight_says_so() {
-        for preset in ALL {
-            Settings::preset(preset).validate().unwrap();
-        }
-        let tuned = Settings::preset(Preset::Tuned);
-        let mut settings = Settings {
-            pilot_credit: PilotCredit::Step,
-            ..tuned.clone()
-        };
-        assert!(told(&settings).contains("pilot_credit: step needs shaping.detection"));
-        settings = Settings {
-            critic_survey: true,
-            ..tuned
-        };
-        assert!(told(&settings).contains("critic_survey needs shaping.detection"));
-        settings = Settings::preset(Preset::Search);
-        settings.shaping.small_fleets = Some(FEW);
-        assert!(told(&settings).contains("shaping.small_fleets.detection"));
-    }
-
-    #[test]
-    fn small_fleets_have_weights_of_their_own() {
+    fn a_pilot_density_is_judged_by_its_step_where_detection_is_paid() {
+        assert!(!Settings::preset(Preset::Tuned).pilot_by_step());
         let mut settings = Settings::preset(Preset::Mission);
-        settings.shaping.small_fleets = None;
-        let all = settings.shaping_weights(5);
-        assert_eq!(all, settings.shaping_weights(6));
-        settings.pilot_credit = PilotCredit::Return;
-        settings.shaping.small_fleets = Some(FEW);
-        settings.validate().unwrap();
-        assert_eq!(settings.shaping_weights(6), all);
-        let few = settings.shaping_weights(5);
-        assert_eq!(
-            (few.time_penalty, few.detection, few.discount),
-            (2.0, 0.0, 0.985)
-        );
-        settings.shaping.small_fleets = Some(SmallFleets {
-            discount: 1.5,
-            ..FEW
-        });
-        assert!(told(&settings).contains("shaping.small_fleets.discount: 1.5"));
+        assert!(settings.pilot_by_step());
+        settings.constant_pilot = Some(0.1);
+        assert!(!settings.pilot_by_step());
+    }
+
+    /// A setting that is added has to take the place of another.
+    #[test]
+    fn there_are_at_most_thirty_settings() {
+        let json = serde_json::to_value(Settings::preset(Preset::Mission)).unwrap();
+        let settings = json.as_object().unwrap();
+        let shaping = settings["shaping"].as_object().unwrap();
+        assert!(settings.len() - 1 + shaping.len() <= 30);
     }
 }

@@ -10,7 +10,7 @@ use crate::ppo::update::{
     ActorObjective, CriticObjective, Learner, MinibatchSettings, Trainable, UpdateStats, evaluate,
 };
 use crate::random::{Purpose, stream_for};
-use crate::settings::{CriticInput, NetworkKind, PilotCredit, Settings};
+use crate::settings::{CriticInput, NetworkKind, Settings};
 use burn_tensor::Device;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -32,7 +32,7 @@ pub struct Iteration {
     pub explained_variance: f64,
     /// Learning rate of the actor.
     pub learning_rate: f64,
-    /// Epochs of the actor before the KL limit, including one that was undone.
+    /// Epochs of the actor before the KL limit.
     pub epochs: usize,
     /// Wall time of the whole iteration.
     pub wall: Duration,
@@ -88,26 +88,27 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 outputs,
                 added: set::added(shape),
                 fleet_size: fleets,
-                tours: settings.actor_tours,
+                tours: false,
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),
                 of_uav: settings.critic_input == CriticInput::StateAndUav,
                 added: set::added(shape),
-                survey: shape.survey_len,
             }),
         ),
     }
 }
 
 impl Trainer {
-    /// Starts a run. Workers are reset; those of equal shape must be adjacent.
+    /// Starts a run on a device, whose tensors are `cpu`, or `cuda`, `wgpu` where built in. Workers
+    /// are reset; those of equal shape must be adjacent.
     pub fn new(
         settings: Settings,
         mut workers: Vec<Box<dyn VectorEnvironment>>,
+        device: &str,
     ) -> Result<Trainer, String> {
         settings.validate()?;
-        let device = device::named(&settings.device)?;
+        let device = device::named(device)?;
         let shape = workers
             .first()
             .ok_or("workers: there must be at least one")?
@@ -124,9 +125,9 @@ impl Trainer {
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
         if settings.network == NetworkKind::Set
-            && workers.iter().map(|worker| worker.shape()).any(|other| {
-                [set::added(&other), other.survey_len] != [set::added(&shape), shape.survey_len]
-            })
+            && workers
+                .iter()
+                .any(|worker| set::added(&worker.shape()) != set::added(&shape))
         {
             return Err(
                 "network: set reads maps and tags of one size, so all missions must show the same"
@@ -206,10 +207,7 @@ impl Trainer {
         };
         let steps = self.settings.steps_per_batch();
         let &Settings { seed, credit, .. } = &self.settings;
-        let pilot_credit = match self.settings.constant_pilot {
-            Some(_) => PilotCredit::Return,
-            None => self.settings.pilot_credit,
-        };
+        let pilot_gains = self.settings.pilot_by_step();
         let iteration = self.iterations;
         self.workers
             .par_iter_mut()
@@ -218,7 +216,7 @@ impl Trainer {
                 let mut random = stream_for(seed, Purpose::Actions, iteration, index as u64);
                 let worker = worker.as_mut();
                 worker.begin_batch(iteration);
-                collect(worker, &policy, steps, credit, pilot_credit, &mut random)
+                collect(worker, &policy, steps, credit, pilot_gains, &mut random)
             })
             .collect()
     }
@@ -261,7 +259,7 @@ impl Trainer {
                     terminated: &rollout.terminated,
                     truncated: &rollout.truncated,
                 },
-                self.settings.shaping_weights(shape.agents).discount,
+                self.settings.discount,
                 self.settings.gae_lambda,
             );
             rollout.values = values;
@@ -290,7 +288,6 @@ impl Trainer {
             minibatch_rows: settings.minibatch_rows,
             shard_rows: settings.shard_rows(),
             learning_rate: rate,
-            gradient_norm_max: settings.gradient_norm_max,
         };
         let critic_step = MinibatchSettings {
             minibatch_rows: settings.critic_minibatch_rows,
@@ -299,8 +296,6 @@ impl Trainer {
         };
         let objective = ActorObjective {
             clip: settings.clip,
-            dual_clip: settings.dual_clip,
-            entropy: settings.entropy_weight(self.iterations),
             sample_fraction: settings.sample_fraction,
             pilot_held: settings.constant_pilot.is_some(),
         };
@@ -316,8 +311,9 @@ impl Trainer {
 
         let (mut actor_sums, mut critic_sums) = (UpdateStats::default(), UpdateStats::default());
         let mut epochs_run = 0;
-        let over = |sums: &UpdateStats, kl: Option<f64>| {
-            kl.is_some_and(|kl| sums.kl / sums.rows.max(1.0) > kl)
+        let too_far = |sums: &UpdateStats| {
+            let kl = sums.kl / sums.rows.max(1.0);
+            settings.kl_target.is_some_and(|target| kl > target)
         };
         for epoch in 0..settings.epochs as u64 {
             let mut random =
@@ -329,11 +325,10 @@ impl Trainer {
                 &mut random,
             );
             critic_sums.merge(&critic);
-            if over(&actor_sums, settings.kl_target) || over(&actor_sums, settings.kl_rollback) {
+            if too_far(&actor_sums) {
                 continue;
             }
-            let before = self.actor.clone();
-            // The log shows the last epoch, which produced the policy or was undone.
+            // The log shows the last epoch, which produced the policy.
             actor_sums = learner.improve_actor(
                 &mut self.actor,
                 settings.head,
@@ -342,9 +337,6 @@ impl Trainer {
                 &mut random,
             );
             epochs_run += 1;
-            if over(&actor_sums, settings.kl_rollback) {
-                self.actor = before;
-            }
         }
         (actor_sums, critic_sums, epochs_run, rate)
     }

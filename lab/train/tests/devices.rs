@@ -33,7 +33,6 @@ fn plan(network: NetworkKind, device: &str) -> RunSpec {
     RunSpec {
         settings: Settings {
             network,
-            device: device.into(),
             actor_hidden: vec![64, 32],
             critic_hidden: vec![64, 32],
             environments: 8,
@@ -54,6 +53,7 @@ fn plan(network: NetworkKind, device: &str) -> RunSpec {
         out: std::env::temp_dir(),
         name: "device".into(),
         precision: Precision::Single,
+        device: device.into(),
     }
 }
 

@@ -22,7 +22,6 @@ Examples:
   jcas-lab train --uavs 10 --hotspots 5 --out run
   jcas-lab train --train-preset paper --preset paper --uavs 15 --hotspots 3,5,7 --out runs
   jcas-lab train --uavs 5,10 --hotspots 3,5 --out run
-  jcas-lab train --preset search --uavs 10 --hotspots 5 --out run
   jcas-lab train --out run --resume
   jcas-lab train --out tuned --from run --train-set learning_rate=0.0001
   jcas evaluate run";
@@ -32,8 +31,6 @@ Examples:
 pub enum TrainingPreset {
     /// What the measurements kept
     Tuned,
-    /// The same for hidden hotspots
-    Search,
     /// The same for a radar that detects in the own cell only
     Mission,
     /// The paper's table
@@ -66,8 +63,8 @@ pub struct Train {
         help_heading = "Configuration"
     )]
     hotspots: Vec<u32>,
-    /// Training settings to start from [default: search where hotspots are hidden, mission where no
-    /// UAV detects one from a neighbouring cell, else tuned]
+    /// Training settings to start from, none of which is for hidden hotspots [default: mission
+    /// where no UAV detects one from a neighbouring cell, else tuned]
     #[arg(long, value_enum, help_heading = "Training")]
     train_preset: Option<TrainingPreset>,
     /// TOML or JSON file whose settings replace those of the preset
@@ -91,6 +88,14 @@ pub struct Train {
     /// Name of the policy in reports [default: the folder's]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
+    /// Device of the tensors: cpu, or cuda, wgpu where built in
+    #[arg(
+        long,
+        value_name = "DEVICE",
+        default_value = "cpu",
+        help_heading = "Training"
+    )]
+    device: String,
     /// Store weights in half precision
     #[arg(long)]
     half: bool,
@@ -156,6 +161,7 @@ impl Train {
             } else {
                 Precision::Single
             },
+            device: self.device.clone(),
         })
     }
 
@@ -184,7 +190,6 @@ impl Train {
     fn settings(&self) -> Result<Settings, CliError> {
         let preset = match self.train_preset {
             Some(TrainingPreset::Tuned) => Preset::Tuned,
-            Some(TrainingPreset::Search) => Preset::Search,
             Some(TrainingPreset::Mission) => Preset::Mission,
             Some(TrainingPreset::Paper) => Preset::Paper,
             None => fitting(&self.config.source()?.resolve()?)?,
@@ -219,11 +224,14 @@ impl Train {
 fn fitting(config: &Config) -> Result<Preset, CliError> {
     let model = Model::new(*config).map_err(CliError::input)?;
     let from_next_cell = model.detection_probability(1, 0, config.pilot_density_max);
-    Ok(match config.target_visibility {
-        TargetVisibility::Hidden => Preset::Search,
-        TargetVisibility::Known if from_next_cell < 0.01 => Preset::Mission,
-        TargetVisibility::Known => Preset::Tuned,
-    })
+    match config.target_visibility {
+        TargetVisibility::Hidden => Err(CliError::input(
+            "target_visibility: hidden has no training preset; `jcas plan` plans the search, \
+             --train-preset trains nevertheless",
+        )),
+        TargetVisibility::Known if from_next_cell < 0.01 => Ok(Preset::Mission),
+        TargetVisibility::Known => Ok(Preset::Tuned),
+    }
 }
 
 /// Replaces the values of a table that another one names, in groups too.
@@ -281,7 +289,8 @@ fn summary(card: &Card, plan: &RunSpec) -> String {
     .to_lowercase();
     for e in &card.evaluations {
         text += &format!(
-            "N = {:2}, n = {:2}, {:13}  success {:.3}  steps {:6.2}  energy {:.4} kWh  throughput {:.3}\n",
+            "N = {:2}, n = {:2}, {:13}  success {:.3}  steps {:6.2}  energy {:.4} kWh  \
+             throughput {:.3}\n",
             e.uav_count,
             e.hotspot_count,
             format!("{:?}", e.mode).to_lowercase(),
@@ -317,7 +326,8 @@ impl Observer for Watcher {
         };
         self.bar.set_position(row.iteration);
         self.bar.set_message(format!(
-            "return {} success {} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} {:.0} steps/s, {left_s:.0} s left",
+            "return {} success {} steps {} entropy {:.2} KL {:.4} clip {:.2} EV {:.2} \
+             {:.0} steps/s, {left_s:.0} s left",
             number(row.return_mean, 1),
             row.success(),
             number(row.mission_steps_mean, 1),
@@ -350,7 +360,8 @@ mod tests {
         assign(&mut table, "shaping.factors.throughput=0.5").unwrap();
         assign(&mut table, "clip=none").unwrap();
         merge(&mut table, parsed("[shaping]\ndetection = 20.0"));
-        let expected = "[shaping]\ntime_penalty = 0.3\ndetection = 20.0\n[shaping.factors]\nenergy = 10.0\nthroughput = 0.5";
+        let expected = "[shaping]\ntime_penalty = 0.3\ndetection = 20.0\n\
+                        [shaping.factors]\nenergy = 10.0\nthroughput = 0.5";
         assert_eq!(table, parsed(expected));
         let refused = assign(&mut table, "shaping.time_penalty.low=1").unwrap_err();
         assert!(refused.to_string().contains("time_penalty is no group"));

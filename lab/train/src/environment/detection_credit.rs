@@ -1,25 +1,19 @@
 //! Detection credit: the expected confirmations that each UAV adds.
 //!
 //! It is a difference reward (Wolpert and Tumer, "Optimal payoff functions for members of
-//! collectives", 2001). A known hotspot counts in its cell. The position of a hidden hotspot begins
-//! uniform and follows Bayes' rule, given what the radar would have missed so far. Unlike a
-//! confirmation, this credit arrives at every step of a search and does not depend on the drawn
-//! positions.
+//! collectives", 2001). Unlike a confirmation, this credit arrives at every step over a hotspot and
+//! does not depend on the drawn detections.
 
-use jcas_core::{Cell, Model, StateRef, TargetVisibility};
+use jcas_core::{Cell, Model, StateRef};
 
 /// Chances below this count as zero.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// State of the credit: what the searches of several episodes have not found yet.
+/// State of the credit: the hotspots that several episodes have not confirmed yet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DetectionCredit {
-    cells: usize,
-    /// One value for each episode and cell. With hidden hotspots it is the chance that a hotspot
-    /// there is still unconfirmed. With known hotspots it is their number.
-    missed: Vec<f64>,
-    /// Unconfirmed hotspots of each mission.
-    open: Vec<usize>,
+    /// Cells of the unconfirmed hotspots of each episode.
+    open: Vec<Vec<Cell>>,
     radar: Radar,
 }
 
@@ -47,33 +41,18 @@ struct Chance {
 impl DetectionCredit {
     /// State for `missions` episodes, before the first of them starts.
     pub fn new(missions: usize, model: &Model<'_>) -> DetectionCredit {
-        let config = model.config();
-        let cells = (config.grid_width * config.grid_height) as usize;
         DetectionCredit {
-            cells,
-            missed: vec![1.0; missions * cells],
-            open: vec![0; missions],
+            open: vec![Vec::new(); missions],
             radar: Radar::new(model),
         }
     }
 
-    /// Starts an episode, in which no cell has been searched.
+    /// Starts an episode, or continues one from this state.
     pub fn start(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
-        self.missed[mission * self.cells..][..self.cells].fill(1.0);
-        self.look(mission, model, state);
-    }
-
-    /// Counts the hotspots that are unconfirmed now, each in its cell where they are known.
-    fn look(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
         let open = (0..model.hotspot_count()).filter(|&hotspot| !state.confirmed(hotspot));
-        self.open[mission] = open.clone().count();
-        if model.config().target_visibility == TargetVisibility::Known {
-            let cells = &mut self.missed[mission * self.cells..][..self.cells];
-            cells.fill(0.0);
-            for cell in open.map(|hotspot| state.hotspot_cell(hotspot)) {
-                cells[(cell.y * model.config().grid_width + cell.x) as usize] += 1.0;
-            }
-        }
+        let cells = &mut self.open[mission];
+        cells.clear();
+        cells.extend(open.map(|hotspot| state.hotspot_cell(hotspot)));
     }
 
     /// Writes the confirmations that each UAV is expected to have added in the step that led to
@@ -93,20 +72,10 @@ impl DetectionCredit {
     ) {
         gains.fill(0.0);
         by_pilot.fill(0.0);
-        if self.open[mission] == 0 {
-            return;
-        }
-        let config = model.config();
-        let missed = &mut self.missed[mission * self.cells..][..self.cells];
-        let each = self.open[mission] as f64 / missed.iter().sum::<f64>();
-        let quorum = config.quorum as usize;
+        let quorum = model.config().quorum as usize;
         let mut chances = Vec::new();
         let (mut now, mut highest) = (Quorum::new(quorum), Quorum::new(quorum));
-        for (index, missed) in (0..).zip(missed).filter(|(_, missed)| **missed > 0.0) {
-            let there = Cell {
-                x: index % config.grid_width,
-                y: index / config.grid_width,
-            };
+        for &there in &self.open[mission] {
             self.radar.chances_of(model, state, there, &mut chances);
             if chances.len() < quorum {
                 continue;
@@ -117,38 +86,14 @@ impl DetectionCredit {
             }
             for (event, chance) in chances.iter().enumerate() {
                 let decides = now.decided_by(event);
-                gains[chance.uav] += each * *missed * decides * chance.now;
+                gains[chance.uav] += decides * chance.now;
                 if let Some(by_pilot) = by_pilot.get_mut(chance.uav) {
                     let decides = decides.max(highest.decided_by(event));
-                    *by_pilot += each * *missed * decides * (chance.now - chance.middling);
+                    *by_pilot += decides * (chance.now - chance.middling);
                 }
             }
-            *missed *= now.fewer();
         }
-        self.look(mission, model, state);
-    }
-
-    /// For each cell: the chance that a hotspot there is still unconfirmed, or the number of known
-    /// unconfirmed ones.
-    pub fn missed(&self, mission: usize) -> &[f64] {
-        &self.missed[mission * self.cells..][..self.cells]
-    }
-
-    /// The words that a resumed run needs.
-    pub fn save(&self) -> impl Iterator<Item = u64> {
-        self.missed.iter().map(|missed| missed.to_bits())
-    }
-
-    /// Restores saved words, after the episodes have been started.
-    pub fn load(&mut self, words: impl Iterator<Item = u64>) {
-        for (missed, word) in self.missed.iter_mut().zip(words) {
-            *missed = f64::from_bits(word);
-        }
-    }
-
-    /// Words of [`Self::save`].
-    pub fn words(&self) -> usize {
-        self.missed.len()
+        self.start(mission, model, state);
     }
 }
 
@@ -224,11 +169,6 @@ impl Quorum {
         one_by_one(&mut self.last, self.quorum, chances.rev());
     }
 
-    /// The chance that fewer than θ happen.
-    fn fewer(&self) -> f64 {
-        self.first[self.first.len() - self.quorum..].iter().sum()
-    }
-
     /// The chance that exactly θ − 1 of the others happen.
     fn decided_by(&self, event: usize) -> f64 {
         let quorum = self.quorum;
@@ -273,7 +213,6 @@ mod tests {
         assert_eq!(quorum(3, &[0.5; 5]).decided_by(1), 6.0 / 16.0);
         assert_eq!(quorum(1, &[0.5; 4]).decided_by(3), 1.0 / 8.0);
         assert_eq!(quorum(4, &[0.5; 3]).decided_by(0), 0.0);
-        assert_eq!(quorum(2, &[0.5; 4]).fewer(), 5.0 / 16.0);
         let unlike = quorum(2, &[0.5, 0.25, 0.125]);
         assert_eq!(unlike.decided_by(0), 0.25 * 0.875 + 0.75 * 0.125);
         assert_eq!(unlike.decided_by(2), 0.5);
@@ -308,28 +247,23 @@ mod tests {
             .sum()
     }
 
-    // A fleet moves apart for two steps, and all outcomes are enumerated. Each UAV adds what the
-    // fleet would confirm less without it. The second step's hotspots are where the first would
-    // have missed them.
+    // A fleet moves apart for two steps over many hotspots, and all outcomes are enumerated. Each
+    // UAV adds what the fleet would confirm less without it.
     #[test]
     fn a_gain_is_the_difference_that_the_uav_makes_to_what_is_not_found_yet() {
         let config = Config {
             uav_count: 5,
-            hotspot_count: 4,
-            ..Config::preset(Preset::Search)
+            hotspot_count: 100,
+            ..Config::preset(Preset::Paper)
         };
         let model = Model::new(config).unwrap();
-        let cells: Vec<Cell> = (0..12)
-            .flat_map(|y| (0..12).map(move |x| Cell { x, y }))
-            .collect();
-        let mut missed = vec![1.0; cells.len()];
         let mut sim = Sim::new(&model);
         sim.reset(3);
         let mut finding = DetectionCredit::new(2, &model);
         finding.start(1, &model, &sim.state());
         let (mut gains, mut by_pilot) = ([0.0; 5], [0.0; 5]);
         for _ in 0..2 {
-            let open = finding.open[1] as f64;
+            let open = finding.open[1].clone();
             sim.step(&[0.4, 0.0, -0.4, 0.3, 0.8, -0.5, 0.0, 1.0, -0.8, 0.2])
                 .unwrap();
             finding
@@ -338,7 +272,6 @@ mod tests {
             let alone = gains;
             finding.gained(1, &model, &sim.state(), &mut gains, &mut by_pilot);
             assert_eq!(gains, alone, "whoever asks");
-            let total: f64 = missed.iter().sum();
             let now: Vec<_> = (0..5)
                 .map(|uav| Some(sim.state().pilot_density(uav)))
                 .collect();
@@ -352,10 +285,8 @@ mod tests {
                     densities[uav] = instead;
                     with - confirms(&sim, &model, there, &densities)
                 };
-                let sum = |in_cell: &dyn Fn(Cell) -> f64| {
-                    let each = cells.iter().zip(&missed);
-                    let each = each.map(|(&there, missed)| missed * in_cell(there));
-                    each.sum::<f64>() * open / total
+                let sum = |in_cell: &dyn Fn(Cell) -> f64| -> f64 {
+                    open.iter().map(|&there| in_cell(there)).sum()
                 };
                 let expected = sum(&|there| own(there, &now, None));
                 assert!(*gain > 0.01, "{gains:?}");
@@ -371,9 +302,13 @@ mod tests {
                 );
                 assert!(by_pilot.abs() > 1e-6 || uav == 0, "its density is middling");
             }
-            for (&there, missed) in cells.iter().zip(&mut missed) {
-                *missed *= 1.0 - confirms(&sim, &model, there, &now);
-            }
+            let confirmed = |&cell: &Cell| {
+                let mut hotspots = 0..model.hotspot_count();
+                let hotspot = hotspots.find(|&hotspot| sim.state().hotspot_cell(hotspot) == cell);
+                sim.state().confirmed(hotspot.unwrap())
+            };
+            let expected: Vec<Cell> = open.into_iter().filter(|cell| !confirmed(cell)).collect();
+            assert_eq!(finding.open[1], expected);
         }
     }
 
@@ -402,24 +337,5 @@ mod tests {
             let expected = high * high * (low - middling);
             assert!((by_pilot - expected).abs() < 1e-12, "{by_pilot} {expected}");
         }
-    }
-
-    #[test]
-    fn what_is_saved_is_what_goes_on() {
-        let model = Model::new(Config::preset(Preset::Search)).unwrap();
-        let mut sim = Sim::new(&model);
-        sim.reset(5);
-        let mut finding = DetectionCredit::new(1, &model);
-        finding.start(0, &model, &sim.state());
-        let mut gains = vec![0.0; model.uav_count()];
-        let mut by_pilot = gains.clone();
-        let actions = vec![0.3; 2 * model.uav_count()];
-        sim.step(&actions).unwrap();
-        finding.gained(0, &model, &sim.state(), &mut gains, &mut by_pilot);
-        let mut other = DetectionCredit::new(1, &model);
-        other.start(0, &model, &sim.state());
-        assert_ne!(other.missed, finding.missed);
-        other.load(finding.save());
-        assert_eq!(other.missed, finding.missed);
     }
 }

@@ -1,6 +1,5 @@
 //! Episodes of jcas for the trainer: one slab of states that the kernel steps in batch.
 
-use super::belief_map::SearchBeliefMap;
 use super::detection_credit::DetectionCredit;
 use super::knowledge_credit::{Informed, KnowledgeCredit};
 use super::task::TrainingTask;
@@ -13,6 +12,9 @@ use jcas_core::{Metrics, Model, Scratch};
 use jcas_simd::InstructionSet;
 use std::sync::Arc;
 
+/// Reward for a cell nearer to a UAV with other knowledge, as a share of that for informing.
+const MEETING: f64 = 0.6;
+
 /// Changes that training makes to the reward and the actions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RewardShaping {
@@ -24,8 +26,6 @@ pub struct RewardShaping {
     pub time_penalty: f64,
     /// Paid to each UAV for each confirmation that it is expected to add.
     pub detection: f64,
-    /// The critic sees where hotspots may still be.
-    pub critic_survey: bool,
     /// Paid to each UAV for each confirmed hotspot that it comes to know.
     pub informing: f64,
     /// Paid to each UAV, once all hotspots are confirmed, for each cell nearer to a UAV with other
@@ -36,21 +36,16 @@ pub struct RewardShaping {
 }
 
 impl RewardShaping {
-    /// The shaping of the settings for fleets of a given size. An unknown component is an error.
-    pub fn new(
-        settings: &Settings,
-        uavs: usize,
-        constant_pilot: Option<f32>,
-    ) -> Result<RewardShaping, String> {
-        let weights = settings.shaping_weights(uavs);
+    /// The shaping of the settings. An unknown component is an error.
+    pub fn new(settings: &Settings, constant_pilot: Option<f32>) -> Result<RewardShaping, String> {
+        let shaping = &settings.shaping;
         let mut treatment = RewardShaping {
             factors: [1.0; COMPONENTS],
             pilot_factors: [0.0; COMPONENTS],
-            time_penalty: weights.time_penalty,
-            detection: weights.detection,
-            critic_survey: settings.critic_survey,
-            informing: settings.shaping.informing,
-            meeting: settings.shaping.meeting,
+            time_penalty: shaping.time_penalty,
+            detection: shaping.detection,
+            informing: shaping.informing,
+            meeting: MEETING * shaping.informing,
             constant_pilot,
         };
         for (name, &factor) in &settings.shaping.factors {
@@ -102,15 +97,12 @@ pub struct Fleet {
     scratch: Vec<u64>,
     observations: Vec<f32>,
     global: Vec<f32>,
-    final_global: Vec<f32>,
     components: Vec<f64>,
     uav_components: Vec<f64>,
     informing: KnowledgeCredit,
     informed: Informed,
     /// The detection credit, if it has a weight.
     finding: Option<DetectionCredit>,
-    /// The critic's map, if the critic reads one.
-    survey: Option<SearchBeliefMap>,
     /// Additional rewards of each UAV of an episode, with the gains that they pay for.
     extra: [Vec<f64>; 2],
     /// Confirmations of each UAV of an episode that are due to its pilot density.
@@ -136,16 +128,12 @@ impl Fleet {
             scratch: vec![0; Scratch::words_for(&model)],
             observations: vec![0.0; environments * uavs * model.observation_len()],
             global: vec![0.0; environments * model.global_len()],
-            final_global: vec![0.0; environments * model.global_len()],
             components: vec![0.0; environments * COMPONENTS],
             uav_components: Vec::new(),
             informing: KnowledgeCredit::new(environments, uavs),
             informed: Informed::default(),
             finding: (treatment.detection != 0.0)
                 .then(|| DetectionCredit::new(environments, &model)),
-            survey: treatment
-                .critic_survey
-                .then(|| SearchBeliefMap::new(environments, &model)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
@@ -195,34 +183,6 @@ impl Fleet {
             if let Some(finding) = &mut self.finding {
                 finding.start(m, &self.model, &state);
             }
-        }
-    }
-
-    /// Draws the maps of the present states, if the critic reads them.
-    fn draw(&mut self) {
-        let (Some(survey), Some(finding)) = (&mut self.survey, &self.finding) else {
-            return;
-        };
-        let states = self.states.chunks_exact(self.model.state_words());
-        for (m, state) in states.enumerate() {
-            let state = self.model.state(state).expect("a state of this model");
-            survey.draw(m, &self.model, &state, finding.missed(m));
-        }
-    }
-
-    /// Number of floats of the global state that the kernel does not write.
-    fn survey_len(&self) -> usize {
-        self.survey.as_ref().map_or(0, SearchBeliefMap::map_len)
-    }
-
-    /// Writes the critic's input of each episode: the state, then the map that was last drawn.
-    fn join(&self, states: &[f32], out: &mut [f32]) {
-        let (state_len, map_len) = (self.model.global_len(), self.survey_len());
-        let maps = self.survey.as_ref().map_or(&[][..], SearchBeliefMap::maps);
-        for (m, row) in out.chunks_exact_mut(state_len + map_len).enumerate() {
-            let (state, map) = row.split_at_mut(state_len);
-            state.copy_from_slice(&states[m * state_len..(m + 1) * state_len]);
-            map.copy_from_slice(&maps[m * map_len..(m + 1) * map_len]);
         }
     }
 
@@ -292,8 +252,7 @@ impl VectorEnvironment for Fleet {
             environments: self.environments,
             agents: self.model.uav_count(),
             observation_len: self.model.observation_len(),
-            global_len: self.model.global_len() + self.survey_len(),
-            survey_len: self.survey_len(),
+            global_len: self.model.global_len(),
             hotspots: self.model.hotspot_count(),
             neighbour_slots: self.model.neighbour_slots(),
             grid: [config.grid_width, config.grid_height],
@@ -315,8 +274,7 @@ impl VectorEnvironment for Fleet {
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
         observations.copy_from_slice(&self.observations);
-        self.draw();
-        self.join(&self.global, global);
+        global.copy_from_slice(&self.global);
     }
 
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
@@ -348,7 +306,7 @@ impl VectorEnvironment for Fleet {
                     terminated,
                     truncated,
                     final_observations: &mut out.final_observations,
-                    final_global: &mut self.final_global,
+                    final_global: &mut out.final_global,
                     final_metrics: &mut self.metrics,
                     uav_components: &mut self.uav_components,
                     ..BatchOut::default()
@@ -364,27 +322,16 @@ impl VectorEnvironment for Fleet {
                 out.finished.push(Episode::of(&self.metrics[m]));
             }
         }
-        if !out.finished.is_empty() {
-            // The maps are those before the step, because the present states belong to the next
-            // episodes.
-            self.join(&self.final_global, &mut out.final_global);
-        }
     }
 
     fn save(&self) -> Vec<u8> {
-        let finding = self.finding.iter().flat_map(DetectionCredit::save);
-        std::iter::once(self.stage)
-            .chain(self.states.iter().copied())
-            .chain(finding)
-            .flat_map(u64::to_le_bytes)
-            .collect()
+        let words = std::iter::once(self.stage).chain(self.states.iter().copied());
+        words.flat_map(u64::to_le_bytes).collect()
     }
 
-    /// Restores the stage, the states and, if it has a weight, the detection credit. The
-    /// observations follow from these.
+    /// Restores the stage and the states. The observations and the credits follow from these.
     fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let finding = self.finding.as_ref().map_or(0, DetectionCredit::words);
-        let expected = (1 + self.states.len() + finding) * 8;
+        let expected = (1 + self.states.len()) * 8;
         if bytes.len() != expected {
             return Err(format!(
                 "environment state: {} bytes, this run needs {expected}",
@@ -393,11 +340,8 @@ impl VectorEnvironment for Fleet {
         }
         let mut stage = self.stage;
         let words = std::iter::once(&mut stage).chain(&mut self.states);
-        let mut saved = bytes
-            .chunks_exact(8)
-            .map(|bytes| u64::from_le_bytes(bytes.try_into().expect("chunks of eight")));
-        for (word, saved) in words.zip(&mut saved) {
-            *word = saved;
+        for (word, bytes) in words.zip(bytes.chunks_exact(8)) {
+            *word = u64::from_le_bytes(bytes.try_into().expect("chunks of eight"));
         }
         self.enter(stage);
         let words = self.model.state_words();
@@ -415,9 +359,6 @@ impl VectorEnvironment for Fleet {
                 .map_err(|error| error.to_string())?;
         }
         self.look();
-        if let Some(finding) = &mut self.finding {
-            finding.load(saved);
-        }
         Ok(())
     }
 }
@@ -450,11 +391,10 @@ mod tests {
                 batches: 1,
                 stages: 1,
             }),
-            ..Settings::preset(Preset::Search)
+            ..Settings::preset(Preset::Mission)
         };
-        let task =
-            TrainingTask::new(&Config::preset(jcas_core::Preset::Search), &settings).unwrap();
-        let treatment = RewardShaping::new(&settings, 10, None).unwrap();
+        let task = TrainingTask::new(&Config::default(), &settings).unwrap();
+        let treatment = RewardShaping::new(&settings, None).unwrap();
         let mut fleet = Fleet::new(task, 2, treatment);
         let (first, saved) = (fleet.finding.clone(), fleet.save());
         fleet.begin_batch(1);

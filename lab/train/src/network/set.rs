@@ -3,7 +3,8 @@
 //! The output does not depend on the order of hotspots and neighbours, and their number is free. So
 //! one set of weights serves any fleet and any number of hotspots. Some features are computed,
 //! because learning them would take one layer or several. These are the distance of a hotspot in
-//! cells and the UAVs at and around it. An option adds the hotspots that can begin a tour.
+//! cells and the UAVs at and around it. Some shipped policies also read which hotspots
+//! can begin a tour.
 
 mod features;
 
@@ -81,14 +82,12 @@ pub(super) struct Critic {
     pub of_uav: bool,
     /// Fields that maps and tags add to that observation.
     pub added: usize,
-    /// Fields at the end of the global state that show where hotspots may still be.
-    pub survey: usize,
 }
 
 impl Critic {
     /// Fields that are of no hotspot and of no other UAV.
     fn common(self) -> usize {
-        COMMON + self.survey + if self.of_uav { OWN + self.added } else { 0 }
+        COMMON + if self.of_uav { OWN + self.added } else { 0 }
     }
 
     /// Fields of each hotspot.
@@ -303,15 +302,13 @@ mod tests {
     }
 
     fn with_maps(agents: usize, hotspots: usize, added: usize) -> Shape {
-        let survey_len = added / 2;
         Shape {
             environments: 1,
             agents,
             hotspots,
             neighbour_slots: agents - 1,
             observation_len: 11 + 4 * hotspots + 3 * (agents - 1) + added,
-            global_len: 6 * agents + 4 * hotspots + 4 + survey_len,
-            survey_len,
+            global_len: 6 * agents + 4 * hotspots + 4,
             grid: [12, 12],
         }
     }
@@ -393,7 +390,6 @@ mod tests {
                     hidden,
                     of_uav,
                     added,
-                    survey: shape.survey_len,
                 })
             };
             let critics = [critic(false), critic(true)];
@@ -462,7 +458,6 @@ mod tests {
             hidden: vec![16],
             of_uav: false,
             added: 0,
-            survey: 0,
         };
         let shape = shape(3, 2);
         let row = row(shape.global_len, &mut crate::random::stream(9, 1));

@@ -3,7 +3,7 @@
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::head::LearningHead;
 use crate::network::{Network, values};
-use crate::settings::{Credit, CriticInput, PilotCredit};
+use crate::settings::{Credit, CriticInput};
 use burn_tensor::Device;
 use jcas_policy::head::Head;
 use rand_chacha::ChaCha8Rng;
@@ -75,17 +75,18 @@ pub struct ActingPolicy<'a> {
     pub device: &'a Device,
 }
 
-/// Steps every episode of `environment` `steps` times.
+/// Steps every episode of `environment` `steps` times. With `pilot_gains` the rollout also holds the
+/// gain of each pilot density in its step.
 pub fn collect(
     environment: &mut dyn VectorEnvironment,
     policy: &ActingPolicy,
     steps: usize,
     credit: Credit,
-    pilot_credit: PilotCredit,
+    pilot_gains: bool,
     random: &mut ChaCha8Rng,
 ) -> Rollout {
     let shape = environment.shape();
-    let mut out = StepOut::new(shape, credit, pilot_credit);
+    let mut out = StepOut::new(shape, credit, pilot_gains);
     let mut rollout = Rollout::new(shape, steps, &out);
     let weights = policy.network.tensors(policy.parameters, policy.device);
     let mut actions = vec![0.0; shape.rows() * 2];

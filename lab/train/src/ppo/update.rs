@@ -39,6 +39,9 @@ impl Trainable {
     }
 }
 
+/// Bound on the norm of a gradient.
+const GRADIENT_NORM_MAX: f32 = 0.5;
+
 /// A row of the batch: which rollout, which of its rows.
 type Row = (u32, u32);
 
@@ -54,8 +57,6 @@ pub struct MinibatchSettings {
     pub shard_rows: usize,
     /// Adam's rate.
     pub learning_rate: f64,
-    /// Clip of the gradient's norm.
-    pub gradient_norm_max: f32,
 }
 
 /// The actor's objective.
@@ -63,10 +64,6 @@ pub struct MinibatchSettings {
 pub struct ActorObjective {
     /// Clip range ε.
     pub clip: f32,
-    /// Bound on the ratio for negative advantages (dual clip). None: no bound.
-    pub dual_clip: Option<f32>,
-    /// Weight of the entropy bonus.
-    pub entropy: f64,
     /// Share of rows to visit.
     pub sample_fraction: f64,
     /// The pilot density is constant, so only motions are trained.
@@ -74,16 +71,10 @@ pub struct ActorObjective {
 }
 
 impl ActorObjective {
-    /// The objective that PPO maximises: min(ratio · A, clipped ratio · A), with the dual clip's
-    /// bound.
+    /// The objective that PPO maximises: min(ratio · A, clipped ratio · A).
     fn gain(&self, ratio: Tensor<2>, advantages: Tensor<2>) -> Tensor<2> {
         let clipped = ratio.clone().clamp(1.0 - self.clip, 1.0 + self.clip);
-        let gain = (ratio * advantages.clone()).min_pair(clipped * advantages.clone());
-        match self.dual_clip {
-            // Positive advantages give positive gains, which this leaves alone.
-            Some(bound) => gain.max_pair(advantages.abs().mul_scalar(-bound)),
-            None => gain,
-        }
+        (ratio * advantages.clone()).min_pair(clipped * advantages)
     }
 }
 
@@ -291,8 +282,7 @@ impl Learner<'_> {
         let ratio = log_ratio.clone().exp();
         let gain = objective.gain(ratio, advantages);
         let entropy = densities.entropies.sum_dim(1);
-        let bonus = entropy.clone().mul_scalar(objective.entropy);
-        let loss = (gain + bonus).sum().neg().div_scalar(minibatch_rows as f64);
+        let loss = gain.sum().neg().div_scalar(minibatch_rows as f64);
 
         let mut sums = UpdateStats {
             rows: shard.len() as f64,
@@ -424,7 +414,7 @@ fn run_minibatches(
             &mut model.parameters,
             &sum,
             step.learning_rate,
-            step.gradient_norm_max,
+            GRADIENT_NORM_MAX,
         );
         total.gradient_norm += f64::from(norm);
         total.updates += 1.0;
@@ -448,39 +438,26 @@ pub fn evaluate(critic: &Trainable, features: &[f32], shape: &Shape, device: &De
 mod tests {
     use super::*;
     use crate::environment::StepOut;
-    use crate::settings::{Credit, PilotCredit};
+    use crate::settings::Credit;
 
     // Computed by hand: a ratio of 2 counts 1.2 for a good action and 2 for a bad one. A ratio of
-    // 10 counts 3 for a bad action. A ratio of 0.5 counts 0.5 for a good action and 0.8 for a bad
-    // one. Where the bound applies, the gradient is 0.
+    // 0.5 counts 0.5 for a good action and 0.8 for a bad one. Where the clip applies, the gradient
+    // is 0.
     #[test]
-    fn bad_actions_count_without_bound_but_for_the_dual_clip() {
+    fn the_clip_bounds_the_gain_of_good_actions_and_no_loss_of_bad_ones() {
         let device = Device::flex().autodiff();
-        let gain = |dual_clip: Option<f32>| {
-            let objective = ActorObjective {
-                clip: 0.2,
-                dual_clip,
-                entropy: 0.0,
-                sample_fraction: 1.0,
-                pilot_held: false,
-            };
-            let row = |values: [f32; 5]| matrix(values.to_vec(), 5, &device);
-            let ratio = row([2.0, 2.0, 10.0, 0.5, 0.5]).require_grad();
-            let gain = objective.gain(ratio.clone(), row([1.0, -1.0, -1.0, 1.0, -1.0]));
-            let gradients = gain.clone().sum().backward();
-            (values(gain), values(ratio.grad(&gradients).unwrap()))
+        let objective = ActorObjective {
+            clip: 0.2,
+            sample_fraction: 1.0,
+            pilot_held: false,
         };
-        let bounded = (
-            vec![1.2, -2.0, -3.0, 0.5, -0.8],
-            vec![0.0, -1.0, 0.0, 1.0, 0.0],
-        );
-        assert_eq!(gain(Some(3.0)), bounded);
-        let (gains, slopes) = gain(None);
-        assert_eq!((gains[2], slopes[2]), (-10.0, -1.0));
-        assert_eq!(
-            (&gains[..2], &gains[3..]),
-            (&bounded.0[..2], &bounded.0[3..])
-        );
+        let row = |values: [f32; 4]| matrix(values.to_vec(), 4, &device);
+        let ratio = row([2.0, 2.0, 0.5, 0.5]).require_grad();
+        let gain = objective.gain(ratio.clone(), row([1.0, -1.0, 1.0, -1.0]));
+        let gradients = gain.clone().sum().backward();
+        assert_eq!(values(gain), [1.2, -2.0, 0.5, -0.8]);
+        let slopes = values(ratio.grad(&gradients).unwrap());
+        assert_eq!(slopes, [0.0, -1.0, 1.0, 0.0]);
     }
 
     /// Two steps of one mission.
@@ -490,7 +467,7 @@ mod tests {
             agents,
             ..Shape::default()
         };
-        let out = StepOut::new(shape, Credit::Uav, PilotCredit::Return);
+        let out = StepOut::new(shape, Credit::Uav, false);
         let mut rollout = Rollout::new(shape, 2, &out);
         rollout.advantages = advantages;
         rollout

@@ -1,9 +1,6 @@
-//! The four sets of settings that have a name.
+//! The three sets of settings that have a name.
 
-use super::{
-    Credit, CriticInput, Curriculum, Entropy, NetworkKind, PilotCredit, Settings, Shaping,
-    SmallFleets,
-};
+use super::{Credit, CriticInput, Curriculum, NetworkKind, Settings, Shaping};
 use crate::ppo::schedule::Schedule;
 use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
@@ -17,8 +14,6 @@ pub enum Preset {
     Paper,
     /// What the measurements in `lab/log` kept.
     Tuned,
-    /// The same for missions whose hotspots are hidden: paid for searching, not for coming nearer.
-    Search,
     /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot
     /// densities are judged by their own step.
     Mission,
@@ -31,10 +26,9 @@ impl std::str::FromStr for Preset {
         match name {
             "paper" => Ok(Preset::Paper),
             "tuned" => Ok(Preset::Tuned),
-            "search" => Ok(Preset::Search),
             "mission" => Ok(Preset::Mission),
             _ => Err(format!(
-                "training preset: {name:?} is not one of paper, tuned, search, mission"
+                "training preset: {name:?} is not one of paper, tuned, mission"
             )),
         }
     }
@@ -46,7 +40,6 @@ impl Settings {
         match preset {
             Preset::Paper => Settings::paper(),
             Preset::Tuned => Settings::tuned(),
-            Preset::Search => Settings::search(),
             Preset::Mission => Settings::mission(),
         }
     }
@@ -54,14 +47,11 @@ impl Settings {
     fn paper() -> Settings {
         Settings {
             seed: 0,
-            device: "cpu".to_owned(),
             head: Head::Gaussian,
             network: NetworkKind::Mlp,
             actor_hidden: vec![512, 256, 128],
-            actor_tours: false,
             critic_hidden: vec![512, 256, 128],
             critic_input: CriticInput::State,
-            critic_survey: false,
             normalise_values: false,
             environments: 64,
             workers: 8,
@@ -73,23 +63,16 @@ impl Settings {
             sample_fraction: 1.0,
             learning_rate: 3e-4,
             schedule: Schedule::Constant,
-            gradient_norm_max: 0.5,
             clip: 0.2,
-            dual_clip: None,
-            entropy: None,
             kl_target: None,
-            kl_rollback: None,
             discount: 0.95,
             gae_lambda: 0.95,
             credit: Credit::Team,
-            pilot_credit: PilotCredit::Return,
             constant_pilot: None,
             config_overrides: BTreeMap::new(),
             curriculum: None,
             shaping: Shaping::default(),
-            evaluate_every: 0,
             evaluation_episodes: 100,
-            checkpoint_every: 10,
         }
     }
 
@@ -127,33 +110,9 @@ impl Settings {
                 ]),
                 time_penalty: 0.3,
                 informing: 5.0,
-                meeting: 3.0,
                 ..Shaping::default()
             },
             ..Settings::paper()
-        }
-    }
-
-    fn search() -> Settings {
-        let mut settings = Settings::tuned();
-        settings
-            .config_overrides
-            .insert("shaping_goal_weight".to_owned(), 0.0.into());
-        Settings {
-            critic_survey: true,
-            shaping: Shaping {
-                detection: 20.0,
-                informing: 0.0,
-                meeting: 0.0,
-                small_fleets: Some(SmallFleets {
-                    uavs_max: 5,
-                    time_penalty: 2.0,
-                    detection: 5.0,
-                    discount: 0.985,
-                }),
-                ..settings.shaping
-            },
-            ..settings
         }
     }
 
@@ -162,31 +121,14 @@ impl Settings {
         let shaping = &mut settings.shaping;
         shaping.factors.insert("energy".to_owned(), 10.0);
         shaping.detection = 60.0;
-        // Five need a larger weight, or no pilot density of theirs is worth its throughput.
-        shaping.small_fleets = Some(SmallFleets {
-            uavs_max: 5,
-            time_penalty: shaping.time_penalty,
-            detection: 240.0,
-            discount: settings.discount,
-        });
         Settings {
-            actor_tours: true,
             total_steps: 400 * 5120,
-            pilot_credit: PilotCredit::Step,
             curriculum: Some(Curriculum {
                 threshold_db: -10.0,
                 batches: 100,
                 stages: 25,
             }),
-            dual_clip: Some(3.0),
-            // While the radar is easy no UAV has to stay over a hotspot, and fleets would unlearn
-            // it.
-            entropy: Some(Entropy {
-                start: 0.02,
-                batches: 120,
-            }),
             kl_target: Some(0.05),
-            kl_rollback: Some(1.0),
             ..settings
         }
     }

@@ -8,16 +8,13 @@ use jcas_policy::head::Head;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
 use jcas_train::run::{Observer, RunSpec, Start};
-use jcas_train::settings::{
-    Curriculum, NetworkKind, PilotCredit, Preset, Settings, Shaping, SmallFleets,
-};
+use jcas_train::settings::{Curriculum, NetworkKind, Preset, Settings, Shaping};
 
 fn settings(network: NetworkKind) -> Settings {
     Settings {
         network,
         head: Head::Hybrid,
         actor_hidden: vec![24, 16],
-        actor_tours: network == NetworkKind::Set,
         critic_hidden: vec![24, 16],
         environments: 8,
         workers: 4,
@@ -27,17 +24,12 @@ fn settings(network: NetworkKind) -> Settings {
         minibatch_rows: 128,
         critic_minibatch_rows: 64,
         normalise_values: true,
-        evaluate_every: 3,
         evaluation_episodes: 2,
-        checkpoint_every: 2,
-        critic_survey: true,
         shaping: Shaping {
             detection: 1.0,
             informing: 1.0,
-            meeting: 1.0,
             ..Shaping::default()
         },
-        pilot_credit: PilotCredit::Step,
         // The radar changes before the third and before the fourth batch.
         curriculum: Some(Curriculum {
             threshold_db: -10.0,
@@ -74,6 +66,7 @@ fn plan(name: &str, settings: Settings) -> RunSpec {
         out,
         name: name.into(),
         precision: Precision::Single,
+        device: "cpu".into(),
     }
 }
 
@@ -117,37 +110,4 @@ fn the_success_of_the_first_to_end_is_called_so() {
     plan.train(&Start::Fresh, &mut successes).unwrap();
     assert_eq!(successes.0, ["1.00 of the first to end", "1.00"]);
     std::fs::remove_dir_all(plan.out).unwrap();
-}
-
-/// A fleet that is small learns as one whose settings are those of small fleets, and no other does.
-#[test]
-fn small_fleets_are_trained_by_what_they_are_paid() {
-    let trained = |name: &str, settings: Settings| {
-        let plan = plan(name, settings);
-        plan.train(&Start::Fresh, &mut StopAfter(3)).unwrap();
-        let text = std::fs::read_to_string(plan.out.join("metrics.csv")).unwrap();
-        std::fs::remove_dir_all(&plan.out).unwrap();
-        // Up to the wall time.
-        let of_line = |line: &str| line.split(',').take(18).collect::<Vec<_>>().join(",");
-        text.lines().map(of_line).collect::<Vec<_>>()
-    };
-    let small = |uavs_max| {
-        let mut settings = settings(NetworkKind::Set);
-        settings.shaping.small_fleets = Some(SmallFleets {
-            uavs_max,
-            time_penalty: 2.0,
-            detection: 7.0,
-            discount: 0.9,
-        });
-        settings
-    };
-    let all = trained("none-small", small(3));
-    let few = trained("small", small(4));
-    let mut as_few = settings(NetworkKind::Set);
-    as_few.shaping.time_penalty = 2.0;
-    as_few.shaping.detection = 7.0;
-    as_few.discount = 0.9;
-    assert_eq!(few, trained("as-small", as_few));
-    assert_eq!(all, trained("as-large", settings(NetworkKind::Set)));
-    assert_ne!(few, all);
 }

@@ -74,8 +74,22 @@ fn same_outputs(actor: &Actor, model: &Model<'static>) {
     }
 }
 
+/// A shipped policy that reads which hotspots can begin a tour. Training makes none any more.
+fn with_tours() -> (Actor, Model<'static>) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/fleet");
+    let (card, actor) = files::load(Path::new(folder)).unwrap();
+    let reads = match actor.network.architecture {
+        Architecture::SetActor { tours, .. } => tours,
+        _ => false,
+    };
+    assert!(reads);
+    (actor, Model::new(card.config).unwrap())
+}
+
 #[test]
 fn what_flies_is_what_was_trained() {
+    let (actor, model) = with_tours();
+    same_outputs(&actor, &model);
     let model = Model::new(config()).unwrap();
     for network in [NetworkKind::Mlp, NetworkKind::Set] {
         let plan = plan(&format!("flies-{network:?}"), settings(network));
@@ -150,11 +164,7 @@ fn the_set_network_reads_search_maps() {
         horizon_steps: 20,
         ..Config::preset(jcas_core::Preset::Search)
     };
-    let without_tours = Settings {
-        actor_tours: false,
-        ..settings(NetworkKind::Set)
-    };
-    let mut plan = plan("maps", without_tours);
+    let mut plan = plan("maps", settings(NetworkKind::Set));
     plan.configs = vec![searched];
     plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
@@ -176,7 +186,7 @@ fn the_set_network_reads_the_size_of_the_fleet() {
     plan.train(&Start::Fresh, &mut NoObserver).unwrap();
     let stored = card::load(&plan.out).unwrap();
     assert_eq!(stored.card.trained_on, [(4, 3), (7, 3)]);
-    assert_eq!(stored.card.evaluations.len(), 2 * 3);
+    assert_eq!(stored.card.evaluations.len(), 2 * Mode::ALL.len());
     let reads = |actor: &Actor| match actor.network.architecture {
         Architecture::SetActor { fleet_size, .. } => fleet_size,
         _ => false,
@@ -241,35 +251,30 @@ fn onnxruntime_gives_the_same_actions() {
             &format!("onnx-{network:?}-{head:?}"),
             Settings {
                 head,
-                actor_tours: head == Head::Hybrid,
                 ..settings(network)
             },
         );
         plan.configs = configs;
         plan.train(&Start::Fresh, &mut NoObserver).unwrap();
         let model = Model::new(config()).unwrap();
-        let (_, actor) = files::load(&plan.out).unwrap();
-        let graph = onnx::encode(&actor, &shape_of(&model));
-        std::fs::write(plan.out.join("policy.onnx"), graph).unwrap();
-        let observations = observations(&model);
-        let mut policy = actor.fly("p", Mode::Deterministic);
-        let outputs = policy.outputs(&model, &observations).unwrap();
-        let actions: Vec<f32> = outputs
-            .chunks_exact(head.outputs())
-            .flat_map(|row| head.deterministic(row))
-            .collect();
-        compare(
-            &python,
-            &plan.out,
-            &observations,
-            [&outputs, &actions],
-            model.uav_count(),
-        );
+        compare(&python, &files::load(&plan.out).unwrap().1, &model);
         std::fs::remove_dir_all(&plan.out).unwrap();
     }
+    let (actor, model) = with_tours();
+    compare(&python, &actor, &model);
 }
 
-fn compare(python: &str, folder: &Path, input: &[f32], expected: [&[f32]; 2], rows: usize) {
+fn compare(python: &str, actor: &Actor, model: &Model<'static>) {
+    let graph = std::env::temp_dir().join(format!("jcas-train-{}.onnx", std::process::id()));
+    std::fs::write(&graph, onnx::encode(actor, &shape_of(model))).unwrap();
+    let input = observations(model);
+    let mut policy = actor.fly("p", Mode::Deterministic);
+    let outputs = policy.outputs(model, &input).unwrap();
+    let actions: Vec<f32> = outputs
+        .chunks_exact(actor.head.outputs())
+        .flat_map(|row| actor.head.deterministic(row))
+        .collect();
+    let (expected, rows) = ([outputs, actions], model.uav_count());
     let script = "
 import json, sys, numpy, onnx, onnxruntime
 onnx.checker.check_model(sys.argv[1], full_check=True)
@@ -284,7 +289,7 @@ for name, want in zip(('distribution', 'actions'), given['expected']):
     use std::io::Write;
     let mut child = std::process::Command::new(python)
         .args(["-c", script])
-        .arg(folder.join("policy.onnx"))
+        .arg(&graph)
         .stdin(std::process::Stdio::piped())
         .spawn()
         .unwrap();
@@ -296,4 +301,5 @@ for name, want in zip(('distribution', 'actions'), given['expected']):
         .write_all(given.to_string().as_bytes())
         .unwrap();
     assert!(child.wait().unwrap().success());
+    std::fs::remove_file(&graph).unwrap();
 }

@@ -105,7 +105,6 @@ impl VectorEnvironment for Beacon {
             agents: self.agents,
             observation_len: FIELDS,
             global_len: 1 + 2 * self.agents,
-            survey_len: 0,
             hotspots: 0,
             neighbour_slots: 0,
             grid: [SIDE as u32; 2],

@@ -70,11 +70,11 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
     out
 }
 
-/// The critic's features of global states (rows × 6N + 4n + 4 + survey), laid out as in
+/// The critic's features of global states (rows × 6N + 4n + 4), laid out as in
 /// [`Critic::widths`]. A UAV's observation follows each state if the critic values single UAVs.
 pub(in crate::network) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) -> Vec<f32> {
     let (agents, n) = (shape.agents, shape.hotspots);
-    let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON + critic.survey;
+    let state_length = UAV_FIELDS * agents + HOTSPOT_FIELDS * n + COMMON;
     let length = state_length
         + if critic.of_uav {
             shape.observation_len

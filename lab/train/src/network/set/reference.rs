@@ -198,7 +198,7 @@ pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape)
     let mut blocks = Blocks::of(network, parameters);
     let (uavs, rest) = row.split_at(UAV_FIELDS * shape.agents);
     let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
-    let (common, observation) = rest.split_at(COMMON + shape.survey_len);
+    let (common, observation) = rest.split_at(COMMON);
     let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
     let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
     let own = match observation.len() {
