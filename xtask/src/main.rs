@@ -1,5 +1,6 @@
 //! Development tasks of jcas: `cargo xtask <task>`.
 
+mod dist;
 mod fmu;
 mod kani_output;
 mod mutants;
@@ -24,6 +25,8 @@ tasks:
   fmu       pack the kernel as a Functional Mock-up Unit, FMI 3.0 (--out FILE)
   web       write the playground as one page, with the kernel inside
             (--out FILE; --wasm FILE for a kernel that is built already)
+  dist      write what is served to users without Rust, with checksums, into dist/
+            (--out FOLDER; --target TRIPLE, more than once, narrows the platforms)
 
 Names narrow a task to the proofs with those ids or harness names.";
 
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
         Some((task, names)) if task == "mutants" => mutants::run(names),
         Some((task, options)) if task == "tidy" => tidy::run(options),
         Some((task, options)) if task == "fmu" => fmu::run(options),
+        Some((task, options)) if task == "dist" => dist::run(options),
         Some((task, options)) if task == "web" => web::run(options),
         _ => Err(USAGE.to_owned()),
     };

@@ -1,0 +1,69 @@
+//! The platforms that are served with binaries.
+
+/// The oldest C library that the Linux binaries run on, that of manylinux2014.
+const GLIBC: &str = "2.17";
+
+/// A platform, under the names that Rust, archives, wheels and FMI give it.
+#[derive(Debug, PartialEq)]
+pub struct Target {
+    /// Rust's target triple.
+    pub triple: &'static str,
+    /// The end of an archive's name.
+    pub name: &'static str,
+    pub system: System,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum System {
+    Linux,
+    Windows,
+}
+
+pub const TARGETS: [Target; 3] = [
+    Target {
+        triple: "x86_64-unknown-linux-gnu",
+        name: "x86_64-linux",
+        system: System::Linux,
+    },
+    Target {
+        triple: "aarch64-unknown-linux-gnu",
+        name: "aarch64-linux",
+        system: System::Linux,
+    },
+    Target {
+        triple: "x86_64-pc-windows-gnu",
+        name: "x86_64-windows",
+        system: System::Windows,
+    },
+];
+
+impl Target {
+    /// The target of this triple, or an error with all triples.
+    pub fn find(triple: &str) -> Result<&'static Target, String> {
+        let found = TARGETS.iter().find(|target| target.triple == triple);
+        found.ok_or_else(|| {
+            let triples = TARGETS.map(|target| target.triple).join(", ");
+            format!("--target {triple}: there are {triples}")
+        })
+    }
+
+    /// The triple as cargo-zigbuild takes it, with the version of the C library.
+    pub fn with_libc(&self) -> String {
+        match self.system {
+            System::Linux => format!("{}.{GLIBC}", self.triple),
+            System::Windows => self.triple.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_target_is_refused_with_the_known_ones() {
+        let said = Target::find("riscv64gc-unknown-linux-gnu").unwrap_err();
+        assert!(said.contains("riscv64gc") && said.contains("aarch64-unknown-linux-gnu"));
+        assert_eq!(Target::find("x86_64-pc-windows-gnu").unwrap(), &TARGETS[2]);
+    }
+}
