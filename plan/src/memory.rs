@@ -76,7 +76,7 @@ impl Demand {
         count * self.uavs * (2 * STEP * self.steps + 128) + self.steps * 512
     }
 
-    /// The tables of `anneal.rs`, and the trajectories that it keeps.
+    /// The tables of `anneal/`, and the trajectories that it keeps.
     fn annealing(&self) -> u128 {
         4 * self.steps * self.sites * WORD
             + self.steps * (self.uavs + 16 * WORD)
