@@ -27,10 +27,12 @@ $check tests/c/abuse*.c "$library" $SYSTEM -o "$out/abuse"
 $check tests/c/replay.c "$library" $SYSTEM -o "$out/replay"
 $check tests/c/policies.c "$library" $SYSTEM -o "$out/policies"
 $check tests/c/traces.c "$library" $SYSTEM -o "$out/traces"
+$check tests/c/plans.c "$library" $SYSTEM -o "$out/plans"
 "$out/abuse"
 "$out/replay" tests/golden/*.jsonl
 "$out/policies" policies/fleet/policy.safetensors >"$out/policies.txt"
 "$out/traces" "$out" tests/golden/*.jsonl
+"$out/plans" >"$out/plans.txt"
 
 echo "ThreadSanitizer"
 library=$(instrumented thread)

@@ -17,11 +17,12 @@
  *         if (jcas_sim_step(sim, actions, 2 * 5, &outcome)) return 1;
  *     return jcas_sim_free(sim) || jcas_model_free(model);
  *
- * Four kinds of object, each behind an opaque handle:
+ * Five kinds of object, each behind an opaque handle:
  *   jcas_model   a validated configuration and its tables; it never changes.
  *   jcas_sim     one state of a model: one running episode.
  *   jcas_batch   many states of a model, stepped together.
- *   jcas_policy  a controller of a fleet: a trained network or a baseline.
+ *   jcas_policy  a controller of a fleet: a trained network, a baseline or a follower of a plan.
+ *   jcas_plan    trajectories of a fleet for the least expected time; it never changes.
  *
  * Order of calls:  reset -> step -> step -> ... -> (terminated or truncated) -> reset
  * A step by parts: step_begin -> [set_positions, ground, confirm_hotspot] -> step_sense[_with]
@@ -120,7 +121,7 @@
 /// The episode has ended: reset before the next step.
 #define JCAS_ERROR_EPISODE_OVER (-11)
 
-/// The bytes are not a snapshot of this model, not a policy, or not a trace.
+/// The bytes are not a snapshot of this model, not a policy, not a plan, or not a trace.
 #define JCAS_ERROR_CORRUPT (-12)
 
 /// The model still has simulations, batches or policies, or memory given to ..._init holds a living
@@ -259,6 +260,10 @@ typedef struct jcas_batch jcas_batch;
 /// A validated configuration with its precomputed tables. It never changes, so any number of
 /// threads may use one model at once.
 typedef struct jcas_model jcas_model;
+
+/// A plan of an episode: the cell and the pilot density of each UAV in each step. It never changes,
+/// and it outlives its model.
+typedef struct jcas_plan jcas_plan;
 
 /// A controller of a fleet for one model: a trained network or a baseline. One thread at a time may
 /// use it; a model may have several policies.
@@ -767,6 +772,57 @@ typedef struct jcas_batch_out {
     /// Elements of uav_rewards.
     size_t uav_reward_count;
 } jcas_batch_out;
+
+/// A function of the caller that hears of the progress of an annealing. `iterations` counts the
+/// moves tried so far; `best_steps` is the expected time of the best plan so far. `context` is the
+/// pointer from jcas_plan_settings. It returns 0 to go on; another value ends the annealing early,
+/// with the best plan so far.
+typedef int32_t (*jcas_plan_progress)(uint64_t iterations, double best_steps, void *context);
+
+/// The length and the seed of an annealing. A plan depends on them and on the configuration only,
+/// unless `progress` ends it early.
+typedef struct jcas_plan_settings {
+    /// sizeof(jcas_plan_settings).
+    uint32_t struct_size;
+    /// Reserved; set it to 0.
+    uint32_t reserved;
+    /// Moves that the annealing tries. A search of ten UAVs takes some 200 000 in a second.
+    uint64_t iterations;
+    /// Seed of the annealing.
+    uint64_t seed;
+    /// The function that hears of the progress; may be NULL.
+    jcas_plan_progress progress;
+    /// The pointer that is passed to `progress`.
+    void *progress_context;
+} jcas_plan_settings;
+
+/// The size of a plan and what it promises.
+typedef struct jcas_plan_info {
+    /// sizeof(jcas_plan_info); set it before the call.
+    uint32_t struct_size;
+    /// UAVs (N).
+    uint32_t uav_count;
+    /// Steps of the trajectories; the fleet stays in its last cells after them.
+    uint32_t step_count;
+    /// 1 if the annealing ended before the requested number of moves, else 0.
+    uint32_t stopped;
+    /// Fingerprint of the configuration, as jcas_config_hash.
+    uint64_t config_hash;
+    /// Seed of the annealing.
+    uint64_t seed;
+    /// Moves that the annealing tried.
+    uint64_t iterations;
+    /// Expected steps until the episode ends; one without success counts with its horizon.
+    double expected_steps;
+    /// Expected steps until every hotspot is confirmed.
+    double expected_confirmed_steps;
+    /// Probability that the episode ends before the horizon.
+    double success;
+    /// Expected steps of the trajectories that the annealing began with.
+    double start_steps;
+    /// A lower bound on the expected steps of every plan without feedback.
+    double bound_steps;
+} jcas_plan_info;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1883,10 +1939,16 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
 /// are on the heap: jcas_policy_act allocates in the first step of an episode and in each step that
 /// plans.
 ///
+/// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
+/// `plan` follows one plan until every hotspot is confirmed. `replan` plans again after each
+/// confirmation and each meeting. If the model hides hotspots, this call makes the first plan,
+/// which takes seconds; otherwise the first step of each episode does.
+///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
-/// max, adaptive or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the
-/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the name is unknown, or
-/// that the baseline needs positions that the model hides.
+/// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
+/// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
+/// means that the name is unknown, or that the baseline needs positions that the model hides. It
+/// also means that the fleet or the grid is too large for a plan.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 JCAS_API
@@ -1944,6 +2006,124 @@ jcas_status jcas_policy_act_batch(struct jcas_policy *policy,
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
 
+/// Plans an episode whose hotspots are hidden: any set of distinct cells without a depot is as
+/// likely as any other. The annealing runs on this thread. jcas_plan_free ends the plan.
+///
+/// `model`, `settings`, `plan`: not NULL; settings->struct_size set. `plan` receives the handle.
+/// `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the fleet or the grid is too
+/// large for a plan, or that `reserved` is not 0.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_search(const struct jcas_model *model,
+                             const struct jcas_plan_settings *settings,
+                             struct jcas_plan **plan,
+                             char *message,
+                             size_t message_capacity);
+
+/// Plans an episode whose hotspots lie in known cells. The plan decides which UAVs visit them, in
+/// which order, how many together and for how long. The annealing runs on this thread.
+/// jcas_plan_free ends the plan.
+///
+/// `model`, `hotspots`, `settings`, `plan`: not NULL; settings->struct_size set. `hotspots`: one
+/// cell of the grid for each hotspot. `hotspot_count`: that of the model. `plan` receives the
+/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT means that a cell lies off the grid.
+/// It also means what it means for jcas_plan_search.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, STRUCT_SIZE, HANDLE, ARGUMENT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_tour(const struct jcas_model *model,
+                           const struct jcas_cell *hotspots,
+                           size_t hotspot_count,
+                           const struct jcas_plan_settings *settings,
+                           struct jcas_plan **plan,
+                           char *message,
+                           size_t message_capacity);
+
+/// Reads a plan from the JSON text of jcas_plan_to_json or `jcas plan`. jcas_plan_free ends it.
+///
+/// `model`, `text`, `plan`: not NULL. `text`: `text_length` bytes of UTF-8, no terminating zero
+/// needed. `plan` receives the handle. `message`: see the rules below. JCAS_ERROR_CORRUPT means
+/// that the text is no plan of this fleet. JCAS_ERROR_MODEL_MISMATCH means that the plan was made
+/// for another configuration.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_from_json(const struct jcas_model *model,
+                                const char *text,
+                                size_t text_length,
+                                struct jcas_plan **plan,
+                                char *message,
+                                size_t message_capacity);
+
+/// Writes a plan as JSON text, as `jcas plan` does. It holds the configuration too.
+///
+/// `plan`: not NULL. `text`: `capacity` bytes, or NULL with a capacity of 0 to ask for the length.
+/// `length`: not NULL; receives the length without the terminating zero. `capacity` must be at
+/// least one more; otherwise the call writes only the length and returns JCAS_ERROR_LENGTH.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_to_json(const struct jcas_plan *plan,
+                              char *text,
+                              size_t capacity,
+                              size_t *length);
+
+/// Writes the size of a plan and what it promises.
+///
+/// `plan`, `info`: not NULL; info->struct_size set.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, STRUCT_SIZE, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_get_info(const struct jcas_plan *plan,
+                               struct jcas_plan_info *info);
+
+/// Writes the cells of a plan: for each UAV its cell before the first step, then after each step.
+///
+/// `plan`, `cells`: not NULL. `count`: uav_count * (step_count + 1).
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_get_cells(const struct jcas_plan *plan,
+                                struct jcas_cell *cells,
+                                size_t count);
+
+/// Writes the pilot densities of a plan, for each UAV one for each step.
+///
+/// `plan`, `densities`: not NULL. `count`: uav_count * step_count.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_plan_get_pilot_densities(const struct jcas_plan *plan,
+                                          double *densities,
+                                          size_t count);
+
+/// Builds the policy that follows a plan, which jcas_policy_act flies. The fleet follows the plan
+/// until every hotspot is confirmed, then it gathers. jcas_policy_free ends the policy.
+///
+/// `model`, `plan`, `policy`: not NULL. `model` must not be freed before the policy; the plan is
+/// copied. `policy` receives the handle.
+/// Threads: any.
+/// Statuses: NULL, ALIGNMENT, HANDLE, MODEL_MISMATCH, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_follow(const struct jcas_model *model,
+                               const struct jcas_plan *plan,
+                               struct jcas_policy **policy);
+
+/// Ends a plan. NULL is allowed and does nothing.
+///
+/// Threads: none may be using the plan.
+/// Statuses: ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_plan_free(struct jcas_plan *plan);
+
 /** @} */
 
 #ifdef __cplusplus
@@ -1959,15 +2139,18 @@ JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
  *   exceptions. One is the length of a text that did not fit. The other is the actions of
  *   jcas_policy_act_batch if a network output is not finite. `Statuses:` at a declaration lists the
  *   errors that it can return, without JCAS_ERROR_. INTERNAL is always possible, and so is BUSY if
- *   a jcas_sim, jcas_batch or jcas_policy is passed.
+ *   a jcas_sim, jcas_batch, jcas_policy or jcas_plan is passed.
  * Memory. ..._new takes memory from the system. ..._init builds in memory of the caller, whose size
- *   ..._layout returns. ..._free ends both kinds, and every other object must end before its
- *   model. The library keeps no pointer that is passed in, with three exceptions: the memory of
- *   ..._init, the model of an object, and the pointers in a jcas_recorder. Only ..._new and
- *   jcas_policy_load allocate, in one piece for each object. A program with its own allocator
- *   therefore uses ..._layout and ..._init. Baselines plan on the heap (jcas_policy_baseline).
+ *   ..._layout returns. ..._free ends both kinds. Every other object must end before its model,
+ *   except a jcas_plan, which has its own copy of all that it needs. The library keeps no pointer
+ *   that is passed in, with three exceptions: the memory of ..._init, the model of an object, and
+ *   the pointers in a jcas_recorder. Only ..._new, jcas_policy_load and jcas_policy_follow
+ *   allocate, in one piece for each object. A program with its own allocator therefore uses
+ *   ..._layout and ..._init. Baselines and jcas_plan_... plan on the heap (jcas_policy_baseline).
  *   Threads of a batch have stacks from the system. If the system refuses memory or threads, the
- *   status is RESOURCES; nothing aborts.
+ *   status is RESOURCES; nothing aborts, with one exception. Annealing and reading a plan begin by
+ *   asking the system for the most that they can take, and return RESOURCES if it is refused. If
+ *   the rest of the program uses up this memory meanwhile, the program ends.
  * Pointers. A pointer must not be NULL unless the function says so. The library returns a status
  *   for a NULL or misaligned pointer and for a wrong number of elements. It does so too for a
  *   handle that is of the wrong kind, was freed, or was copied to another address. Beyond that the
@@ -1976,18 +2159,18 @@ JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
  *   unless the function takes it as an argument. A struct grows at its end and with the minor
  *   version of the interface. The library accepts every size that the struct has had since the last
  *   major version. Today that is exactly its sizeof; any other size is STRUCT_SIZE.
- * Messages. `message`, where a function has one, receives the reason why a configuration, a policy
- *   or a trace was refused: a C string, cut to message_capacity bytes. It is untouched otherwise,
- *   and may be NULL. A legal configuration may still be unsolvable: with a quorum above N no
- *   hotspot is ever confirmed.
- * Threads. Any number of threads may use a const jcas_model at once. One thread at a time may use a
- *   jcas_sim, jcas_batch or jcas_policy; functions that take it as const may run at once with each
- *   other. Any other concurrent call returns BUSY and does nothing. That holds for other threads,
- *   for calls from within a jcas_run_tasks or jcas_write of a call on the same object, and for
- *   ..._free. BUSY cannot guard memory: once ..._free has returned OK, no call may use the object.
- *   ..._message does not describe a call that was BUSY. The library has no global state; the
- *   threads of a batch end with it. A batch with threads steps only in the process that built it:
- *   after a fork the child gets FORKED and builds another one.
+ * Messages. `message`, where a function has one, receives the reason why a configuration, a policy,
+ *   a plan or a trace was refused: a C string, cut to message_capacity bytes. It is untouched
+ *   otherwise, and may be NULL. A legal configuration may still be unsolvable: with a quorum above
+ *   N no hotspot is ever confirmed.
+ * Threads. Any number of threads may use a const jcas_model or jcas_plan at once. One thread at a
+ *   time may use a jcas_sim, jcas_batch or jcas_policy; functions that take it as const may run at
+ *   once with each other. Any other concurrent call returns BUSY and does nothing. That holds for
+ *   other threads, for calls from within a jcas_run_tasks or jcas_write of a call on the same
+ *   object, and for ..._free. BUSY cannot guard memory: once ..._free has returned OK, no call may
+ *   use the object. ..._message does not describe a call that was BUSY. The library has no global
+ *   state; the threads of a batch end with it. A batch with threads steps only in the process that
+ *   built it: after a fork the child gets FORKED and builds another one.
  * Numbers. N UAVs, n hotspots, a grid of W by H cells, M environments of a batch. Counts are of
  *   elements, sizes are of bytes, flags are 0 or 1. Equal inputs give equal bits on every platform.
  */

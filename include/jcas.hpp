@@ -12,7 +12,8 @@
 //     auto sim = jcas::sim::create(*model);
 //     sim->reset(42);
 //
-// jcas.h documents each call. A model must outlive its simulations, batches and policies.
+// jcas.h documents each call. A model must outlive its simulations, batches and policies. A plan
+// needs no model after it was made.
 #ifndef JCAS_HPP
 #define JCAS_HPP
 
@@ -577,6 +578,108 @@ private:
     std::unique_ptr<jcas_batch, end> handle_;
 };
 
+/// An owner of a jcas_plan: the cell and the pilot density of each UAV in each step. It never
+/// changes. Any number of threads may call const member functions at once.
+class plan {
+public:
+    /// Hears of the progress: the moves tried so far, and the expected steps of the best plan so
+    /// far. It returns false to end the annealing early. It must not throw.
+    using progress = std::function<bool(std::uint64_t, double)>;
+
+    /// Plans for hidden hotspots; see jcas_plan_search.
+    static result<plan> search(const model &model, std::uint64_t iterations, std::uint64_t seed = 1,
+                               progress tell = {})
+    {
+        const jcas_plan_settings settings = settings_of(iterations, seed, tell);
+        jcas_plan *handle = nullptr;
+        char message[512] = "";
+        std::int32_t code =
+            jcas_plan_search(model.get(), &settings, &handle, message, sizeof message);
+        return made(code, handle, message);
+    }
+
+    /// Plans for hotspots in known cells; see jcas_plan_tour.
+    static result<plan> tour(const model &model, span<const jcas_cell> hotspots,
+                             std::uint64_t iterations, std::uint64_t seed = 1, progress tell = {})
+    {
+        const jcas_plan_settings settings = settings_of(iterations, seed, tell);
+        jcas_plan *handle = nullptr;
+        char message[512] = "";
+        std::int32_t code = jcas_plan_tour(model.get(), hotspots.data(), hotspots.size(), &settings,
+                                           &handle, message, sizeof message);
+        return made(code, handle, message);
+    }
+
+    /// Reads a plan from its text.
+    static result<plan> from_json(const model &model, std::string_view text)
+    {
+        jcas_plan *handle = nullptr;
+        char message[512] = "";
+        const char *data = text.empty() ? "" : text.data();
+        std::int32_t code =
+            jcas_plan_from_json(model.get(), data, text.size(), &handle, message, sizeof message);
+        return made(code, handle, message);
+    }
+
+    const jcas_plan *get() const noexcept { return handle_.get(); }
+    const jcas_plan_info &info() const noexcept { return info_; }
+
+    std::string to_json() const
+    {
+        std::size_t length = 0;
+        detail::certain(jcas_plan_to_json(get(), nullptr, 0, &length));
+        std::string text(length + 1, '\0');
+        detail::certain(jcas_plan_to_json(get(), text.data(), text.size(), &length));
+        text.resize(length);
+        return text;
+    }
+
+    /// The cell of each UAV before the first step, then after each step: step_count + 1 for a UAV.
+    std::vector<jcas_cell> cells() const
+    {
+        std::vector<jcas_cell> cells(std::size_t{info_.uav_count} * (info_.step_count + 1));
+        detail::certain(jcas_plan_get_cells(get(), cells.data(), cells.size()));
+        return cells;
+    }
+
+    /// The pilot density of each UAV in each step: step_count for a UAV.
+    std::vector<double> pilot_densities() const
+    {
+        std::vector<double> densities(std::size_t{info_.uav_count} * info_.step_count);
+        detail::certain(jcas_plan_get_pilot_densities(get(), densities.data(), densities.size()));
+        return densities;
+    }
+
+private:
+    struct end {
+        void operator()(jcas_plan *handle) const noexcept { jcas_plan_free(handle); }
+    };
+    static std::int32_t tell_of(std::uint64_t iterations, double best_steps, void *context)
+    {
+        return (*static_cast<progress *>(context))(iterations, best_steps) ? 0 : 1;
+    }
+    static jcas_plan_settings settings_of(std::uint64_t iterations, std::uint64_t seed,
+                                          progress &tell)
+    {
+        auto settings = detail::sized<jcas_plan_settings>();
+        settings.iterations = iterations, settings.seed = seed;
+        settings.progress = tell ? tell_of : nullptr, settings.progress_context = &tell;
+        return settings;
+    }
+    static result<plan> made(std::int32_t code, jcas_plan *handle, const char *message)
+    {
+        if (code != JCAS_OK)
+            return {code, message};
+        return plan(handle);
+    }
+    explicit plan(jcas_plan *handle) : handle_(handle), info_(detail::sized<jcas_plan_info>())
+    {
+        detail::certain(jcas_plan_get_info(handle, &info_));
+    }
+    std::unique_ptr<jcas_plan, end> handle_;
+    jcas_plan_info info_;
+};
+
 /// An owner of a jcas_policy, which controls a fleet. One thread at a time may use it.
 class policy {
 public:
@@ -603,6 +706,16 @@ public:
                                                  sizeof message);
         if (code != JCAS_OK)
             return {code, message};
+        return policy(handle);
+    }
+
+    /// Builds the policy that follows a plan, which is not needed any more then.
+    static result<policy> follow(const model &model, const plan &plan)
+    {
+        jcas_policy *handle = nullptr;
+        std::int32_t code = jcas_policy_follow(model.get(), plan.get(), &handle);
+        if (code != JCAS_OK)
+            return {code};
         return policy(handle);
     }
 

@@ -103,5 +103,14 @@ typedef jcas_status jcas_policy_set_mode_fn(struct jcas_policy *policy, int32_t 
 typedef jcas_status jcas_policy_act_fn(struct jcas_policy *policy, const struct jcas_sim *sim, float *actions, size_t action_count);
 typedef jcas_status jcas_policy_act_batch_fn(struct jcas_policy *policy, const struct jcas_batch *batch, float *actions, size_t action_count);
 typedef jcas_status jcas_policy_free_fn(struct jcas_policy *policy);
+typedef jcas_status jcas_plan_search_fn(const struct jcas_model *model, const struct jcas_plan_settings *settings, struct jcas_plan **plan, char *message, size_t message_capacity);
+typedef jcas_status jcas_plan_tour_fn(const struct jcas_model *model, const struct jcas_cell *hotspots, size_t hotspot_count, const struct jcas_plan_settings *settings, struct jcas_plan **plan, char *message, size_t message_capacity);
+typedef jcas_status jcas_plan_from_json_fn(const struct jcas_model *model, const char *text, size_t text_length, struct jcas_plan **plan, char *message, size_t message_capacity);
+typedef jcas_status jcas_plan_to_json_fn(const struct jcas_plan *plan, char *text, size_t capacity, size_t *length);
+typedef jcas_status jcas_plan_get_info_fn(const struct jcas_plan *plan, struct jcas_plan_info *info);
+typedef jcas_status jcas_plan_get_cells_fn(const struct jcas_plan *plan, struct jcas_cell *cells, size_t count);
+typedef jcas_status jcas_plan_get_pilot_densities_fn(const struct jcas_plan *plan, double *densities, size_t count);
+typedef jcas_status jcas_policy_follow_fn(const struct jcas_model *model, const struct jcas_plan *plan, struct jcas_policy **policy);
+typedef jcas_status jcas_plan_free_fn(struct jcas_plan *plan);
 
 #endif

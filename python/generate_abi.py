@@ -21,6 +21,7 @@ SCALARS = {
     "int32_t": "c_int32",
     "int64_t": "c_int64",
     "jcas_status": "c_int32",
+    "jcas_plan_progress": "c_void_p",
     "jcas_run_tasks": "c_void_p",
     "jcas_write": "c_void_p",
     "uint8_t": "c_uint8",

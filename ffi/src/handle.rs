@@ -10,6 +10,7 @@
 //! | simulation | [`SimBlock`], then the words of the state, the working memory and a spare state |
 //! | batch | [`BatchBlock`](crate::batch_block::BatchBlock), then states, working memory, threads |
 //! | policy | [`PolicyBlock`](crate::policy_block::PolicyBlock), then what its network works with |
+//! | plan | [`PlanBlock`](crate::plan_block::PlanBlock) alone; the plan itself is on the heap |
 
 use std::alloc::{Layout, alloc, dealloc};
 use std::slice;
@@ -32,10 +33,17 @@ pub(crate) enum Kind {
     Sim,
     Batch,
     Policy,
+    Plan,
 }
 
 impl Kind {
-    const ALL: [Self; 4] = [Self::Model, Self::Sim, Self::Batch, Self::Policy];
+    const ALL: [Self; 5] = [
+        Self::Model,
+        Self::Sim,
+        Self::Batch,
+        Self::Policy,
+        Self::Plan,
+    ];
 
     /// Returns the seal of a block of this kind at an address.
     fn seal(self, address: usize) -> u64 {
@@ -44,6 +52,7 @@ impl Kind {
             Self::Sim => b"jcas sim",
             Self::Batch => b"jcas bat",
             Self::Policy => b"jcas pol",
+            Self::Plan => b"jcas pln",
         };
         u64::from_le_bytes(*name) ^ address as u64
     }

@@ -38,6 +38,8 @@ mod batch_step;
 
 mod policy;
 
+mod plan;
+
 mod batch_block;
 mod batch_job;
 mod handle;
@@ -45,10 +47,12 @@ mod in_use;
 mod memory;
 #[cfg(all(test, loom))]
 mod model_check;
+mod plan_block;
 mod policy_block;
 #[cfg(any(kani, all(test, not(loom))))]
 mod proofs;
 mod recording;
+mod scripted;
 mod sync;
 mod thread_pool;
 
@@ -58,6 +62,7 @@ pub use config::*;
 pub use config_text::*;
 pub use model::*;
 pub use parts::*;
+pub use plan::*;
 pub use policy::*;
 pub use read::*;
 pub use record::*;

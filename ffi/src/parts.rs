@@ -319,7 +319,7 @@ const _: () = assert!(offset_of!(jcas_cell, x) == offset_of!(Cell, x));
 const _: () = assert!(offset_of!(jcas_cell, y) == offset_of!(Cell, y));
 
 /// Views C cells as the kernel's cells, without a copy.
-fn kernel_cells(cells: &[jcas_cell]) -> &[Cell] {
+pub(crate) fn kernel_cells(cells: &[jcas_cell]) -> &[Cell] {
     // SAFETY: both types are two integers at the same places, as asserted above.
     unsafe { slice::from_raw_parts(cells.as_ptr().cast(), cells.len()) }
 }

@@ -1,11 +1,13 @@
 //! Policies: trained networks from their files, and the baselines by name.
 
 use std::ffi::{CStr, c_char, c_void};
+use std::fmt::Display;
 
 use ::jcas_policy::head::Mode;
 use ::jcas_policy::network::Network;
-use ::jcas_policy::{BaselineKind, PilotMode};
+use ::jcas_policy::{BaselineKind, PilotMode, PolicyError};
 use jcas_core::Model;
+use jcas_plan::PlannedKind;
 
 use crate::batch::jcas_batch;
 use crate::batch_block::BatchBlock;
@@ -13,6 +15,7 @@ use crate::handle::{Memory, model, see};
 use crate::memory::{Said, bytes, message, output, place, put_layout};
 use crate::model::jcas_model;
 use crate::policy_block::{PolicyBlock, fault};
+use crate::scripted::Script;
 use crate::sim::jcas_sim;
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard, jcas_status,
@@ -166,10 +169,16 @@ pub unsafe extern "C" fn jcas_policy_load(
 /// are on the heap: jcas_policy_act allocates in the first step of an episode and in each step that
 /// plans.
 ///
+/// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
+/// `plan` follows one plan until every hotspot is confirmed. `replan` plans again after each
+/// confirmation and each meeting. If the model hides hotspots, this call makes the first plan,
+/// which takes seconds; otherwise the first step of each episode does.
+///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
-/// max, adaptive or a density such as 0.15; NULL means adaptive. `policy`: not NULL; receives the
-/// handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT means that the name is unknown, or
-/// that the baseline needs positions that the model hides.
+/// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
+/// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
+/// means that the name is unknown, or that the baseline needs positions that the model hides. It
+/// also means that the fleet or the grid is too large for a plan.
 /// Threads: any.
 /// Statuses: NULL, ALIGNMENT, HANDLE, ARGUMENT, RESOURCES.
 #[must_use]
@@ -200,22 +209,48 @@ pub unsafe extern "C" fn jcas_policy_baseline(
         };
         // A text that is not UTF-8 is no name.
         let text = |words: &'static CStr| words.to_str().unwrap_or("?");
-        let chosen = BaselineKind::named(text(name)).and_then(|kind| {
-            let mode = PilotMode::named(text(pilot))?;
-            kind.build(model.get(), mode)?;
-            Ok((kind, mode))
-        });
-        let (kind, mode) = chosen.map_err(|error| {
-            // SAFETY: the caller's promise for `message`.
-            unsafe { self::message(&Said(error), message, message_capacity) };
-            Fault::Status(JCAS_ERROR_ARGUMENT)
-        })?;
-        let memory = Memory::allocate(PolicyBlock::layout(model.get(), None)?)?;
-        // SAFETY: the library allocated this memory with this layout.
-        let block = unsafe { PolicyBlock::build_baseline(model, kind, mode, memory) };
-        out.put(block.cast());
+        // SAFETY: the caller's promise for `message`.
+        let script = unsafe {
+            script(
+                model.get(),
+                text(name),
+                text(pilot),
+                message,
+                message_capacity,
+            )
+        }?;
+        out.put(PolicyBlock::build_script(model, script)?.cast());
         Ok(())
     })
+}
+
+/// Returns the script of a name. The reason for a refusal goes to the caller's buffer.
+///
+/// # Safety
+/// As [`message`].
+unsafe fn script(
+    model: &Model<'_>,
+    name: &str,
+    pilot: &str,
+    buffer: *mut c_char,
+    capacity: usize,
+) -> Result<Script, Fault> {
+    let refuse = |reason: &dyn Display, fault: Fault| {
+        // SAFETY: the caller's promises, passed on.
+        unsafe { message(&Said(reason), buffer, capacity) };
+        fault
+    };
+    let argument = |error: PolicyError<'_>| refuse(&error, Fault::Status(JCAS_ERROR_ARGUMENT));
+    let mode = PilotMode::named(pilot).map_err(argument)?;
+    if let Some(kind) = PlannedKind::named(name) {
+        mode.check(model.config()).map_err(argument)?;
+        let planned = kind.build(model);
+        let planned = planned.map_err(|error| refuse(&error, Fault::from(error)))?;
+        return Ok(Script::Planned(planned));
+    }
+    let kind = BaselineKind::named(name).map_err(argument)?;
+    kind.build(model, mode).map_err(argument)?;
+    Ok(Script::Baseline(kind, mode))
 }
 
 /// Sets how a trained policy derives actions from its network. Baselines are not affected.

@@ -2,22 +2,19 @@
 //!
 //! The words of the kernel's working memory follow a network's block. From the next cache line on
 //! follow its weights, its own working memory, the observations and the actions. So a network acts
-//! without an allocation. A baseline keeps its plans on the heap, one for each environment of a
-//! batch.
+//! without an allocation. Baselines and plans are on the heap ([`Scripted`]).
 
 use std::alloc::Layout;
 use std::slice;
 
 use jcas_core::{Model, Scratch, StateRef, observation};
 use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
-use jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode};
 use jcas_simd::InstructionSet;
 
 use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
 use crate::in_use::{Changing, InUse};
-use crate::status::{
-    Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN, JCAS_ERROR_RESOURCES,
-};
+use crate::scripted::{Script, Scripted};
+use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
 
 #[repr(C)]
 pub(crate) struct PolicyBlock {
@@ -34,22 +31,11 @@ unsafe impl Block for PolicyBlock {
 }
 
 /// The controller of a policy.
-// A network is stored in its handle's own memory.
+// Each is stored in its handle's own memory.
 #[allow(clippy::large_enum_variant)]
 enum Pilot {
     Network(Learned),
-    Baseline {
-        kind: BaselineKind,
-        mode: PilotMode,
-        /// One for each environment of a batch. The first one also acts for single simulations.
-        each: Vec<Flown>,
-    },
-}
-
-struct Flown {
-    baseline: Baseline,
-    /// The episode of the plan.
-    seed: Option<u64>,
+    Scripted(Scripted),
 }
 
 /// A network and the lengths of the arrays that follow the block.
@@ -127,14 +113,8 @@ pub(crate) fn fault(error: FlyError) -> Fault {
     })
 }
 
-impl From<OutOfMemory> for Fault {
-    fn from(_: OutOfMemory) -> Self {
-        Self::Status(JCAS_ERROR_RESOURCES)
-    }
-}
-
 impl PolicyBlock {
-    /// Returns the layout of a network's block, or of a baseline's block with `None`.
+    /// Returns the layout of a network's block, or with `None` that of a block without one.
     pub(crate) fn layout(model: &Model<'_>, network: Option<&Network>) -> Result<Layout, Fault> {
         let words = network.map_or(0, |network| Lengths::of(network, model).words());
         block_layout::<Self>(words)
@@ -173,25 +153,14 @@ impl PolicyBlock {
         Ok(block)
     }
 
-    /// Builds a baseline's policy in memory that has its layout.
-    ///
-    /// # Safety
-    /// As [`PolicyBlock::build_network`], without a network.
-    pub(crate) unsafe fn build_baseline(
-        model: &ModelBlock,
-        kind: BaselineKind,
-        mode: PilotMode,
-        (at, memory): (*mut u8, Memory),
-    ) -> *mut Self {
+    /// Builds a policy without a network in memory of the library.
+    pub(crate) fn build_script(model: &ModelBlock, script: Script) -> Result<*mut Self, Fault> {
+        let (at, memory) = Memory::allocate(Self::layout(model.get(), None)?)?;
         let block = at.cast::<Self>();
-        let pilot = Pilot::Baseline {
-            kind,
-            mode,
-            each: Vec::new(),
-        };
-        // SAFETY: the memory has the layout of the block.
+        let pilot = Pilot::Scripted(Scripted::new(script));
+        // SAFETY: the memory was just allocated with the layout of the block.
         unsafe { Self::begin(block, memory, model, pilot) };
-        block
+        Ok(block)
     }
 
     /// # Safety
@@ -239,7 +208,7 @@ impl PolicyBlock {
         unsafe { &(*at).in_use }.change()
     }
 
-    /// Sets how a network's actions follow from its outputs. It does not affect baselines.
+    /// Sets how a network's actions follow from its outputs. It affects no other policy.
     ///
     /// # Safety
     /// The caller [holds](PolicyBlock::hold) the policy.
@@ -270,26 +239,10 @@ impl PolicyBlock {
         }
         let state = model.state(words)?;
         // SAFETY: only this call uses the block.
-        let Pilot::Baseline { kind, mode, each } = (unsafe { &mut (*at).pilot }) else {
-            return Ok(());
-        };
-        let missing = (place + 1).saturating_sub(each.len());
-        each.try_reserve(missing)
-            .map_err(|_| Fault::Status(JCAS_ERROR_RESOURCES))?;
-        while each.len() <= place {
-            each.push(Flown {
-                baseline: kind.build_privileged(*mode),
-                seed: None,
-            });
+        match unsafe { &mut (*at).pilot } {
+            Pilot::Network(_) => Ok(()),
+            Pilot::Scripted(scripted) => scripted.plan(place, model, &state),
         }
-        let flown = &mut each[place];
-        if state.t() == 0 || flown.seed != Some(state.seed()) {
-            flown.seed = None;
-            flown.baseline.try_reset(model, state.seed())?;
-            flown.seed = Some(state.seed());
-        }
-        flown.baseline.try_plan(model, &state)?;
-        Ok(())
     }
 
     /// Writes the actions for a state that [`PolicyBlock::plan`] has just prepared.
@@ -311,8 +264,8 @@ impl PolicyBlock {
                 let parts = unsafe { parts(at, &learned.lengths) };
                 fly(learned, parts, model, &state, actions)
             }
-            Pilot::Baseline { each, .. } => {
-                each[place].baseline.write(model, &state, actions);
+            Pilot::Scripted(scripted) => {
+                scripted.write(place, model, &state, actions);
                 Ok(())
             }
         }

@@ -33,7 +33,7 @@ pub const JCAS_ERROR_MODEL_MISMATCH: i32 = -9;
 pub const JCAS_ERROR_OUT_OF_ORDER: i32 = -10;
 /// The episode has ended: reset before the next step.
 pub const JCAS_ERROR_EPISODE_OVER: i32 = -11;
-/// The bytes are not a snapshot of this model, not a policy, or not a trace.
+/// The bytes are not a snapshot of this model, not a policy, not a plan, or not a trace.
 pub const JCAS_ERROR_CORRUPT: i32 = -12;
 /// The model still has simulations, batches or policies, or memory given to ..._init holds a living
 /// handle.

@@ -132,6 +132,14 @@ impl PlanFile {
         }
     }
 
+    /// Writes the plan as text.
+    ///
+    /// # Errors
+    /// [`PlanFileError::Json`] where memory runs out.
+    pub fn to_json(&self) -> Result<String, PlanFileError> {
+        serde_json::to_string(self).map_err(PlanFileError::Json)
+    }
+
     /// Returns the plan for a model.
     ///
     /// # Errors
@@ -230,7 +238,7 @@ mod tests {
         };
         let plan = search(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
         let file = PlanFile::new(&model, &plan, None);
-        let text = serde_json::to_string(&file).unwrap();
+        let text = file.to_json().unwrap();
         let read = PlanFile::parse(&text).unwrap();
         assert_eq!(read, file);
         let back = read.plan(&model).unwrap();

@@ -150,6 +150,38 @@ static void fly_policies(const jcas::model &model)
     CHECK(policy.act(batch, actions));
 }
 
+static void follow_plans(const jcas::model &model)
+{
+    std::uint64_t heard = 0;
+    const auto tell = [&heard](std::uint64_t iterations, double best_steps) {
+        heard = iterations;
+        return best_steps <= 0 || iterations < 512;
+    };
+    const jcas_cell hotspots[] = {{0, 1}, {9, 2}, {3, 7}, {11, 11}, {5, 0}};
+    CHECK(model.info().hotspot_count == 5);
+    CHECK(jcas::plan::tour(model, {hotspots, 4}, 1000).code() == JCAS_ERROR_LENGTH);
+    const jcas::plan plan = jcas::plan::tour(model, hotspots, 100000, 3, tell).take();
+    const jcas_plan_info &info = plan.info();
+    CHECK(info.stopped == 1 && info.iterations == heard && info.seed == 3);
+    const std::vector<jcas_cell> cells = plan.cells();
+    CHECK(cells.size() == std::size_t{info.uav_count} * (info.step_count + 1));
+    CHECK(cells[0].x == 6 && cells[0].y == 6); // the depot
+    CHECK(plan.pilot_densities().size() == std::size_t{info.uav_count} * info.step_count);
+    const std::string text = plan.to_json();
+    CHECK(jcas::plan::from_json(model, text).take().to_json() == text);
+    CHECK(jcas::plan::from_json(model, {}).code() == JCAS_ERROR_CORRUPT);
+    CHECK(jcas::plan::search(model, 0).take().info().iterations == 0);
+    jcas::policy policy = jcas::policy::follow(model, plan).take();
+    jcas::sim sim = jcas::sim::create(model).take();
+    CHECK(sim.reset(3) && sim.set_hotspots(hotspots));
+    std::vector<float> actions(model.info().action_len);
+    for (jcas_outcome outcome{}; !outcome.terminated && !outcome.truncated;) {
+        CHECK(policy.act(sim, actions));
+        outcome = sim.step(actions).take();
+    }
+    CHECK(sim.metrics().confirmed == 5);
+}
+
 int main()
 {
     CHECK(jcas::check_abi());
@@ -163,6 +195,7 @@ int main()
         refuse_a_simulation_in_use(model);
         fly_batch(model);
         fly_policies(model);
+        follow_plans(model);
         // No object uses the model any more.
         jcas_model *handle = const_cast<jcas_model *>(model.get());
         jcas_sim *sim = nullptr;

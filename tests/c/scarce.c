@@ -327,6 +327,68 @@ static void fly_baselines(void)
     OK(jcas_model_free(model));
 }
 
+/* An annealing asks for all of its memory first, and following a plan takes none. */
+static void fly_plans(void)
+{
+    jcas_config fleet = config;
+    jcas_plan_settings settings = {.struct_size = sizeof settings, .iterations = 500};
+    jcas_cell hotspots[TARGETS] = {{0, 1}, {1, 9}, {9, 1}, {3, 3}, {7, 11}, {11, 11}};
+    jcas_model *model;
+    jcas_sim *sim;
+    jcas_plan *plan = NULL, *read = NULL;
+    jcas_policy *policy = NULL;
+    jcas_plan_info info = {.struct_size = sizeof info};
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    float asked_for[2 * FLEET];
+    char message[200];
+    size_t length, again;
+    fleet.uav_count = FLEET;
+    fleet.hotspot_count = TARGETS;
+    OK(jcas_model_new(&fleet, &model, NULL, 0));
+    OK(jcas_sim_new(model, &sim));
+    left = 0;
+    CHECK(refused(jcas_plan_search(model, &settings, &plan, message, sizeof message)));
+    CHECK(plan == NULL && strstr(message, "bytes of memory") != NULL);
+    CHECK(refused(jcas_plan_tour(model, hotspots, TARGETS, &settings, &plan, NULL, 0)));
+    CHECK(plan == NULL);
+    CHECK(refused(jcas_policy_baseline(model, "replan", NULL, &policy, NULL, 0)) && policy == NULL);
+    left = -1;
+    OK(jcas_plan_tour(model, hotspots, TARGETS, &settings, &plan, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_plan_get_info(plan, &info));
+    FREE_OF_MEMORY(JCAS_OK, jcas_plan_to_json(plan, NULL, 0, &length));
+    char *text = ARRAY(char, length + 1);
+    FREE_OF_MEMORY(JCAS_OK, jcas_plan_to_json(plan, text, length + 1, &again));
+    left = 0;
+    CHECK(refused(jcas_plan_from_json(model, text, length, &read, NULL, 0)) && read == NULL);
+    CHECK(refused(jcas_policy_follow(model, plan, &policy)) && policy == NULL);
+    left = -1;
+    free(text);
+    OK(jcas_policy_follow(model, plan, &policy));
+    OK(jcas_plan_free(plan));
+    OK(jcas_sim_reset(sim, 3));
+    OK(jcas_policy_act(policy, sim, asked_for, 2 * FLEET)); /* room for one simulation */
+    while (!outcome.terminated && !outcome.truncated) {
+        FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, asked_for, 2 * FLEET));
+        OK(jcas_sim_step(sim, asked_for, 2 * FLEET, &outcome));
+    }
+    OK(jcas_policy_free(policy));
+    for (int renewed = 0; renewed < 2; renewed++) {
+        OK(jcas_policy_baseline(model, renewed ? "replan" : "plan", NULL, &policy, NULL, 0));
+        OK(jcas_sim_reset(sim, 3));
+        for (long k = 0; k < 2; k++) { /* no room for the policy's plans, then none for annealing */
+            mark(asked_for, sizeof asked_for);
+            left = k;
+            CHECK(refused(jcas_policy_act(policy, sim, asked_for, 2 * FLEET)));
+            left = -1;
+            CHECK(untouched(asked_for, sizeof asked_for));
+        }
+        OK(jcas_policy_act(policy, sim, asked_for, 2 * FLEET));
+        OK(jcas_policy_free(policy));
+    }
+    OK(jcas_sim_free(sim));
+    OK(jcas_model_free(model));
+}
+
 static void step(jcas_batch *batch)
 {
     jcas_batch_out out = {.struct_size = sizeof out,
@@ -436,6 +498,7 @@ int main(int argc, char **argv)
     }
     CHECK(refusals > 0 && build(-1) == 0);
     fly_baselines();
+    fly_plans();
     free(observations);
     puts("no end of memory ended the program");
     return 0;

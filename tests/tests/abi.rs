@@ -136,6 +136,7 @@ fn abuse_leaves_no_function_out() {
         "abuse_sim.c",
         "abuse_read.c",
         "abuse_batch.c",
+        "plans.c",
         "policies.c",
         "traces.c",
     ]) {

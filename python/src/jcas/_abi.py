@@ -326,6 +326,34 @@ class jcas_batch_out(Structure):
     )
 
 
+class jcas_plan_settings(Structure):
+    _fields_ = (
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("iterations", c_uint64),
+        ("seed", c_uint64),
+        ("progress", c_void_p),
+        ("progress_context", c_void_p),
+    )
+
+
+class jcas_plan_info(Structure):
+    _fields_ = (
+        ("struct_size", c_uint32),
+        ("uav_count", c_uint32),
+        ("step_count", c_uint32),
+        ("stopped", c_uint32),
+        ("config_hash", c_uint64),
+        ("seed", c_uint64),
+        ("iterations", c_uint64),
+        ("expected_steps", c_double),
+        ("expected_confirmed_steps", c_double),
+        ("success", c_double),
+        ("start_steps", c_double),
+        ("bound_steps", c_double),
+    )
+
+
 def declare(library: CDLL) -> None:
     """Give every function its types."""
     library.jcas_version.argtypes = ()
@@ -657,3 +685,42 @@ def declare(library: CDLL) -> None:
     library.jcas_policy_act_batch.restype = c_int32
     library.jcas_policy_free.argtypes = (c_void_p,)
     library.jcas_policy_free.restype = c_int32
+    library.jcas_plan_search.argtypes = (
+        c_void_p,
+        POINTER(jcas_plan_settings),
+        POINTER(c_void_p),
+        c_char_p,
+        c_size_t,
+    )
+    library.jcas_plan_search.restype = c_int32
+    library.jcas_plan_tour.argtypes = (
+        c_void_p,
+        POINTER(jcas_cell),
+        c_size_t,
+        POINTER(jcas_plan_settings),
+        POINTER(c_void_p),
+        c_char_p,
+        c_size_t,
+    )
+    library.jcas_plan_tour.restype = c_int32
+    library.jcas_plan_from_json.argtypes = (
+        c_void_p,
+        c_char_p,
+        c_size_t,
+        POINTER(c_void_p),
+        c_char_p,
+        c_size_t,
+    )
+    library.jcas_plan_from_json.restype = c_int32
+    library.jcas_plan_to_json.argtypes = (c_void_p, c_char_p, c_size_t, c_void_p)
+    library.jcas_plan_to_json.restype = c_int32
+    library.jcas_plan_get_info.argtypes = (c_void_p, POINTER(jcas_plan_info))
+    library.jcas_plan_get_info.restype = c_int32
+    library.jcas_plan_get_cells.argtypes = (c_void_p, POINTER(jcas_cell), c_size_t)
+    library.jcas_plan_get_cells.restype = c_int32
+    library.jcas_plan_get_pilot_densities.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_plan_get_pilot_densities.restype = c_int32
+    library.jcas_policy_follow.argtypes = (c_void_p, c_void_p, POINTER(c_void_p))
+    library.jcas_policy_follow.restype = c_int32
+    library.jcas_plan_free.argtypes = (c_void_p,)
+    library.jcas_plan_free.restype = c_int32
