@@ -5,6 +5,7 @@
 - `make_vec`: many fleets stepped by one call;
 - `Sim`: the simulation itself, with every quantity, snapshots and forks;
 - `Policy`: trained fleets and baselines that fly it;
+- `Plan`: trajectories of least expected time, and a bound on it;
 - `jcas.rllib`: the paper's training pipeline on Ray.
 """
 
@@ -22,6 +23,7 @@ from .errors import (
     JcasError,
     MissingDependencyError,
     MissingFileError,
+    PlanError,
     PolicyError,
     ResetNeededError,
     SnapshotError,
@@ -31,6 +33,7 @@ from .fleet import FleetEnv
 from .flown import Policy
 from .model import Model
 from .parallel import JcasEnv, JcasParallelEnv, env, parallel_env
+from .plan import Plan
 from .policy import Layer, MlpPolicy, trained_on
 from .sim import REWARD_NAMES, Sim, StepOutcome
 from .spaces import MOTIONS
@@ -59,6 +62,8 @@ __all__ = [
     "MissingFileError",
     "MlpPolicy",
     "Model",
+    "Plan",
+    "PlanError",
     "Policy",
     "PolicyError",
     "ResetNeededError",

@@ -47,6 +47,10 @@ class PolicyError(JcasError, ValueError):
     """A policy file cannot be read or does not fit the configuration."""
 
 
+class PlanError(JcasError, ValueError):
+    """A text is no plan, or one of another configuration."""
+
+
 class MissingFileError(JcasError, FileNotFoundError):
     """A named file does not exist or cannot be read."""
 

@@ -1,4 +1,4 @@
-"""Policies flown by the library itself: trained fleets of any size, and the scripted baselines.
+"""Policies flown by the library itself: trained fleets of any size, scripted baselines and plans.
 
 The same code flies in C, C++, the command and the browser, with the same bits on every platform.
 For other runtimes `jcas-lab export` writes an ONNX graph.
@@ -20,6 +20,7 @@ from .arguments import read_file, shown
 from .batch import Batch
 from .errors import ArgumentError, PolicyError, SnapshotError
 from .model import Model, check_model
+from .plan import Plan
 from .sim import Sim
 
 Mode = Literal["deterministic", "sampled"]
@@ -30,7 +31,7 @@ WEIGHTS = "policy.safetensors"
 
 
 class Policy:
-    """What flies a fleet: made by `load` or `baseline`, for missions of one model.
+    """What flies a fleet: made by `load`, `baseline` or `follow`, for missions of one model.
 
     A copy, also one that was pickled, flies as a policy that was just made: a baseline that plans
     over several steps plans anew.
@@ -76,16 +77,18 @@ class Policy:
         """Build a scripted baseline by its name.
 
         The names are random, greedy, swarm, teams, sweep, line, frontier, relay, charging and
-        clean.
+        clean. Two more plan by themselves: `plan` follows one plan until every hotspot is
+        confirmed, and `replan` plans again after each confirmation and each meeting. Either takes
+        seconds for its first plan.
 
         Args:
             name: which.
             model: what it will fly.
-            pilot: min, mid, max, adaptive, or a density.
+            pilot: min, mid, max, adaptive, or a density. A plan has its own densities.
 
         Raises:
-            ArgumentError: there is none of that name, or it steers by positions that the model
-                hides.
+            ArgumentError: there is none of that name, it needs hidden positions, or the fleet or
+                the grid is too large.
 
         """
         fitting = check_model(model)
@@ -98,6 +101,25 @@ class Policy:
         )
         policy = cls(fitting, handle, str(name))
         policy._made_by = (_scripted, (fitting, name, pilot))
+        return policy
+
+    @classmethod
+    def follow(cls, plan: Plan) -> Policy:
+        """Build the policy that follows a plan, then gathers the fleet.
+
+        Args:
+            plan: the plan, for missions of its model.
+
+        Raises:
+            ArgumentError: `plan` is no plan.
+
+        """
+        if not isinstance(plan, Plan):
+            raise ArgumentError(f"plan = {shown(plan)}: must be a jcas.Plan")
+        handle = ctypes.c_void_p()
+        check(lib.jcas_policy_follow(plan.model.handle, plan.handle, ctypes.byref(handle)))
+        policy = cls(plan.model, handle, "plan")
+        policy._made_by = (_following, (plan,))
         return policy
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
@@ -158,6 +180,11 @@ def trained(model: Model, name: str, weights: bytes, mode: Mode | None) -> Polic
 def _scripted(model: Model, name: str, pilot: str | float) -> Policy:
     """Make a baseline, as pickle calls it."""
     return Policy.baseline(name, model, pilot=pilot)
+
+
+def _following(plan: Plan) -> Policy:
+    """Make a follower, as pickle calls it."""
+    return Policy.follow(plan)
 
 
 def _check_mode(mode: str | None) -> None:
