@@ -1,6 +1,7 @@
 //! An episode of the unit: the kernel and the source of its actions.
 
 use jcas_core::{Cell, Error, Model, Scratch, StateRef, hash, observation};
+use jcas_plan::{PlanFile, Planned, PlannedKind};
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use jcas_simd::InstructionSet;
 
@@ -221,13 +222,14 @@ impl Mission {
     }
 }
 
-/// The source of actions: the importer, a trained policy among the unit's resources, or a baseline.
+/// The source of actions: the importer, a trained policy or a plan among the unit's resources, or a
+/// baseline.
 fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, String> {
     if setup.policy.is_empty() {
         return Ok(None);
     }
-    if let Some(path) = setup.trained() {
-        let said = |problem: String| format!("policy = {}: {problem}", setup.policy);
+    let said = |problem: String| format!("policy = {}: {problem}", setup.policy);
+    if let Some(path) = setup.resource("safetensors") {
         let bytes = std::fs::read(&path).map_err(|error| said(error.to_string()))?;
         let trained =
             Trained::read(&setup.policy, &bytes).map_err(|error| said(error.to_string()))?;
@@ -237,6 +239,16 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
         let trained = trained.with_product(InstructionSet::best().product());
         return Ok(Some(Box::new(trained)));
     }
+    if let Some(path) = setup.resource("json") {
+        let text = std::fs::read_to_string(&path).map_err(|error| said(error.to_string()))?;
+        let plan = PlanFile::parse(&text).and_then(|file| file.plan(model));
+        let plan = plan.map_err(|error| said(error.to_string()))?;
+        return Ok(Some(Box::new(Planned::following(plan))));
+    }
+    if let Some(kind) = PlannedKind::named(&setup.policy) {
+        let planned = kind.build(model).map_err(|error| said(error.to_string()))?;
+        return Ok(Some(Box::new(planned)));
+    }
     let kind = BaselineKind::named(&setup.policy).map_err(|error| format!("policy: {error}"))?;
     let mode = PilotMode::named(&setup.pilot).map_err(|error| format!("pilot: {error}"))?;
     let baseline = kind.build(model, mode).map_err(|error| error.to_string())?;
@@ -245,4 +257,81 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
 
 fn said(error: Error) -> String {
     error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use jcas_plan::{Settings, search};
+
+    use super::*;
+
+    fn setup(policy: &str, visibility: &str) -> Setup {
+        let fields = [("uav_count", 5), ("hotspot_count", 2), ("grid_width", 8)];
+        let mut setup = Setup {
+            policy: policy.to_owned(),
+            seed: 3,
+            ..Setup::default()
+        };
+        for (name, value) in fields {
+            setup.fields.insert(name.to_owned(), value.into());
+        }
+        (setup.fields).insert("target_visibility".to_owned(), visibility.into());
+        setup
+    }
+
+    fn fly(mission: &mut Mission) -> u64 {
+        while !mission.over().unwrap() {
+            mission.step(&Inputs::default()).unwrap();
+        }
+        mission.hash()
+    }
+
+    /// A state that is saved and restored goes on alike, as the plans are made again.
+    fn goes_on_alike(setup: &Setup) -> u64 {
+        let mut mission = Mission::new(setup).unwrap();
+        for _ in 0..4 {
+            mission.step(&Inputs::default()).unwrap();
+        }
+        let mut restored = Mission::restore(setup, &mission.save().unwrap()).unwrap();
+        let hash = fly(&mut mission);
+        assert_eq!(fly(&mut restored), hash);
+        hash
+    }
+
+    #[test]
+    fn policies_that_plan_fly_and_are_restored() {
+        let flown = ["plan", "replan"].map(|name| goes_on_alike(&setup(name, "known")));
+        assert_ne!(flown[0], flown[1]);
+    }
+
+    #[test]
+    fn a_plan_among_the_resources_flies() {
+        let folder = std::env::temp_dir().join(format!("jcas-fmi-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut setup = setup("route", "hidden");
+        setup.resources = Some(folder.clone());
+        let model = Model::new(setup.config().unwrap()).unwrap();
+        let settings = Settings {
+            iterations: 2_000,
+            seed: 1,
+        };
+        let plan = search(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        let text = PlanFile::new(&model, &plan, None).to_json().unwrap();
+        std::fs::write(folder.join("route.json"), text).unwrap();
+        goes_on_alike(&setup);
+        let mut mission = Mission::new(&setup).unwrap();
+        let (mut flown, mut stepped) = (Planned::following(plan), vec![0.0; model.action_len()]);
+        flown.act(&model, &mission.state().unwrap(), &mut stepped);
+        mission.step(&Inputs::default()).unwrap();
+        assert_eq!(mission.actions, stepped);
+        setup.fields.insert("uav_count".to_owned(), 6.into());
+        let refused = Mission::new(&setup).map(|_| ()).unwrap_err();
+        assert!(
+            refused.contains("policy = route: made for the configuration"),
+            "{refused}"
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

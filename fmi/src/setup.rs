@@ -17,8 +17,8 @@ pub struct Setup {
     pub fields: Map<String, Value>,
     /// Seed of the episode.
     pub seed: u64,
-    /// Name of a baseline or of a trained policy in the unit's resources. It is empty if the
-    /// importer supplies the actions.
+    /// Name of a baseline, or of a trained policy or a plan in the unit's resources. It is empty if
+    /// the importer supplies the actions.
     pub policy: String,
     /// The pilot mode of a baseline.
     pub pilot: String,
@@ -57,9 +57,9 @@ impl Setup {
         Config::from_json(&Value::from(fields).to_string()).map_err(|error| error.to_string())
     }
 
-    /// Returns the file of the trained policy, if the policy is one.
+    /// Returns the file of the policy among the resources, by the ending of its name.
     #[must_use]
-    pub fn trained(&self) -> Option<PathBuf> {
+    pub fn resource(&self, ending: &str) -> Option<PathBuf> {
         // The policy is a name and not a path, so nothing outside the resources is read.
         let plain = self
             .policy
@@ -68,7 +68,7 @@ impl Setup {
         let path = self
             .resources
             .as_ref()?
-            .join(format!("{}.safetensors", self.policy));
+            .join(format!("{}.{ending}", self.policy));
         (plain && path.is_file()).then_some(path)
     }
 

@@ -291,7 +291,7 @@ const SPECIAL: [Special; 12] = {
         (SEED, "seed", Kind::UInt64, Parameter, &[], None, None,
          "Seed of the episode, which determines every random draw."),
         (POLICY, "policy", Kind::String, Parameter, &[], None, None,
-         "Baseline, or trained policy among the resources, that controls the fleet; \
+         "Baseline, or trained policy or plan among the resources, that controls the fleet; \
           if empty, the input actions do."),
         (PILOT, "pilot", Kind::String, Parameter, &[], None, None,
          "Pilot density of a baseline: a number, min, mid, max or adaptive."),
