@@ -53,23 +53,33 @@ impl PlannedKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Builds the policy. If hotspots are hidden, the plan of the first step is made here.
+    /// Builds the policy. If hotspots are hidden, the plan of the first step is made here, in
+    /// [`SEARCH_ITERATIONS`].
     ///
     /// # Errors
     /// [`PlanError`] if the fleet or the grid is too large, or if there is no memory for a plan.
     pub fn build(self, model: &Model<'_>) -> Result<Planned, PlanError> {
+        self.build_in(model, SEARCH_ITERATIONS)
+    }
+
+    /// Builds the policy as [`PlannedKind::build`] does, with another number of moves for the plan
+    /// of a search.
+    ///
+    /// # Errors
+    /// As [`PlannedKind::build`].
+    pub fn build_in(self, model: &Model<'_>, iterations: u64) -> Result<Planned, PlanError> {
         let hidden = model.config().target_visibility == TargetVisibility::Hidden;
         if !hidden {
             memory::check(model, Some(model.hotspot_count()), model.uav_count())?;
         }
         let way = match self {
             Self::Plan if hidden => {
-                let plan = search(model, &settings(SEARCH_ITERATIONS), &mut go_on)?;
+                let plan = search(model, &settings(iterations), &mut go_on)?;
                 Way::Follow(Follower::new(plan))
             }
             Self::Plan => Way::Tour(Tour::default()),
             Self::Replan if hidden => {
-                let mut replanner = Replanner::new(SEARCH_ITERATIONS, settings(REPLAN_ITERATIONS));
+                let mut replanner = Replanner::new(iterations, settings(REPLAN_ITERATIONS));
                 replanner.prepare(model)?;
                 Way::Replan(replanner)
             }

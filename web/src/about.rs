@@ -2,6 +2,7 @@
 
 use crate::mission::SHIPPED;
 use jcas_core::{Config, Preset};
+use jcas_plan::PlannedKind;
 use jcas_policy::BaselineKind;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -34,7 +35,8 @@ pub(crate) fn about() -> String {
         .collect();
     let shipped = SHIPPED.iter().map(|(name, _)| *name);
     let baselines = BaselineKind::ALL.iter().map(|kind| kind.name());
-    let policies: Vec<&str> = baselines.chain(shipped).collect();
+    let planned = PlannedKind::ALL.iter().map(|kind| kind.name());
+    let policies: Vec<&str> = baselines.chain(planned).chain(shipped).collect();
     json!({
         "version": jcas_core::VERSION,
         "fields": fields,

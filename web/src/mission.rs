@@ -5,6 +5,7 @@ use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Config, Model, Motion};
 use jcas_episode::replay;
 use jcas_episode::trace::{self, EpisodeRecorder, Trace, TraceError};
+use jcas_plan::{Planned, PlannedKind};
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -15,6 +16,11 @@ pub const MOST_UAVS: u32 = 400;
 pub const MOST_CELLS: u64 = 64 * 64;
 /// The longest mission, in steps times UAVs.
 const MOST_AGENT_STEPS: u64 = 200_000;
+
+/// The largest fleet times grid that the page plans for.
+const MOST_UAV_CELLS: u64 = 10_000;
+/// The moves of a plan of a search: a part of what the command takes, as a person waits for it.
+const SEARCH_ITERATIONS: u64 = 50_000;
 
 /// The trained policies that the page contains.
 pub const SHIPPED: [(&str, &[u8]); 2] = [
@@ -35,7 +41,7 @@ pub struct Mission {
     /// A configuration as `jcas` reads it: fields over a preset.
     #[serde(default)]
     config: Map<String, Value>,
-    /// Name of a baseline or of a shipped policy.
+    /// Name of a baseline, of a policy that plans or of a shipped policy.
     policy: String,
     /// Pilot mode: a number, `min`, `mid`, `max` or `adaptive`.
     pilot: String,
@@ -90,6 +96,9 @@ impl Mission {
             let trained = Trained::read(name, bytes).map_err(|error| error.to_string())?;
             trained.check(model).map_err(|error| error.to_string())?;
             return Ok(Box::new(trained));
+        }
+        if let Some(kind) = PlannedKind::named(&self.policy) {
+            return Ok(Box::new(planned(kind, model)?));
         }
         let kind = BaselineKind::named(&self.policy).map_err(|error| error.to_string())?;
         let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
@@ -201,6 +210,18 @@ impl Deed {
     }
 }
 
+fn planned(kind: PlannedKind, model: &Model<'_>) -> Result<Planned, String> {
+    let uav_cells = model.uav_count() as u64 * model.config().cell_count() as u64;
+    if uav_cells > MOST_UAV_CELLS {
+        return Err(format!(
+            "uav_count x grid_width x grid_height = {uav_cells}: the page plans for at most \
+             {MOST_UAV_CELLS}"
+        ));
+    }
+    kind.build_in(model, SEARCH_ITERATIONS)
+        .map_err(|error| error.to_string())
+}
+
 /// Refuses a mission that would take minutes, since a person waits for the page.
 fn check_size(config: &Config) -> Result<(), String> {
     let agent_steps = u64::from(config.uav_count) * u64::from(config.horizon_steps);
@@ -292,6 +313,26 @@ mod tests {
         }
         let flown = fly(&mission(json!([])));
         assert_eq!(last_hash(&flown), Hex(sim.state_hash()).to_string());
+    }
+
+    #[test]
+    fn a_plan_is_flown_and_its_time_is_bounded() {
+        for (policy, preset) in [("plan", "search"), ("plan", "paper"), ("replan", "paper")] {
+            let mut question = json!({
+                "ask": "fly", "policy": policy, "pilot": "max", "seed": 7,
+                "config": { "preset": preset, "uav_count": 6, "hotspot_count": 2 },
+            });
+            let flown = fly(&question);
+            assert_eq!(flown["episode"]["header"]["policy"], policy, "{flown}");
+            assert_eq!(last_hash(&flown), last_hash(&fly(&question)));
+            question["config"]["uav_count"] = json!(100);
+            let refused = fly(&question);
+            let reason = refused["error"].as_str().unwrap();
+            assert!(
+                reason.contains("= 14400: the page plans for at most 10000"),
+                "{reason}"
+            );
+        }
     }
 
     #[test]
