@@ -224,7 +224,7 @@
 #define JCAS_PHASE_TRUNCATED 6
 
 /// The number of fields of an observation, which jcas_observation_field_name names.
-#define JCAS_OBSERVATION_FIELDS 21
+#define JCAS_OBSERVATION_FIELDS 25
 
 /// Motion up, +y, as the first component of an action.
 #define JCAS_MOVE_UP (-0.8f)
@@ -468,6 +468,13 @@ typedef struct jcas_config {
     /// Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
     /// [reward, -1e6 to 1e6; default 0]
     double reward_false_confirmation;
+    /// Levels of the reports that UAVs share. Level l has the cells in which one UAV saw a hotspot,
+    /// true or false, in at least l steps. 0 stands for no reports. Refused without false alarms.
+    /// [levels, 0 to 3; default 0]
+    uint32_t report_levels;
+    /// Number of reported cells in an observation, nearest first. Refused without reports.
+    /// [cells, 0 to 64; default 0]
+    uint32_t report_slots;
 } jcas_config;
 
 /// The sizes and constants of a model, which determine the lengths of all buffers.
@@ -487,7 +494,7 @@ typedef struct jcas_model_info {
     /// Floats of the actions of a step: 2 N.
     uint32_t action_len;
     /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, plus the entries of
-    /// map_window_radius, map_directions and uav_tag.
+    /// map_window_radius, map_directions, uav_tag and report_slots.
     uint32_t observation_len;
     /// Floats of the global state: 6 N + 4 n + 4.
     uint32_t global_len;
@@ -508,7 +515,7 @@ typedef struct jcas_model_info {
 typedef struct jcas_observation_field {
     /// Index of the first entry.
     uint32_t offset;
-    /// Number of entries: one, or one for each hotspot, neighbour slot, cell or direction. It is 0
+    /// Number of entries: one, or one for each hotspot, slot, cell or direction. It is 0
     /// if the configuration leaves the field out.
     uint32_t count;
     /// Distance from one entry to the next, in floats.
@@ -1531,6 +1538,17 @@ JCAS_API
 jcas_status jcas_sim_get_false_confirmations(const struct jcas_sim *sim,
                                              uint8_t *cells,
                                              size_t count);
+
+/// Writes the reports that each UAV knows: the level of each cell, or 0. There is one grid for each
+/// UAV in turn, row (y) by row.
+///
+/// `sim`, `levels`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without reports.
+/// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+JCAS_API
+jcas_status jcas_sim_get_reports(const struct jcas_sim *sim,
+                                 uint8_t *levels,
+                                 size_t count);
 
 /** @} */
 

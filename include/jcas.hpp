@@ -415,6 +415,10 @@ public:
     {
         return jcas_sim_get_false_confirmations(get(), out.data(), out.size());
     }
+    status reports(span<std::uint8_t> out) const
+    {
+        return jcas_sim_get_reports(get(), out.data(), out.size());
+    }
 
     std::vector<unsigned char> save() const
     {

@@ -71,6 +71,7 @@ typedef jcas_status jcas_sim_get_visited_fn(const struct jcas_sim *sim, uint8_t 
 typedef jcas_status jcas_sim_get_search_maps_fn(const struct jcas_sim *sim, uint8_t *maps, size_t count);
 typedef jcas_status jcas_sim_get_false_alarms_fn(const struct jcas_sim *sim, uint8_t *alarms, size_t count);
 typedef jcas_status jcas_sim_get_false_confirmations_fn(const struct jcas_sim *sim, uint8_t *cells, size_t count);
+typedef jcas_status jcas_sim_get_reports_fn(const struct jcas_sim *sim, uint8_t *levels, size_t count);
 typedef jcas_status jcas_sim_save_fn(const struct jcas_sim *sim, void *snapshot, size_t size);
 typedef jcas_status jcas_sim_load_fn(struct jcas_sim *sim, const void *snapshot, size_t size);
 typedef jcas_status jcas_sim_fork_fn(const struct jcas_sim *from, struct jcas_sim *to);

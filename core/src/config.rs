@@ -223,7 +223,7 @@ configuration! { $
     search_maps: SearchMaps = SearchMaps::Off, "off | shared", 0..=1;
     /// A UAV has looked at the cells whose centre is at most this far from its own.
     search_map_radius_m: f64 = 100.0, "m", 0..=1e6;
-    /// Observations show the map this many cells around the UAV; 0: not at all.
+    /// Observations show the map and the reports this many cells around the UAV; 0: not at all.
     map_window_radius: u32 = 0, "cells", 0..=32;
     /// Whether observations show how much is unsearched in eight directions: `off` or `shown`.
     map_directions: MapDirections = MapDirections::Off, "off | shown", 0..=1;
@@ -249,6 +249,11 @@ configuration! { $
     sensing_footprint_m: Option<f64> = None, "m", 0..=1e6;
     /// Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
     reward_false_confirmation: f64 = 0.0, "reward", -1e6..=1e6;
+    /// Levels of the reports that UAVs share. Level ℓ has the cells in which one UAV saw a hotspot,
+    /// true or false, in at least ℓ steps. 0 stands for no reports.
+    report_levels: u32 = 0, "levels", 0..=3;
+    /// Number of reported cells in an observation, nearest first.
+    report_slots: u32 = 0, "cells", 0..=64;
 }
 
 impl Default for Config {

@@ -33,7 +33,7 @@ use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::step::expect;
-use crate::{alarms, graph, knowledge, potential, sensing};
+use crate::{alarms, graph, knowledge, potential, reports, sensing};
 
 fn check_len(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
     if expected == got {
@@ -111,6 +111,7 @@ impl Model<'_> {
         sensing::look_around(self, state);
         sensing::learn_from(self, state, scratch, detections);
         alarms::silence(state);
+        reports::sight(self, state);
         state.header.set_phase(Phase::Sensed);
         Ok(())
     }

@@ -1,5 +1,5 @@
 //! OR-consensus over the radio graph. All UAVs of a connected component receive the union of the
-//! hotspots that its members know, and the union of their search maps.
+//! hotspots that its members know, and the unions of their search maps and reports.
 
 use crate::bits;
 use crate::model::Model;
@@ -7,8 +7,8 @@ use crate::reward::Happenings;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
-/// Spreads knowledge and search maps over the graph and records the hotspots that all UAVs now
-/// know.
+/// Spreads knowledge, search maps and reports over the graph. Records the hotspots that all UAVs
+/// now know.
 #[inline(always)]
 pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     let (uavs, hotspots) = (model.uav_count(), model.hotspot_words());
@@ -18,10 +18,8 @@ pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: 
         let (order, unreached, union) = scratch.consensus(uavs, model.uav_words(), hotspots);
         consensus(uavs, state.links, state.knowledge, order, unreached, union);
     }
-    if model.map_words() > 0 {
-        let (order, unreached, union) =
-            scratch.consensus(uavs, model.uav_words(), model.map_words());
-        consensus(uavs, state.links, state.searched, order, unreached, union);
+    if model.layout().shared > 0 {
+        spread_cells(model, state, scratch);
     }
 
     let t = u64::from(state.header.t());
@@ -35,6 +33,19 @@ pub(crate) fn communicate(model: &Model<'_>, state: &mut StateMut<'_>, scratch: 
         while fresh != 0 {
             state.informed_at[word * 64 + fresh.trailing_zeros() as usize] = t;
             fresh &= fresh - 1;
+        }
+    }
+}
+
+/// Spreads search maps and reports.
+#[inline(always)]
+fn spread_cells(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
+    let (uavs, uav_words) = (model.uav_count(), model.uav_words());
+    let (maps, reports) = (&mut *state.searched, &mut *state.reports);
+    for (row, sets) in [(model.map_words(), maps), (model.layout().reports, reports)] {
+        if row > 0 {
+            let (order, unreached, union) = scratch.consensus(uavs, uav_words, row);
+            consensus(uavs, state.links, sets, order, unreached, union);
         }
     }
 }

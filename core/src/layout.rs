@@ -18,6 +18,10 @@ pub struct Layout {
     /// both 0 without false alarms.
     pub(crate) alarms: usize,
     pub(crate) false_cells: usize,
+    /// Number of words of a UAV's reports; 0 without reports.
+    pub(crate) reports: usize,
+    /// Number of words of cells that a UAV shares: its search map and its reports.
+    pub(crate) shared: usize,
     /// Number of words of a state.
     pub end: usize,
 }
@@ -40,9 +44,11 @@ impl Layout {
             (0, 0)
         };
         let alarm_words = uavs * alarms + false_cells + alarms / ALARMS_MAX;
+        let reports = config.report_levels as usize * false_cells;
         let per_uav = (12 + OWN_KEPT) * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
         let pairs = 2 * uavs * words_for(hotspots) + uavs * words_for(uavs);
+        let cell_sets = uavs * map + alarm_words + 2 * uavs * reports;
         Self {
             uavs,
             hotspots,
@@ -50,7 +56,9 @@ impl Layout {
             map,
             alarms,
             false_cells,
-            end: header::WORDS + per_uav + per_hotspot + pairs + visited + uavs * map + alarm_words,
+            reports,
+            shared: map + reports,
+            end: header::WORDS + per_uav + per_hotspot + pairs + visited + cell_sets,
         }
     }
 }

@@ -60,6 +60,7 @@ mod potential;
 #[cfg(any(kani, test))]
 mod proofs;
 mod radar;
+mod reports;
 mod reset;
 pub mod reward;
 pub mod rng;

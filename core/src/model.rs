@@ -2,14 +2,15 @@
 
 use crate::bits::words_for;
 use crate::carbon::CarbonPlan;
-use crate::config::{Cell, Config, Depots, MAX_DEPOTS, MapDirections, UavTag};
+use crate::config::{Cell, Config, Depots, MAX_DEPOTS};
 use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
 use crate::lanes::{self, Cells, Lanes, Rows};
 use crate::layout::Layout;
+use crate::observation::added::added_len;
 use crate::radar::curve::{self, AnyCurve};
 use crate::reward::RewardPlan;
-use crate::search::{self, Disc};
+use crate::search::Disc;
 use crate::{alarms, footprint, link, motion, radar};
 
 #[cfg(any(kani, test))]
@@ -50,6 +51,8 @@ pub struct Model<'m> {
     bucket_rows: usize,
     disc: Disc,
     footprint: Disc,
+    /// Number of entries that the configuration adds to an observation.
+    added: usize,
     tables: Words<'m>,
 }
 
@@ -185,6 +188,7 @@ impl Parts {
             bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
             disc: Disc::of(&config),
             footprint: footprint::of(&config),
+            added: added_len(&config),
             tables,
             config,
         }
@@ -344,40 +348,12 @@ impl<'m> Model<'m> {
         }
     }
 
-    /// Number of reals in one UAV's observation: 11 + 4 n + 3 · slots, plus the entries that
-    /// `map_window_radius`, `map_directions` and `uav_tag` add.
+    /// Number of reals in one UAV's observation: 11 + 4 n + 3 · slots, plus the entries that the
+    /// configuration adds.
     #[inline]
     #[must_use]
     pub const fn observation_len(&self) -> usize {
-        let paper = 11 + 4 * self.hotspots + 3 * self.neighbour_slots();
-        paper + self.window_len() + self.directions_len() + self.tag_len()
-    }
-
-    /// Number of entries for an observation's window of the search map: (2 r + 1)², or 0.
-    #[inline]
-    pub(crate) const fn window_len(&self) -> usize {
-        match self.config.map_window_radius as usize {
-            0 => 0,
-            radius => (2 * radius + 1) * (2 * radius + 1),
-        }
-    }
-
-    /// Number of entries for an observation's unsearched fractions by direction: 8 or 0.
-    #[inline]
-    pub(crate) const fn directions_len(&self) -> usize {
-        match self.config.map_directions {
-            MapDirections::Off => 0,
-            MapDirections::Shown => search::DIRECTIONS,
-        }
-    }
-
-    /// Number of entries for an observation's UAV tag: 1 or 0.
-    #[inline]
-    pub(crate) const fn tag_len(&self) -> usize {
-        match self.config.uav_tag {
-            UavTag::Off => 0,
-            UavTag::Index => 1,
-        }
+        11 + 4 * self.hotspots + 3 * self.neighbour_slots() + self.added
     }
 
     /// Number of `u64` words of one UAV's search map; 0 without maps.

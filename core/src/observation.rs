@@ -1,5 +1,6 @@
 //! Observations of each UAV, and the global state for a centralised critic.
 
+pub(crate) mod added;
 pub mod fields;
 
 use core::ops::Range;
@@ -12,7 +13,6 @@ use crate::lanes::real::{Divisors, ENTRIES, repeat};
 use crate::lanes::{self, Block, Cells, Lanes, at_width, force_vector};
 use crate::model::Model;
 use crate::scratch::Scratch;
-use crate::search::unsearched_shares;
 use crate::state::StateRef;
 
 /// Number of hotspots that are written at a time, and entries of each.
@@ -66,8 +66,9 @@ const COMMON: usize = 6;
 /// - connectivity: the fraction of the other UAVs that are neighbours;
 /// - sustainability: carbon intensity, distance to the nearest depot;
 /// - progress: fractions of hotspots confirmed and informed, fraction of the horizon;
-/// - the entries that the configuration adds: a window of the search map, the unsearched fraction
-///   in each direction, a tag.
+/// - what the configuration adds of the search map and the UAV: a window, unsearched fractions, a
+///   tag;
+/// - what it adds of the reports: a window of each level, the nearest reported cells.
 ///
 /// Positions and offsets are divided by the extent of the grid less 1. Positions, fractions,
 /// charge, pilot density, intensity and depot distance are in [0, 1], and offsets in [−1, 1].
@@ -338,50 +339,6 @@ impl<'v> View<'v> {
         force_vector(&mut connection);
         force_vector(&mut to_depot);
         (connection, to_depot)
-    }
-
-    /// Writes the entries that the configuration adds: map window, unsearched fractions, tag.
-    fn write_added(&self, i: usize, out: &mut [f32]) {
-        let cell = self.state.cell(i);
-        let (window, rest) = out.split_at_mut(self.model.window_len());
-        let (directions, tag) = rest.split_at_mut(self.model.directions_len());
-        if !window.is_empty() {
-            self.write_window(i, cell, window);
-        }
-        if !directions.is_empty() {
-            let config = self.model.config();
-            let map = self.state.searched_of(i);
-            unsearched_shares(map, cell, config.grid_width, config.grid_height, directions);
-        }
-        if let Some(tag) = tag.first_mut() {
-            *tag = self.tag(i);
-        }
-    }
-
-    /// Writes the map around the cell, row by row from -y: 1 unsearched, 0 searched, -1 off the
-    /// grid.
-    fn write_window(&self, i: usize, cell: Cell, out: &mut [f32]) {
-        let config = self.model.config();
-        let (radius, map) = (config.map_window_radius, self.state.searched_of(i));
-        let side = 2 * radius + 1;
-        for (row, dy) in out.chunks_exact_mut(side as usize).zip(0..side) {
-            for (value, dx) in row.iter_mut().zip(0..side) {
-                // A cell below 0 wraps to a number above any size.
-                let x = (cell.x + dx).wrapping_sub(radius);
-                let y = (cell.y + dy).wrapping_sub(radius);
-                let there = Cell { x, y };
-                *value = if self.model.contains(there) {
-                    flag(!bits::get(map, self.model.cell_index(there)))
-                } else {
-                    -1.0
-                };
-            }
-        }
-    }
-
-    /// The tag of UAV i.
-    fn tag(&self, i: usize) -> f32 {
-        index_tag(i, self.model.uav_count())
     }
 
     /// Writes (Δx/(W-1), Δy/(H-1), confirmed, known) of each hotspot for every UAV, eight hotspots

@@ -21,6 +21,7 @@ impl<'a> Scratch<'a> {
         let (hotspots, cells) = (model.hotspot_count(), model.config().cell_count());
         let graph = model.bucket_count() + 1 + uavs;
         let longest = model.hotspot_words().max(model.map_words());
+        let longest = longest.max(model.layout().reports);
         let consensus = uavs + model.uav_words() + longest;
         let ending = Tally::WORDS * uavs + hotspots;
         let width = lanes::width_of(uavs);

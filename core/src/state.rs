@@ -11,8 +11,8 @@
 //! | hotspot sets | knowledge  | links      | visited  | searched       | given | detected   |
 //! | n bits       | N × n bits | N × N bits | W H bits | N rows or none | N     | N × n bits |
 //!
-//! | false alarms  | falsely confirmed | newly so |
-//! | 8 N or none   | W H bits or none  | 1 or none|
+//! | false alarms  | falsely confirmed | newly so | sightings      | reports        |
+//! | 8 N or none   | W H bits or none  | 1 or none| N rows or none | N rows or none |
 //! ```
 
 use crate::alarms::ALARMS_MAX;
@@ -22,6 +22,7 @@ use crate::error::Error;
 use crate::header::{self, HeaderMut, HeaderRef, Phase};
 use crate::layout::Layout;
 use crate::model::Model;
+use crate::reports;
 use crate::reward::{self, OWN, OWN_KEPT, Rewards};
 use crate::word::stored;
 
@@ -86,6 +87,7 @@ enum Length {
     Alarms,
     FalseCells,
     FalseCount,
+    Reports,
 }
 
 const fn length(layout: &Layout, length: Length) -> usize {
@@ -103,6 +105,7 @@ const fn length(layout: &Layout, length: Length) -> usize {
         Length::Alarms => uavs * layout.alarms,
         Length::FalseCells => layout.false_cells,
         Length::FalseCount => layout.alarms / ALARMS_MAX,
+        Length::Reports => uavs * layout.reports,
     }
 }
 
@@ -167,6 +170,11 @@ state! {
     falsely_confirmed: Length::FalseCells;
     /// Number of cells that joined them when the fleet last sensed; no word without false alarms.
     newly_false: Length::FalseCount;
+    /// For each UAV and level ℓ, the cells in which it saw a hotspot in at least ℓ steps. There are
+    /// no words without reports.
+    sightings: Length::Reports;
+    /// The cells in which some UAV did so, as far as each UAV knows; no words without reports.
+    reports: Length::Reports;
 }
 
 impl Model<'_> {
@@ -435,6 +443,29 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn false_confirmation_count(&self) -> usize {
         bits::count(self.falsely_confirmed)
+    }
+
+    /// The reports that UAV `i` knows: for each level from 1, a set of row-major indices. There are
+    /// no words without reports.
+    #[must_use]
+    pub fn reports_of(&self, i: usize) -> &'a [u64] {
+        let row = self.layout.reports;
+        &self.reports[i * row..(i + 1) * row]
+    }
+
+    /// The level at which UAV `i` knows a report of the cell with this row-major index, or 0.
+    #[must_use]
+    pub fn report_level(&self, i: usize, cell_index: usize) -> u32 {
+        reports::level(self.reports_of(i), self.layout.false_cells, cell_index)
+    }
+
+    /// Number of steps, at most the number of levels, in which UAV `i` saw a hotspot in the cell
+    /// with this row-major index. It is 0 without reports.
+    #[must_use]
+    pub fn sighting_level(&self, i: usize, cell_index: usize) -> u32 {
+        let row = self.layout.reports;
+        let own = &self.sightings[i * row..(i + 1) * row];
+        reports::level(own, self.layout.false_cells, cell_index)
     }
 
     /// Number of cells that were falsely confirmed when the fleet last sensed.

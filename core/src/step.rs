@@ -10,7 +10,8 @@ use crate::reward::{self, Billed, Happenings};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 use crate::{
-    action, alarms, carbon, coverage, energy, graph, knowledge, metrics, potential, sensing,
+    action, alarms, carbon, coverage, energy, graph, knowledge, metrics, potential, reports,
+    sensing,
 };
 
 /// The result of a step: the team's reward, and whether the episode has ended.
@@ -151,6 +152,7 @@ fn sense(
     sensing::sense_and_learn(model, state, scratch);
     if model.layout().alarms > 0 {
         alarms::raise(model, state, scratch);
+        reports::sight(model, state);
     }
     state.header.set_phase(Phase::Sensed);
     Ok(())

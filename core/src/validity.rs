@@ -34,6 +34,7 @@ impl StateRef<'_> {
             && self.visits_are_valid(model, phase)
             && self.maps_are_valid(model, phase)
             && self.alarms_are_valid(model)
+            && self.reports_are_valid(model)
     }
 
     fn time_is_bounded(&self, model: &Model<'_>, phase: Phase) -> bool {
@@ -212,6 +213,32 @@ impl StateRef<'_> {
         }
         bits::fits(self.falsely_confirmed, cells)
             && self.newly_false[0] <= bits::count(self.falsely_confirmed) as u64
+    }
+
+    /// Checks that levels are nested sets of cells, that a UAV reports what it saw, and that a
+    /// report is a sighting of some UAV.
+    fn reports_are_valid(&self, model: &Model<'_>) -> bool {
+        let (row, words) = (self.layout.reports, self.layout.false_cells);
+        if row == 0 {
+            return true;
+        }
+        let mut unheard = 0;
+        for word in 0..row {
+            let (mut seen, mut told) = (0, 0);
+            for i in 0..model.uav_count() {
+                seen |= self.sightings[i * row + word];
+                told |= self.reports[i * row + word];
+            }
+            unheard |= told & !seen;
+        }
+        let mut nested = unheard == 0 && bits::is_subset(self.sightings, self.reports);
+        for rows in [self.sightings, self.reports] {
+            for levels in rows.chunks_exact(row) {
+                nested &= bits::is_subset(&levels[words..], &levels[..row - words]);
+                nested &= bits::fits(&levels[..words], model.config().cell_count());
+            }
+        }
+        nested
     }
 
     /// Checks the scalars that only the end of a step changes.

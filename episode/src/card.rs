@@ -204,7 +204,7 @@ impl StoredPolicy {
 
 /// The fields that determine the size of an observation, with their values.
 fn observed(config: &Config) -> String {
-    const FIELDS: [&str; 7] = [
+    const FIELDS: [&str; 9] = [
         "uav_count",
         "hotspot_count",
         "neighbour_slots",
@@ -212,6 +212,8 @@ fn observed(config: &Config) -> String {
         "map_window_radius",
         "map_directions",
         "uav_tag",
+        "report_levels",
+        "report_slots",
     ];
     let values = config.values();
     let fields = Config::FIELDS.iter().zip(values.iter());

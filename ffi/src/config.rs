@@ -240,6 +240,13 @@ pub struct jcas_config {
     /// Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
     /// [reward, -1e6 to 1e6; default 0]
     pub reward_false_confirmation: f64,
+    /// Levels of the reports that UAVs share. Level l has the cells in which one UAV saw a hotspot,
+    /// true or false, in at least l steps. 0 stands for no reports. Refused without false alarms.
+    /// [levels, 0 to 3; default 0]
+    pub report_levels: u32,
+    /// Number of reported cells in an observation, nearest first. Refused without reports.
+    /// [cells, 0 to 64; default 0]
+    pub report_slots: u32,
 }
 
 // SAFETY: integers and floats only.

@@ -190,6 +190,10 @@ pub extern "C" fn jcas_observation_field_name(index: u32) -> *const c_char {
         c"map_window",
         c"unsearched",
         c"tag",
+        c"report_window",
+        c"report_dx",
+        c"report_dy",
+        c"report_level",
     ];
     NAMES
         .get(index as usize)

@@ -420,6 +420,37 @@ pub unsafe extern "C" fn jcas_sim_get_false_confirmations(
     })
 }
 
+/// Writes the reports that each UAV knows: the level of each cell, or 0. There is one grid for each
+/// UAV in turn, row (y) by row.
+///
+/// `sim`, `levels`: not NULL. `count`: uav_count * grid_width * grid_height, or 0 without reports.
+/// Threads: none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn jcas_sim_get_reports(
+    sim: *const jcas_sim,
+    levels: *mut u8,
+    count: usize,
+) -> jcas_status {
+    guard(|| {
+        // SAFETY: the caller's promise for `sim`.
+        let sim = unsafe { see(sim.cast()) }?;
+        let cells = sim.model.config().cell_count();
+        let uavs = if sim.model.config().report_levels > 0 {
+            sim.model.uav_count()
+        } else {
+            0
+        };
+        // SAFETY: the caller's promise for `levels`.
+        let out = unsafe { output(levels, count, uavs * cells) }?;
+        let state = sim.state()?;
+        for (index, level) in out.iter_mut().enumerate() {
+            *level = state.report_level(index / cells, index % cells) as u8;
+        }
+        Ok(())
+    })
+}
+
 fn has_false_alarms(sim: &Seen<'_>) -> bool {
     sim.model.config().false_alarm_per_cell > 0.0
 }

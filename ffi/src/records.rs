@@ -47,7 +47,7 @@ unsafe impl Plain for jcas_hotspot {}
 unsafe impl Plain for jcas_observation_field {}
 
 /// The number of fields of an observation, which jcas_observation_field_name names.
-pub const JCAS_OBSERVATION_FIELDS: usize = 21;
+pub const JCAS_OBSERVATION_FIELDS: usize = 25;
 
 const _: () = assert!(JCAS_OBSERVATION_FIELDS == fields::FIELDS);
 
@@ -70,7 +70,7 @@ pub struct jcas_model_info {
     /// Floats of the actions of a step: 2 N.
     pub action_len: u32,
     /// Floats of one UAV's observation: 11 + 4 n + 3 neighbour_slots, plus the entries of
-    /// map_window_radius, map_directions and uav_tag.
+    /// map_window_radius, map_directions, uav_tag and report_slots.
     pub observation_len: u32,
     /// Floats of the global state: 6 N + 4 n + 4.
     pub global_len: u32,
@@ -93,7 +93,7 @@ pub struct jcas_model_info {
 pub struct jcas_observation_field {
     /// Index of the first entry.
     pub offset: u32,
-    /// Number of entries: one, or one for each hotspot, neighbour slot, cell or direction. It is 0
+    /// Number of entries: one, or one for each hotspot, slot, cell or direction. It is 0
     /// if the configuration leaves the field out.
     pub count: u32,
     /// Distance from one entry to the next, in floats.

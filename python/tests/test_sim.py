@@ -163,6 +163,32 @@ def test_false_alarms_confirm_cells_without_a_hotspot():
     assert silent.false_alarms().shape == (0, 12, 12) and silent.false_confirmations().size == 0
 
 
+def test_reports_count_what_one_uav_saw():
+    config = jcas.Config(
+        uav_count=1,
+        quorum=2,
+        false_alarm_per_cell=0.3,
+        sensing_footprint_m=100,
+        report_levels=2,
+        report_slots=3,
+    )
+    sim = jcas.Sim(jcas.Model(config))
+    sim.reset(1)
+    seen = np.zeros(sim.false_confirmations().shape, int)
+    for _ in range(6):
+        sim.step(np.zeros((1, 2), np.float32))
+        seen += sim.false_alarms()[0]
+    x, y = sim.hotspot_cells().T
+    at_hotspots = np.zeros(seen.shape, bool)
+    at_hotspots[y, x] = True
+    reports = sim.reports()[0]
+    assert np.array_equal(reports[~at_hotspots], np.minimum(seen, 2)[~at_hotspots])
+    assert reports.max() == 2
+    field = sim.model.observation_fields()["report_level"]
+    assert np.isin(sim.observe()[0, field], [0.5, 1]).all()
+    assert jcas.Sim(jcas.Model()).reports().shape == (0, 12, 12)
+
+
 def test_search_maps_grow_and_show_in_pictures():
     env = jcas.FleetEnv("search", render_mode="rgb_array", **UNSEEN)
     env.reset(seed=1)

@@ -38,6 +38,8 @@ static void begin(struct subject *subject)
     subject->config.map_directions = JCAS_DIRECTIONS_SHOWN;
     subject->config.uav_tag = JCAS_TAG_INDEX;
     subject->config.false_alarm_per_cell = 0.05;
+    subject->config.report_levels = 2;
+    subject->config.report_slots = 3;
     OK(jcas_model_new(&subject->config, &subject->model, NULL, 0));
     jcas_config other = subject->config;
     other.quorum = 2;

@@ -63,6 +63,10 @@ static void abuse_fields(const struct subject *subject)
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
     CHECK(strstr(message, "uav_tag = 2") != NULL);
     config = subject->config;
+    config.report_levels = 0; /* which leaves no reports to list */
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
+    CHECK(strstr(message, "report_slots = 3") != NULL);
+    config.report_slots = 0;
     config.search_maps = JCAS_MAPS_OFF; /* which leaves a window of nothing */
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
     CHECK(strstr(message, "map_window_radius = 2") != NULL);

@@ -71,6 +71,8 @@ void abuse_reading(struct subject *subject)
                  (size_t)info->uav_count * info->grid_width * info->grid_height);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_false_confirmations, sim,
                  (size_t)info->grid_width * info->grid_height);
+    ABUSE_BUFFER(uint8_t, jcas_sim_get_reports, sim,
+                 (size_t)info->uav_count * info->grid_width * info->grid_height);
     ABUSE_STRUCT(jcas_episode, jcas_sim_get_episode, sim);
     ABUSE_STRUCT(jcas_metrics, jcas_sim_get_metrics, sim);
 
@@ -96,7 +98,7 @@ void abuse_reading(struct subject *subject)
     }
 }
 
-/* Checks the fields of an observation: every wrong argument, then the tag's offset. */
+/* Checks the fields of an observation: every wrong argument, then the place of the last entry. */
 void abuse_observation_fields(struct subject *subject)
 {
     const jcas_model *model = subject->model;
@@ -117,8 +119,9 @@ void abuse_observation_fields(struct subject *subject)
         entries += fields[k].count;
     }
     CHECK(entries == subject->info.observation_len);
-    CHECK(strcmp(jcas_observation_field_name((uint32_t)count - 1), "tag") == 0);
-    CHECK(fields[count - 1].offset == subject->info.observation_len - 1);
+    CHECK(strcmp(jcas_observation_field_name((uint32_t)count - 1), "report_level") == 0);
+    const jcas_observation_field *last = &fields[count - 1];
+    CHECK(last->offset + (last->count - 1) * last->stride == subject->info.observation_len - 1);
     CHECK(jcas_observation_field_name((uint32_t)count) == NULL);
 }
 

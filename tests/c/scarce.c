@@ -433,6 +433,7 @@ static void build_in_place(void)
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_search_maps(sim, maps, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_false_alarms(sim, maps, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_false_confirmations(sim, maps, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_sim_get_reports(sim, maps, 0));
     memset(actions, 0, sizeof actions);
     step(batch);
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_free(policy));

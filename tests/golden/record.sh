@@ -64,6 +64,11 @@ record false_alarms --uavs 12 --hotspots 4 --policy teams --pilot adaptive \
     --set reward_false_confirmation=-7 --set horizon_steps=40
 record false_alarms_alone --uavs 3 --hotspots 4 --policy greedy --pilot max \
     --set false_alarm_per_cell=0.5 --set radar_cross_section_dbsm=40 --set horizon_steps=8
+record reports --uavs 9 --hotspots 3 --policy teams --pilot adaptive \
+    --set detection_curve=swerling1 --set pilot_gain=coherent --set radar_cross_section_dbsm=20 \
+    --set false_alarm_per_cell=0.05 \
+    --set sensing_footprint_m=100 --set report_levels=2 --set report_slots=5 \
+    --set map_window_radius=2 --set horizon_steps=12
 short_of_charge=(--hotspots 16 --policy teams --pilot adaptive --set link_throughput_min=1.75
     --set battery_capacity_kwh=0.009 --set initial_soc_min=0 --set rtb_threshold_kwh=0
     --set hover_energy_kwh=0.0004 --set charge_power_kw=0.05 --set horizon_steps=10)

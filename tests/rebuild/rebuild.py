@@ -94,6 +94,7 @@ class Mission:
         self.knows = [set() for _ in range(self.n)]
         self.confirmed, self.informed = set(), set()
         self.alarms, self.falsely = [[] for _ in range(self.n)], set()
+        self.sightings, self.reported = [[{} for _ in range(self.n)] for _ in range(2)]
         self.co2 = 0
         self.coming = self.intensity(0)
         self.visited = set(self.cells)
@@ -186,6 +187,35 @@ class Mission:
         new = {cell for cell in seen if seen.count(cell) >= self.c["quorum"]} - self.falsely
         self.falsely |= new
         return len(new)
+
+    # Reports: counts of sightings by cell, and the highest level of one UAV that a UAV knows of.
+
+    def report(self, hits):
+        levels = self.c.get("report_levels", 0)
+        for i, (own, known) in enumerate(zip(self.sightings, self.reported)):
+            for cell in [self.hotspots[j] for j in hits[i]] + self.alarms[i]:
+                own[cell] = own.get(cell, 0) + 1
+                if levels > 0:
+                    known[cell] = max(known.get(cell, 0), min(own[cell], levels))
+
+    def spread_reports(self):
+        for _ in range(self.n):
+            old = [dict(known) for known in self.reported]
+            for i, known in enumerate(self.reported):
+                for k in self.links[i]:
+                    for cell, level in old[k].items():
+                        known[cell] = max(known.get(cell, 0), level)
+            if old == self.reported:
+                return
+
+    def reports(self):
+        levels = range(1, self.c["report_levels"] + 1)
+        by_row = lambda cell: (cell[1], cell[0])
+        known_at = lambda known, level: [cell for cell in known if known[cell] >= level]
+        of = lambda known: [
+            [list(cell) for cell in sorted(known_at(known, level), key=by_row)] for level in levels
+        ]
+        return [of(known) for known in self.reported]
 
     def throughput(self, i, k):
         c = self.c
@@ -303,8 +333,10 @@ class Mission:
         for i in range(self.n):
             self.knows[i] |= hits[i] & self.confirmed
         self.newly_false = self.raise_alarms(senses)
+        self.report(hits)
         self.link_up()
         self.spread()
+        self.spread_reports()
         spent = self.spend(before, senses)
         self.informed = set.intersection(*self.knows)
         self.reward = self.rewarded(before, informed, confirmed, spent, self.co2 - co2)
@@ -382,6 +414,8 @@ def rebuild(path):
             alarms = [cells(raised) for raised in mission.alarms]
             same(f"{at} false_alarms", alarms, step["false_alarms"])
             same(f"{at} falsely_confirmed", cells(by_row), step["falsely_confirmed"])
+        if "reports" in step:
+            same(f"{at} reports", mission.reports(), step["reports"])
         same(f"{at} intensity", mission.billed, step["carbon_intensity_mg_per_kwh"])
         same(f"{at} co2_ng", mission.co2, step["co2_ng"])
         near(f"{at} throughput", mission.mean_throughput, step["throughput"])

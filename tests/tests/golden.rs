@@ -7,7 +7,7 @@
 
 mod abi_support;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::PathBuf;
@@ -650,6 +650,58 @@ fn false_alarms_alone() {
         .flat_map(|step| step.false_alarms.iter().flatten());
     let most = alarms.map(Vec::len).max();
     assert_eq!(most, Some(8), "more alarms than eight count as eight");
+}
+
+/// The reports that a UAV knows after a step, as sets of (y, x) level by level.
+fn reports_of(step: &Step, uav: usize) -> Vec<BTreeSet<(u32, u32)>> {
+    let reports = step.reports.as_ref().expect("a trace with reports");
+    let sets = reports[uav].iter();
+    sets.map(|cells| cells.iter().map(|cell| (cell.y, cell.x)).collect())
+        .collect()
+}
+
+/// A UAV reports its false alarms, once a level, and neighbours know the same.
+#[test]
+fn reports() {
+    let trace = reproduced("reports");
+    let uavs = trace.header.config.uav_count as usize;
+    let mut alarms_of: Vec<BTreeMap<(u32, u32), u32>> = vec![BTreeMap::new(); uavs];
+    let mut heard = 0;
+    for step in &trace.steps {
+        for (uav, cells) in step.false_alarms.iter().flatten().enumerate() {
+            for cell in cells {
+                *alarms_of[uav].entry((cell.y, cell.x)).or_insert(0) += 1;
+            }
+        }
+        for (uav, own) in alarms_of.iter().enumerate() {
+            let known = reports_of(step, uav);
+            assert!(known[1].is_subset(&known[0]));
+            for (cell, &times) in own {
+                assert!(known[0].contains(cell) && (times < 2 || known[1].contains(cell)));
+            }
+            heard += known[0]
+                .iter()
+                .filter(|&cell| !own.contains_key(cell))
+                .count();
+        }
+        for &[a, b] in &step.links {
+            assert_eq!(reports_of(step, a), reports_of(step, b), "step {}", step.t);
+        }
+    }
+    assert!(heard > 0, "word of others' sightings");
+    for (before, step) in pairs(&trace) {
+        for uav in 0..uavs {
+            let known = reports_of(step, uav);
+            let nested = reports_of(before, uav).into_iter().zip(&known);
+            assert!(
+                nested
+                    .into_iter()
+                    .all(|(before, after)| before.is_subset(after))
+            );
+        }
+    }
+    let last = trace.steps.last().expect("a step");
+    assert!((0..uavs).any(|uav| !reports_of(last, uav)[1].is_empty()));
 }
 
 /// The configuration in a trace is complete. The later fields alone may be left out: at their

@@ -193,6 +193,9 @@ impl Display for StepLine<'_> {
         if model.config().false_alarm_per_cell > 0.0 {
             alarms(out, model, state)?;
         }
+        if model.config().report_levels > 0 {
+            reports(out, model, state)?;
+        }
         write!(
             out,
             ",\"carbon_intensity_mg_per_kwh\":{},\"co2_ng\":{},\"throughput\":{},\"reward\":{{",
@@ -258,6 +261,19 @@ fn alarms(out: &mut fmt::Formatter<'_>, model: &Model<'_>, state: &StateRef<'_>)
     })?;
     out.write_str(",\"falsely_confirmed\":")?;
     pairs(out, state.falsely_confirmed_cells().map(place))
+}
+
+/// The cells of each level of the reports that each UAV knows.
+fn reports(out: &mut fmt::Formatter<'_>, model: &Model<'_>, state: &StateRef<'_>) -> fmt::Result {
+    let width = model.config().grid_width as usize;
+    let cells = model.config().cell_count();
+    out.write_str(",\"reports\":")?;
+    list(out, 0..model.uav_count(), |out, i| {
+        list(out, 1..=model.config().report_levels, |out, level| {
+            let known = (0..cells).filter(|&index| state.report_level(i, index) >= level);
+            pairs(out, known.map(|index| (index % width, index / width)))
+        })
+    })
 }
 
 fn config(out: &mut fmt::Formatter<'_>, config: &Config) -> fmt::Result {

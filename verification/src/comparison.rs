@@ -61,6 +61,7 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
         real(format_args!("reward {}", names[index]), ours, theirs)?;
     }
     alarms(spec, world, state)?;
+    reports(spec, world, state)?;
     for (i, own) in world.uav_rewards.iter().enumerate() {
         for (index, (ours, theirs)) in own
             .terms()
@@ -98,6 +99,28 @@ fn alarms(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outcome 
     }
     let theirs = state.new_false_confirmations();
     equal("new false confirmations", world.newly_false, theirs)
+}
+
+/// Compares sightings and reports.
+fn reports(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outcome {
+    for (i, rows) in world.sightings.iter().enumerate() {
+        for (y, row) in rows.iter().enumerate() {
+            for (x, &sightings) in row.iter().enumerate() {
+                let index = y * spec.config.grid_width as usize + x;
+                equal(
+                    format_args!("sightings at ({x}, {y}) of UAV {i}"),
+                    spec.report_level(sightings),
+                    state.sighting_level(i, index),
+                )?;
+                equal(
+                    format_args!("report of ({x}, {y}) of UAV {i}"),
+                    world.reported[i][y][x],
+                    state.report_level(i, index),
+                )?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn uav(world: &World, state: &StateRef<'_>, i: usize) -> Outcome {

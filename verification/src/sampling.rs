@@ -107,6 +107,11 @@ fn false_alarms(dice: &mut Dice, c: &mut Config) {
         _ => None,
     };
     c.reward_false_confirmation = dice.real(-10.0, 1.0);
+    c.report_levels = dice.integer(0, 3);
+    if c.report_levels > 0 {
+        c.report_slots = dice.integer(0, 5);
+        c.map_window_radius = dice.integer(0, 3);
+    }
 }
 
 /// Draws the settings of search maps and their observation.

@@ -29,6 +29,7 @@ struct Reached {
     hidden: u32,
     alone: u32,
     maps_differ: u32,
+    reports_differ: u32,
 }
 
 #[test]
@@ -63,6 +64,7 @@ fn the_kernel_agrees_with_the_specification() {
         reached.hidden,
         reached.alone,
         reached.maps_differ,
+        reached.reports_differ,
     ];
     assert!(counts.iter().all(|&count| count > 50), "{reached:?}");
     for size in SEAMS {
@@ -156,4 +158,7 @@ fn note(spec: &Specification, world: &World, reached: &mut Reached) {
     reached.alone += u32::from(spec.config.uav_count == 1);
     let unlike = world.searched.iter().any(|map| *map != world.searched[0]);
     reached.maps_differ += u32::from(unlike);
+    let mut reports = world.reported.iter();
+    let unlike = reports.any(|levels| *levels != world.reported[0]);
+    reached.reports_differ += u32::from(unlike);
 }

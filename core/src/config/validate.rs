@@ -44,6 +44,7 @@ impl Config {
         self.depots_are_cells()?;
         self.hotspots_have_room()?;
         self.maps_have_room()?;
+        self.reports_have_a_use()?;
         self.ledgers_have_room()
     }
 
@@ -51,17 +52,25 @@ impl Config {
     /// limit.
     fn maps_have_room(&self) -> Result<(), ConfigError> {
         if self.search_maps == SearchMaps::Off {
-            let shown = if self.map_window_radius > 0 {
-                ("map_window_radius", self.map_window_radius)
+            let (field, value, rule) = if self.map_window_radius > 0 && self.report_levels == 0 {
+                (
+                    "map_window_radius",
+                    self.map_window_radius,
+                    "0 (off) while search_maps is off and report_levels is 0",
+                )
             } else if self.map_directions != MapDirections::Off {
-                ("map_directions", self.map_directions as u32)
+                (
+                    "map_directions",
+                    self.map_directions as u32,
+                    "0 (off) while search_maps is off",
+                )
             } else {
                 return Ok(());
             };
             return Err(ConfigError {
-                field: shown.0,
-                value: Value::Integer(shown.1.into()),
-                allowed: Allowed::Rule("0 (off) while search_maps is off"),
+                field,
+                value: Value::Integer(value.into()),
+                allowed: Allowed::Rule(rule),
             });
         }
         let most = MAP_BITS_MAX / self.cell_count() as u64;
@@ -74,6 +83,38 @@ impl Config {
                     "with search_maps = shared, 2^28 over the cells of the grid",
                 ),
             });
+        }
+        Ok(())
+    }
+
+    /// Checks that reports have a footprint, are shown only if they exist, and fit the limit.
+    fn reports_have_a_use(&self) -> Result<(), ConfigError> {
+        let refused = |field, value: u32, allowed| {
+            Err(ConfigError {
+                field,
+                value: Value::Integer(value.into()),
+                allowed,
+            })
+        };
+        if self.report_levels == 0 {
+            if self.report_slots > 0 {
+                let rule = Allowed::Rule("0 while report_levels is 0");
+                return refused("report_slots", self.report_slots, rule);
+            }
+            return Ok(());
+        }
+        if self.false_alarm_per_cell == 0.0 {
+            let rule = "0 while false_alarm_per_cell is 0, which leaves no footprint";
+            return refused("report_levels", self.report_levels, Allowed::Rule(rule));
+        }
+        let most = MAP_BITS_MAX / u64::from(self.report_levels) / self.cell_count() as u64;
+        if u64::from(self.uav_count) > most {
+            let limit = "2^28 over report_levels times the cells of the grid";
+            return refused(
+                "uav_count",
+                self.uav_count,
+                Allowed::AtMost(most as f64, limit),
+            );
         }
         Ok(())
     }

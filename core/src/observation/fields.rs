@@ -1,5 +1,6 @@
 //! The name of every entry of an observation.
 
+use super::added::{self, REPORT};
 use crate::model::Model;
 
 /// A field of an observation: `count` entries with the same meaning, at `offset`,
@@ -10,7 +11,7 @@ pub struct ObservationField {
     pub name: &'static str,
     /// Position of the first entry in a row.
     pub offset: usize,
-    /// Number of entries: one, one for each hotspot, neighbour slot, cell or direction, or none.
+    /// Number of entries: one, one for each hotspot, slot, cell or direction, or none.
     pub count: usize,
     /// Distance from one entry to the next.
     pub stride: usize,
@@ -39,22 +40,31 @@ pub const FIELD_NAMES: [&str; FIELDS] = [
     "map_window",
     "unsearched",
     "tag",
+    "report_window",
+    "report_dx",
+    "report_dy",
+    "report_level",
 ];
 
 /// Number of fields of an observation. Fields that the configuration omits have no entries.
-pub const FIELDS: usize = 21;
+pub const FIELDS: usize = 25;
 
 /// All fields of a UAV's observation; together they name each entry once.
 #[must_use]
 pub fn fields(model: &Model<'_>) -> [ObservationField; FIELDS] {
+    let [window, directions, tag, report_windows, reported] = added::lens(model.config());
     // Fields of a block, how often the block comes.
     let blocks = [
         (5, 1),
         (4, model.hotspot_count()),
         (3, model.neighbour_slots()),
         (6, 1),
+        (1, window),
+        (1, directions),
+        (1, tag),
+        (1, report_windows),
+        (REPORT, reported / REPORT),
     ];
-    let rows = [model.window_len(), model.directions_len(), model.tag_len()];
     let mut all = [ObservationField {
         name: "",
         offset: 0,
@@ -74,16 +84,6 @@ pub fn fields(model: &Model<'_>) -> [ObservationField; FIELDS] {
         }
         begin += stride * count;
     }
-    for count in rows {
-        all[next] = ObservationField {
-            name: FIELD_NAMES[next],
-            offset: begin,
-            count,
-            stride: 1,
-        };
-        next += 1;
-        begin += count;
-    }
     all
 }
 
@@ -100,7 +100,21 @@ mod tests {
             hotspot_count: 2,
             ..Config::preset(Preset::Search)
         };
-        for config in [Config::default(), Config::preset(Preset::Search), small] {
+        let reporting = Config {
+            false_alarm_per_cell: 0.01,
+            report_levels: 2,
+            report_slots: 5,
+            ..small
+        };
+        let without_maps = Config {
+            false_alarm_per_cell: 0.01,
+            report_levels: 3,
+            map_window_radius: 2,
+            ..Config::default()
+        };
+        let paper = Config::default();
+        let search = Config::preset(Preset::Search);
+        for config in [paper, search, small, reporting, without_maps] {
             let model = Model::new(config).unwrap();
             let mut named = vec![0; model.observation_len()];
             for field in fields(&model) {

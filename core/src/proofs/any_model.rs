@@ -120,6 +120,7 @@ fn any_model_of(config: Config, words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         bucket_rows: 1,
         disc: super::Disc::of(&config),
         footprint: crate::footprint::of(&config),
+        added: 0,
         tables: Words::Borrowed(words),
         config,
     }
@@ -186,7 +187,8 @@ fn any_config() -> Config {
             config.search_map_radius_m = between(0, 200) as f64;
         }
         if kani::any() {
-            config.false_alarm_per_cell = real_between(0.0, 0.5);
+            config.false_alarm_per_cell = real_between(0.0001, 0.5);
+            config.report_levels = between(0, 3) as u32;
         }
     }
     config

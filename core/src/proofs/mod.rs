@@ -38,6 +38,7 @@ mod knowledge;
 mod lanes;
 mod motion;
 mod refusal;
+mod reports;
 mod reset;
 mod reward;
 mod rng;

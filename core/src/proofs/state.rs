@@ -220,6 +220,8 @@ pub(super) fn nothing_is_forgotten(model: &Model<'_>, before: &StateRef<'_>, aft
         before.falsely_confirmed,
         after.falsely_confirmed
     ));
+    assert!(bits::is_subset(before.sightings, after.sightings));
+    assert!(bits::is_subset(before.reports, after.reports));
 }
 
 /// A hotspot becomes confirmed exactly if the UAVs whose detection of it is on record reach the

@@ -21,7 +21,7 @@ const HEADER_FIELDS: [&str; 8] = [
     "initial",
 ];
 /// Fields of a step in the order in which a step computes them.
-const STEP_FIELDS: [&str; 19] = [
+const STEP_FIELDS: [&str; 20] = [
     "t",
     "actions",
     "positions",
@@ -35,6 +35,7 @@ const STEP_FIELDS: [&str; 19] = [
     "informed",
     "false_alarms",
     "falsely_confirmed",
+    "reports",
     "carbon_intensity_mg_per_kwh",
     "co2_ng",
     "throughput",

@@ -136,6 +136,9 @@ pub struct Step {
     /// Cells falsely confirmed so far; absent where there are no false alarms.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub falsely_confirmed: Option<Vec<Cell>>,
+    /// The reports that each UAV knows, level by level; absent where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reports: Option<Vec<Vec<Vec<Cell>>>>,
     /// Carbon intensity that this step billed.
     pub carbon_intensity_mg_per_kwh: u64,
     /// CO2 of the mission so far, in nanograms.

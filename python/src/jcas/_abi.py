@@ -64,7 +64,7 @@ JCAS_PHASE_SENSED = 3
 JCAS_PHASE_COMMUNICATED = 4
 JCAS_PHASE_TERMINATED = 5
 JCAS_PHASE_TRUNCATED = 6
-JCAS_OBSERVATION_FIELDS = 21
+JCAS_OBSERVATION_FIELDS = 25
 JCAS_POLICY_DETERMINISTIC = 0
 JCAS_POLICY_SAMPLED = 1
 
@@ -151,6 +151,8 @@ class jcas_config(Structure):
         ("false_alarm_per_cell", c_double),
         ("sensing_footprint_m", c_double),
         ("reward_false_confirmation", c_double),
+        ("report_levels", c_uint32),
+        ("report_slots", c_uint32),
     )
 
 
@@ -531,6 +533,8 @@ def declare(library: CDLL) -> None:
     library.jcas_sim_get_false_alarms.restype = c_int32
     library.jcas_sim_get_false_confirmations.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_get_false_confirmations.restype = c_int32
+    library.jcas_sim_get_reports.argtypes = (c_void_p, c_void_p, c_size_t)
+    library.jcas_sim_get_reports.restype = c_int32
     library.jcas_sim_save.argtypes = (c_void_p, c_void_p, c_size_t)
     library.jcas_sim_save.restype = c_int32
     library.jcas_sim_load.argtypes = (c_void_p, c_void_p, c_size_t)

@@ -144,7 +144,8 @@ class Fields(TypedDict, total=False):
     search_map_radius_m: float | None
     """A UAV has looked at the cells whose centre is at most this far from its own. 0 to 1e+06 m."""
     map_window_radius: int | None
-    """Observations show the map this many cells around the UAV; 0: not at all. 0 to 32 cells."""
+    """Observations show the map and the reports this many cells around the UAV; 0: not at all. 0
+    to 32 cells."""
     map_directions: Literal["off", "shown"] | None
     """Whether observations show how much is unsearched in eight directions: `off` or `shown`.
     One of off, shown."""
@@ -172,3 +173,8 @@ class Fields(TypedDict, total=False):
     reward_false_confirmation: float | None
     """Reward of a false confirmation: at least θ UAVs see a hotspot in one cell that holds none.
     -1e+06 to 1e+06 reward."""
+    report_levels: int | None
+    """Levels of the reports that UAVs share. Level ℓ has the cells in which one UAV saw a
+    hotspot, true or false, in at least ℓ steps. 0 stands for no reports. 0 to 3 levels."""
+    report_slots: int | None
+    """Number of reported cells in an observation, nearest first. 0 to 64 cells."""

@@ -231,6 +231,18 @@ class Sim:
         rows = record.grid_height if record.false_alarm_per_cell > 0 else 0
         return self._flags(lib.jcas_sim_get_false_confirmations, (rows, record.grid_width))
 
+    def reports(self) -> npt.NDArray[np.uint8]:
+        """Level at which each UAV knows a report of each cell, or 0, [N, H, W].
+
+        Level l stands for l sightings of a hotspot, true or false, by one UAV. N is 0 without
+        reports.
+        """
+        record = self.model.config.record
+        uavs = self.model.uav_count if record.report_levels > 0 else 0
+        levels = np.empty((uavs, record.grid_height, record.grid_width), np.uint8)
+        self._check(lib.jcas_sim_get_reports(self.handle, levels.ctypes.data, levels.size))
+        return levels
+
     def reward_components(self) -> dict[str, float]:
         """Give the components of the last reward by name; their sum, in order, is the reward."""
         values = np.empty(len(REWARD_NAMES))

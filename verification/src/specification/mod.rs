@@ -18,6 +18,7 @@ mod observation;
 pub mod philox;
 mod potential;
 mod radar;
+mod reports;
 mod reset;
 mod reward;
 mod search;
@@ -129,6 +130,11 @@ pub struct World {
     pub falsely_confirmed: Vec<Vec<bool>>,
     /// Cells that were falsely confirmed when the fleet last sensed.
     pub newly_false: u32,
+    /// `sightings[i][y][x]`: in how many steps UAV i saw a hotspot in the cell, true or false.
+    pub sightings: Vec<Vec<Vec<u32>>>,
+    /// `reported[i][y][x]`: the most sightings of one UAV that UAV i knows of, up to the number of
+    /// levels.
+    pub reported: Vec<Vec<Vec<u32>>>,
     /// Carbon intensity that the coming step will be billed with, in mg/kWh.
     pub coming_intensity_mg_per_kwh: u64,
     /// Carbon intensity that the last step was billed with, in mg/kWh.

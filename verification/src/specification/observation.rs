@@ -18,6 +18,7 @@ impl Specification {
         entries.push(fraction(depot_distance, self.longest_path()));
         self.push_progress(world, &mut entries);
         self.push_search(world, i, &mut entries);
+        self.push_reports(world, i, &mut entries);
         entries.into_iter().map(|entry| entry as f32).collect()
     }
 
@@ -90,7 +91,7 @@ impl Specification {
         self.push_offset(Position { x: 0, y: 0 }, cell, entries);
     }
 
-    fn push_offset(&self, from: Position, to: Position, entries: &mut Vec<f64>) {
+    pub(super) fn push_offset(&self, from: Position, to: Position, entries: &mut Vec<f64>) {
         entries.push(fraction((to.x - from.x) as f64, (self.width() - 1) as f64));
         entries.push(fraction((to.y - from.y) as f64, (self.height() - 1) as f64));
     }

@@ -35,6 +35,8 @@ impl Specification {
             false_alarms: vec![Vec::new(); n],
             falsely_confirmed: vec![vec![false; self.width() as usize]; self.height() as usize],
             newly_false: 0,
+            sightings: vec![vec![vec![0; self.width() as usize]; self.height() as usize]; n],
+            reported: vec![vec![vec![0; self.width() as usize]; self.height() as usize]; n],
             visited,
             coming_intensity_mg_per_kwh: self.draw_intensity(seed, 0),
             billed_intensity_mg_per_kwh: 0,

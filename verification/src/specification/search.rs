@@ -56,7 +56,7 @@ impl Specification {
     /// Appends the window of the map, the unsearched fraction of each direction, and the tag.
     pub(super) fn push_search(&self, world: &World, i: usize, entries: &mut Vec<f64>) {
         let radius = i64::from(self.config.map_window_radius);
-        if radius > 0 {
+        if radius > 0 && self.config.search_maps != SearchMaps::Off {
             for dy in -radius..=radius {
                 for dx in -radius..=radius {
                     entries.push(self.window_entry(world, i, dx, dy));

@@ -29,12 +29,14 @@ impl Specification {
             .map(|&senses| senses && looking)
             .collect();
         self.raise_false_alarms(world, &drawing);
+        self.count_sightings(world);
         match &host.links {
             None => self.link_up(world),
             Some(links) => self.link_over(world, links, host),
         }
         self.consensus(world);
         self.share_maps(world);
+        self.share_reports(world);
         world.billed_intensity_mg_per_kwh = world.coming_intensity_mg_per_kwh;
         self.spend_and_charge(world, &was_sensing, &mut facts);
         self.inform(world);

@@ -126,6 +126,24 @@ fn messages_name_field_value_and_what_is_allowed() {
             "false_alarm_per_cell = 0.6: must be a number from 0 to 0.5",
         ),
         (
+            "report_levels = 2",
+            "report_levels = 2: must be 0 while false_alarm_per_cell is 0, which leaves no \
+             footprint",
+        ),
+        (
+            "false_alarm_per_cell = 0.01\nreport_slots = 4",
+            "report_slots = 4: must be 0 while report_levels is 0",
+        ),
+        (
+            "false_alarm_per_cell = 0.01\nreport_levels = 4",
+            "report_levels = 4: must be a whole number from 0 to 3",
+        ),
+        (
+            "map_window_radius = 2",
+            "map_window_radius = 2: must be 0 (off) while search_maps is off and report_levels \
+             is 0",
+        ),
+        (
             "detection_curve = 'swerling1'\nfalse_alarm_probability = 0.5",
             "false_alarm_probability = 0.5: must be a number from 0.000000000001 to 0.1",
         ),
