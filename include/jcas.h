@@ -1958,7 +1958,7 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
 /// plans.
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
-/// `plan` follows one plan until every hotspot is confirmed. `replan` plans again after each
+/// `plan` follows one plan without feedback. `replan` plans again after each
 /// confirmation and each meeting. If the model hides hotspots, this call makes the first plan,
 /// which takes seconds; otherwise the first step of each episode does.
 ///
@@ -2124,7 +2124,7 @@ jcas_status jcas_plan_get_pilot_densities(const struct jcas_plan *plan,
                                           size_t count);
 
 /// Builds the policy that follows a plan, which jcas_policy_act flies. The fleet follows the plan
-/// until every hotspot is confirmed, then it gathers. jcas_policy_free ends the policy.
+/// without feedback; the plan makes it meet. jcas_policy_free ends the policy.
 ///
 /// `model`, `plan`, `policy`: not NULL. `model` must not be freed before the policy; the plan is
 /// copied. `policy` receives the handle.

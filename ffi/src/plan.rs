@@ -374,7 +374,7 @@ pub unsafe extern "C" fn jcas_plan_get_pilot_densities(
 }
 
 /// Builds the policy that follows a plan, which jcas_policy_act flies. The fleet follows the plan
-/// until every hotspot is confirmed, then it gathers. jcas_policy_free ends the policy.
+/// without feedback; the plan makes it meet. jcas_policy_free ends the policy.
 ///
 /// `model`, `plan`, `policy`: not NULL. `model` must not be freed before the policy; the plan is
 /// copied. `policy` receives the handle.

@@ -6,6 +6,7 @@ use jcas_core::Cell;
 use jcas_core::motion::{destination, toward};
 
 use crate::battery::{Duty, after, duty};
+use crate::gather::meeting_cell;
 use crate::paths::Paths;
 use crate::problem::Problem;
 
@@ -52,18 +53,25 @@ impl<'p, 'm> Recorder<'p, 'm> {
 
     /// Records one step, in which each UAV flies toward its target, x before y.
     pub(crate) fn fly(&mut self, target: impl Fn(usize) -> Cell) {
+        let level = self.level;
+        self.fly_as(|uav| (target(uav), level));
+    }
+
+    /// Records one step, with a target and a level for each UAV.
+    fn fly_as(&mut self, order: impl Fn(usize) -> (Cell, u8)) {
         let (model, odds) = (self.problem.model, &self.problem.odds);
         let config = model.config();
         self.step += 1;
         for uav in 0..self.cells.len() {
             let (from, charge_uj) = (self.cells[uav], self.charges_uj[uav]);
+            let (target, level) = order(uav);
             let (to, level) = match duty(model, charge_uj, from) {
                 Duty::Free => {
-                    let motion = toward(from, target(uav));
+                    let motion = toward(from, target);
                     let to = destination(from, motion, config.grid_width, config.grid_height);
-                    (to, self.level)
+                    (to, level)
                 }
-                Duty::Returns(there) => (there, self.level),
+                Duty::Returns(there) => (there, level),
                 Duty::Grounded => (from, odds.grounded()),
             };
             let density = odds.densities().get(usize::from(level)).copied();
@@ -176,8 +184,8 @@ fn rows(problem: &Problem<'_>, lines: i64, strips: i64, thirds: i64) -> Vec<Rank
         .collect()
 }
 
-/// Returns the trajectories of every formation, each sensing at the highest pilot density.
-pub(crate) fn sweeps(problem: &Problem<'_>) -> Vec<Paths> {
+/// Returns the trajectories of every formation, sensing at a level.
+pub(crate) fn sweeps(problem: &Problem<'_>, level: u8) -> Vec<Paths> {
     let (across, along, _) = extents(problem);
     let uavs = problem.situation.cells.len() as i64;
     let lines_max = i64::from(MOST).min(uavs).min(along);
@@ -187,7 +195,7 @@ pub(crate) fn sweeps(problem: &Problem<'_>) -> Vec<Paths> {
         for strips in 1..=strips_max {
             for thirds in 0..=i64::from(THIRDS) {
                 let mut rows = rows(problem, lines, strips, thirds);
-                let mut recorder = Recorder::new(problem, problem.odds.highest());
+                let mut recorder = Recorder::new(problem, level);
                 let mut targets: Vec<Cell> = problem.situation.cells.clone();
                 while !recorder.is_full() {
                     for row in &mut rows {
@@ -203,6 +211,35 @@ pub(crate) fn sweeps(problem: &Problem<'_>) -> Vec<Paths> {
         }
     }
     sweeps
+}
+
+/// Returns trajectories that leave others after a step: the planned UAVs then fly to the meeting
+/// cell of the fleet, at the lowest pilot density.
+pub(crate) fn gathered(problem: &Problem<'_>, paths: &Paths, from: usize) -> Paths {
+    let mut recorder = Recorder::new(problem, 0);
+    recorder.paths = paths.clone();
+    while !recorder.is_full() {
+        let step = recorder.step + 1;
+        let planned = |uav| problem.odds.cell(paths.cell(uav, step));
+        if step <= from {
+            recorder.fly_as(|uav| (planned(uav), paths.level(uav, step)));
+            continue;
+        }
+        let config = problem.model.config();
+        let meeting = meeting_cell(
+            recorder.cells.iter().copied(),
+            config.grid_width,
+            config.grid_height,
+        );
+        recorder.fly_as(|uav| {
+            if problem.movers.contains(&uav) {
+                (meeting, 0)
+            } else {
+                (planned(uav), paths.level(uav, step))
+            }
+        });
+    }
+    recorder.finish()
 }
 
 /// Returns the trajectories of a hovering fleet.

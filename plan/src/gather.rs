@@ -1,7 +1,6 @@
 //! The end of an episode: the fleet meets until it is one radio component.
 
-use jcas_core::motion::{destination, toward};
-use jcas_core::{Cell, Model};
+use jcas_core::Cell;
 
 use crate::odds::Odds;
 
@@ -75,26 +74,4 @@ pub(crate) fn connected(odds: &Odds, cells: &[Cell], level: impl Fn(usize) -> u8
         }
     }
     unmet == 0
-}
-
-/// Returns the steps until a fleet that flies to its meeting cell at the least pilot density is one
-/// component. The cells then hold the final positions.
-pub(crate) fn steps_to_meet(model: &Model<'_>, odds: &Odds, cells: &mut [Cell]) -> u32 {
-    let config = model.config();
-    let (width, height) = (config.grid_width, config.grid_height);
-    let meeting = meeting_cell(cells.iter().copied(), width, height);
-    for step in 1..=width + height {
-        let mut all_there = true;
-        for cell in cells.iter_mut() {
-            *cell = destination(*cell, toward(*cell, meeting), width, height);
-            all_there &= *cell == meeting;
-        }
-        if connected(odds, cells, |_| 0) {
-            return step;
-        }
-        if all_there {
-            break;
-        }
-    }
-    u32::MAX
 }

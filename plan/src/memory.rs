@@ -70,9 +70,10 @@ impl Demand {
             + rows * WORD
     }
 
-    /// All initial trajectories at once: `formation.rs`, `teams.rs`, `replan.rs`.
+    /// All initial trajectories at once, at two levels, and the ones that gather: `plan.rs`,
+    /// `formation.rs`, `teams.rs`, `replan.rs`.
     fn starts(&self) -> u128 {
-        let count = formation::SWEEPS_MAX.max(teams::TOURS_MAX) as u128 + 2;
+        let count = 2 * formation::SWEEPS_MAX.max(teams::TOURS_MAX) as u128 + 5;
         count * self.uavs * (2 * STEP * self.steps + 128) + self.steps * 512
     }
 

@@ -6,15 +6,16 @@
 //! over the groups. A group of n hotspots with weights w_c has the factor (Σ w_c (1 - m_c(t)))^n.
 //! For n distinct and equally likely cells it is the mean of Π (1 - m_c(t)) over all sets of n.
 //!
-//! The episode ends G(t) steps after the last confirmation, at step t. G counts the steps until the
-//! fleet, which gathers from its planned cells, is one radio component.
+//! The episode ends at the first step after the last confirmation in which the planned fleet is one
+//! radio component: consensus then informs everybody. Let c(t) be the last such step up to t. The
+//! episode has ended by step t with probability F(c(t)). Its expected time is Σ (1 - F(c(t))).
 
 use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
 
-use crate::gather::{connected, steps_to_meet};
+use crate::gather::connected;
 use crate::paths::Paths;
 use crate::problem::{Hidden, Problem, power};
 
@@ -39,37 +40,48 @@ pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
     let sites = problem.odds.sites();
     let mut missed = vec![1.0; sites.len()];
     let mut factor = vec![1.0; sites.len()];
-    let mut done = all_confirmed(&problem.draws, &missed);
+    let mut confirmed = all_confirmed(&problem.draws, &missed);
+    let mut meets = false;
+    let mut ended = 0.0;
     let mut expected = Expectation::default();
-    let mut to_gather = gathering(problem, paths, 0);
-    account(&mut expected, problem.steps_left, 0, done, to_gather);
     for step in 1..=problem.steps_left {
-        expected.steps += 1.0 - done;
-        expected.confirmed_steps += 1.0 - done;
-        let planned = step as usize <= paths.steps();
-        if planned {
+        if 1.0 - ended < NEGLIGIBLE {
+            break;
+        }
+        expected.steps += 1.0 - ended;
+        expected.confirmed_steps += 1.0 - confirmed;
+        if step as usize <= paths.steps() {
             for (factor, &site) in factor.iter_mut().zip(sites) {
                 *factor = below_quorum(problem, paths, step as usize, site);
             }
-            to_gather = gathering(problem, paths, step as usize);
+            meets = are_one(problem, paths, step as usize);
         }
         for (missed, factor) in missed.iter_mut().zip(&factor) {
             *missed *= factor;
         }
-        let after = all_confirmed(&problem.draws, &missed);
-        account(
-            &mut expected,
-            problem.steps_left,
-            step,
-            after - done,
-            to_gather,
-        );
-        done = after;
-        if 1.0 - done < NEGLIGIBLE {
-            break;
+        confirmed = all_confirmed(&problem.draws, &missed);
+        if meets {
+            ended = confirmed;
         }
     }
+    expected.success = ended;
     expected
+}
+
+/// Returns the first step of a plan by which all hotspots are confirmed with some probability; the
+/// last step if there is none.
+pub(crate) fn confirmed_by(problem: &Problem<'_>, paths: &Paths, probability: f64) -> usize {
+    let sites = problem.odds.sites();
+    let mut missed = vec![1.0; sites.len()];
+    for step in 0..paths.steps() {
+        if all_confirmed(&problem.draws, &missed) >= probability {
+            return step;
+        }
+        for (missed, &site) in missed.iter_mut().zip(sites) {
+            *missed *= below_quorum(problem, paths, step + 1, site);
+        }
+    }
+    paths.steps()
 }
 
 /// Returns the chance that a hotspot in each site is unconfirmed after some steps of a plan.
@@ -83,27 +95,12 @@ pub(crate) fn missed_after(problem: &Problem<'_>, paths: &Paths, steps: usize) -
     factors.collect()
 }
 
-/// Adds the episodes whose last confirmation is in a step.
-fn account(expected: &mut Expectation, steps_left: u32, step: u32, chance: f64, to_gather: u32) {
-    let left = steps_left - step;
-    expected.steps += chance * f64::from(to_gather.min(left));
-    if to_gather <= left {
-        expected.success += chance;
-    }
-}
-
-/// Returns G: the steps from a step of the plan until the fleet is one radio component. It is
-/// `u32::MAX` if it never is.
-fn gathering(problem: &Problem<'_>, paths: &Paths, step: usize) -> u32 {
-    let odds = &problem.odds;
-    let mut cells: Vec<Cell> = (0..paths.uav_count())
-        .map(|uav| odds.cell(paths.cell(uav, step)))
+/// Returns whether the fleet is one radio component in a step of the plan.
+fn are_one(problem: &Problem<'_>, paths: &Paths, step: usize) -> bool {
+    let cells: Vec<Cell> = (0..paths.uav_count())
+        .map(|uav| problem.odds.cell(paths.cell(uav, step)))
         .collect();
-    if connected(odds, &cells, |uav| paths.level(uav, step)) {
-        0
-    } else {
-        steps_to_meet(problem.model, odds, &mut cells)
-    }
+    connected(&problem.odds, &cells, |uav| paths.level(uav, step))
 }
 
 /// Returns the chance that fewer than θ UAVs detect a hotspot in a cell in a step.

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 /// Cells are row-major indices; levels are indices into
 /// [`Odds::densities`](crate::Odds::densities).
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Paths {
     uavs: usize,
     steps: usize,

@@ -1,5 +1,6 @@
 //! Plans, and the functions that make them.
 
+use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
@@ -8,11 +9,14 @@ use jcas_core::{Cell, Model};
 use crate::anneal::{Annealer, Progress, Settings};
 use crate::bound::bound;
 use crate::error::PlanError;
-use crate::objective::{Expectation, expect};
+use crate::objective::{Expectation, confirmed_by, expect};
 use crate::paths::Paths;
 use crate::problem::{Problem, Situation};
 use crate::targets::Targets;
 use crate::{formation, memory, teams};
+
+/// The probabilities that all hotspots are confirmed, from which on initial trajectories gather.
+const GATHERS_AT: [f64; 3] = [0.9, 0.99, 0.999];
 
 /// A plan: trajectories with their expected time.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,14 +99,21 @@ pub fn tour(
 }
 
 /// Returns initial trajectories: tours of teams if hotspots are known, else sweeps of formations.
+/// Each senses at the highest pilot density or at the lowest, which links farther.
 #[must_use]
 pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
-    let tours = teams::tours(problem);
-    if tours.is_empty() {
-        formation::sweeps(problem)
-    } else {
-        tours
+    let mut starts = Vec::new();
+    let mut levels = vec![0, problem.odds.highest()];
+    levels.dedup();
+    for level in levels {
+        let tours = teams::tours(problem, level);
+        if tours.is_empty() {
+            starts.extend(formation::sweeps(problem, level));
+        } else {
+            starts.extend(tours);
+        }
     }
+    starts
 }
 
 /// Anneals the best of the initial trajectories. If none fits, the fleet hovers.
@@ -120,19 +131,30 @@ pub fn improve(
             && paths.steps() == problem.steps
             && problem.allows(paths)
     };
-    let mut best: Option<(f64, Paths)> = None;
-    for paths in starts {
-        if fits(&paths) {
-            let steps = expect(problem, &paths).steps;
-            if best.as_ref().is_none_or(|(least, _)| steps < *least) {
-                best = Some((steps, paths));
-            }
+    let mut best = (f64::INFINITY, Paths::default());
+    let mut fastest = best.clone();
+    for paths in starts.into_iter().filter(fits) {
+        let expected = expect(problem, &paths);
+        if expected.confirmed_steps < fastest.0 {
+            fastest = (expected.confirmed_steps, paths.clone());
+        }
+        if expected.steps < best.0 {
+            best = (expected.steps, paths);
         }
     }
-    let (start_steps, paths) = best.unwrap_or_else(|| {
-        let paths = formation::hovering(problem);
-        (expect(problem, &paths).steps, paths)
-    });
+    if fastest.0.is_infinite() {
+        fastest.1 = formation::hovering(problem);
+    }
+    // The end needs one radio component, so trajectories that part must gather.
+    for probability in GATHERS_AT {
+        let from = confirmed_by(problem, &fastest.1, probability);
+        let paths = formation::gathered(problem, &fastest.1, from);
+        let steps = expect(problem, &paths).steps;
+        if steps < best.0 {
+            best = (steps, paths);
+        }
+    }
+    let (start_steps, paths) = best;
     let mut tried = 0;
     let annealer = Annealer::new(problem, paths.clone(), settings.seed);
     let (annealed, stopped) = annealer.run(settings.iterations, &mut |report| {

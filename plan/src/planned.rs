@@ -156,8 +156,8 @@ impl Planned {
     /// [`PlanError`] if the fleet or the grid is too large, or if there is no memory for a plan.
     pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
         match &mut self.way {
-            Way::Follow(follower) => follower.see(model, state),
-            Way::Tour(tour) => tour.follower(model, state)?.see(model, state),
+            Way::Follow(_) => {}
+            Way::Tour(tour) => tour.prepare(model, state)?,
             Way::Replan(replanner) => replanner.try_plan(model, state)?,
         }
         Ok(())
@@ -179,26 +179,22 @@ impl Planned {
 }
 
 impl Tour {
-    fn follower(
-        &mut self,
-        model: &Model<'_>,
-        state: &StateRef<'_>,
-    ) -> Result<&mut Follower, PlanError> {
-        let follower = match self.follower.take() {
-            Some(follower) => follower,
-            None => {
-                memory::check(model, Some(state.hotspot_count()), 1)?;
-                let hotspots: Vec<Cell> = (0..state.hotspot_count())
-                    .map(|hotspot| state.hotspot_cell(hotspot))
-                    .collect();
-                let settings = Settings {
-                    iterations: TOUR_ITERATIONS,
-                    seed: self.seed,
-                };
-                Follower::new(tour(model, &hotspots, &settings, &mut go_on)?)
-            }
+    /// Makes the tour, unless there is one.
+    fn prepare(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
+        if self.follower.is_some() {
+            return Ok(());
+        }
+        memory::check(model, Some(state.hotspot_count()), 1)?;
+        let hotspots: Vec<Cell> = (0..state.hotspot_count())
+            .map(|hotspot| state.hotspot_cell(hotspot))
+            .collect();
+        let settings = Settings {
+            iterations: TOUR_ITERATIONS,
+            seed: self.seed,
         };
-        Ok(self.follower.insert(follower))
+        let plan = tour(model, &hotspots, &settings, &mut go_on)?;
+        self.follower = Some(Follower::new(plan));
+        Ok(())
     }
 }
 
@@ -213,7 +209,7 @@ impl Policy for Planned {
 
     fn reset(&mut self, _: &Model<'_>, seed: u64) {
         match &mut self.way {
-            Way::Follow(follower) => follower.reset(),
+            Way::Follow(_) => {}
             Way::Tour(tour) => {
                 *tour = Tour {
                     follower: None,

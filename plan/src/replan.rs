@@ -10,7 +10,6 @@ use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 use crate::anneal::Settings;
 use crate::error::PlanError;
 use crate::follow::write;
-use crate::gather::meeting_cell;
 use crate::memory;
 use crate::objective::missed_after;
 use crate::plan::{Plan, improve, starts};
@@ -232,18 +231,9 @@ impl Replanner {
         if members.len() == state.uav_count() && weights.is_empty() {
             begin.extend(starts(&problem));
         }
-        let settings = if known.iter().all(|known| *known) {
-            // Nothing is left to plan: the members gather.
-            Settings {
-                iterations: 0,
-                ..self.settings
-            }
-        } else {
-            self.settings
-        };
         Ok(View {
             first_step: state.t(),
-            plan: improve(&problem, begin, &settings, &mut go_on),
+            plan: improve(&problem, begin, &self.settings, &mut go_on),
             known,
             weights,
         })
@@ -256,28 +246,11 @@ impl Replanner {
         members: &[usize],
         actions: &mut [f32],
     ) {
-        let config = model.config();
         let view = &self.views[members[0]];
-        let gathers = view.known.iter().all(|known| *known);
-        let meeting = gathers.then(|| {
-            let cells = (0..state.uav_count()).map(|uav| {
-                if members.contains(&uav) {
-                    state.cell(uav)
-                } else {
-                    view.cell(state, uav)
-                }
-            });
-            meeting_cell(cells, config.grid_width, config.grid_height)
-        });
         let step = view.flown(state) + 1;
         for &uav in members {
-            let (target, density) = match meeting {
-                Some(cell) => (cell, config.pilot_density_min),
-                None => (
-                    view.plan.cell(uav, step),
-                    view.plan.pilot_density(uav, step),
-                ),
-            };
+            let target = view.plan.cell(uav, step);
+            let density = view.plan.pilot_density(uav, step);
             let action = &mut actions[2 * uav..2 * uav + 2];
             write(model, state.cell(uav), target, density, action);
         }

@@ -26,9 +26,9 @@ struct Team {
     errands: Vec<(Cell, u32)>,
 }
 
-/// Returns tours of one to several teams, with several hover times. It is empty if no hotspot is
-/// known.
-pub(crate) fn tours(problem: &Problem<'_>) -> Vec<Paths> {
+/// Returns tours of one to several teams, with several hover times, sensing at a level. It is empty
+/// if no hotspot is known.
+pub(crate) fn tours(problem: &Problem<'_>, level: u8) -> Vec<Paths> {
     let known = known_cells(problem);
     if known.is_empty() {
         return Vec::new();
@@ -39,7 +39,7 @@ pub(crate) fn tours(problem: &Problem<'_>) -> Vec<Paths> {
     let mut tours = Vec::new();
     for teams in 1..=most {
         for hover in HOVERS {
-            tours.push(tour(problem, &known, teams, hover));
+            tours.push(tour(problem, &known, teams, hover, level));
         }
     }
     tours
@@ -54,7 +54,7 @@ fn known_cells(problem: &Problem<'_>) -> Vec<Cell> {
 
 /// Makes one tour. The team that is free first takes the hotspot that it reaches first. When none
 /// is left, all are visited again.
-fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64) -> Paths {
+fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64, level: u8) -> Paths {
     let uavs = problem.situation.cells.len();
     let team_of = |uav: usize| uav * teams / uavs;
     let starts = &problem.situation.cells;
@@ -88,7 +88,7 @@ fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64) -> Path
         team.cell = target;
         team.free_at = until;
     }
-    let mut recorder = Recorder::new(problem, problem.odds.highest());
+    let mut recorder = Recorder::new(problem, level);
     let mut next = vec![0; teams];
     for step in 1..=steps {
         for (team, next) in fleet.iter().zip(&mut next) {

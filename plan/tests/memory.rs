@@ -148,16 +148,14 @@ fn copies_of_a_follower_take_no_memory() {
     let go_on = &mut |_| ControlFlow::Continue(());
     let plan = search(&model, &SETTINGS, go_on).unwrap();
     let mut planned = Planned::following(plan.clone());
-    let mut follower = Follower::new(plan);
+    let follower = Follower::new(plan);
     let mut sim = Sim::new(&model);
     let mut actions = vec![0.0; model.action_len()];
     let flight = || {
         let _copies = (planned.clone(), follower.clone());
         sim.reset(1);
         planned.reset(&model, 1);
-        follower.reset();
         for _ in 0..30 {
-            follower.see(&model, &sim.state());
             planned.act(&model, &sim.state(), &mut actions);
             let outcome = sim.step(&actions).unwrap();
             if outcome.terminated || outcome.truncated {

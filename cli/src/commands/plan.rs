@@ -27,9 +27,9 @@ Examples:
 /// Plan a mission: trajectories of least expected time, by simulated annealing
 ///
 /// The fleet searches all cells for hidden hotspots. Known hotspots are those of --hotspot, or else
-/// those of the episode. The fleet follows the plan without feedback until all hotspots are
-/// confirmed, and then gathers. The plan depends only on the configuration, the seed and the
-/// iterations. A time limit or Ctrl-C ends the annealing early and keeps the best plan so far.
+/// those of the episode. The fleet follows the plan without feedback. The plan therefore ends in a
+/// single radio component. It depends only on the configuration, the seed and the iterations. A
+/// time limit or Ctrl-C ends the annealing early and keeps the best plan so far.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Plan {

@@ -62,7 +62,7 @@ impl Annealer<'_, '_> {
         let at = step * stride;
         let (before, now) = self.left[at - stride..at + stride].split_at_mut(stride);
         now.copy_from_slice(before);
-        self.done[step] = miss(self.problem, now, &self.missed[at..at + stride]);
+        self.confirmed[step] = miss(self.problem, now, &self.missed[at..at + stride]);
     }
 }
 

@@ -1,7 +1,6 @@
-//! The gathering of the fleet, with all UAVs but one held.
+//! The radio components of the fleet, with all UAVs but one held.
 
 use super::Annealer;
-use crate::gather::steps_to_meet;
 
 impl Annealer<'_, '_> {
     /// Computes the radio components of the other UAVs in a step.
@@ -44,33 +43,26 @@ impl Annealer<'_, '_> {
         };
     }
 
-    /// Returns G of a step, with the UAV whose turn it is in a cell and at a level.
-    pub(super) fn gathering(&mut self, step: usize, cell: u32, level: u8) -> u32 {
-        let (problem, uavs) = (self.problem, self.paths.uav_count());
-        let odds = &problem.odds;
+    /// Computes whether the fleet is one radio component in a step.
+    pub(super) fn meet(&mut self, step: usize) {
+        let cell = self.paths.cell(self.uav, step);
+        let level = self.paths.level(self.uav, step);
+        self.meets[step] = self.joins_all(step, cell, level);
+    }
+
+    /// Returns whether the UAV whose turn it is, in a cell and at a level, links all radio
+    /// components of the others in a step.
+    pub(super) fn joins_all(&self, step: usize, cell: u32, level: u8) -> bool {
+        let odds = &self.problem.odds;
+        let uavs = self.paths.uav_count();
         let here = (odds.cell(cell), level);
         let mut met = 0u128;
-        for uav in 0..uavs {
-            if uav != self.uav {
-                let there = (
-                    odds.cell(self.paths.cell(uav, step)),
-                    self.paths.level(uav, step),
-                );
-                let bit = 1 << self.part_of[step * uavs + uav];
-                met |= if odds.linked(here, there) { bit } else { 0 };
+        for uav in (0..uavs).filter(|&uav| uav != self.uav) {
+            let there = odds.cell(self.paths.cell(uav, step));
+            if odds.linked(here, (there, self.paths.level(uav, step))) {
+                met |= 1 << self.part_of[step * uavs + uav];
             }
         }
-        if met == self.parts[step] {
-            return 0;
-        }
-        self.cells.clear();
-        for uav in 0..uavs {
-            self.cells.push(if uav == self.uav {
-                here.0
-            } else {
-                odds.cell(self.paths.cell(uav, step))
-            });
-        }
-        steps_to_meet(problem.model, odds, &mut self.cells)
+        met == self.parts[step]
     }
 }

@@ -9,8 +9,6 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
-use jcas_core::Cell;
-
 use crate::battery;
 use crate::draws::Draws;
 use crate::odds::LANES;
@@ -24,7 +22,6 @@ mod time;
 
 use detection::found;
 use moves::Move;
-use time::UNKNOWN;
 
 /// The number of moves of a UAV before the next UAV has its turn.
 const BATCH: u64 = 256;
@@ -80,11 +77,13 @@ pub struct Annealer<'p, 'm> {
     /// The chance that a hotspot is missed in each step, and in all steps so far.
     missed: Vec<f64>,
     left: Vec<f64>,
-    /// F and G of each step. G is computed only where it matters.
-    done: Vec<f64>,
-    gather: Vec<u32>,
-    /// Expected steps that have passed by the end of each step, with the gathering of episodes that
-    /// are confirmed by then.
+    /// F of each step.
+    confirmed: Vec<f64>,
+    /// Whether the fleet is one radio component in each step.
+    meets: Vec<bool>,
+    /// The probability that the episode has ended by each step.
+    ended: Vec<f64>,
+    /// Expected steps that have passed by the end of each step.
     spent: Vec<f64>,
     /// For each step and UAV the radio component without the UAV whose turn it is.
     part_of: Vec<u8>,
@@ -95,7 +94,6 @@ pub struct Annealer<'p, 'm> {
     row: Vec<f64>,
     factors: Vec<f64>,
     scratch: Vec<f64>,
-    cells: Vec<Cell>,
     exactly: Vec<[f64; LANES]>,
 }
 
@@ -115,8 +113,9 @@ impl<'p, 'm> Annealer<'p, 'm> {
             edge: table(),
             missed: table(),
             left: table(),
-            done: vec![0.0; steps + 1],
-            gather: vec![UNKNOWN; steps + 1],
+            confirmed: vec![0.0; steps + 1],
+            meets: vec![false; steps + 1],
+            ended: vec![0.0; steps + 1],
             spent: vec![0.0; steps + 1],
             part_of: vec![0; (steps + 1) * uavs],
             parts: vec![0; steps + 1],
@@ -130,7 +129,6 @@ impl<'p, 'm> Annealer<'p, 'm> {
             row: vec![0.0; stride],
             factors: vec![0.0; stride],
             scratch: Vec::new(),
-            cells: Vec::new(),
             exactly: vec![[0.0; LANES]; problem.model.config().quorum as usize],
             paths,
         };
@@ -191,7 +189,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
             return false;
         }
         let most = self.value - temperature * libm::log(self.draws.unit());
-        let better = self.judge(most).is_some();
+        let better = self.judge(most);
         if better {
             self.make();
         }
@@ -205,13 +203,15 @@ impl<'p, 'm> Annealer<'p, 'm> {
         for draw in &self.problem.draws {
             self.left[draw.sites.clone()].copy_from_slice(&draw.weights);
         }
-        self.done[0] = found(self.problem, &self.left[..stride]);
+        self.confirmed[0] = found(self.problem, &self.left[..stride]);
         let mut window = steps;
         for step in 1..=steps {
             self.hold_others(step);
             self.look(step);
             self.find_parts(step);
-            if 1.0 - self.done[step] < NEGLIGIBLE && window == steps {
+            self.meet(step);
+            self.account(step);
+            if 1.0 - self.ended[step] < NEGLIGIBLE && window == steps {
                 window = (step + MARGIN).min(steps);
             }
             if step >= window {
@@ -219,7 +219,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
             }
         }
         self.window = window;
-        self.account(1);
+        self.value = self.spent[window] + self.rest(self.ended[window]);
     }
 
     /// Applies the proposal to the present trajectories.
@@ -228,11 +228,7 @@ impl<'p, 'm> Annealer<'p, 'm> {
         for step in first..=last {
             let (cell, level) = (self.moved.cells[step], self.moved.levels[step]);
             self.paths.set(self.uav, step, cell, level);
-            self.gather[step] = if step <= self.window {
-                self.moved.gather[step]
-            } else {
-                UNKNOWN
-            };
+            self.meets[step] = self.moved.meets[step];
         }
         for step in first..=self.window {
             if step <= last {
@@ -240,7 +236,8 @@ impl<'p, 'm> Annealer<'p, 'm> {
             } else {
                 self.accumulate(step);
             }
+            self.account(step);
         }
-        self.account(first);
+        self.value = self.spent[self.window] + self.rest(self.ended[self.window]);
     }
 }

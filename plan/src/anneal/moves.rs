@@ -6,7 +6,6 @@ use alloc::vec::Vec;
 use jcas_core::Cell;
 
 use super::Annealer;
-use super::time::UNKNOWN;
 use crate::battery;
 
 /// A proposal: new cells and levels for the steps from `first` to `last`.
@@ -15,9 +14,7 @@ pub(super) struct Move {
     pub(super) last: usize,
     pub(super) cells: Vec<u32>,
     pub(super) levels: Vec<u8>,
-    pub(super) gather: Vec<u32>,
-    /// The chance that the last confirmation is in each step.
-    pub(super) chance: Vec<f64>,
+    pub(super) meets: Vec<bool>,
 }
 
 impl Move {
@@ -27,8 +24,7 @@ impl Move {
             last: 0,
             cells: vec![0; steps + 1],
             levels: vec![0; steps + 1],
-            gather: vec![UNKNOWN; steps + 1],
-            chance: vec![0.0; steps + 1],
+            meets: vec![false; steps + 1],
         }
     }
 }

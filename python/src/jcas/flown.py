@@ -77,9 +77,9 @@ class Policy:
         """Build a scripted baseline by its name.
 
         The names are random, greedy, swarm, teams, sweep, line, frontier, relay, charging and
-        clean. Two more plan by themselves: `plan` follows one plan until every hotspot is
-        confirmed, and `replan` plans again after each confirmation and each meeting. Either takes
-        seconds for its first plan.
+        clean. Two more plan by themselves: `plan` follows one plan without feedback, and `replan`
+        plans again after each confirmation and each meeting. Either takes seconds for its first
+        plan.
 
         Args:
             name: which.
@@ -105,7 +105,7 @@ class Policy:
 
     @classmethod
     def follow(cls, plan: Plan) -> Policy:
-        """Build the policy that follows a plan, then gathers the fleet.
+        """Build the policy that follows a plan without feedback.
 
         Args:
             plan: the plan, for missions of its model.

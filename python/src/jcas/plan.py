@@ -26,9 +26,9 @@ _TELL = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_uint64, ctypes.c_double, ctype
 class Plan:
     """The cell and the pilot density of each UAV in each step: made by `search` or `tour`.
 
-    The fleet follows it without feedback until every hotspot is confirmed, then it gathers:
-    `jcas.Policy.follow`. A plan depends on the configuration, the seed and the number of moves
-    only. It never changes; any number of threads may use it.
+    `jcas.Policy.follow` flies it without feedback; the plan itself makes the fleet meet. A plan
+    depends on the configuration, the seed and the number of moves only. It never changes; any
+    number of threads may use it.
     """
 
     def __init__(self, model: Model, handle: ctypes.c_void_p) -> None:
