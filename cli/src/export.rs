@@ -184,7 +184,8 @@ pub fn picture(file: &PlanFile) -> String {
         let (x, y) = middle(*cell);
         let _ = writeln!(
             svg,
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"10\" fill=\"none\" stroke=\"#cc3311\" stroke-width=\"3\"/>"
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"10\" fill=\"none\" stroke=\"#cc3311\" \
+             stroke-width=\"3\"/>"
         );
     }
     let shown = 1 + (2.0 * file.expected_steps).ceil() as usize;

@@ -17,7 +17,12 @@ Examples:
 /// Simulate fleets of UAVs that sense and communicate with one OFDM waveform. Sweep over fleets and
 /// settings, record and verify episodes, play them back.
 #[derive(Parser)]
-#[command(name = "jcas", version, after_help = format!("{}\n\n{EXAMPLES}", error::EXIT_CODES), propagate_version = true)]
+#[command(
+    name = "jcas",
+    version,
+    after_help = format!("{}\n\n{EXAMPLES}", error::EXIT_CODES),
+    propagate_version = true
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

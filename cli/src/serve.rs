@@ -194,8 +194,8 @@ fn read_head(input: &mut impl BufRead) -> io::Result<Option<Head>> {
 
 fn response(status: &str, kind: &str, body: &[u8]) -> Vec<u8> {
     let mut response = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
-         X-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\
+         Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
         body.len()
     )
     .into_bytes();

@@ -41,7 +41,12 @@ pub struct Bench {
     #[command(flatten)]
     mission: MissionOptions,
     /// Environments stepped in turn, side by side in memory
-    #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(
+        long,
+        value_name = "COUNT",
+        default_value_t = 64,
+        value_parser = clap::value_parser!(u32).range(1..=65536)
+    )]
     environments: u32,
     /// Seconds to measure for, each run
     #[arg(long, value_name = "S", default_value_t = 2.0)]

@@ -52,9 +52,9 @@ const GRIDS: [Grid; 2] = [
         name: "paper",
         heading: "The paper's grid",
         text: "Every UAV knows where the hotspots are; three detections in one step confirm a \
-               hotspot. `policies/paper` was trained with PPO, the others are scripts. `greedy` and \
-               `swarm` fly alike here: all UAVs start in one cell, so that the hotspot nearest to \
-               each is also the one nearest to their centroid.",
+               hotspot. `policies/paper` was trained with PPO, the others are scripts. `greedy` \
+               and `swarm` fly alike here: all UAVs start in one cell, so that the hotspot \
+               nearest to each is also the one nearest to their centroid.",
         preset: PresetName::Paper,
         baselines: &["random", "greedy", "swarm", "teams", "sweep"],
         trained: Some("paper"),
@@ -63,8 +63,8 @@ const GRIDS: [Grid; 2] = [
     Grid {
         name: "search",
         heading: "The search for hidden hotspots",
-        text: "No UAV knows where the hotspots are. `plan` flies the trajectories of least expected \
-               time that the planner has found, the others are scripts that search.",
+        text: "No UAV knows where the hotspots are. `plan` flies the trajectories of least \
+               expected time that the planner has found, the others are scripts that search.",
         preset: PresetName::Search,
         baselines: &["sweep", "line", "frontier", "plan"],
         trained: None,
@@ -116,12 +116,12 @@ impl Tour {
         let mut report = Report::new(
             "A tour of jcas",
             "Fleets of UAVs sense and communicate with one OFDM waveform: they search a grid for \
-             hotspots with a radar, choose how much of the waveform goes to pilots, and tell each other \
-             what they found.",
+             hotspots with a radar, choose how much of the waveform goes to pilots, and tell each \
+             other what they found.",
         );
         report.section("Same bits everywhere").text(&format!(
-            "This build has flown {traces} recorded episodes again (`tests/golden`). Every number of \
-             every step is equal to the recorded one, bit for bit."
+            "This build has flown {traces} recorded episodes again (`tests/golden`). Every number \
+             of every step is equal to the recorded one, bit for bit."
         ));
         for grid in &GRIDS {
             let flown = self.fly(grid)?;
@@ -204,8 +204,8 @@ impl Tour {
         files::prepare_folder(&folder)?;
         charts::draw(&folder, axes, cells, store, self.episodes)?;
         report.section(grid.heading).text(&format!(
-            "{} {} missions in each cell, seed {SEED}. The page `{page}` beside this report plays one \
-             mission of the table's last policy.",
+            "{} {} missions in each cell, seed {SEED}. The page `{page}` beside this report plays \
+             one mission of the table's last policy.",
             grid.text, self.episodes
         ));
         for (name, figure) in charts::figures(axes, cells, store, self.episodes) {

@@ -13,7 +13,12 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// The laboratory of jcas: train policies, export them, reproduce the paper's results.
 #[derive(Parser)]
-#[command(name = "jcas-lab", version, after_help = jcas_cli::error::EXIT_CODES, propagate_version = true)]
+#[command(
+    name = "jcas-lab",
+    version,
+    after_help = jcas_cli::error::EXIT_CODES,
+    propagate_version = true
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

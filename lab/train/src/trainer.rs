@@ -281,19 +281,7 @@ impl Trainer {
             device: &autodiff,
         };
 
-        let progress = self.iterations as f64 / settings.iterations().max(1) as f64;
-        let factor = settings.schedule.factor(progress);
-        let rate = settings.learning_rate * factor;
-        let actor_step = MinibatchSettings {
-            minibatch_rows: settings.minibatch_rows,
-            shard_rows: settings.shard_rows(),
-            learning_rate: rate,
-        };
-        let critic_step = MinibatchSettings {
-            minibatch_rows: settings.critic_minibatch_rows,
-            shard_rows: settings.shard_rows().min(settings.critic_minibatch_rows),
-            ..actor_step
-        };
+        let [actor_step, critic_step] = self.minibatches();
         let objective = ActorObjective {
             clip: settings.clip,
             sample_fraction: settings.sample_fraction,
@@ -338,7 +326,29 @@ impl Trainer {
             );
             epochs_run += 1;
         }
-        (actor_sums, critic_sums, epochs_run, rate)
+        (
+            actor_sums,
+            critic_sums,
+            epochs_run,
+            actor_step.learning_rate,
+        )
+    }
+
+    /// Minibatches of the actor and of the critic in this iteration.
+    fn minibatches(&self) -> [MinibatchSettings; 2] {
+        let settings = &self.settings;
+        let progress = self.iterations as f64 / settings.iterations().max(1) as f64;
+        let actor = MinibatchSettings {
+            minibatch_rows: settings.minibatch_rows,
+            shard_rows: settings.shard_rows(),
+            learning_rate: settings.learning_rate * settings.schedule.factor(progress),
+        };
+        let critic = MinibatchSettings {
+            minibatch_rows: settings.critic_minibatch_rows,
+            shard_rows: settings.shard_rows().min(settings.critic_minibatch_rows),
+            ..actor
+        };
+        [actor, critic]
     }
 }
 

@@ -30,8 +30,8 @@ impl fmt::Display for PolicyError<'_> {
         match self {
             Self::UnknownPolicy(name) => write!(
                 out,
-                "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, frontier, relay, \
-                 charging, clean"
+                "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, \
+                 frontier, relay, charging, clean"
             ),
             Self::UnknownPilot(name) => write!(
                 out,
@@ -39,7 +39,8 @@ impl fmt::Display for PolicyError<'_> {
             ),
             Self::PilotOutOfRange { density, low, high } => write!(
                 out,
-                "pilot = {density}: must be a density from {low} (pilot_density_min) to {high} (pilot_density_max)"
+                "pilot = {density}: must be a density from {low} (pilot_density_min) to {high} \
+                 (pilot_density_max)"
             ),
             Self::Hidden(kind) => write!(
                 out,

@@ -98,11 +98,15 @@ impl fmt::Display for LoadError {
             Self::Truncated => out.write_str("the file ends too early"),
             Self::Header(what) => write!(out, "header: {what}"),
             Self::UnknownNetwork => out.write_str(
-                "arrays: must be those of an MLP (0.weight, …) or of a set network (hotspot.own, …)",
+                "arrays: must be those of an MLP (0.weight, …) or of a set network \
+                 (hotspot.own, …)",
             ),
             Self::Missing(array) => write!(out, "array {array} is missing"),
             Self::Surplus { count, expected } => {
-                write!(out, "arrays: {count}, of which the network reads {expected}")
+                write!(
+                    out,
+                    "arrays: {count}, of which the network reads {expected}"
+                )
             }
             Self::Shape {
                 array,
@@ -119,7 +123,10 @@ impl fmt::Display for LoadError {
                 }
             }
             Self::Value { array, index } => {
-                write!(out, "array {array}: element {index} is not finite, or a scale not positive")
+                write!(
+                    out,
+                    "array {array}: element {index} is not finite, or a scale not positive"
+                )
             }
             Self::Depth => out.write_str("layers: must be at most 8"),
             Self::Outputs(count) => {

@@ -17,13 +17,14 @@ use super::failed;
 const EXAMPLES: &str = "\
 Examples:
   jcas-lab reproduce --quick                  minutes; a smaller version of every part
-  jcas-lab reproduce --seeds 3 --out paper    the whole grid; hours, and goes on where it was stopped
+  jcas-lab reproduce --seeds 3 --out paper    the whole grid; hours, and a stopped run continues
   jcas-lab reproduce --paper-hotspots 5       the whole grid, the paper's own training at n = 5 only
   jcas-lab reproduce --only paper --credit team
                                           the paper's own training alone, judged as the paper does
-  jcas-lab reproduce --only sensing-range     which sensing range the paper's two success rates imply
+  jcas-lab reproduce --only sensing-range     the sensing range that the paper's two success rates
+                                              imply
   jcas-lab reproduce --only search,pilot,endurance --policy policies/endurance
-                                          who finds what is hidden, what adapting the pilot density is worth, who charges";
+                                          hidden hotspots, adapting the pilot density, charging";
 
 /// A part that can be done by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -95,19 +96,39 @@ pub struct Reproduce {
     #[arg(long, value_enum, value_name = "PART", value_delimiter = ',')]
     only: Vec<Only>,
     /// Training seeds
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=100))]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u64).range(1..=100)
+    )]
     seeds: u64,
     /// Folder for results, policies and figures
     #[arg(long, short, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
     /// Only these fleet sizes, with commas
-    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     uavs: Vec<u32>,
     /// Only these numbers of hotspots, with commas
-    #[arg(long, value_name = "n", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        long,
+        value_name = "n",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     hotspots: Vec<u32>,
     /// With the paper's settings, which take a training a cell, only these of them
-    #[arg(long, value_name = "n", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        long,
+        value_name = "n",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     paper_hotspots: Vec<u32>,
     /// With the paper's settings, only the training with this credit [default: both]
     #[arg(long, value_enum)]

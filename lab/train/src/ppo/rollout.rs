@@ -75,8 +75,8 @@ pub struct ActingPolicy<'a> {
     pub device: &'a Device,
 }
 
-/// Steps every episode of `environment` `steps` times. With `pilot_gains` the rollout also holds the
-/// gain of each pilot density in its step.
+/// Steps every episode of `environment` `steps` times. With `pilot_gains` the rollout also holds
+/// the gain of each pilot density in its step.
 pub fn collect(
     environment: &mut dyn VectorEnvironment,
     policy: &ActingPolicy,

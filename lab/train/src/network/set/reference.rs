@@ -181,16 +181,22 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
 
     let score = blocks.linear();
     let scores: Vec<_> = embedded.iter().map(|x| score(x)).collect();
+    let attended = attended(&scores, &embedded);
+    blocks.trunk(&[&attended[..], &neighbours, &own].concat())
+}
+
+/// The mean of the embeddings for each attention head, weighted by the softmax of its scores.
+fn attended(scores: &[Vec<f32>], embedded: &[Vec<f32>]) -> Vec<f32> {
     let mut attended = Vec::new();
     for head in 0..HEADS {
         let weights: Vec<f32> = scores.iter().map(|scores| scores[head].exp()).collect();
         let total: f32 = weights.iter().sum();
         attended.extend((0..embedded[0].len()).map(|j| {
-            let terms = weights.iter().zip(&embedded).map(|(w, x)| w / total * x[j]);
+            let terms = weights.iter().zip(embedded).map(|(w, x)| w / total * x[j]);
             terms.sum::<f32>()
         }));
     }
-    blocks.trunk(&[&attended[..], &neighbours, &own].concat())
+    attended
 }
 
 /// The critic's output for one global state, with or without an observation of a UAV after it.
