@@ -205,6 +205,12 @@
 /// The probability of detection is that of a Swerling-1 echo in one look.
 #define JCAS_CURVE_SWERLING1 1
 
+/// The probability of detection is a table over the range.
+#define JCAS_CURVE_TABLE 2
+
+/// The largest number of points of a detection table.
+#define JCAS_MAX_DETECTION_POINTS 64
+
 /// A step may begin, whole or by parts. Next: jcas_sim_step or jcas_sim_step_begin.
 #define JCAS_PHASE_READY 1
 
@@ -288,6 +294,15 @@ typedef struct jcas_cell {
     /// Row; up is +y.
     uint32_t y;
 } jcas_cell;
+
+/// A point of a detection table.
+typedef struct jcas_detection_point {
+    /// Distance between UAV and hotspot. [m, 0 to 1e6]
+    double range_m;
+    /// Probability of detection (P_d) at the highest pilot density. [probability, above 0 and below
+    /// 1]
+    double probability;
+} jcas_detection_point;
 
 /// The configuration of a model. Fill it by jcas_config_default or another function that fills it,
 /// then change fields. Each field states [unit, legal range; default]. Symbols are those of the
@@ -454,8 +469,9 @@ typedef struct jcas_config {
     /// What the pilot density adds to the sensing SNR: JCAS_PILOT_GAIN_NONE (default) or
     /// JCAS_PILOT_GAIN_COHERENT.
     int32_t pilot_gain;
-    /// Probability of detection over the sensing SNR: JCAS_CURVE_LOGISTIC (default) or
-    /// JCAS_CURVE_SWERLING1. The latter refuses a threshold, a sensing range and a slope.
+    /// Probability of detection: JCAS_CURVE_LOGISTIC (default) or JCAS_CURVE_SWERLING1 over the
+    /// sensing SNR, or JCAS_CURVE_TABLE over the range. The last two refuse a threshold and a
+    /// sensing range, and JCAS_CURVE_SWERLING1 refuses a slope.
     int32_t detection_curve;
     /// Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
     /// hotspot. 0 stands for no false alarms. [probability, 0 to 0.5; default 0]
@@ -475,6 +491,13 @@ typedef struct jcas_config {
     /// Number of reported cells in an observation, nearest first. Refused without reports.
     /// [cells, 0 to 64; default 0]
     uint32_t report_slots;
+    /// Number of points of the detection table, 1 to JCAS_MAX_DETECTION_POINTS with
+    /// JCAS_CURVE_TABLE, otherwise 0 (default).
+    uint32_t detection_point_count;
+    /// Points of ascending range, whose P_d does not rise. Between two of them the logit of P_d is
+    /// linear, and beyond the ends it is held. The pilot gain and the load's penalty move the logit
+    /// by logistic_slope_per_db. Points beyond detection_point_count are not read.
+    struct jcas_detection_point detection_table[JCAS_MAX_DETECTION_POINTS];
 } jcas_config;
 
 /// The sizes and constants of a model, which determine the lengths of all buffers.

@@ -72,6 +72,8 @@ def _type(field: dict[str, Any], kind: type | None) -> str:
         return (
             f"Literal[{', '.join(json.dumps(name.strip()) for name in field['unit'].split('|'))}]"
         )
+    if field["name"] == "detection_table":
+        return "Sequence[Sequence[float]]"
     return "Sequence[Sequence[int]]"
 
 

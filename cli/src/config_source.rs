@@ -53,7 +53,7 @@ impl ConfigSource {
     /// The fields that differ from those of `other`, in the order of their declaration, each with a
     /// description of the difference.
     pub fn changes_from(&self, other: &Self) -> Vec<(&'static str, String)> {
-        let shown = |value: &FieldValue| match value.is_derived() {
+        let shown = |value: &FieldValue<'_'>| match value.is_derived() {
             true => "derived".to_owned(),
             false => value.to_string(),
         };

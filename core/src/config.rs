@@ -2,6 +2,7 @@
 
 mod choices;
 mod depots;
+mod detection_table;
 mod field;
 #[cfg(feature = "text")]
 pub mod text;
@@ -12,6 +13,7 @@ pub use choices::{
     TargetVisibility, UavTag, UnknownName,
 };
 pub use depots::{Cell, Depots, MAX_DEPOTS};
+pub use detection_table::{DetectionPoint, DetectionTable, MAX_DETECTION_POINTS};
 pub use field::{FieldInfo, FieldValue, FieldValues};
 
 use crate::hash::Fnv1a;
@@ -73,7 +75,7 @@ macro_rules! configuration {
 
             /// The value of each field, in the order of [`Config::FIELDS`].
             #[must_use]
-            pub fn values(&self) -> FieldValues {
+            pub fn values(&self) -> FieldValues<'_> {
                 [ $( self.$name.field_value(), )+ ]
             }
 
@@ -238,9 +240,10 @@ configuration! { $
     /// What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or
     /// 10 log10(ρ/ρ_max) (`coherent`).
     pilot_gain: PilotGain = PilotGain::None, "none | coherent", 0..=1;
-    /// Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a
-    /// fluctuating echo).
-    detection_curve: DetectionCurve = DetectionCurve::Logistic, "logistic | swerling1", 0..=1;
+    /// Probability of detection: `logistic` (the paper) or `swerling1` (a fluctuating echo) over
+    /// the sensing SNR, or the `table` over the range.
+    detection_curve: DetectionCurve = DetectionCurve::Logistic,
+        "logistic | swerling1 | table", 0..=2;
     /// Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
     /// hotspot. 0 stands for no false alarms.
     false_alarm_per_cell: f64 = 0.0, "probability", 0..=0.5;
@@ -254,6 +257,8 @@ configuration! { $
     report_levels: u32 = 0, "levels", 0..=3;
     /// Number of reported cells in an observation, nearest first.
     report_slots: u32 = 0, "cells", 0..=64;
+    /// Table of the curve `table`: pairs of a range in m and P_d at the highest pilot density.
+    detection_table: DetectionTable = DetectionTable::EMPTY, "pairs", 0..=64;
 }
 
 impl Default for Config {
@@ -316,7 +321,7 @@ impl Config {
     pub const LATER_FIELDS: usize = 66;
 
     /// Description and value of each field that a text of this configuration holds, in order.
-    pub fn held(&self) -> impl Iterator<Item = (&'static FieldInfo, FieldValue)> {
+    pub fn held(&self) -> impl Iterator<Item = (&'static FieldInfo, FieldValue<'_>)> {
         let fields = Self::FIELDS.iter().zip(self.values());
         let defaults = Self::DEFAULT.values();
         let held = fields.zip(defaults).enumerate();

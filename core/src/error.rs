@@ -11,6 +11,10 @@ pub enum Value {
     Real(f64),
     /// A cell (x, y).
     Cell(u32, u32),
+    /// A pair of real numbers.
+    Pair(f64, f64),
+    /// A value in words.
+    Name(&'static str),
 }
 
 impl fmt::Display for Value {
@@ -19,6 +23,8 @@ impl fmt::Display for Value {
             Self::Integer(value) => write!(out, "{value}"),
             Self::Real(value) => write!(out, "{value:?}"),
             Self::Cell(x, y) => write!(out, "[{x}, {y}]"),
+            Self::Pair(x, y) => write!(out, "[{x:?}, {y:?}]"),
+            Self::Name(name) => out.write_str(name),
         }
     }
 }

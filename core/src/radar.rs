@@ -1,6 +1,7 @@
 //! The monostatic OFDM radar: SNR, detection margin, detection probability.
 
 pub mod curve;
+pub mod table;
 
 use libm::{exp, log, log10};
 

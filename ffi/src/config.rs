@@ -1,6 +1,8 @@
 //! The configuration as a C struct.
 
-use jcas_core::config::{Cell, Config, Depots, MAX_DEPOTS};
+use jcas_core::config::{
+    Cell, Config, Depots, DetectionPoint, DetectionTable, MAX_DEPOTS, MAX_DETECTION_POINTS,
+};
 use jcas_core::error::{Allowed, ConfigError, Value};
 use jcas_core::{
     ChargeBilling, DetectionCurve, InformPayment, MapDirections, PilotGain, SearchMaps,
@@ -43,8 +45,13 @@ pub const JCAS_PILOT_GAIN_COHERENT: i32 = 1;
 pub const JCAS_CURVE_LOGISTIC: i32 = 0;
 /// The probability of detection is that of a Swerling-1 echo in one look.
 pub const JCAS_CURVE_SWERLING1: i32 = 1;
+/// The probability of detection is a table over the range.
+pub const JCAS_CURVE_TABLE: i32 = 2;
+/// The largest number of points of a detection table.
+pub const JCAS_MAX_DETECTION_POINTS: usize = 64;
 
 const _: () = assert!(JCAS_MAX_DEPOTS == MAX_DEPOTS);
+const _: () = assert!(JCAS_MAX_DETECTION_POINTS == MAX_DETECTION_POINTS);
 
 /// A cell of the grid: x in 0..W, y in 0..H.
 #[repr(C)]
@@ -58,6 +65,20 @@ pub struct jcas_cell {
 
 // SAFETY: two integers.
 unsafe impl Plain for jcas_cell {}
+
+/// A point of a detection table.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct jcas_detection_point {
+    /// Distance between UAV and hotspot. [m, 0 to 1e6]
+    pub range_m: f64,
+    /// Probability of detection (P_d) at the highest pilot density. [probability, above 0 and below
+    /// 1]
+    pub probability: f64,
+}
+
+// SAFETY: two floats.
+unsafe impl Plain for jcas_detection_point {}
 
 /// The configuration of a model. Fill it by jcas_config_default or another function that fills it,
 /// then change fields. Each field states [unit, legal range; default]. Symbols are those of the
@@ -226,8 +247,9 @@ pub struct jcas_config {
     /// What the pilot density adds to the sensing SNR: JCAS_PILOT_GAIN_NONE (default) or
     /// JCAS_PILOT_GAIN_COHERENT.
     pub pilot_gain: i32,
-    /// Probability of detection over the sensing SNR: JCAS_CURVE_LOGISTIC (default) or
-    /// JCAS_CURVE_SWERLING1. The latter refuses a threshold, a sensing range and a slope.
+    /// Probability of detection: JCAS_CURVE_LOGISTIC (default) or JCAS_CURVE_SWERLING1 over the
+    /// sensing SNR, or JCAS_CURVE_TABLE over the range. The last two refuse a threshold and a
+    /// sensing range, and JCAS_CURVE_SWERLING1 refuses a slope.
     pub detection_curve: i32,
     /// Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
     /// hotspot. 0 stands for no false alarms. [probability, 0 to 0.5; default 0]
@@ -247,6 +269,13 @@ pub struct jcas_config {
     /// Number of reported cells in an observation, nearest first. Refused without reports.
     /// [cells, 0 to 64; default 0]
     pub report_slots: u32,
+    /// Number of points of the detection table, 1 to JCAS_MAX_DETECTION_POINTS with
+    /// JCAS_CURVE_TABLE, otherwise 0 (default).
+    pub detection_point_count: u32,
+    /// Points of ascending range, whose P_d does not rise. Between two of them the logit of P_d is
+    /// linear, and beyond the ends it is held. The pilot gain and the load's penalty move the logit
+    /// by logistic_slope_per_db. Points beyond detection_point_count are not read.
+    pub detection_table: [jcas_detection_point; JCAS_MAX_DETECTION_POINTS],
 }
 
 // SAFETY: integers and floats only.
@@ -263,6 +292,7 @@ macro_rules! conversions {
                 Self {
                     struct_size: Self::SIZE,
                     depot_count: config.depots.len() as u32,
+                    detection_point_count: config.detection_table.len() as u32,
                     $( $name: Field::to_c(config.$name), )+
                 }
             }
@@ -270,8 +300,9 @@ macro_rules! conversions {
             /// The same configuration for the kernel, which has yet to validate it.
             pub(crate) fn to_core(self) -> Result<Config, ConfigError> {
                 let depots = self.given_depots()?;
+                let detection_table = self.given_table()?;
                 let config = Config { $( $name: Field::from_c(stringify!($name), self.$name)?, )+ };
-                Ok(Config { depots, ..config })
+                Ok(Config { depots, detection_table, ..config })
             }
         }
     };
@@ -295,6 +326,21 @@ impl jcas_config {
                 field: "depot_count",
                 value: Value::Integer(self.depot_count.into()),
                 allowed: Allowed::Range(0.0, JCAS_MAX_DEPOTS as f64),
+            })
+    }
+
+    fn given_table(&self) -> Result<DetectionTable, ConfigError> {
+        let points = self.detection_table.map(|point| DetectionPoint {
+            range_m: point.range_m,
+            probability: point.probability,
+        });
+        points
+            .get(..self.detection_point_count as usize)
+            .and_then(DetectionTable::from_slice)
+            .ok_or(ConfigError {
+                field: "detection_point_count",
+                value: Value::Integer(self.detection_point_count.into()),
+                allowed: Allowed::Range(0.0, JCAS_MAX_DETECTION_POINTS as f64),
             })
     }
 }
@@ -362,6 +408,29 @@ impl Field for Depots {
     /// This is None, as the number of depots is in another field.
     fn from_c(_name: &'static str, _cells: Self::C) -> Result<Self, ConfigError> {
         Ok(Self::CENTRE)
+    }
+}
+
+impl Field for DetectionTable {
+    type C = [jcas_detection_point; JCAS_MAX_DETECTION_POINTS];
+
+    fn to_c(self) -> Self::C {
+        let mut points = [jcas_detection_point {
+            range_m: 0.0,
+            probability: 0.0,
+        }; JCAS_MAX_DETECTION_POINTS];
+        for (to, from) in points.iter_mut().zip(self.as_slice()) {
+            *to = jcas_detection_point {
+                range_m: from.range_m,
+                probability: from.probability,
+            };
+        }
+        points
+    }
+
+    /// This is empty, as the number of points is in another field.
+    fn from_c(_name: &'static str, _points: Self::C) -> Result<Self, ConfigError> {
+        Ok(Self::EMPTY)
     }
 }
 

@@ -302,9 +302,9 @@ impl Instance {
             }
             Values::Float64(values) => values[0].into(),
             Values::UInt32(values) => values[0].into(),
-            Values::String(mut values) if name == "depots" => {
+            Values::String(mut values) if matches!(name, "depots" | "detection_table") => {
                 serde_json::from_str(&values.remove(0))
-                    .map_err(|error| format!("depots: {error}"))?
+                    .map_err(|error| format!("{name}: {error}"))?
             }
             Values::String(mut values) => values.remove(0).into(),
             _ => return Err(format!("{name} is not of this type")),
@@ -447,8 +447,8 @@ fn output(name: &str, mission: &Mission) -> Result<Values, String> {
 
 /// Whether a field of the configuration can be derived from others.
 fn may_be_derived(name: &str) -> bool {
-    let values = Config::default().values();
-    let mut fields = Config::FIELDS.iter().zip(values);
+    let config = Config::default();
+    let mut fields = Config::FIELDS.iter().zip(config.values());
     fields.any(|(info, value)| info.name == name && matches!(value, FieldValue::Optional(_)))
 }
 
@@ -456,14 +456,17 @@ fn may_be_derived(name: &str) -> bool {
 mod tests {
     use super::*;
 
+    fn reference_of(name: &str) -> u32 {
+        let variables = all();
+        let variable = variables.iter().find(|variable| variable.name == name);
+        variable.expect("a field is a variable").reference
+    }
+
     #[test]
     fn nan_means_derived_only_where_a_field_can_be() {
         let mut unit = Instance::new(None).expect("an instance");
         let set = |unit: &mut Instance, name: &str, value: f64| {
-            let variables = all();
-            let variable = variables.iter().find(|variable| variable.name == name);
-            let reference = variable.expect("a field is a variable").reference;
-            unit.set(reference, Values::Float64(vec![value]))
+            unit.set(reference_of(name), Values::Float64(vec![value]))
         };
         assert_eq!(set(&mut unit, "cell_size_m", 40.0), Ok(()));
         let refused = set(&mut unit, "cell_size_m", f64::NAN);
@@ -471,5 +474,19 @@ mod tests {
         let derived = Config::FIELDS.iter().find(|info| may_be_derived(info.name));
         let derived = derived.expect("a field can be derived").name;
         assert_eq!(set(&mut unit, derived, f64::NAN), Ok(()));
+    }
+
+    #[test]
+    fn a_detection_table_is_a_text_in_json() {
+        let mut unit = Instance::new(None).expect("an instance");
+        let mut set = |name: &str, text: &str| {
+            unit.set(reference_of(name), Values::String(vec![text.to_owned()]))
+        };
+        assert_eq!(set("detection_curve", "table"), Ok(()));
+        assert_eq!(set("detection_table", "[[20, 0.9], [80, 0.2]]"), Ok(()));
+        assert!(set("detection_table", "[[20, 0.9").is_err());
+        let config = unit.setup.config().expect("a legal configuration");
+        let points = config.detection_table.as_slice();
+        assert_eq!(points, [(20.0, 0.9).into(), (80.0, 0.2).into()]);
     }
 }

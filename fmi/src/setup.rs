@@ -84,7 +84,8 @@ impl Setup {
             .preset
             .parse()
             .map_err(|error| format!("preset = {}: {error}", self.preset))?;
-        let values = Config::preset(preset).values();
+        let config = Config::preset(preset);
+        let values = config.values();
         let index = Config::FIELDS.iter().position(|info| info.name == name);
         Ok(match index.map(|index| values[index]) {
             Some(FieldValue::Integer(value)) => value.into(),
@@ -94,6 +95,12 @@ impl Setup {
                 .as_slice()
                 .iter()
                 .map(|cell| vec![cell.x, cell.y])
+                .collect::<Vec<_>>()
+                .into(),
+            Some(FieldValue::Table(table)) => table
+                .as_slice()
+                .iter()
+                .map(|point| vec![point.range_m, point.probability])
                 .collect::<Vec<_>>()
                 .into(),
             Some(FieldValue::Optional(None)) | None => Value::Null,

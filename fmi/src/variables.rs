@@ -333,9 +333,9 @@ pub fn all() -> Vec<Variable> {
 }
 
 /// The fields of the configuration but the two sizes, which are structural.
-fn fields() -> impl Iterator<Item = Variable> {
-    let values = Config::default().values();
-    let numbered = (reference::FIELDS..).zip(Config::FIELDS.iter().zip(values));
+fn fields() -> Vec<Variable> {
+    let config = Config::default();
+    let numbered = (reference::FIELDS..).zip(Config::FIELDS.iter().zip(config.values()));
     numbered
         .filter(|(_, (info, _))| !is_size(info.name))
         .map(|(reference, (info, value))| {
@@ -358,6 +358,12 @@ fn fields() -> impl Iterator<Item = Variable> {
                     None,
                     " A list of [x, y] in JSON.".to_owned(),
                 ),
+                FieldValue::Table(_) => (
+                    Kind::String,
+                    None,
+                    None,
+                    " A list of [m, P_d] in JSON.".to_owned(),
+                ),
             };
             Variable {
                 reference,
@@ -372,6 +378,7 @@ fn fields() -> impl Iterator<Item = Variable> {
                 doc: format!("{}{how}", info.doc.trim()),
             }
         })
+        .collect()
 }
 
 /// Whether a field is one of the two sizes of arrays.

@@ -28,6 +28,18 @@ def test_keywords_dicts_and_files_agree(tmp_path):
     assert jcas.Config(toml, uav_count=7)["uav_count"] == 7
 
 
+def test_a_detection_table_is_a_list_of_pairs():
+    table = [[20.0, 0.9], [80.0, 0.2]]
+    config = jcas.Config(detection_curve="table", detection_table=[(20, 0.9), (80, 0.2)])
+    assert config["detection_table"] == table
+    assert jcas.Config(dict(config)) == config
+    # One cell is 50 m, half way: the logit is that of 9 and of 1/4, averaged.
+    assert jcas.Model(config).radio(1, 0, 0.3).detection_probability == pytest.approx(0.6)
+    assert jcas.Config()["detection_table"] is None
+    with pytest.raises(jcas.ConfigError, match="does not rise with the range"):
+        config.replace(detection_table=[(20, 0.1), (80, 0.2)])
+
+
 def test_a_configuration_survives_replace_pickle_and_numpy_values():
     config = jcas.Config(uav_count=np.int64(6), detection_threshold_db=None)
     assert pickle.loads(pickle.dumps(config)) == config

@@ -53,6 +53,10 @@ static void abuse_fields(const struct subject *subject)
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
     CHECK(strstr(message, "depot_count = 17") != NULL);
     config = subject->config;
+    config.detection_point_count = JCAS_MAX_DETECTION_POINTS + 1;
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
+    CHECK(strstr(message, "detection_point_count = 65") != NULL);
+    config = subject->config;
     config.target_visibility = 2;
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&config, message, sizeof message));
     CHECK(strstr(message, "target_visibility = 2") != NULL);
@@ -93,6 +97,32 @@ static void abuse_fields(const struct subject *subject)
     CHECK(hash == unsigned_zero);
 }
 
+/* A table in the struct is the same as one in a text; one that rises is refused. */
+static void abuse_detection_table(void)
+{
+    const char *text = "detection_curve = 'table'\ndetection_table = [[20, 0.9], [80, 0.2]]";
+    jcas_config given, read;
+    uint64_t hash, of_text;
+    char message[256];
+    OK(jcas_config_default(&given, sizeof given));
+    given.detection_curve = JCAS_CURVE_TABLE;
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&given, message, sizeof message));
+    CHECK(strstr(message, "detection_table = []: must be a list of 1 to 64") != NULL);
+    given.detection_point_count = 2;
+    given.detection_table[0] = (jcas_detection_point){20, 0.9};
+    given.detection_table[1] = (jcas_detection_point){80, 0.2};
+    given.detection_table[2] = (jcas_detection_point){-1, 7}; /* which is not read */
+    OK(jcas_config_hash(&given, &hash));
+    OK(jcas_config_from_toml(text, strlen(text), &read, sizeof read, NULL, 0));
+    OK(jcas_config_hash(&read, &of_text));
+    CHECK(hash == of_text);
+    CHECK(read.detection_point_count == 2 && read.detection_table[1].range_m == 80);
+    CHECK(read.detection_table[1].probability == 0.2 && read.detection_table[2].range_m == 0);
+    given.detection_table[1].probability = 0.95;
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&given, message, sizeof message));
+    CHECK(strstr(message, "detection_table = [80.0, 0.95]: must be pairs") != NULL);
+}
+
 typedef int32_t text_function(const jcas_config *, char *, size_t, size_t *);
 
 static void abuse_text(const struct subject *subject, text_function *write)
@@ -124,6 +154,7 @@ void abuse_configurations(struct subject *subject)
 {
     abuse_filling();
     abuse_fields(subject);
+    abuse_detection_table();
     abuse_text(subject, jcas_config_to_json);
     abuse_text(subject, jcas_config_to_toml);
     size_t length;

@@ -84,7 +84,8 @@ static int refused(int32_t status)
 static void texts(void)
 {
     const char *good = "preset = 'paper'\nquorum = 2\ndepots = [[1, 2], [3, 4]]\ntarget_visibility = \"hidden\"";
-    const char *bad[] = {"quorum = 0", "quorum = = 1", "nothing = 1", "depots = [[99, 0]]", "quorum = 'three'"};
+    const char *bad[] = {"quorum = 0", "quorum = = 1", "nothing = 1", "depots = [[99, 0]]", "quorum = 'three'",
+                         "detection_curve = 'table'\ndetection_table = [[20, 0.1], [80, 0.2]]"};
     const char *json = "{\"quorum\": 2, \"range_min_m\": null}", *twice = "{\"quorum\": 2, \"quorum\": 2}";
     static char text[1 << 15];
     char message[200];

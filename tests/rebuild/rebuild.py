@@ -131,18 +131,31 @@ class Mission:
 
     def detects(self, i, j):
         c = self.c
-        snr = self.sensing_snr_db(self.range_m(self.cells[i], self.hotspots[j]))
-        snr -= c["comm_load_penalty_db"] * (1 - self.density[i])
+        change_db = -c["comm_load_penalty_db"] * (1 - self.density[i])
         if c.get("pilot_gain") == "coherent":
-            snr += 10 * math.log10(self.density[i] / c["pilot_density_max"])
-        return self.block(self.t, i, j // 4, DETECT)[j % 4] < math.floor(2**32 * self.p_d(snr))
+            change_db += 10 * math.log10(self.density[i] / c["pilot_density_max"])
+        p = self.p_d(self.range_m(self.cells[i], self.hotspots[j]), change_db)
+        return self.block(self.t, i, j // 4, DETECT)[j % 4] < math.floor(2**32 * p)
 
-    def p_d(self, snr_db):
+    def p_d(self, range_m, change_db):
         c = self.c
+        if c.get("detection_curve") == "table":
+            change_db += c["comm_load_penalty_db"] * (1 - c["pilot_density_max"])
+            logit = self.table_logit(range_m) + c["logistic_slope_per_db"] * change_db
+            return 1 / (1 + math.exp(-logit))
+        snr_db = self.sensing_snr_db(range_m) + change_db
         if c.get("detection_curve") == "swerling1":
             return c["false_alarm_probability"] ** (1 / (1 + 10 ** (snr_db / 10)))
         exponent = -c["logistic_slope_per_db"] * (snr_db - self.threshold_db())
         return 1 / (1 + math.exp(exponent)) if exponent < 300 else 0
+
+    def table_logit(self, range_m):
+        points = [(r, math.log(p / (1 - p))) for r, p in self.c["detection_table"]]
+        held = min(max(range_m, points[0][0]), points[-1][0])
+        for (r0, logit0), (r1, logit1) in zip(points, points[1:]):
+            if r0 <= held <= r1:
+                return logit0 + (logit1 - logit0) * (held - r0) / (r1 - r0)
+        return points[0][1]
 
     # False alarms.
 
@@ -152,8 +165,8 @@ class Mission:
             return c["sensing_footprint_m"]
         if "detection_threshold_db" not in c and "sensing_range_m" in c:
             return c["sensing_range_m"]
-        load = c["comm_load_penalty_db"] * (1 - c["pilot_density_max"])
-        even = lambda r: self.p_d(self.sensing_snr_db(r) - load) >= 0.5
+        load_db = c["comm_load_penalty_db"] * (1 - c["pilot_density_max"])
+        even = lambda r: self.p_d(r, -load_db) >= 0.5
         low, high = 0.0, c["cell_size_m"] * math.hypot(self.w - 1, self.h - 1)
         if even(high):
             return high

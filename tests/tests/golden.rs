@@ -517,6 +517,16 @@ fn swerling1_alone() {
     assert!(trace.end.metrics.confirmed > 0);
 }
 
+#[test]
+fn detection_table() {
+    let trace = reproduced("detection_table");
+    let config = &trace.header.config;
+    assert_eq!(config.detection_curve, DetectionCurve::Table);
+    assert_eq!(config.detection_table.len(), 3);
+    assert!(trace.end.metrics.confirmed > 0);
+    assert!(learners_by_density(&trace).iter().all(|&count| count > 0));
+}
+
 /// Every trace has a test and a line in the script that records it, and every test has a trace.
 #[test]
 fn every_trace_has_its_test_and_its_line() {
@@ -711,7 +721,8 @@ fn headers_hold_every_field() {
     let path = folder().join("completion.jsonl");
     let text = fs::read_to_string(path).unwrap();
     let header = text.lines().next().unwrap();
-    let fields = Config::FIELDS.iter().zip(Config::default().values());
+    let config = Config::default();
+    let fields = Config::FIELDS.iter().zip(config.values());
     for (info, value) in fields.take(Config::LATER_FIELDS) {
         let derived = value == FieldValue::Optional(None);
         assert_eq!(

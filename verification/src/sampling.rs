@@ -2,7 +2,7 @@
 
 use crate::specification::philox::{block, first_u64};
 use crate::specification::{Specification, World};
-use jcas_core::config::Depots;
+use jcas_core::config::{Depots, DetectionPoint, DetectionTable};
 use jcas_core::{
     Cell, Config, DetectionCurve, MapDirections, PilotGain, Preset, SearchMaps, TargetVisibility,
     UavTag,
@@ -231,13 +231,41 @@ fn detection(dice: &mut Dice, c: &mut Config) {
     if dice.one_in(2) {
         c.pilot_gain = PilotGain::Coherent;
     }
-    if dice.one_in(2) {
-        c.detection_curve = DetectionCurve::Swerling1;
-        c.false_alarm_probability = libm::pow(10.0, -dice.real(1.0, 12.0));
-        c.detection_threshold_db = None;
-        c.sensing_range_m = None;
-        c.logistic_slope_per_db = Config::default().logistic_slope_per_db;
+    match dice.integer(0, 3) {
+        0 => return,
+        1 => {
+            c.detection_curve = DetectionCurve::Table;
+            c.detection_table = detection_table(dice);
+        }
+        _ => {
+            c.detection_curve = DetectionCurve::Swerling1;
+            c.false_alarm_probability = libm::pow(10.0, -dice.real(1.0, 12.0));
+            c.logistic_slope_per_db = Config::default().logistic_slope_per_db;
+        }
     }
+    c.detection_threshold_db = None;
+    c.sensing_range_m = None;
+}
+
+/// Draws a table of one to 64 points, whose P_d falls or stays from one to the next.
+fn detection_table(dice: &mut Dice) -> DetectionTable {
+    let (mut range_m, mut probability) = (dice.real(0.0, 50.0), dice.real(0.3, 1.0));
+    let points: Vec<_> = (0..dice.integer(1, 64))
+        .map(|_| {
+            let point = DetectionPoint {
+                range_m,
+                probability,
+            };
+            range_m += dice.real(0.1, 50.0);
+            probability *= if dice.one_in(4) {
+                1.0
+            } else {
+                dice.real(0.5, 1.0)
+            };
+            point
+        })
+        .collect();
+    DetectionTable::from_slice(&points).expect("at most 64 points")
 }
 
 /// Draws batteries that last from a few steps to more than an episode.

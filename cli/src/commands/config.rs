@@ -6,7 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 use jcas_core::config::{FieldInfo, FieldValue};
-use jcas_core::{Config, Model, Preset};
+use jcas_core::{Config, DetectionCurve, Model, Preset};
 use serde::Serialize;
 
 use crate::config_source::{ConfigSource, PresetName};
@@ -134,12 +134,15 @@ fn table(config: &Config) -> Result<String, CliError> {
     ))
 }
 
-fn shown(info: &FieldInfo, value: &FieldValue, model: &Model<'_>) -> String {
+fn shown(info: &FieldInfo, value: &FieldValue<'_>, model: &Model<'_>) -> String {
     match value {
         FieldValue::Integer(number) => number.to_string(),
         FieldValue::Real(number) | FieldValue::Optional(Some(number)) => number.to_string(),
         FieldValue::Choice(name, _) => (*name).to_owned(),
-        FieldValue::Optional(None) => format!("{} (derived)", derived(info.name, model)),
+        FieldValue::Optional(None) => match derived(info.name, model) {
+            Some(number) => format!("{number} (derived)"),
+            None => "none".to_owned(),
+        },
         FieldValue::Cells(_) => {
             let cells: Vec<String> = model
                 .depots()
@@ -148,15 +151,20 @@ fn shown(info: &FieldInfo, value: &FieldValue, model: &Model<'_>) -> String {
                 .collect();
             cells.join(" ")
         }
+        FieldValue::Table(table) if table.is_empty() => "none".to_owned(),
+        FieldValue::Table(_) => value.to_string(),
     }
 }
 
-fn derived(field: &str, model: &Model<'_>) -> f64 {
+/// The value that the model derives for a field that is absent, if it has one.
+fn derived(field: &str, model: &Model<'_>) -> Option<f64> {
     let config = model.config();
     match field {
-        "detection_threshold_db" => model.detection_threshold_db(),
-        "range_min_m" => config.cell_size_m / 2.0,
-        _ => SPEED_OF_LIGHT_M_PER_S / (2.0 * config.bandwidth_hz),
+        "detection_threshold_db" => (config.detection_curve == DetectionCurve::Logistic)
+            .then(|| model.detection_threshold_db()),
+        "range_min_m" => Some(config.cell_size_m / 2.0),
+        "range_resolution_m" => Some(SPEED_OF_LIGHT_M_PER_S / (2.0 * config.bandwidth_hz)),
+        _ => None,
     }
 }
 
@@ -208,7 +216,8 @@ impl Presets {
             .load_preset(NOTHING)
             .set_header(["field"].into_iter().chain(names));
         let model = Model::new(Config::default())?;
-        let values: Vec<_> = presets.map(|(_, config)| config.values()).collect();
+        let configs: Vec<_> = presets.map(|(_, config)| config).collect();
+        let values: Vec<_> = configs.iter().map(Config::values).collect();
         for (index, info) in Config::FIELDS.iter().enumerate() {
             if values.iter().any(|of| of[index] != values[0][index]) {
                 let cells = values.iter().map(|of| shown(info, &of[index], &model));

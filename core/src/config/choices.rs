@@ -143,10 +143,12 @@ choice! {
 
 choice! {
     /// The curve that gives the probability of detection over the sensing SNR.
-    DetectionCurve, "`logistic` or `swerling1`" {
+    DetectionCurve, "`logistic`, `swerling1` or `table`" {
         /// The paper's logistic function of the margin above the threshold.
         Logistic = "logistic",
         /// A Swerling-1 echo behind a square-law detector, in one look.
         Swerling1 = "swerling1",
+        /// A table over the range, whose logit pilot gain and load penalty move by κ per dB.
+        Table = "table",
     }
 }

@@ -84,13 +84,18 @@ impl Depots {
     /// The given cells; `None` if there are more than [`MAX_DEPOTS`].
     #[must_use]
     pub fn from_slice(cells: &[Cell]) -> Option<Self> {
-        if cells.len() > MAX_DEPOTS {
-            return None;
-        }
         let mut depots = Self::CENTRE;
-        depots.cells[..cells.len()].copy_from_slice(cells);
-        depots.count = cells.len();
+        for cell in cells {
+            depots.push(*cell)?;
+        }
         Some(depots)
+    }
+
+    /// Adds a cell; `None` if the list is full.
+    pub(super) fn push(&mut self, cell: Cell) -> Option<()> {
+        *self.cells.get_mut(self.count)? = cell;
+        self.count += 1;
+        Some(())
     }
 
     /// The cells.
@@ -136,11 +141,9 @@ mod serde_impl {
                 fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Depots, A::Error> {
                     let mut depots = Depots::CENTRE;
                     while let Some(cell) = sequence.next_element::<Cell>()? {
-                        if depots.count == MAX_DEPOTS {
-                            return Err(A::Error::invalid_length(MAX_DEPOTS + 1, &self));
-                        }
-                        depots.cells[depots.count] = cell;
-                        depots.count += 1;
+                        depots
+                            .push(cell)
+                            .ok_or_else(|| A::Error::invalid_length(MAX_DEPOTS + 1, &self))?;
                     }
                     Ok(depots)
                 }

@@ -5,8 +5,8 @@ use core::fmt;
 #[cfg(feature = "text")]
 use super::text::TextValue;
 use super::{
-    ChargeBilling, Config, Depots, DetectionCurve, InformPayment, MapDirections, PilotGain,
-    SearchMaps, TargetVisibility, UavTag,
+    ChargeBilling, Config, Depots, DetectionCurve, DetectionTable, InformPayment, MapDirections,
+    PilotGain, SearchMaps, TargetVisibility, UavTag,
 };
 use crate::error::Value;
 use crate::hash::Fnv1a;
@@ -28,7 +28,7 @@ pub struct FieldInfo {
 
 /// The value of a field of any type.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FieldValue {
+pub enum FieldValue<'c> {
     /// A count.
     Integer(u32),
     /// A real number.
@@ -39,10 +39,12 @@ pub enum FieldValue {
     Choice(&'static str, u32),
     /// A list of cells.
     Cells(Depots),
+    /// A table over the range.
+    Table(&'c DetectionTable),
 }
 
 /// Formats the value as TOML and JSON write it. A derived value, which neither writes, is empty.
-impl fmt::Display for FieldValue {
+impl fmt::Display for FieldValue<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Integer(value) => write!(out, "{value}"),
@@ -57,13 +59,21 @@ impl fmt::Display for FieldValue {
                 }
                 out.write_str("]")
             }
+            Self::Table(table) => {
+                out.write_str("[")?;
+                for (index, point) in table.as_slice().iter().enumerate() {
+                    out.write_str(if index > 0 { "," } else { "" })?;
+                    write!(out, "[{:?},{:?}]", point.range_m, point.probability)?;
+                }
+                out.write_str("]")
+            }
         }
     }
 }
 
 /// Serialises the value itself, without the kind.
 #[cfg(feature = "serde")]
-impl serde::Serialize for FieldValue {
+impl serde::Serialize for FieldValue<'_> {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Integer(value) => value.serialize(serializer),
@@ -71,14 +81,15 @@ impl serde::Serialize for FieldValue {
             Self::Optional(value) => value.serialize(serializer),
             Self::Choice(name, _) => name.serialize(serializer),
             Self::Cells(cells) => cells.serialize(serializer),
+            Self::Table(table) => table.serialize(serializer),
         }
     }
 }
 
 /// The values of all fields.
-pub type FieldValues = [FieldValue; Config::FIELD_COUNT];
+pub type FieldValues<'c> = [FieldValue<'c>; Config::FIELD_COUNT];
 
-impl FieldValue {
+impl FieldValue<'_> {
     /// Adds the value to a fingerprint.
     pub(super) fn write(&self, hash: &mut Fnv1a) {
         match self {
@@ -96,6 +107,13 @@ impl FieldValue {
                     hash.write_u64(cell.to_word());
                 }
             }
+            Self::Table(table) => {
+                hash.write_u64(table.len() as u64);
+                for point in table.as_slice() {
+                    hash.write_u64((point.range_m + 0.0).to_bits());
+                    hash.write_u64(point.probability.to_bits());
+                }
+            }
         }
     }
 
@@ -105,6 +123,7 @@ impl FieldValue {
         match self {
             Self::Optional(value) => value.is_none(),
             Self::Cells(cells) => cells.is_empty(),
+            Self::Table(table) => table.is_empty(),
             _ => false,
         }
     }
@@ -124,27 +143,24 @@ impl FieldValue {
 
 /// A type that a field can have.
 pub(super) trait Field: Sized {
-    fn field_value(&self) -> FieldValue;
+    fn field_value(&self) -> FieldValue<'_>;
     /// The value that a text gives; `None` if it is of another type.
     #[cfg(feature = "text")]
     fn read(value: &TextValue<'_>) -> Option<Self>;
 }
 
 impl Field for u32 {
-    fn field_value(&self) -> FieldValue {
+    fn field_value(&self) -> FieldValue<'_> {
         FieldValue::Integer(*self)
     }
     #[cfg(feature = "text")]
     fn read(value: &TextValue<'_>) -> Option<Self> {
-        match *value {
-            TextValue::Whole(whole, _) => whole,
-            _ => None,
-        }
+        value.whole()
     }
 }
 
 impl Field for f64 {
-    fn field_value(&self) -> FieldValue {
+    fn field_value(&self) -> FieldValue<'_> {
         FieldValue::Real(*self)
     }
     #[cfg(feature = "text")]
@@ -154,7 +170,7 @@ impl Field for f64 {
 }
 
 impl Field for Option<f64> {
-    fn field_value(&self) -> FieldValue {
+    fn field_value(&self) -> FieldValue<'_> {
         FieldValue::Optional(*self)
     }
     #[cfg(feature = "text")]
@@ -167,14 +183,28 @@ impl Field for Option<f64> {
 }
 
 impl Field for Depots {
-    fn field_value(&self) -> FieldValue {
+    fn field_value(&self) -> FieldValue<'_> {
         FieldValue::Cells(*self)
     }
     #[cfg(feature = "text")]
     fn read(value: &TextValue<'_>) -> Option<Self> {
         match *value {
             TextValue::Null => Some(Self::CENTRE),
-            TextValue::Cells(cells) => Some(cells),
+            TextValue::Pairs(pairs) => pairs.cells(),
+            _ => None,
+        }
+    }
+}
+
+impl Field for DetectionTable {
+    fn field_value(&self) -> FieldValue<'_> {
+        FieldValue::Table(self)
+    }
+    #[cfg(feature = "text")]
+    fn read(value: &TextValue<'_>) -> Option<Self> {
+        match *value {
+            TextValue::Null => Some(Self::EMPTY),
+            TextValue::Pairs(pairs) => pairs.table(),
             _ => None,
         }
     }
@@ -183,7 +213,7 @@ impl Field for Depots {
 macro_rules! choice_field {
     ($($name:ident),+) => { $(
         impl Field for $name {
-            fn field_value(&self) -> FieldValue {
+            fn field_value(&self) -> FieldValue<'_> {
                 FieldValue::Choice(self.name(), *self as u32)
             }
             #[cfg(feature = "text")]

@@ -11,7 +11,7 @@ mod value;
 mod write;
 
 pub use error::{Excerpt, TextError};
-pub use value::TextValue;
+pub use value::{Pairs, TextValue};
 pub use write::Counter;
 
 use super::{Config, Preset};

@@ -1,12 +1,15 @@
 //! The rules of a legal configuration.
 
-use super::{Config, DetectionCurve, MapDirections, SearchMaps};
+use super::{Config, DetectionCurve, DetectionPoint, MapDirections, SearchMaps};
 use crate::carbon::milligrams;
 use crate::energy::EnergyPlan;
 use crate::error::{Allowed, ConfigError, Value};
 
 /// Largest number of bits of the maps of a fleet: 32 MiB.
 const MAP_BITS_MAX: u64 = 1 << 28;
+
+/// Longest range of a detection table.
+const RANGE_MAX_M: f64 = 1e6;
 
 impl Config {
     /// Checks every field and the rules between fields.
@@ -41,6 +44,7 @@ impl Config {
         )?;
         self.radar_fits_its_curve()?;
         self.footprint_has_a_use()?;
+        self.detection_table_is_one()?;
         self.depots_are_cells()?;
         self.hotspots_have_room()?;
         self.maps_have_room()?;
@@ -122,34 +126,27 @@ impl Config {
     /// Checks that no field is given that the detection curve does not use. P_fa must be in the
     /// range of Albersheim's equation where that equation gives the threshold.
     fn radar_fits_its_curve(&self) -> Result<(), ConfigError> {
-        let refused = |field, value, rule| {
-            Err(ConfigError {
-                field,
-                value: Value::Real(value),
-                allowed: Allowed::Rule(rule),
-            })
-        };
         let p_fa = self.false_alarm_probability;
         match self.detection_curve {
             DetectionCurve::Logistic if !(1e-7..=1e-3).contains(&p_fa) => refused(
                 "false_alarm_probability",
-                p_fa,
+                Value::Real(p_fa),
                 "from 1e-7 to 1e-3 while detection_curve is logistic (Albersheim's equation)",
             ),
             DetectionCurve::Logistic => Ok(()),
+            DetectionCurve::Table => self
+                .has_no_threshold("absent while detection_curve is table, which has no threshold"),
             DetectionCurve::Swerling1 => {
-                if let Some(threshold_db) = self.detection_threshold_db {
-                    let rule = "absent while detection_curve is swerling1, which has no threshold";
-                    return refused("detection_threshold_db", threshold_db, rule);
-                }
-                if let Some(range_m) = self.sensing_range_m {
-                    let rule = "absent while detection_curve is swerling1, which has no threshold";
-                    return refused("sensing_range_m", range_m, rule);
-                }
-                if self.logistic_slope_per_db != Self::DEFAULT.logistic_slope_per_db {
-                    let rule =
-                        "0.25, its default, while detection_curve is swerling1, which has no slope";
-                    return refused("logistic_slope_per_db", self.logistic_slope_per_db, rule);
+                self.has_no_threshold(
+                    "absent while detection_curve is swerling1, which has no threshold",
+                )?;
+                let slope_per_db = self.logistic_slope_per_db;
+                if slope_per_db != Self::DEFAULT.logistic_slope_per_db {
+                    return refused(
+                        "logistic_slope_per_db",
+                        Value::Real(slope_per_db),
+                        "0.25, its default, while detection_curve is swerling1, which has no slope",
+                    );
                 }
                 Ok(())
             }
@@ -166,6 +163,46 @@ impl Config {
             }),
             _ => Ok(()),
         }
+    }
+
+    fn has_no_threshold(&self, rule: &'static str) -> Result<(), ConfigError> {
+        if let Some(threshold_db) = self.detection_threshold_db {
+            return refused("detection_threshold_db", Value::Real(threshold_db), rule);
+        }
+        if let Some(range_m) = self.sensing_range_m {
+            return refused("sensing_range_m", Value::Real(range_m), rule);
+        }
+        Ok(())
+    }
+
+    /// Checks that the detection table is present exactly where the curve is one, and that it does
+    /// not rise with the range.
+    fn detection_table_is_one(&self) -> Result<(), ConfigError> {
+        let points = self.detection_table.as_slice();
+        if self.detection_curve == DetectionCurve::Table && points.is_empty() {
+            let rule = "a list of 1 to 64 pairs [m, P_d] while detection_curve is table";
+            return refused("detection_table", Value::Name("[]"), rule);
+        }
+        let mut before: Option<&DetectionPoint> = None;
+        for point in points {
+            let (range_m, probability) = (point.range_m, point.probability);
+            let rule = if self.detection_curve != DetectionCurve::Table {
+                "absent unless detection_curve is table"
+            } else if !(0.0..=RANGE_MAX_M).contains(&range_m) {
+                "pairs [m, P_d] with a range from 0 to 1e6"
+            } else if !(probability > 0.0 && probability < 1.0) {
+                "pairs [m, P_d] with a P_d above 0 and below 1"
+            } else if before.is_some_and(|before| before.range_m >= range_m) {
+                "pairs [m, P_d] of which each has a longer range than the one before"
+            } else if before.is_some_and(|before| before.probability < probability) {
+                "pairs [m, P_d] whose P_d does not rise with the range"
+            } else {
+                before = Some(point);
+                continue;
+            };
+            return refused("detection_table", Value::Pair(range_m, probability), rule);
+        }
+        Ok(())
     }
 
     fn each_field_is_in_range(&self) -> Result<(), ConfigError> {
@@ -235,6 +272,14 @@ impl Config {
         }
         Ok(())
     }
+}
+
+fn refused(field: &'static str, value: Value, rule: &'static str) -> Result<(), ConfigError> {
+    Err(ConfigError {
+        field,
+        value,
+        allowed: Allowed::Rule(rule),
+    })
 }
 
 fn ordered(

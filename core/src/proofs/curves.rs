@@ -7,13 +7,16 @@ use super::inputs::real_between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::tables::{ODDS_MAX, ODDS_MIN};
-use crate::radar::curve::{Coherent, Curve, Swerling1};
+use crate::config::{Config, DetectionCurve, DetectionTable};
+use crate::radar::curve::{Coherent, Curve, Swerling1, tabulated};
 
 /// Bounds of `exp` on [-380, 380], where a UAV's exponent is clipped to.
 pub(super) const UAV_ODDS_MIN: f64 = 1e-166;
 pub(super) const UAV_ODDS_MAX: f64 = 1e166;
 /// Bound of `log` on [1e-30, 1e4].
 pub(super) const LOG_MAX: f64 = 70.0;
+/// Bounds of `log` on [5e-324, 1].
+pub(super) const LOG_PROBABILITY_MIN: f64 = -745.0;
 /// Largest -ln P_fa, rounded up, and a bound of its exponential.
 pub(super) const FALSE_ALARM_EXPONENT_MAX: f64 = 27.7;
 pub(super) const INVERSE_PROBABILITY_MAX: f64 = 1.1e12;
@@ -57,10 +60,30 @@ pub fn swerling1_gives_a_probability() {
     assert!(inverse >= 1.0 && inverse <= INVERSE_PROBABILITY_MAX);
 }
 
+/// The odds against detection that a table gives are a positive number.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::stub(libm::exp, crate::proofs::stubs::any_odds_exp))]
+#[cfg_attr(kani, kani::stub(libm::log, crate::proofs::stubs::any_log_probability))]
+pub fn a_table_gives_positive_odds() {
+    let probability = real_between(5e-324, 1.0 - f64::EPSILON / 2.0);
+    let point = (real_between(0.0, 1e6), probability).into();
+    let config = Config {
+        detection_curve: DetectionCurve::Table,
+        detection_table: DetectionTable::from_slice(&[point]).unwrap_or(DetectionTable::EMPTY),
+        comm_load_penalty_db: real_between(0.0, 20.0),
+        ..Config::default()
+    };
+    let odds = tabulated(&config, real_between(0.0, 1.5e9));
+    kani::cover!(probability < 1e-300, "as good as never");
+    kani::cover!(probability > 0.5, "likely");
+    assert!(odds >= ODDS_MIN && odds <= ODDS_MAX);
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
     odds_with_coherent_pilots_are_finite: 4000 cases, 2 covers;
     swerling1_gives_a_probability: 4000 cases, 2 covers;
+    a_table_gives_positive_odds: 4000 cases, 2 covers;
 }
 
 /// The real functions on dense grids of what the stubs assume.
@@ -86,6 +109,18 @@ mod dense {
         for step in -30_000..=4_000 {
             let value = libm::log(libm::pow(10.0, f64::from(step) / 1000.0));
             assert!((-LOG_MAX..=LOG_MAX).contains(&value), "{step}: {value}");
+        }
+    }
+
+    #[test]
+    fn log_of_a_probability_stays_within_its_stub() {
+        let least = f64::from_bits(1);
+        for value in (0..=323_000)
+            .map(|step| libm::pow(10.0, f64::from(-step) / 1000.0))
+            .chain([least])
+        {
+            let log = libm::log(value);
+            assert!((LOG_PROBABILITY_MIN..=0.0).contains(&log), "{value}: {log}");
         }
     }
 }

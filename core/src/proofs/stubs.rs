@@ -8,7 +8,8 @@
 
 use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
 use super::curves::{
-    FALSE_ALARM_EXPONENT_MAX, INVERSE_PROBABILITY_MAX, LOG_MAX, UAV_ODDS_MAX, UAV_ODDS_MIN,
+    FALSE_ALARM_EXPONENT_MAX, INVERSE_PROBABILITY_MAX, LOG_MAX, LOG_PROBABILITY_MIN, UAV_ODDS_MAX,
+    UAV_ODDS_MIN,
 };
 use super::inputs::{between, real_between};
 use super::reward::REWARD_MAX;
@@ -53,6 +54,11 @@ pub(super) fn any_log1p(x: f64) -> f64 {
 pub(super) fn any_log(x: f64) -> f64 {
     assert!(x >= 1e-30 && x <= 1e4);
     real_between(-LOG_MAX, LOG_MAX)
+}
+
+pub(super) fn any_log_probability(x: f64) -> f64 {
+    assert!(x >= 5e-324 && x <= 1.0);
+    real_between(LOG_PROBABILITY_MIN, 0.0)
 }
 
 pub(super) fn any_real_exp(x: f64) -> f64 {

@@ -6,7 +6,7 @@
 use libm::{exp, log};
 
 use super::{EXPONENT_BOUND, bounded, detection_threshold_db, load_odds_against, odds_against};
-use super::{inverse_detects, range_odds_against, snr_db};
+use super::{inverse_detects, range_odds_against, snr_db, table};
 use crate::config::{Config, DetectionCurve, PilotGain};
 use crate::lanes::real;
 
@@ -122,9 +122,9 @@ impl Curve for Swerling1 {
 /// The detection curve of a configuration.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyCurve {
-    /// The paper's.
+    /// The paper's, or a table.
     Logistic(Logistic),
-    /// The logistic curve with coherent integration of the pilots.
+    /// The same with coherent integration of the pilots.
     Coherent(Coherent),
     /// The curve of a fluctuating echo.
     Swerling1(Swerling1),
@@ -145,12 +145,16 @@ impl AnyCurve {
                 gain_per_density: if coherent { 1.0 / density_max } else { 0.0 },
                 gain_constant: if coherent { 0.0 } else { 1.0 },
             }),
-            DetectionCurve::Logistic if coherent => Self::Coherent(Coherent {
-                loss_per_load,
-                odds_per_log: slope_per_db / PER_DB,
-                density_max,
-            }),
-            DetectionCurve::Logistic => Self::Logistic(Logistic { loss_per_load }),
+            DetectionCurve::Logistic | DetectionCurve::Table if coherent => {
+                Self::Coherent(Coherent {
+                    loss_per_load,
+                    odds_per_log: slope_per_db / PER_DB,
+                    density_max,
+                })
+            }
+            DetectionCurve::Logistic | DetectionCurve::Table => {
+                Self::Logistic(Logistic { loss_per_load })
+            }
         }
     }
 
@@ -172,12 +176,19 @@ impl AnyCurve {
 /// SNR as a ratio. It is positive and finite.
 #[must_use]
 pub fn tabulated(config: &Config, range_m: f64) -> f64 {
-    let snr_db = snr_db(config, range_m);
     match config.detection_curve {
         DetectionCurve::Logistic => {
-            range_odds_against(config, snr_db, detection_threshold_db(config))
+            let threshold_db = detection_threshold_db(config);
+            range_odds_against(config, snr_db(config, range_m), threshold_db)
         }
-        DetectionCurve::Swerling1 => exp(bounded(snr_db * PER_DB, EXPONENT_BOUND)),
+        DetectionCurve::Swerling1 => exp(bounded(snr_db(config, range_m) * PER_DB, EXPONENT_BOUND)),
+        DetectionCurve::Table => {
+            // The table holds at ρ_max: the load's penalty there is in its values.
+            let loss_per_load = config.logistic_slope_per_db * config.comm_load_penalty_db;
+            let at_density_max = loss_per_load * (1.0 - config.pilot_density_max);
+            let logit = table::logit_at(&config.detection_table, range_m);
+            exp(bounded(-logit - at_density_max, EXPONENT_BOUND))
+        }
     }
 }
 

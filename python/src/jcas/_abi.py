@@ -58,6 +58,8 @@ JCAS_PILOT_GAIN_NONE = 0
 JCAS_PILOT_GAIN_COHERENT = 1
 JCAS_CURVE_LOGISTIC = 0
 JCAS_CURVE_SWERLING1 = 1
+JCAS_CURVE_TABLE = 2
+JCAS_MAX_DETECTION_POINTS = 64
 JCAS_PHASE_READY = 1
 JCAS_PHASE_MOVED = 2
 JCAS_PHASE_SENSED = 3
@@ -73,6 +75,13 @@ class jcas_cell(Structure):
     _fields_ = (
         ("x", c_uint32),
         ("y", c_uint32),
+    )
+
+
+class jcas_detection_point(Structure):
+    _fields_ = (
+        ("range_m", c_double),
+        ("probability", c_double),
     )
 
 
@@ -153,6 +162,8 @@ class jcas_config(Structure):
         ("reward_false_confirmation", c_double),
         ("report_levels", c_uint32),
         ("report_slots", c_uint32),
+        ("detection_point_count", c_uint32),
+        ("detection_table", jcas_detection_point * JCAS_MAX_DETECTION_POINTS),
     )
 
 

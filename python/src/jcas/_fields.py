@@ -160,9 +160,9 @@ class Fields(TypedDict, total=False):
     pilot_gain: Literal["none", "coherent"] | None
     """What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or 10
     log10(ρ/ρ_max) (`coherent`). One of none, coherent."""
-    detection_curve: Literal["logistic", "swerling1"] | None
-    """Probability of detection over the sensing SNR: `logistic` (the paper) or `swerling1` (a
-    fluctuating echo). One of logistic, swerling1."""
+    detection_curve: Literal["logistic", "swerling1", "table"] | None
+    """Probability of detection: `logistic` (the paper) or `swerling1` (a fluctuating echo) over
+    the sensing SNR, or the `table` over the range. One of logistic, swerling1, table."""
     false_alarm_per_cell: float | None
     """Probability of a false alarm, for each step and cell of a UAV's footprint that holds no
     hotspot. 0 stands for no false alarms. 0 to 0.5 probability."""
@@ -178,3 +178,6 @@ class Fields(TypedDict, total=False):
     hotspot, true or false, in at least ℓ steps. 0 stands for no reports. 0 to 3 levels."""
     report_slots: int | None
     """Number of reported cells in an observation, nearest first. 0 to 64 cells."""
+    detection_table: Sequence[Sequence[float]] | None
+    """Table of the curve `table`: pairs of a range in m and P_d at the highest pilot density. At
+    most 64."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, Union
@@ -194,13 +194,15 @@ def _check_kind(name: str, value: Any) -> None:
         fits, allowed = _is_whole(value), f"a whole number {span}"
     elif kind is float:
         fits, allowed = (
-            isinstance(value, int | float) and not isinstance(value, bool),
+            _is_number(value),
             f"a number {span}",
         )
     elif kind is str:
         fits, allowed = value in choices, f"one of {', '.join(choices)}"
     elif name == "depots":
         fits, allowed = _is_cells(value), "a list of cells (x, y), each of two whole numbers"
+    elif name == "detection_table":
+        fits, allowed = _is_pairs(value), "a list of pairs (m, P_d), each of two numbers"
     else:
         return
     if not fits:
@@ -211,13 +213,19 @@ def _is_whole(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**32
 
 
-def _is_cells(value: Any) -> bool:
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_pairs(value: Any, fits: Callable[[Any], bool] = _is_number) -> bool:
     return isinstance(value, list | tuple) and all(
-        isinstance(cell, list | tuple)
-        and len(cell) == 2
-        and all(_is_whole(place) for place in cell)
-        for cell in value
+        isinstance(pair, list | tuple) and len(pair) == 2 and all(fits(part) for part in pair)
+        for pair in value
     )
+
+
+def _is_cells(value: Any) -> bool:
+    return _is_pairs(value, _is_whole)
 
 
 @cache

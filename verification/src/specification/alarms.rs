@@ -70,10 +70,8 @@ impl Specification {
             0.0,
             c.cell_size_m * (corner.squared(Position { x: 0, y: 0 }) as f64).sqrt(),
         );
-        let even = |range_m| {
-            let snr_db = radar::sensing_snr_db(c, range_m);
-            self.probability_at(snr_db, c.pilot_density_max) >= 0.5
-        };
+        let even =
+            |range_m| self.probability_at(radar::by_range(c, range_m), c.pilot_density_max) >= 0.5;
         if even(high) {
             return high;
         }

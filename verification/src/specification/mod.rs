@@ -66,8 +66,8 @@ pub struct Specification {
     pub depots: Vec<Position>,
     /// Energies in microjoules.
     pub energy: Ledger,
-    /// SNR^sens in dB, before communication load.
-    sensing_snr_db: ByDistance,
+    /// SNR^sens in dB before communication load, or the logit of P_d by a table.
+    by_range: ByDistance,
     /// log2(1 + SNR^comm), in bit/s/Hz.
     spectral_efficiency: ByDistance,
     /// γ_det in dB.
@@ -174,7 +174,7 @@ impl Specification {
             config: *config,
             depots,
             energy: Ledger::new(config),
-            sensing_snr_db: ByDistance::new(config, radar::sensing_snr_db),
+            by_range: ByDistance::new(config, radar::by_range),
             spectral_efficiency: ByDistance::new(config, link::spectral_efficiency),
             detection_threshold_db: radar::detection_threshold_db(config),
             footprint_m: 0.0,

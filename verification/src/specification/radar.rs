@@ -1,6 +1,7 @@
 //! The radar equations.
 
 use super::{Position, SPEED_OF_LIGHT_M_PER_S, Specification};
+use jcas_core::config::DetectionPoint;
 use jcas_core::{Config, DetectionCurve, PilotGain};
 use std::f64::consts::PI;
 
@@ -41,21 +42,44 @@ pub fn detection_threshold_db(c: &Config) -> f64 {
         + (6.2 + 4.54 / libm::sqrt(pulses + 0.44)) * libm::log10(a + 0.12 * a * b + 1.7 * b)
 }
 
+/// What the range alone gives: the logit of P_d by a table, otherwise SNR^sens in dB.
+pub fn by_range(c: &Config, range_m: f64) -> f64 {
+    match c.detection_curve {
+        DetectionCurve::Table => table_logit(c.detection_table.as_slice(), range_m),
+        _ => sensing_snr_db(c, range_m),
+    }
+}
+
+/// The logit of a table's P_d, linear between points and held beyond the ends.
+fn table_logit(table: &[DetectionPoint], range_m: f64) -> f64 {
+    let (first, last) = (table[0], table[table.len() - 1]);
+    let logit = |p: f64| libm::log(p / (1.0 - p));
+    let held = range_m.max(first.range_m).min(last.range_m);
+    let inside = |pair: &&[DetectionPoint]| held <= pair[1].range_m;
+    match table.windows(2).find(inside) {
+        None => logit(first.probability),
+        Some(pair) => {
+            let t = (held - pair[0].range_m) / (pair[1].range_m - pair[0].range_m);
+            (1.0 - t) * logit(pair[0].probability) + t * logit(pair[1].probability)
+        }
+    }
+}
+
 impl Specification {
     /// p_ij, the probability that a UAV with this pilot density detects in one step.
     pub fn detection_probability(&self, uav: Position, hotspot: Position, pilot: f64) -> f64 {
-        self.probability_at(self.sensing_snr_db.between(uav, hotspot), pilot)
+        self.probability_at(self.by_range.between(uav, hotspot), pilot)
     }
 
-    /// The probability of detection at SNR^sens and a pilot density.
-    pub(super) fn probability_at(&self, snr_db: f64, pilot: f64) -> f64 {
+    /// The probability of detection by what the range gives and a pilot density.
+    pub(super) fn probability_at(&self, by_range: f64, pilot: f64) -> f64 {
         let c = &self.config;
         let load = 1.0 - pilot;
         let gain_db = match c.pilot_gain {
             PilotGain::None => 0.0,
             PilotGain::Coherent => 10.0 * libm::log10(pilot / c.pilot_density_max),
         };
-        let snr_db = snr_db + gain_db - c.comm_load_penalty_db * load;
+        let snr_db = by_range + gain_db - c.comm_load_penalty_db * load;
         match c.detection_curve {
             DetectionCurve::Logistic => {
                 let margin = snr_db - self.detection_threshold_db;
@@ -63,6 +87,11 @@ impl Specification {
             }
             DetectionCurve::Swerling1 => {
                 libm::pow(c.false_alarm_probability, 1.0 / (1.0 + ratio(snr_db)))
+            }
+            DetectionCurve::Table => {
+                let lost_db = c.comm_load_penalty_db * (load - (1.0 - c.pilot_density_max));
+                let logit = by_range + c.logistic_slope_per_db * (gain_db - lost_db);
+                1.0 / (1.0 + libm::exp(-logit))
             }
         }
     }

@@ -81,6 +81,7 @@ impl fmt::Display for Expected {
                 write!(out, "a number from {} to {}", info.low, info.high)
             }
             FieldValue::Cells(_) => write!(out, "a list of at most {} cells [x, y]", info.high),
+            FieldValue::Table(_) => write!(out, "a list of at most {} pairs [m, P_d]", info.high),
             FieldValue::Choice(..) => {
                 out.write_str("one of ")?;
                 for (index, name) in info.unit.split(" | ").enumerate() {

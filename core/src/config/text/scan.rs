@@ -1,7 +1,7 @@
 //! Walks over a text without changing or copying it. Both forms share their values: what differs is
 //! how entries are parted, what counts as space, and how numbers may be written.
 
-use super::value::{CellList, number};
+use super::value::{Pairs, number};
 use super::{Excerpt, Form, TextError, TextValue};
 
 pub(super) struct Scanner<'t> {
@@ -114,7 +114,7 @@ impl<'t> Scanner<'t> {
         match self.peek() {
             Some(b'"') => Ok(TextValue::Name(self.string()?)),
             Some(b'\'') if self.form == Form::Toml => Ok(TextValue::Name(self.string()?)),
-            Some(b'[') => self.cells(),
+            Some(b'[') => self.list(),
             Some(b'{') => Ok(self.rest()),
             _ => self.plain(),
         }
@@ -133,35 +133,46 @@ impl<'t> Scanner<'t> {
             "null" if !toml => Ok(TextValue::Null),
             _ => {
                 self.at = begin;
-                Err(self.expected("a number, a text in quotes or a list of cells"))
+                Err(self.expected("a number, a text in quotes or a list of pairs"))
             }
         }
     }
 
-    /// A list, of cells or of anything else.
-    fn cells(&mut self) -> Result<TextValue<'t>, TextError> {
+    /// A list, of pairs of numbers or of anything else.
+    fn list(&mut self) -> Result<TextValue<'t>, TextError> {
         let begin = self.at;
-        let mut list = CellList::new();
+        if self.pairs(|_, _| ())? {
+            return Ok(TextValue::Pairs(Pairs::new(
+                &self.text[begin..self.at],
+                self.form,
+            )));
+        }
+        // Nothing that a field takes.
+        self.at = begin;
+        Ok(self.rest())
+    }
+
+    /// Passes on each pair of a list; `false` where something else is in it.
+    pub(super) fn pairs(
+        &mut self,
+        mut each: impl FnMut(TextValue<'t>, TextValue<'t>),
+    ) -> Result<bool, TextError> {
         self.at += 1;
         loop {
             self.skip_space(true);
             match self.peek() {
                 Some(b']') => {
                     self.at += 1;
-                    return Ok(list.value());
+                    return Ok(true);
                 }
                 Some(b'[') => {
                     self.at += 1;
-                    let x = self.coordinate(b',')?;
-                    let y = self.coordinate(b']')?;
-                    list.push(x, y);
+                    let first = self.coordinate(b',')?;
+                    let second = self.coordinate(b']')?;
+                    each(first, second);
                 }
                 None => return Err(self.expected("a closing bracket")),
-                Some(_) => {
-                    // No list of cells: nothing that a field takes.
-                    self.at = begin;
-                    return Ok(self.rest());
-                }
+                Some(_) => return Ok(false),
             }
             self.skip_space(true);
             match self.peek() {
@@ -169,7 +180,7 @@ impl<'t> Scanner<'t> {
                     self.at += 1;
                     self.skip_space(true);
                     if self.peek() == Some(b']') && self.form == Form::Json {
-                        return Err(self.expected("a cell after the comma"));
+                        return Err(self.expected("a pair after the comma"));
                     }
                 }
                 Some(b']') => {}
@@ -178,16 +189,13 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    /// A number within a cell, with what follows it.
-    fn coordinate(&mut self, after: u8) -> Result<Option<u32>, TextError> {
+    /// A number within a pair, with what follows it.
+    fn coordinate(&mut self, after: u8) -> Result<TextValue<'t>, TextError> {
         self.skip_space(true);
         let value = self.plain()?;
         self.skip_space(true);
-        self.take(after, "a cell [x, y]")?;
-        Ok(match value {
-            TextValue::Whole(whole, _) => whole,
-            _ => None,
-        })
+        self.take(after, "a pair [x, y]")?;
+        Ok(value)
     }
 
     /// What no field takes: the rest of the line stands for it in the message.

@@ -95,7 +95,7 @@ fn messages_name_field_value_and_what_is_allowed() {
         ("\nquorum = = 3", "line 2 column 10: must be a value"),
         (
             "detection_curve = 'swerling2'",
-            "detection_curve = 'swerling2': must be one of logistic, swerling1",
+            "detection_curve = 'swerling2': must be one of logistic, swerling1, table",
         ),
         (
             "detection_curve = 'swerling1'\ndetection_threshold_db = 3",
@@ -241,6 +241,89 @@ fn one_text_has_one_meaning() {
             assert_eq!(a.unwrap().hash(), b.unwrap().hash());
         }
     }
+}
+
+#[test]
+fn a_detection_table_that_does_not_fit_is_refused_by_name() {
+    for (text, says) in [
+        (
+            "detection_curve = 'table'",
+            "detection_table = []: must be a list of 1 to 64 pairs [m, P_d] while detection_curve \
+             is table",
+        ),
+        (
+            "detection_table = [[50, 0.9]]",
+            "detection_table = [50.0, 0.9]: must be absent unless detection_curve is table",
+        ),
+        (
+            "detection_curve = 'table'\ndetection_table = [[50, 0.9]]\nsensing_range_m = 9",
+            "sensing_range_m = 9.0: must be absent while detection_curve is table, which has no \
+             threshold",
+        ),
+        (
+            "detection_curve = 'table'\ndetection_table = [[-1, 0.9]]",
+            "detection_table = [-1.0, 0.9]: must be pairs [m, P_d] with a range from 0 to 1e6",
+        ),
+        (
+            "detection_curve = 'table'\ndetection_table = [[50, 1]]",
+            "detection_table = [50.0, 1.0]: must be pairs [m, P_d] with a P_d above 0 and below 1",
+        ),
+        (
+            "detection_curve = 'table'\ndetection_table = [[50, nan]]",
+            "detection_table = [50.0, NaN]: must be pairs [m, P_d] with a P_d above 0 and below 1",
+        ),
+        (
+            "detection_curve = 'table'\ndetection_table = [[50, 0.9], [50, 0.8]]",
+            "detection_table = [50.0, 0.8]: must be pairs [m, P_d] of which each has a longer \
+             range than the one before",
+        ),
+        (
+            "detection_curve = 'table'\ndetection_table = [[50, 0.8], [60, 0.9]]",
+            "detection_table = [60.0, 0.9]: must be pairs [m, P_d] whose P_d does not rise with \
+             the range",
+        ),
+        (
+            "detection_table = 3",
+            "detection_table = 3: must be a list of at most 64 pairs [m, P_d]",
+        ),
+        (
+            "detection_table = [[true, 3]]",
+            "detection_table = [[true, 3]]: must be a list of at most 64 pairs [m, P_d]",
+        ),
+        (
+            "depots = [[1.5, 2]]",
+            "depots = [[1.5, 2]]: must be a list of at most 16 cells [x, y]",
+        ),
+    ] {
+        assert_eq!(Config::from_toml(text).unwrap_err().to_string(), says);
+    }
+}
+
+#[test]
+fn a_detection_table_of_64_points_is_read_back_and_one_of_65_refused() {
+    let list = |count: u32| {
+        let pairs: std::vec::Vec<_> = (0..count)
+            .map(|index| format!("[{index}, {}]", 0.9 - f64::from(index) / 100.0))
+            .collect();
+        format!(
+            "detection_table = [{}]\ndetection_curve = 'table'",
+            pairs.join(",")
+        )
+    };
+    let config = Config::from_toml(&list(64)).unwrap();
+    let last = config.detection_table.as_slice()[63];
+    assert_eq!((last.range_m, last.probability), (63.0, 0.9 - 0.63));
+    let (mut toml, mut json) = (String::new(), String::new());
+    config.write_toml(&mut toml).unwrap();
+    config.write_json(&mut json).unwrap();
+    for again in [Config::from_toml(&toml), Config::from_json(&json)] {
+        let again = again.unwrap();
+        assert_eq!(again, config);
+        assert_eq!(again.hash(), config.hash());
+    }
+    assert!(Config::from_toml(&list(65)).is_err());
+    // The table is part of the fingerprint.
+    assert_ne!(Config::from_toml(&list(63)).unwrap().hash(), config.hash());
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Values as they stand in a text.
 
-use crate::config::{Depots, MAX_DEPOTS};
+use super::Form;
+use super::scan::Scanner;
+use crate::config::{Cell, Depots, DetectionTable};
 
 /// A value in a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,8 +13,8 @@ pub enum TextValue<'t> {
     Real(f64),
     /// A text in quotes, without them; escapes are not resolved, as no legal text has any.
     Name(&'t str),
-    /// A list of cells.
-    Cells(Depots),
+    /// A list of pairs of numbers.
+    Pairs(Pairs<'t>),
     /// JSON's null.
     Null,
     /// Anything that no field takes.
@@ -23,6 +25,13 @@ impl TextValue<'_> {
     pub(in crate::config) const fn real(&self) -> Option<f64> {
         match *self {
             Self::Whole(_, value) | Self::Real(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    pub(in crate::config) const fn whole(&self) -> Option<u32> {
+        match *self {
+            Self::Whole(whole, _) => whole,
             _ => None,
         }
     }
@@ -112,37 +121,44 @@ fn without_underscores<'b>(raw: &str, buffer: &'b mut [u8; DIGITS]) -> Option<&'
     core::str::from_utf8(&buffer[..len]).ok()
 }
 
-/// Collects cells; `None` when there are too many.
-pub(super) struct CellList {
-    cells: [crate::config::Cell; MAX_DEPOTS],
-    len: usize,
-    whole: bool,
+/// A list of pairs of numbers, as it stands in a text. Each field reads the pairs that it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pairs<'t> {
+    text: &'t str,
+    form: Form,
 }
 
-impl CellList {
-    pub(super) const fn new() -> Self {
-        Self {
-            cells: [crate::config::Cell { x: 0, y: 0 }; MAX_DEPOTS],
-            len: 0,
-            whole: true,
-        }
+impl<'t> Pairs<'t> {
+    pub(super) const fn new(text: &'t str, form: Form) -> Self {
+        Self { text, form }
     }
 
-    /// Adds a cell; anything that is none spoils the list.
-    pub(super) fn push(&mut self, x: Option<u32>, y: Option<u32>) {
-        match (x, y, self.cells.get_mut(self.len)) {
-            (Some(x), Some(y), Some(cell)) => {
-                *cell = crate::config::Cell { x, y };
-                self.len += 1;
-            }
-            _ => self.whole = false,
-        }
+    /// Passes each pair on, up to the first that is refused.
+    fn each(self, mut take: impl FnMut(TextValue<'_>, TextValue<'_>) -> Option<()>) -> Option<()> {
+        let mut taken = Some(());
+        let mut scanner = Scanner::new(self.text, self.form);
+        let scanned = scanner.pairs(|first, second| {
+            taken = taken.and_then(|()| take(first, second));
+        });
+        scanned.ok().and(taken)
     }
 
-    pub(super) fn value(&self) -> TextValue<'static> {
-        match Depots::from_slice(&self.cells[..self.len]) {
-            Some(cells) if self.whole => TextValue::Cells(cells),
-            _ => TextValue::Other,
-        }
+    /// The pairs as cells; `None` if one is none or they are too many.
+    pub(in crate::config) fn cells(self) -> Option<Depots> {
+        let mut depots = Depots::CENTRE;
+        self.each(|x, y| {
+            let (x, y) = (x.whole()?, y.whole()?);
+            depots.push(Cell { x, y })
+        })?;
+        Some(depots)
+    }
+
+    /// The pairs as points of a detection table; `None` if one is none or they are too many.
+    pub(in crate::config) fn table(self) -> Option<DetectionTable> {
+        let mut table = DetectionTable::EMPTY;
+        self.each(|range_m, probability| {
+            table.push((range_m.real()?, probability.real()?).into())
+        })?;
+        Some(table)
     }
 }
