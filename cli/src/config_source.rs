@@ -8,9 +8,11 @@ use std::path::Path;
 use clap::ValueEnum;
 use jcas_core::config::FieldValue;
 use jcas_core::config::text::Form;
-use jcas_core::{Config, Preset};
+use jcas_core::{Config, DetectionCurve, Preset};
 
 use crate::error::CliError;
+use crate::files;
+use crate::radar_table::RadarTable;
 
 /// The presets by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,7 +55,7 @@ impl ConfigSource {
     /// The fields that differ from those of `other`, in the order of their declaration, each with a
     /// description of the difference.
     pub fn changes_from(&self, other: &Self) -> Vec<(&'static str, String)> {
-        let shown = |value: &FieldValue<'_'>| match value.is_derived() {
+        let shown = |value: &FieldValue<'_>| match value.is_derived() {
             true => "derived".to_owned(),
             false => value.to_string(),
         };
@@ -72,10 +74,7 @@ impl ConfigSource {
     /// Replaces the fields that a file names. If the file names a preset, its values replace all
     /// fields first.
     pub fn overlay_file(&mut self, path: &Path) -> Result<(), CliError> {
-        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::InvalidData => CliError::file(path, "is not UTF-8 text"),
-            _ => CliError::Io(path.to_owned(), error),
-        })?;
+        let text = files::read_text(path)?;
         let json = path
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
@@ -103,6 +102,13 @@ impl ConfigSource {
         })?;
         let assigned = self.config.assigned(field.trim(), text.trim());
         self.config = assigned.map_err(CliError::input)?;
+        Ok(())
+    }
+
+    /// Replaces the detection curve by the table of a file.
+    pub(crate) fn set_radar_table(&mut self, table: &RadarTable) -> Result<(), CliError> {
+        self.config.detection_table = table.at_density_max(self.config.pilot_density_max)?;
+        self.config.detection_curve = DetectionCurve::Table;
         Ok(())
     }
 

@@ -1,10 +1,21 @@
-//! File output that is complete or absent.
+//! Files: texts that are read, and output that is complete or absent.
 
 use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use crate::error::CliError;
+
+/// Reads a text.
+///
+/// # Errors
+/// The file cannot be read, or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, CliError> {
+    fs::read_to_string(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => CliError::file(path, "is not UTF-8 text"),
+        _ => CliError::Io(path.to_owned(), error),
+    })
+}
 
 /// Writes a file under a temporary name in its folder and renames it. A reader, a crash or a full
 /// disk therefore never leaves a partial file under the final name.

@@ -14,6 +14,7 @@ pub mod numbers;
 pub mod options;
 pub mod planned;
 mod progress;
+mod radar_table;
 mod serve;
 mod sweep;
 

@@ -13,6 +13,7 @@ use crate::idle::Idle;
 use crate::learned::{self, PolicyFactory};
 use crate::numbers;
 use crate::planned;
+use crate::radar_table::RadarTable;
 
 /// Sources of the configuration.
 #[derive(Args, Clone, Debug)]
@@ -27,6 +28,10 @@ pub struct ConfigOptions {
     /// One field; may be repeated; overrides the file (`jcas config show` lists the fields)
     #[arg(long, value_name = "FIELD=VALUE", help_heading = "Configuration")]
     pub set: Vec<String>,
+    /// CSV file with a table of P_d over the range, which replaces the detection curve (`jcas
+    /// config radar-table --help` says what it holds)
+    #[arg(long, value_name = "FILE", help_heading = "Configuration")]
+    pub radar_table: Option<PathBuf>,
 }
 
 impl ConfigOptions {
@@ -47,6 +52,9 @@ impl ConfigOptions {
         }
         for assignment in &self.set {
             source.assign(assignment)?;
+        }
+        if let Some(path) = &self.radar_table {
+            source.set_radar_table(&RadarTable::read(path)?)?;
         }
         Ok(source)
     }

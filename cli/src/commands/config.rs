@@ -1,5 +1,7 @@
 //! `jcas config`: shows and checks configurations.
 
+mod radar_table;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -23,12 +25,13 @@ const CHECK_EXAMPLES: &str = "\
 Examples:
   jcas config check mine.toml";
 
-/// Show the effective configuration, check a file, list the presets
+/// Show the effective configuration, check a file, list the presets, check a detection table
 #[derive(Subcommand)]
 pub enum ConfigCommand {
     Show(Show),
     Check(Check),
     Presets(Presets),
+    RadarTable(radar_table::Check),
 }
 
 /// Show every field of the effective configuration with its unit, legal range and meaning
@@ -89,6 +92,7 @@ impl ConfigCommand {
             Self::Show(command) => command.run(),
             Self::Check(command) => command.run(),
             Self::Presets(command) => command.run(),
+            Self::RadarTable(command) => command.run(),
         }
     }
 }
