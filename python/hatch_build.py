@@ -2,12 +2,18 @@
 
 The library is loaded at run time by its C interface, so it depends on no version of Python. One
 wheel serves all versions, and its tag names the platform only.
+
+Two variables serve builds for another platform: `JCAS_WHEEL_LIBRARY` is a library that is built
+already, and `JCAS_WHEEL_PLATFORM` is the platform's tag.
+
+A source distribution takes the library's crates along, in the folder `kernel`.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sysconfig
@@ -17,34 +23,64 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SHARED_LIBRARY_SUFFIXES = (".so", ".dylib", ".dll")
+# The library's crate and the crates of the workspace that it depends on.
+CRATES = ("core", "simd", "policy", "trace", "ffi")
+LICENSES = ("LICENSE-MIT", "LICENSE-APACHE")
 
 
 class CargoBuildHook(BuildHookInterface):
-    """Runs `cargo build` for `jcas-ffi` in the workspace that this package lies in."""
+    """Builds `jcas-ffi` in the workspace around this package, or in that of the source archive."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Build the library, copy it beside the package and tag the wheel."""
-        workspace = Path(self.root).parent
-        if not (workspace / "ffi" / "Cargo.toml").is_file():
+        """Add the library and a tag to a wheel, or the crates to a source distribution."""
+        around = [Path(self.root).parent, Path(self.root) / "kernel"]
+        workspace = next((path for path in around if (path / "ffi/Cargo.toml").is_file()), None)
+        if workspace is None:
             raise RuntimeError(
-                f"{workspace} holds no ffi/Cargo.toml: "
-                "jcas for Python is built inside a clone of the whole "
-                "project (pip install ./python)"
+                f"{around[0]} and {around[1]} hold no ffi/Cargo.toml: jcas for Python is built "
+                "in a clone of the whole project (pip install ./python) or from its sdist"
             )
-        library = build_library(workspace)
+        if self.target_name == "sdist":
+            self.add_crates(workspace, build_data)
+        else:
+            self.add_library(workspace, build_data)
+
+    def add_library(self, workspace: Path, build_data: dict[str, Any]) -> None:
+        """Copy the library beside the package and tag the wheel."""
+        prebuilt = os.environ.get("JCAS_WHEEL_LIBRARY")
+        library = Path(prebuilt) if prebuilt else build_library(workspace)
         native = Path(self.root) / "src" / "jcas" / "_native"
         native.mkdir(exist_ok=True)
         for stale in native.iterdir():
             stale.unlink()
         bundled = native / library.name
         shutil.copy2(library, bundled)
-        if library.suffix == ".so" and (strip := shutil.which("strip")):
+        if not prebuilt and library.suffix == ".so" and (strip := shutil.which("strip")):
             subprocess.run([strip, "--strip-unneeded", bundled], check=True)
         platform = os.environ.get("JCAS_WHEEL_PLATFORM") or sysconfig.get_platform()
         build_data["tag"] = f"py3-none-{platform.replace('-', '_').replace('.', '_')}"
         build_data["pure_python"] = False
+        for name in LICENSES:
+            build_data["extra_metadata"][str(workspace / name)] = name
+
+    def add_crates(self, workspace: Path, build_data: dict[str, Any]) -> None:
+        """Add the library's crates with a manifest that names only them."""
+        manifest = (workspace / "Cargo.toml").read_text()
+        members = ", ".join(f'"{crate}"' for crate in CRATES)
+        manifest = re.sub(r"(?m)^members = .*$", f"members = [{members}]", manifest)
+        generated = Path(self.directory) / "kernel-Cargo.toml"
+        generated.parent.mkdir(parents=True, exist_ok=True)
+        generated.write_text(manifest)
+        files = {str(generated): "kernel/Cargo.toml"}
+        for name in ("Cargo.lock", "rust-toolchain.toml", *LICENSES, *CRATES):
+            files[str(workspace / name)] = f"kernel/{name}"
+        build_data["force_include"].update(files)
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Remove the generated manifest."""
+        (Path(self.directory) / "kernel-Cargo.toml").unlink(missing_ok=True)
 
 
 def build_library(workspace: Path) -> Path:
