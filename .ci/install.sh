@@ -9,6 +9,8 @@ PACKAGES=(
     libns3-dev libgsl-dev libsqlite3-dev
     # AArch64 and wasm32: a Rust compiler with a second target's std and with the source of std
     rustc-web libstd-rust-web-dev:arm64 rust-web-src gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+    # programs for Windows, and the comparison of binary interfaces
+    gcc-mingw-w64-x86-64 wine64 abigail-tools
     # figures and the replay page
     libfontconfig-dev fonts-dejavu-core chromium
     # the C reference of the documentation site

@@ -20,8 +20,12 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
         [option, file] if option == "--out" => PathBuf::from(file),
         _ => return Err("fmu takes --out FILE".to_owned()),
     };
-    let library = build()?;
-    let archive = pack(&library).map_err(|error| format!("{}: {error}", out.display()))?;
+    let binary = Binary {
+        platform: platform(),
+        extension: extension(),
+        library: build()?,
+    };
+    let archive = pack(&[binary]).map_err(|error| format!("{}: {error}", out.display()))?;
     let said = |error: std::io::Error| format!("{}: {error}", out.display());
     if let Some(folder) = out.parent() {
         std::fs::create_dir_all(folder).map_err(said)?;
@@ -33,7 +37,15 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     Ok(true)
 }
 
-fn pack(library: &[u8]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+/// A library of the unit, under the names of the FMI standard.
+pub struct Binary {
+    pub platform: String,
+    pub extension: &'static str,
+    pub library: Vec<u8>,
+}
+
+/// The unit with the libraries of these platforms.
+pub fn pack(binaries: &[Binary]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().unix_permissions(0o644);
     let mut add = |name: &str, bytes: &[u8]| -> Result<(), Box<dyn std::error::Error>> {
@@ -44,10 +56,10 @@ fn pack(library: &[u8]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
         "modelDescription.xml",
         jcas_fmi::description::xml()?.as_bytes(),
     )?;
-    add(
-        &format!("binaries/{}/jcas.{}", platform(), extension()),
-        library,
-    )?;
+    for binary in binaries {
+        let name = format!("binaries/{}/jcas.{}", binary.platform, binary.extension);
+        add(&name, &binary.library)?;
+    }
     add("documentation/index.html", PAGE.as_bytes())?;
     for (name, bytes) in jcas_web::mission::SHIPPED {
         add(&format!("resources/{name}.safetensors"), bytes)?;

@@ -5,14 +5,19 @@
 
 mod archive;
 mod build;
+mod dependencies;
 mod package;
+mod sbom;
 mod targets;
+mod wheels;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
-use archive::Tree;
+use archive::{Content, Tree};
 use targets::{System, TARGETS, Target};
+
+use crate::fmu;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -21,17 +26,31 @@ struct Options {
     out: PathBuf,
 }
 
-/// Writes the archives of all platforms, or of those after `--target`, into `dist`, or the folder
-/// after `--out`.
+/// Writes all that is served, for all platforms or for those after `--target`, into `dist`, or the
+/// folder after `--out`.
 pub fn run(arguments: &[String]) -> Result<bool, String> {
     let options = parse(arguments)?;
     let epoch = epoch()?;
-    let mut files = Vec::new();
-    for target in options.targets {
+    let mut out = Served::create(options.out)?;
+    let graph = dependencies::graph(&options.targets)?;
+    let notices = dependencies::notices(&graph)?;
+    let mut units = Vec::new();
+    for target in &options.targets {
         let built = build::build(target, epoch)?;
-        files.push(packed(target, &package::tree(target, &built)?, epoch)?);
+        let mut tree = package::tree(target, &built)?;
+        let path = "share/licenses/jcas/THIRD-PARTY".to_owned();
+        tree.insert(path, Content::file(notices.as_str()));
+        let (name, bytes) = packed(target, &tree, epoch)?;
+        out.add(name, &bytes)?;
+        out.made(wheels::wheel(target, &built, &out.path, epoch)?);
+        units.push(package::unit_binary(target, &built)?);
     }
-    write(&options.out, &files)?;
+    out.made(wheels::sdist(&out.path, epoch)?);
+    let unit = fmu::pack(&units).map_err(|error| format!("the FMU: {error}"))?;
+    out.add(format!("jcas-{VERSION}.fmu"), &unit)?;
+    let bill = sbom::cyclonedx(&graph, VERSION);
+    out.add(format!("jcas-{VERSION}.cdx.json"), bill.as_bytes())?;
+    out.checksums()?;
     Ok(true)
 }
 
@@ -95,20 +114,45 @@ fn epoch() -> Result<u32, String> {
         .map_err(|error| format!("the time of the commit, {text:?}: {error}"))
 }
 
-/// Writes the files and their checksums into the folder. What else lies there stays.
-fn write(out: &Path, files: &[(String, Vec<u8>)]) -> Result<(), String> {
-    let said = |error: std::io::Error| format!("{}: {error}", out.display());
-    std::fs::create_dir_all(out).map_err(said)?;
-    for (name, bytes) in files {
-        std::fs::write(out.join(name), bytes).map_err(said)?;
-        println!("{} ({} kB)", out.join(name).display(), bytes.len() / 1000);
+/// The folder that is written, and the names of the files that this run has written there.
+struct Served {
+    path: PathBuf,
+    names: Vec<String>,
+}
+
+impl Served {
+    fn create(path: PathBuf) -> Result<Self, String> {
+        let said = |error| format!("{}: {error}", path.display());
+        std::fs::create_dir_all(&path).map_err(said)?;
+        let path = std::path::absolute(&path).map_err(said)?;
+        let names = Vec::new();
+        Ok(Self { path, names })
     }
-    let mut names: Vec<&String> = files.iter().map(|(name, _)| name).collect();
-    names.sort();
-    let sums = Command::new("sha256sum")
-        .args(names)
-        .current_dir(out)
-        .output()
-        .map_err(|error| format!("sha256sum does not start: {error}"))?;
-    std::fs::write(out.join("SHA256SUMS"), sums.stdout).map_err(said)
+
+    fn add(&mut self, name: String, bytes: &[u8]) -> Result<(), String> {
+        let path = self.path.join(&name);
+        std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+        println!("{} ({} kB)", path.display(), bytes.len() / 1000);
+        self.names.push(name);
+        Ok(())
+    }
+
+    /// Notes a file that another program has written.
+    fn made(&mut self, name: String) {
+        self.names.push(name);
+    }
+
+    /// Writes `SHA256SUMS`, in the form that `sha256sum --check` reads.
+    fn checksums(&mut self) -> Result<(), String> {
+        self.names.sort();
+        let sums = Command::new("sha256sum")
+            .args(&self.names)
+            .current_dir(&self.path)
+            .output()
+            .map_err(|error| format!("sha256sum does not start: {error}"))?;
+        if !sums.status.success() {
+            return Err(String::from_utf8_lossy(&sums.stderr).into_owned());
+        }
+        self.add("SHA256SUMS".to_owned(), &sums.stdout)
+    }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::archive::{Content, Tree};
 use super::build::SONAME;
 use super::targets::{System, Target};
+use crate::fmu::Binary;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -45,8 +46,7 @@ pub fn tree(target: &Target, built: &Path) -> Result<Tree, String> {
     let pkg_config = Content::file(pkg_config(target.system));
     tree.insert("lib/pkgconfig/jcas.pc".to_owned(), pkg_config);
     for (path, built_name, executable) in binaries(target.system) {
-        let file = built.join(built_name);
-        let bytes = std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+        let bytes = read(&built.join(built_name))?;
         tree.insert(path, Content::File { bytes, executable });
     }
     if target.system == System::Linux {
@@ -58,6 +58,25 @@ pub fn tree(target: &Target, built: &Path) -> Result<Tree, String> {
         );
     }
     Ok(tree)
+}
+
+/// The platform's library in the FMU.
+pub fn unit_binary(target: &Target, built: &Path) -> Result<Binary, String> {
+    let (file, extension) = match target.system {
+        System::Linux => ("libjcas_fmi.so", "so"),
+        System::Windows => ("jcas_fmi.dll", "dll"),
+    };
+    let platform = target.name.to_owned();
+    let library = read(&built.join(file))?;
+    Ok(Binary {
+        platform,
+        extension,
+        library,
+    })
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))
 }
 
 /// The path in the archive, the name that Cargo gives, and whether the file is executable.
@@ -81,7 +100,7 @@ fn binaries(system: System) -> Vec<(String, &'static str, bool)> {
 fn pkg_config(system: System) -> String {
     let libraries = match system {
         System::Linux => "-lpthread -ldl -lm",
-        System::Windows => "-lws2_32 -luserenv -lntdll -lkernel32",
+        System::Windows => "-lkernel32 -lntdll -luserenv -lws2_32 -ldbghelp",
     };
     PKG_CONFIG
         .replace("@CMAKE_INSTALL_LIBDIR@", "lib")

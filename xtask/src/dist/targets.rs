@@ -8,8 +8,10 @@ const GLIBC: &str = "2.17";
 pub struct Target {
     /// Rust's target triple.
     pub triple: &'static str,
-    /// The end of an archive's name.
+    /// The end of an archive's name, and the platform in the FMI standard.
     pub name: &'static str,
+    /// The platform's tag of a wheel.
+    pub wheel: &'static str,
     pub system: System,
 }
 
@@ -23,16 +25,19 @@ pub const TARGETS: [Target; 3] = [
     Target {
         triple: "x86_64-unknown-linux-gnu",
         name: "x86_64-linux",
+        wheel: "manylinux2014_x86_64",
         system: System::Linux,
     },
     Target {
         triple: "aarch64-unknown-linux-gnu",
         name: "aarch64-linux",
+        wheel: "manylinux2014_aarch64",
         system: System::Linux,
     },
     Target {
         triple: "x86_64-pc-windows-gnu",
         name: "x86_64-windows",
+        wheel: "win_amd64",
         system: System::Windows,
     },
 ];
