@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use ::jcas_plan::{
-    PlanFile, PlanFileError, Planned, Progress, Settings, check_available, search, tour,
+    PlanFile, PlanFileError, Planned, Progress, READ_BYTES_MAX, Settings, check_available, search,
+    tour,
 };
 use jcas_core::{Cell, Model};
 
@@ -23,10 +24,6 @@ use crate::scripted::Script;
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_MODEL_MISMATCH, guard, jcas_status,
 };
-
-/// The most bytes of memory that a byte of text takes while it becomes a plan. Two bytes of text
-/// can be a number of eight bytes, in a list that grows by doubling and is copied.
-const READ_BYTES: u64 = 64;
 
 /// A plan of an episode: the cell and the pilot density of each UAV in each step. It never changes,
 /// and it outlives its model.
@@ -240,7 +237,7 @@ pub unsafe extern "C" fn jcas_plan_from_json(
         let out = unsafe { place(plan) }?;
         // SAFETY: the caller's promise for `text`.
         let text = unsafe { bytes(text.cast(), text_length) }?;
-        check_available(READ_BYTES.saturating_mul(text_length as u64))?;
+        check_available(READ_BYTES_MAX.saturating_mul(text_length as u64))?;
         let text = std::str::from_utf8(text).map_err(|_| {
             // SAFETY: the caller's promise for the message.
             unsafe { self::message("no plan: not UTF-8", message, message_capacity) };

@@ -14,6 +14,9 @@ use crate::plan::Plan;
 
 /// Version of the file that is written and read.
 pub const FORMAT: u32 = 1;
+/// The most bytes of memory that a byte of text takes while it becomes a plan. Two bytes of text
+/// can be a number of eight bytes, in a list that grows by doubling and is copied.
+pub const READ_BYTES_MAX: u64 = 64;
 
 /// A plan together with the configuration that it was made for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -58,7 +58,7 @@ pub use battery::allows;
 pub use bound::bound;
 pub use error::PlanError;
 #[cfg(feature = "file")]
-pub use file::{FORMAT, PlanFile, PlanFileError, Trajectory};
+pub use file::{FORMAT, PlanFile, PlanFileError, READ_BYTES_MAX, Trajectory};
 pub use follow::Follower;
 pub use gather::meeting_cell;
 pub use memory::{check_available, memory_bound};

@@ -141,6 +141,8 @@ fn planning_stays_below_its_bound() {
     }
     copies_of_a_follower_take_no_memory();
     memory_that_cannot_be_had_is_refused();
+    #[cfg(feature = "file")]
+    reading_stays_below_its_bound();
 }
 
 fn copies_of_a_follower_take_no_memory() {
@@ -173,4 +175,43 @@ fn memory_that_cannot_be_had_is_refused() {
         check_available(bytes),
         Err(PlanError::OutOfMemory { bytes })
     );
+}
+
+/// The shortest texts for what they hold: long lists of short numbers, and many empty lists.
+#[cfg(feature = "file")]
+fn reading_stays_below_its_bound() {
+    use jcas_plan::{PlanFile, READ_BYTES_MAX};
+
+    let model = model(Config {
+        uav_count: 1,
+        pilot_density_min: 0.0,
+        pilot_density_max: 1.0,
+        ..Config::preset(Preset::Search)
+    });
+    let go_on = &mut |_| ControlFlow::Continue(());
+    let plan = search(&model, &SETTINGS, go_on).unwrap();
+    let text = PlanFile::new(&model, &plan, None).to_json().unwrap();
+    let begin = text.find("\"uavs\":[").unwrap() + 8;
+    let end = text.find(",\"config\":").unwrap();
+    let with = |uavs: &str| format!("{}[{uavs}]{}", &text[..begin - 1], &text[end..]);
+    let trajectory = |steps: usize| {
+        let cells = vec!["[6,6]"; steps + 1].join(",");
+        let densities = vec!["0"; steps].join(",");
+        format!("{{\"cells\":[{cells}],\"pilot_density\":[{densities}]}}")
+    };
+    let read = |text: &str| PlanFile::parse(text).and_then(|file| file.plan(&model));
+    let long = with(&trajectory(65_536 + 1));
+    assert!(read(&long).is_ok());
+    let empty = vec!["{\"cells\":[],\"pilot_density\":[]}"; 4_096 + 1].join(",");
+    let lopsided = format!(
+        "{{\"cells\":[],\"pilot_density\":[{}]}}",
+        vec!["0"; 99_999].join(",")
+    );
+    for text in [text.clone(), long, with(&empty), with(&lopsided)] {
+        let bound = READ_BYTES_MAX * text.len() as u64;
+        let peak = peak_of(u64::MAX, || {
+            let _read = read(&text);
+        });
+        assert!(peak <= bound, "{peak} of {bound} bytes");
+    }
 }
