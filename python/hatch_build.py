@@ -24,7 +24,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SHARED_LIBRARY_SUFFIXES = (".so", ".dylib", ".dll")
 # The library's crate and the crates of the workspace that it depends on.
-CRATES = ("core", "simd", "policy", "trace", "ffi")
+CRATES = ("core", "simd", "policy", "plan", "trace", "ffi")
 LICENSES = ("LICENSE-MIT", "LICENSE-APACHE")
 
 
