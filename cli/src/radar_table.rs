@@ -21,7 +21,7 @@ pub struct RadarTable {
 
 /// A line of the file.
 struct RadarRow {
-    line: u32,
+    line: u64,
     /// The pilot density; absent if the file has no such column.
     density: Option<f64>,
     point: DetectionPoint,
@@ -34,28 +34,33 @@ impl RadarTable {
     /// The file cannot be read, a column is missing, or a value is no number.
     pub fn read(path: &Path) -> Result<Self, CliError> {
         let text = files::read_text(path)?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let mut lines = (1..).zip(text.lines());
-        let names = lines.next().map_or("", |(_, names)| names);
-        let column = |name| values(names).position(|of| of == name);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let refused = |problem: String| CliError::file(path, problem);
+        let names = reader
+            .headers()
+            .map_err(|error| refused(error.to_string()))?;
+        let column = |name| names.iter().position(|of| of == name);
         let (Some(range), Some(probability)) = (column(RANGE), column(PROBABILITY)) else {
-            return Err(CliError::file(
-                path,
-                format!(
-                    "line 1: must name the columns {RANGE} and {PROBABILITY}; it is \"{names}\""
-                ),
-            ));
+            let names: Vec<_> = names.iter().collect();
+            return Err(refused(format!(
+                "line 1: must name the columns {RANGE} and {PROBABILITY}; it is \"{}\"",
+                names.join(",")
+            )));
         };
         let density = column(DENSITY);
         let mut rows = Vec::new();
-        for (line, row) in lines.filter(|(_, row)| !row.trim().is_empty()) {
+        for row in reader.records() {
+            let row = row.map_err(|error| refused(error.to_string()))?;
+            let line = row.position().map_or(0, |begin| line_of(&text, begin));
             let number = |name, column| {
-                let text = values(row).nth(column).unwrap_or("");
+                let text = row.get(column).unwrap_or("");
                 text.parse().map_err(|_| {
-                    CliError::file(
-                        path,
-                        format!("line {line}: {name} = \"{text}\": must be a number"),
-                    )
+                    refused(format!(
+                        "line {line}: {name} = \"{text}\": must be a number"
+                    ))
                 })
             };
             rows.push(RadarRow {
@@ -95,14 +100,13 @@ impl RadarTable {
                 },
             ));
         }
-        if let Some(row) = rows.get(MAX_DETECTION_POINTS) {
+        let points: Vec<_> = rows.iter().map(|row| row.point).collect();
+        let Some(table) = DetectionTable::from_slice(&points) else {
             return Err(self.refused(
-                row.line,
+                rows[MAX_DETECTION_POINTS].line,
                 format!("must be one of at most {MAX_DETECTION_POINTS} points of a table"),
             ));
-        }
-        let points: Vec<_> = rows.iter().map(|row| row.point).collect();
-        let table = DetectionTable::from_slice(&points).unwrap_or(DetectionTable::EMPTY);
+        };
         let config = Config {
             detection_curve: DetectionCurve::Table,
             detection_table: table,
@@ -133,7 +137,7 @@ impl RadarTable {
         rows.map(|row| row.point)
     }
 
-    fn refused(&self, line: u32, problem: impl core::fmt::Display) -> CliError {
+    fn refused(&self, line: u64, problem: impl core::fmt::Display) -> CliError {
         CliError::file(&self.path, format!("line {line}: {problem}"))
     }
 }
@@ -151,7 +155,9 @@ impl RadarRow {
     }
 }
 
-/// The values of a line, without the quotes that some programs put around them.
-fn values(line: &str) -> impl Iterator<Item = &str> {
-    line.split(',').map(|value| value.trim().trim_matches('"'))
+/// The line of a record. Its position is that of the empty lines before it, if there are some.
+fn line_of(text: &str, begin: &csv::Position) -> u64 {
+    let rest = text.bytes().skip(begin.byte() as usize);
+    let empty = rest.take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    begin.line() + empty.filter(|&byte| byte == b'\n').count() as u64
 }

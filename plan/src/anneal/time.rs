@@ -5,6 +5,7 @@ use super::detection::{factors, miss};
 
 /// Steps that an episode is assumed to last beyond the evaluated ones.
 const REST: f64 = 12.0;
+
 impl Annealer<'_, '_> {
     /// Computes the chance that the episode has ended by a step, and the expected steps so far.
     pub(super) fn account(&mut self, step: usize) {
