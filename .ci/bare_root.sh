@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs a command in a root that has Python and the system's libraries, but no compiler, no Rust and
-# no network. The folder is /work there.
+# no network. The folder is /given there.
 #
 #   bare_root.sh FOLDER COMMAND...
 set -euo pipefail
@@ -21,7 +21,7 @@ share /usr/lib /usr/lib
 ln -s usr/lib "$root/lib"
 if [[ -d /usr/lib64 ]]; then share /usr/lib64 /usr/lib64 && ln -s usr/lib64 "$root/lib64"; fi
 share /dev /dev
-share "$folder" /work
+share "$folder" /given
 mkdir -p "$root/tmp" "$root/usr/bin"
 ln -s usr/bin "$root/bin"
 cp /bin/bash /usr/bin/env "$root/usr/bin/"

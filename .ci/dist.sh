@@ -117,7 +117,7 @@ for tool in cc gcc clang cargo rustc; do
     if command -v $tool; then echo "$tool is here" >&2; exit 1; fi
 done
 python3 -m venv /tmp/venv
-/tmp/venv/bin/pip install --quiet --no-index --find-links /work 'jcas[policy]'
-/tmp/venv/bin/python /work/fly_policy.py /work/fleet --uavs 15 --hotspots 7 --episodes 20
+/tmp/venv/bin/pip install --quiet --no-index --find-links /given 'jcas[policy]'
+/tmp/venv/bin/python /given/fly_policy.py /given/fleet --uavs 15 --hotspots 7 --episodes 20
 END
-.ci/bare_root.sh "$work/bare" bash /work/fly.sh
+.ci/bare_root.sh "$work/bare" bash /given/fly.sh
