@@ -4,6 +4,7 @@ mod choices;
 mod depots;
 mod detection_table;
 mod field;
+mod list;
 #[cfg(feature = "text")]
 pub mod text;
 mod validate;
@@ -15,6 +16,7 @@ pub use choices::{
 pub use depots::{Cell, Depots, MAX_DEPOTS};
 pub use detection_table::{DetectionPoint, DetectionTable, MAX_DETECTION_POINTS};
 pub use field::{FieldInfo, FieldValue, FieldValues};
+pub use list::{Element, List};
 
 use crate::hash::Fnv1a;
 use field::Field;
