@@ -48,11 +48,11 @@ impl<'a> Evidence<'a> {
         let mut measured = match measure {
             Measure::At(quantity, uavs) => self.at(quantity, uavs),
             Measure::OfEachHotspots(quantity, uavs) => self.of_each_hotspots(quantity, uavs),
-            Measure::OfEachFleet(quantity) => self.of_each_fleet(quantity),
             Measure::LastOverFirst(quantity) => self.last_over_first(quantity),
             Measure::Growth(quantity) => self.growth(quantity),
             Measure::Saturation(quantity) => self.saturation(quantity),
             Measure::PilotGap(uavs) => self.pilot_gap(uavs),
+            Measure::GreatestPilotGap(uavs) => self.greatest_pilot_gap(uavs),
             Measure::PilotGapSlope => self.pilot_gap_slope(),
             Measure::PilotRatio(quantity, uavs) => self.pilot_ratio(quantity, uavs),
             Measure::PilotRatioOfEachHotspots(quantity) => self.pilot_ratios(quantity),
@@ -103,8 +103,10 @@ impl<'a> Evidence<'a> {
             return None;
         }
         let effect = Effect::Plain(over_hotspots(&cells));
+        let words = told(&effect, quantity.digits()) + &self.over(&cells);
+        let each = |cell: Measured| told(&Effect::Plain(cell), quantity.digits());
         Some(Measurement {
-            words: told(effect, quantity.digits()) + &self.over(&cells),
+            words: words + &of_several(&cells, each),
             effects: vec![effect],
         })
     }
@@ -113,26 +115,10 @@ impl<'a> Evidence<'a> {
         let cells = self.cells(quantity, "adaptive", uavs);
         let parts = cells.iter().map(|(n, &cell)| {
             let effect = Effect::Plain(cell);
-            (
-                effect,
-                format!("n = {n}: {}", told(effect, quantity.digits())),
-            )
+            let words = format!("n = {n}: {}", told(&effect, quantity.digits()));
+            (effect, words)
         });
         listed(parts)
-    }
-
-    fn of_each_fleet(&self, quantity: Quantity) -> Option<Measurement> {
-        let (means, over) = self.fleets(quantity)?;
-        let fleets = self.results.scope.fleets.iter();
-        let mut measured = listed(fleets.zip(means).map(|(uavs, mean)| {
-            let effect = Effect::Plain(mean);
-            (
-                effect,
-                format!("N = {uavs}: {}", told(effect, quantity.digits())),
-            )
-        }))?;
-        measured.words += &over;
-        Some(measured)
     }
 
     /// The values of all fleets, in words.
@@ -152,7 +138,7 @@ impl<'a> Evidence<'a> {
             words: format!(
                 "{}{over}; ratio {}",
                 self.fleet_values(&means, quantity),
-                told(effect, 2)
+                told(&effect, 2)
             ),
             effects: vec![effect],
         })
@@ -170,7 +156,7 @@ impl<'a> Evidence<'a> {
             words: format!(
                 "{}{over}; {} times, N {fleets} times",
                 self.fleet_values(&means, quantity),
-                told(grown, 2)
+                told(&grown, 2)
             ),
             effects: vec![Effect::LogRatio(Measured {
                 value: logarithm.value - fleets.ln(),
@@ -192,8 +178,8 @@ impl<'a> Evidence<'a> {
             words: format!(
                 "{}{over}; first step down {}, mean second difference {}",
                 self.fleet_values(&means, quantity),
-                told(effects[0], digits),
-                told(effects[1], digits)
+                told(&effects[0], digits),
+                told(&effects[1], digits)
             ),
             effects,
         })
@@ -216,17 +202,17 @@ impl<'a> Evidence<'a> {
     fn pilot_gap(&self, uavs: u32) -> Option<Measurement> {
         let gaps = self.gaps(uavs)?;
         let effect = Effect::Plain(over_hotspots(&gaps));
-        let cells: Vec<String> = gaps
-            .iter()
-            .map(|(n, gap)| format!("n = {n}: {}", signed(Effect::Plain(*gap))))
-            .collect();
-        let cells = if gaps.len() > 1 {
-            format!("; {}", cells.join(", "))
-        } else {
-            String::new()
-        };
         Some(Measurement {
-            words: format!("{} points{}{cells}", signed(effect), self.over(&gaps)),
+            words: signed(&effect) + " points" + &self.over(&gaps) + &gaps_in_words(&gaps),
+            effects: vec![effect],
+        })
+    }
+
+    fn greatest_pilot_gap(&self, uavs: u32) -> Option<Measurement> {
+        let gaps = self.gaps(uavs)?;
+        let effect = Effect::Greatest(gaps.values().copied().collect());
+        Some(Measurement {
+            words: signed(&effect) + " points" + &self.over(&gaps) + &gaps_in_words(&gaps),
             effects: vec![effect],
         })
     }
@@ -246,7 +232,7 @@ impl<'a> Evidence<'a> {
         let slope = combination(terms.map(|(&n, &gap)| (share * offset(n) / width, gap)));
         let effect = Effect::Plain(slope);
         Some(Measurement {
-            words: format!("{} points a hotspot", signed(effect)),
+            words: format!("{} points a hotspot", signed(&effect)),
             effects: vec![effect],
         })
     }
@@ -261,7 +247,7 @@ impl<'a> Evidence<'a> {
                 "adaptive {:.digits$}, constant {:.digits$}: ratio {}{}",
                 adaptive.value,
                 constant.value,
-                told(effect, 2),
+                told(&effect, 2),
                 self.over(&both[0])
             ),
             effects: vec![effect],
@@ -274,7 +260,8 @@ impl<'a> Evidence<'a> {
             let [adaptive, constant] = self.pilots(quantity, at.uavs)?;
             for (n, &cell) in &adaptive {
                 let effect = ratio(constant[n], cell);
-                parts.push((effect, format!("{} × {n}: {}", at.uavs, told(effect, 2))));
+                let words = format!("{} × {n}: {}", at.uavs, told(&effect, 2));
+                parts.push((effect, words));
             }
         }
         listed(parts.into_iter())
@@ -318,7 +305,7 @@ impl<'a> Evidence<'a> {
                     missions allow",
                 near.value,
                 far.value,
-                told(effect, 3),
+                told(&effect, 3),
                 flight.missions
             ),
             effects: vec![effect],
@@ -341,7 +328,7 @@ impl<'a> Evidence<'a> {
         Some(Measurement {
             words: format!(
                 "{} of the scatter, mean of {} trainings",
-                signed(effect),
+                signed(&effect),
                 changes.len()
             ),
             effects: vec![effect],
@@ -360,7 +347,7 @@ impl<'a> Evidence<'a> {
         Some(Measurement {
             words: format!(
                 "{} times, beside whatever else the machine did",
-                told(effect, 1)
+                told(&effect, 1)
             ),
             effects: vec![effect],
         })
@@ -389,6 +376,23 @@ fn second_difference(means: &[Measured]) -> Measured {
         weights[k + 1] += share;
     }
     combination(weights.into_iter().zip(means.iter().copied()))
+}
+
+/// The value of each number of hotspots; nothing where there is one.
+fn of_several(cells: &Cells, told: impl Fn(Measured) -> String) -> String {
+    let parts = cells
+        .iter()
+        .map(|(n, &cell)| format!("n = {n}: {}", told(cell)));
+    let parts: Vec<String> = parts.collect();
+    if parts.len() > 1 {
+        format!("; {}", parts.join(", "))
+    } else {
+        String::new()
+    }
+}
+
+fn gaps_in_words(gaps: &Cells) -> String {
+    of_several(gaps, |gap| signed(&Effect::Plain(gap)))
 }
 
 fn ratio(above: Measured, below: Measured) -> Effect {
@@ -439,13 +443,13 @@ fn endurance(config: &Config) -> Measurement {
 }
 
 /// A value with its interval.
-fn told(effect: Effect, digits: usize) -> String {
+fn told(effect: &Effect, digits: usize) -> String {
     let Estimate { value, low, high } = effect.interval(CONFIDENCE);
     format!("{value:.digits$} [{low:.digits$}, {high:.digits$}]")
 }
 
 /// The same with signs, for differences.
-fn signed(effect: Effect) -> String {
+fn signed(effect: &Effect) -> String {
     let Estimate { value, low, high } = effect.interval(CONFIDENCE);
     let digits = if value.abs() < 1.0 { 2 } else { 1 };
     format!("{value:+.digits$} [{low:+.digits$}, {high:+.digits$}]")

@@ -35,13 +35,11 @@ const CLAIMS_HEAD: [&str; 5] = [
     "verdict",
 ];
 const JUDGED: &str = "A verdict compares an interval with the region in which the claim lies. It \
-    is \"holds\" where \
-    the interval lies inside, \"does not hold\" where it lies outside, and \"undecided\" \
-    otherwise. What was not \
-    run, or trained for less than the paper's iterations, is \"not judged\". An interval has the \
-    noise of the missions and that of the training. The latter is the standard deviation between \
-    training seeds, pooled over the cells with \
-    several seeds; it enters where a cell has one seed as well.";
+    is \"holds\" where the interval lies inside, \"does not hold\" where it lies outside, and \
+    \"undecided\" otherwise. What was not run, or trained for less than the paper's iterations, \
+    is \"not judged\". An interval has the noise of the missions and that of the training. The \
+    latter is the standard deviation between training seeds, pooled over the cells with several. It \
+    enters where a cell has one seed as well.";
 const VARIATION_HEAD: [&str; 6] = [
     "changed",
     "tests",
@@ -97,7 +95,9 @@ impl Results<'_> {
     /// The paper's two numbers: over the sensing range, then in the preset `paper`.
     fn two_numbers(&self) -> Chapter {
         let mut blocks = readings::numbers(self);
-        blocks.push(Block::Text(FITTED.to_owned()));
+        blocks.push(Block::Text(format!(
+            "{FITTED} The rows of this table are means of [{TABLE}](results/{TABLE})."
+        )));
         let rows = self.numbers();
         blocks.push(Block::table("Success and mission time", NUMBERS_HEAD, rows));
         Chapter {
@@ -180,8 +180,8 @@ impl Results<'_> {
             format!(", but with {shortened}, which shows that it runs and not what it comes to")
         });
         let mut text = format!(
-            "Trained with the paper's settings{but}; of {} cells (N × n, seeds where there are \
-                several): ",
+            "These of {} cells (N × n, seeds where there are several) were trained with the \
+                paper's settings{but}.\n\n",
             self.scope.cells().len()
         );
         let learners = self.scope.learners();
@@ -211,14 +211,16 @@ impl Results<'_> {
                 } else {
                     cells.join(", ")
                 };
-                format!("{}, {pilot} pilot: {cells}", learner.title)
+                format!(
+                    "- {}, {pilot} pilot: {cells}.\n",
+                    text::capital(learner.title)
+                )
             })
             .collect();
-        text += &parts.join("; ");
-        text += ".";
+        text += &parts.concat();
         let unasked = claims::unasked(self.scope);
         if !unasked.is_empty() {
-            text += &format!(" Not asked of such trainings: {}.", unasked.join("; "));
+            text += &format!("\nNot asked of such trainings: {}.", unasked.join("; "));
         }
         text
     }
@@ -233,7 +235,7 @@ impl Results<'_> {
         let asked = self.scope.seeds.len() as u64;
         let mut beyond = self.table.rows.iter().filter(|row| row.seed >= asked);
         let more = match beyond.clone().next() {
-            Some(_) => ", in some cells more",
+            Some(_) => ", and more in some cells",
             None => "",
         };
         let others = match beyond.find(|row| row.policy == OURS) {
@@ -243,12 +245,12 @@ impl Results<'_> {
         let ours = if given.is_empty() {
             String::new()
         } else {
-            format!("; our policies are those of {}{others}", given.join(", "))
+            format!(" Our policies are those of {}{others}.", given.join(", "))
         };
         format!(
-            "{} missions a cell on the seeds of campaign {EVALUATION_SEED}, {} training \
-                seed(s){more}; means over n = {}, \
-             or over the numbers that stand beside a value{ours}",
+            "A cell has {} missions on the seeds of campaign {EVALUATION_SEED}, and {} training \
+                seed(s){more}. Means are over n = {}, or over the numbers that stand beside a \
+                value.{ours}",
             self.scope.episodes,
             self.scope.seeds.len(),
             text::list(&self.scope.hotspots)
@@ -268,12 +270,15 @@ impl Results<'_> {
             format!(", [{TRAININGS}]({pictures}{TRAININGS}) how trainings went")
         };
         let mut text = "# Results\n\n".to_owned();
+        if let Some(finding) = readings::finding(self) {
+            text += &format!("{}\n", text::wrapped(&finding));
+        }
         if let Some(origin) = &self.origin {
             text += &format!("{}\n", origin);
         }
         text += &text::wrapped(&format!(
-            "Made by `jcas-lab reproduce{quick}`: {}. [results.csv]({pictures}{TABLE}) has every \
-                campaign{trainings}.",
+            "This page is made by `jcas-lab reproduce{quick}`. {} \
+                [results.csv]({pictures}{TABLE}) has every campaign{trainings}.",
             self.summary()
         ));
         text += &self.two_numbers().markdown(pictures);
@@ -368,6 +373,10 @@ impl Results<'_> {
             out,
             section: String::new(),
         };
+        if let Some(finding) = readings::finding(self) {
+            gallery.begin("The finding");
+            gallery.report.text(&finding);
+        }
         gallery.chapter(&self.two_numbers())?;
         if let Some(study) = Study::of(self.scope, &self.table) {
             gallery.chapter(&study.chapter(self.scope, &self.table))?;
@@ -512,14 +521,14 @@ mod tests {
             }
             .summary()
         };
-        assert!(summary(1, &table).contains("1 training seed(s), in some cells more;"));
-        assert!(summary(2, &table).contains("2 training seed(s);"));
-        assert!(summary(1, &table).ends_with("our policies are those of `ours`"));
+        assert!(summary(1, &table).contains("1 training seed(s), and more in some cells."));
+        assert!(summary(2, &table).contains("2 training seed(s)."));
+        assert!(summary(1, &table).ends_with("Our policies are those of `ours`."));
         for row in &mut table.rows {
             row.policy = OURS.to_owned();
         }
         assert!(
-            summary(1, &table).ends_with("our policies are those of `ours` and of other seeds")
+            summary(1, &table).ends_with("Our policies are those of `ours` and of other seeds.")
         );
     }
 }

@@ -177,12 +177,12 @@ fn reason(scope: &Scope) -> String {
     let odds = (config.logistic_slope_per_db * gain_db).exp();
     format!(
         "The pilot density acts in two places. A high one leaves less load for the radar to see \
-            through: from {low:.2} to {high:.2} the sensing SNR gains α_JCAS · {:.2} = \
-            {gain_db:.2} dB at the paper's α_JCAS = {} dB, which multiplies the odds of a \
-            detection by {odds:.3}. A low one leaves more for data: links reach {:.1} cells at \
-            {high:.2} and {:.1} at {low:.2}, throughput grows with 1 − ρ, and sensing costs energy \
-            in proportion to ρ. So with the paper's numbers there is little to sense better for, \
-            and the least density is hard to beat.",
+            through. From {low:.2} to {high:.2} the sensing SNR gains α_JCAS · {:.2} = \
+            {gain_db:.2} dB at the paper's α_JCAS = {} dB. This multiplies the odds of a detection \
+            by {odds:.3}. A low one leaves more for data: links reach {:.1} cells at {high:.2} and \
+            {:.1} at {low:.2}. Throughput grows with 1 − ρ, and sensing costs energy in proportion \
+            to ρ. So with the paper's numbers there is little to sense better for, and the least \
+            density is hard to beat.",
         high - low,
         config.comm_load_penalty_db,
         link_cells(&config, high),
@@ -203,7 +203,7 @@ fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
     let mut text =
         "Adaptive is full density within a cell of an unconfirmed hotspot (hidden ones: \
         until all are confirmed) and the least elsewhere; of ours, its own. The best constant has \
-        the shortest missions and, of those within its interval, the most throughput. "
+        the shortest missions and, of those within its interval, the most throughput.\n\n"
             .to_owned();
     for (title, worths) in worlds {
         let times: Vec<f64> = worths
@@ -222,9 +222,9 @@ fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
             .filter(|worth| worth.tells_apart(worth.best()))
             .count();
         text += &format!(
-            "{}: mission time {} % against the best constant (intervals apart in {clear} of {} \
-                fleets), throughput {} %, \
-             success {} points against the paper's constant {CONSTANT_PILOT}. ",
+            "- {}: against the best constant, mission time {} % (intervals apart in {clear} of {} \
+                fleets) and throughput {} %. Against the paper's constant {CONSTANT_PILOT}, \
+                success {} points.\n",
             capital(title),
             span(times.into_iter()),
             worths.len(),
@@ -232,11 +232,11 @@ fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
             span(points),
         );
     }
-    text + "The paper has adaptive up to about 10 points ahead of its constant at larger fleets. \
+    text + "\nThe paper has adaptive up to about 10 points ahead of its constant at larger fleets. \
         Fleets that start in one cell stay together under `greedy`, so that it flies as `swarm` \
         does. `line` chooses its formation for the density that it senses with, by an estimate \
-        over sixty steps: jumps between neighbouring densities, and \
-            constants that beat full density where missions are longer than that, are such choices."
+        over sixty steps. Jumps between neighbouring densities are such choices. So are constants \
+        that beat full density where missions are longer than that."
 }
 
 fn span(values: impl Iterator<Item = f64>) -> String {

@@ -179,15 +179,15 @@ impl Studied {
         if fit.refused() {
             let (first, last) = self.ranges;
             return format!(
-                "{} fits the two numbers at no range from {first} to {last} cells: at the best of \
-                    them, {value:.2} cells, it succeeds in {rates} (deviance {:.0}). {edge}",
+                "- {} fits the two numbers at no range from {first} to {last} cells. At the best of \
+                    them, {value:.2} cells, it succeeds in {rates} (deviance {:.0}). {edge}\n",
                 capital(&self.title),
                 fit.deviance
             );
         }
         format!(
-            "{} is compatible with both, best at {value:.2} cells ({metres:.0} m), where it \
-                succeeds in {rates} (deviance {:.2}). {edge}",
+            "- {} is compatible with both, best at {value:.2} cells ({metres:.0} m). There it \
+                succeeds in {rates} (deviance {:.2}). {edge}\n",
             capital(&self.title),
             fit.deviance,
         )
@@ -322,14 +322,14 @@ impl Study {
     pub fn text(&self) -> String {
         let mut text = format!(
             "The paper gives two success rates, {} at N = {} and {} at N = {}, each an average of \
-                {} missions, but not the threshold of its radar, which it calls derived. We take \
-                the threshold to be the sensing SNR at a **sensing range**, fly each policy at \
-                ranges from {} to {} cells with everything else as the paper has it ({} missions \
-                for each N, n and range, mean over n; who learns is trained anew at each range), \
-                and ask which one range makes both rates the most likely (binomial likelihood, \
-                straight lines between the logits of neighbouring ranges, likelihood-ratio \
-                interval). \
-             The deviance, on one degree of freedom, says what one range leaves unexplained.\n",
+                {} missions. It does not give the threshold of its radar, which it calls derived. \
+                We take the threshold to be the sensing SNR at a **sensing range**. Each policy \
+                flies at ranges from {} to {} cells, with everything else as the paper has it ({} \
+                missions for each N, n and range, mean over n). Who learns is trained anew at each \
+                range. Which one range makes both rates the most likely? The likelihood is \
+                binomial, with straight lines between the logits of neighbouring ranges. The \
+                interval is that of the likelihood ratio. The deviance, on one degree of freedom, \
+                says what one range leaves unexplained.\n",
             PAPER[0].rate,
             PAPER[0].uavs,
             PAPER[1].rate,
@@ -343,14 +343,12 @@ impl Study {
         for studied in &self.policies {
             text += &studied.sentence(self.cell_size_m);
         }
-        text += "\n\nWhat this cannot tell: the paper's averages may run over other missions than \
-            its table of settings says, its two numbers are rounded, and a policy and a range can \
-            make up for each other, so a fit shows that a policy in such a world is compatible \
-            with the numbers, not that it made them. The \
-                 simulated rates of scripts are taken as known.\n\n\
-                 A policy that is trained has the noise of two trainings as well, the paper's and \
-                 ours. \
-                 It may shift each rate by a normal variable with the standard deviation of both.\n";
+        text += "\nThis cannot tell whether the paper's averages run over other missions than its table \
+            of settings says. Its two numbers are rounded, and a policy and a range can make up \
+            for each other. So a fit shows that a policy in such a world is compatible with the \
+            numbers, not that it made them. The simulated rates of scripts are taken as known.\n\n\
+            A policy that is trained has the noise of two trainings as well, the paper's and ours. \
+            It may shift each rate by a normal variable with the standard deviation of both.\n";
         text
     }
 }
@@ -367,7 +365,7 @@ mod tests {
         let table = Table::open(&published).unwrap();
         let study = Study::of(&Scope::full(1), &table).unwrap();
         let text = study.text();
-        let told = "`swarm` fits the two numbers at no range from 0.5 to 5 cells: at the best of \
+        let told = "`swarm` fits the two numbers at no range from 0.5 to 5 cells. At the best of \
             them, 0.50 cells";
         assert!(text.contains(told), "{text}");
         assert!(text.contains("That is the edge of the scan"), "{text}");

@@ -187,8 +187,8 @@ fn regimes(scope: &Scope, table: &Table, map: &Map) -> Option<(String, HeatTable
         )
     };
     let text = format!(
-        "`line` in `search` around N = 10, n = 7{}: adapting shortens the mission beyond the intervals in {clear} of {} \
-         regimes. Most: {}. Least: {}.",
+        "`line` in `search` around N = 10, n = 7{}: adapting shortens the mission beyond the \
+            intervals in {clear} of {} regimes.\n\n- Most: {}.\n- Least: {}.",
         if map.load_db == 1.0 {
             String::new()
         } else {

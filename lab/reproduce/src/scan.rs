@@ -3,7 +3,7 @@
 
 use crate::fit::{PAPER, Published};
 use crate::statistics::{CONFIDENCE, Measured, Spread, combination, error_of};
-use crate::verdict::{Effect, Verdict, one_training, verdict};
+use crate::verdict::{Effect, Region, Verdict, one_training, verdict};
 use jcas_episode::statistics::Estimate;
 use jcas_train::error::TrainError;
 use serde::Deserialize;
@@ -230,6 +230,20 @@ pub fn is_compatible(
     let difference = Effect::Plain(combination([(1.0, measured), (-1.0, paper)]));
     let apart = verdict(&[difference], (0.0, 0.0)) == Verdict::Fails;
     Some(!apart)
+}
+
+/// Whether the intervals of both rates of PPO lie inside those that another training of the paper
+/// may have given.
+pub fn is_inside(scan: &Scan, reading: &str, range_m: f64, spread: Option<Spread>) -> bool {
+    PAPER.iter().all(|published| {
+        let rows = scan.cell(reading, range_m, published.uavs, PPO);
+        let effects: Vec<Effect> = success(&rows, spread)
+            .map(Effect::Plain)
+            .into_iter()
+            .collect();
+        let ends = Region::AnotherTraining(published.rate).ends(spread);
+        verdict(&effects, ends) == Verdict::Holds
+    })
 }
 
 /// The ranges at which both rates of the paper are compatible with a policy, and those that were

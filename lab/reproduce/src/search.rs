@@ -85,9 +85,9 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
         return None;
     }
     let text = format!(
-        "The preset `search` hides the hotspots. Mean steps to the end of {} missions a cell, pilot density `adaptive`; \
-         the share of missions that succeeded in brackets where it is not 1. A mission that did not succeed counts with \
-         its horizon.",
+        "The preset `search` hides the hotspots. The table has mean steps to the end of {} missions a \
+            cell, pilot density `adaptive`. The share of missions that succeeded stands in brackets \
+            where it is not 1. A mission that did not succeed counts with its horizon.",
         scope.episodes
     );
     let mut head = vec!["N".to_owned(), "n".to_owned()];

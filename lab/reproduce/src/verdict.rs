@@ -56,7 +56,13 @@ impl Region {
             Region::Between(low, high) => (low, high),
             Region::AnotherTraining(rate) => {
                 let interval = one_training(Published { rate, ..PAPER[0] }, spread);
-                (interval.low, interval.high)
+                // No rate is above 1 or below 0, so that such an end is none.
+                let low = Some(interval.low).filter(|&low| low > 0.0);
+                let high = Some(interval.high).filter(|&high| high < 1.0);
+                (
+                    low.unwrap_or(f64::NEG_INFINITY),
+                    high.unwrap_or(f64::INFINITY),
+                )
             }
         }
     }
@@ -78,17 +84,21 @@ pub fn one_training(published: Published, spread: Option<Spread>) -> Estimate {
 }
 
 /// A measured value on the scale on which its noise is normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// As it is.
     Plain(Measured),
     /// The logarithm of a ratio.
     LogRatio(Measured),
+    /// The greatest of several.
+    Greatest(Vec<Measured>),
 }
 
 impl Effect {
-    /// The value with its interval, a ratio where it is one.
-    pub fn interval(self, confidence: f64) -> Estimate {
+    /// The value with its interval, a ratio where it is one. The interval of the greatest of K
+    /// values reaches from the highest lower end to the highest upper end. They are the ends of
+    /// intervals at 1 − (1 − confidence)/K, which hold together (Bonferroni).
+    pub fn interval(&self, confidence: f64) -> Estimate {
         match self {
             Effect::Plain(measured) => measured.interval(confidence),
             Effect::LogRatio(measured) => {
@@ -99,8 +109,26 @@ impl Effect {
                     high: e.high.exp(),
                 }
             }
+            Effect::Greatest(values) => {
+                let each = together(confidence, values.len());
+                let intervals = values.iter().map(|value| value.interval(each));
+                let highest = |end: fn(&Estimate) -> f64| {
+                    let ends = intervals.clone().map(|e| end(&e));
+                    ends.fold(f64::NEG_INFINITY, f64::max)
+                };
+                Estimate {
+                    value: highest(|e| e.value),
+                    low: highest(|e| e.low),
+                    high: highest(|e| e.high),
+                }
+            }
         }
     }
+}
+
+/// The confidence of each of several intervals that hold together with a given one.
+fn together(confidence: f64, count: usize) -> f64 {
+    1.0 - (1.0 - confidence) / count as f64
 }
 
 /// The verdict on a claim that says all of these effects lie in a region.
@@ -116,7 +144,7 @@ pub fn verdict(effects: &[Effect], (low, high): (f64, f64)) -> Verdict {
         let e = effect.interval(CONFIDENCE);
         e.low >= low && e.high <= high
     };
-    let wide = 1.0 - (1.0 - CONFIDENCE) / effects.len() as f64;
+    let wide = together(CONFIDENCE, effects.len());
     let outside = |effect: &Effect| {
         let e = effect.interval(wide);
         e.high < low || e.low > high
@@ -164,6 +192,18 @@ mod tests {
         assert_eq!(verdict(&[of(5.3, 7.5 / 1.96)], between), Undecided);
     }
 
+    // Each of two intervals at 97.5 % has 2.2414 standard errors: [-1.24, 3.24] and [1.759, 2.241].
+    #[test]
+    fn the_greatest_of_several_is_above_each_lower_end() {
+        let [Effect::Plain(wide), Effect::Plain(narrow)] = [of(1.0, 1.0), of(2.0, 0.1075)] else {
+            panic!("two plain values");
+        };
+        let e = Effect::Greatest(vec![wide, narrow]).interval(CONFIDENCE);
+        assert_eq!(e.value, 2.0);
+        assert!((e.low - (2.0 - 0.1075 * 2.2414)).abs() < 1e-4, "{e:?}");
+        assert!((e.high - 3.2414).abs() < 1e-4, "{e:?}");
+    }
+
     // Of 4000 values around the edge of the region, some 2.5 % are called inside and as many
     // outside. The quantiles of Binomial(4000, 0.025) at 2.5 and 97.5 % are 81 and 120.
     #[test]
@@ -200,6 +240,6 @@ mod tests {
         assert!((trained.low - 0.5925).abs() < 1e-3, "{trained:?}");
         assert!((trained.high - 0.8564).abs() < 1e-3, "{trained:?}");
         let (low, high) = Region::AnotherTraining(0.97).ends(Some(spread));
-        assert!(low < 0.87 && high == 1.0);
+        assert!(low < 0.87 && high == f64::INFINITY);
     }
 }
