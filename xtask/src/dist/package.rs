@@ -113,6 +113,17 @@ fn pkg_config(system: System) -> String {
 mod tests {
     use super::*;
 
+    /// Recipes and CMake have the version a second time.
+    #[test]
+    fn recipes_have_the_version() {
+        let recipe = include_str!("../../../packaging/conda-forge/recipe.yaml");
+        let port = include_str!("../../../packaging/vcpkg/vcpkg.json");
+        let cmake = include_str!("../../../CMakeLists.txt");
+        assert!(recipe.contains(&format!("version: \"{VERSION}\"")));
+        assert!(port.contains(&format!("\"version\": \"{VERSION}\"")));
+        assert!(cmake.contains(&format!("VERSION {VERSION} ")));
+    }
+
     /// A name of CMake that stays would reach the compiler's command line.
     #[test]
     fn the_pkg_config_file_is_filled() {

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# What must hold before a release. The binary interface is unchanged, all packages have accepted
+# licences and sources, and the registry would take them.
+#
+#   gates.sh           checks
+#   gates.sh --bless   writes the baseline of the binary interface anew
+set -euo pipefail
+shopt -s inherit_errexit
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# A variable of each function's type: its debug information has the whole interface, as C sees it.
+{
+    echo '#include <jcas_dl.h>'
+    sed -nE 's/^typedef .*[ *](jcas_[a-z0-9_]+)_fn\(.*/\1_fn *address_of_\1;/p' include/jcas_dl.h
+} >"$work/interface.c"
+cc -g -shared -fPIC -ffile-prefix-map="$work"=. -I include "$work/interface.c" \
+    -o "$work/interface.so"
+if [[ ${1:-} == --bless ]]; then
+    abidw --no-corpus-path --no-comp-dir-path --no-show-locs --type-id-style hash \
+        --out-file tests/dist/jcas.abi "$work/interface.so"
+    exit
+fi
+echo "abidiff: functions may be added; all else needs \`.ci/gates.sh --bless\` and a new version"
+abidiff --no-added-syms tests/dist/jcas.abi "$work/interface.so"
+
+readonly DENY=0.19.0
+tools=${XDG_CACHE_HOME:-$HOME/.cache}/jcas/cargo-deny-$DENY
+if [[ ! -x $tools/bin/cargo-deny ]]; then
+    echo "building cargo-deny $DENY into $tools"
+    CARGO_PROFILE_DEV_DEBUG=0 CARGO_TARGET_DIR=$CARGO_TARGET_DIR/cargo-deny \
+        cargo install --quiet --locked --debug --root "$tools" cargo-deny@$DENY
+fi
+"$tools/bin/cargo-deny" --locked check --hide-inclusion-graph bans licenses sources
+
+# In the order of their dependencies. Only the kernel's packages are also built from their archives,
+# since those of the others take minutes.
+echo "cargo publish --dry-run"
+cargo publish --dry-run --allow-dirty --locked --quiet --workspace --no-verify
+cargo publish --dry-run --allow-dirty --locked --quiet --package jcas-core --package jcas-policy \
+    --package jcas-simd --package jcas-trace
