@@ -898,8 +898,9 @@ JCAS_API const char *jcas_status_string(jcas_status status);
 /// Statuses: NULL, ALIGNMENT, STRUCT_SIZE.
 JCAS_API jcas_status jcas_config_default(struct jcas_config *config, size_t struct_size);
 
-/// Fills `config` with a preset: "mission", "paper" (every equation exactly as in the paper) or
-/// "search" (hidden hotspots, shared search maps).
+/// Fills `config` with a preset: "mission", "paper", "search" or "isac". "paper" takes every
+/// equation exactly as in the paper. "search" has hidden hotspots and shared search maps. "isac" is
+/// a search with coherent pilots, a fluctuating echo, false alarms and reports.
 ///
 /// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules
 /// below.

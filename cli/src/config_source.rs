@@ -23,6 +23,8 @@ pub enum PresetName {
     Paper,
     /// Hidden hotspots that radar reaches from afar; UAVs share what they have looked at
     Search,
+    /// A search with coherent pilots, a fluctuating echo, false alarms and reports
+    Isac,
 }
 
 impl From<PresetName> for Preset {
@@ -31,6 +33,7 @@ impl From<PresetName> for Preset {
             PresetName::Mission => Self::Mission,
             PresetName::Paper => Self::Paper,
             PresetName::Search => Self::Search,
+            PresetName::Isac => Self::Isac,
         }
     }
 }

@@ -295,6 +295,16 @@ impl Config {
                 uav_tag: UavTag::Index,
                 ..Self::MISSION
             },
+            Preset::Isac => Self {
+                sensing_range_m: None,
+                sensing_noise_dbm: -127.27,
+                pilot_gain: PilotGain::Coherent,
+                detection_curve: DetectionCurve::Swerling1,
+                false_alarm_per_cell: 0.01,
+                report_levels: 2,
+                report_slots: 8,
+                ..Self::preset(Preset::Search)
+            },
         }
     }
 

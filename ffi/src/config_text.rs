@@ -57,8 +57,9 @@ pub unsafe extern "C" fn jcas_config_default(
     })
 }
 
-/// Fills `config` with a preset: "mission", "paper" (every equation exactly as in the paper) or
-/// "search" (hidden hotspots, shared search maps).
+/// Fills `config` with a preset: "mission", "paper", "search" or "isac". "paper" takes every
+/// equation exactly as in the paper. "search" has hidden hotspots and shared search maps. "isac" is
+/// a search with coherent pilots, a fluctuating echo, false alarms and reports.
 ///
 /// `name`: `name_length` bytes, not NULL, no terminating zero needed. `message`: see the rules
 /// below.

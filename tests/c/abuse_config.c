@@ -17,7 +17,7 @@ static void abuse_filling(void)
     EXPECT(JCAS_ERROR_NULL, jcas_config_preset("paper", 5, NULL, size, NULL, 0));
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_config_preset("paper", 5, &config, size - 1, NULL, 0));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, message, sizeof message));
-    CHECK(strcmp(message, "preset = best: must be `mission`, `paper` or `search`") == 0);
+    CHECK(strcmp(message, "preset = best: must be `mission`, `paper`, `search` or `isac`") == 0);
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, NULL, 10));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, message, 0));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("\xff\xfe", 2, &config, size, message, sizeof message));

@@ -231,7 +231,8 @@ impl Presets {
         files::print(&format!(
             "mission  the paper with its billing and payment corrected (the default)\n\
              paper    the letter of every equation of the paper\n\
-             search   hidden hotspots that radar reaches from afar, shared search maps\n\n\
+             search   hidden hotspots that radar reaches from afar, shared search maps\n\
+             isac     search with coherent pilots, a fluctuating echo, false alarms and reports\n\n\
              They differ in:\n{table}\n"
         ))?;
         Ok(Outcome::Done)

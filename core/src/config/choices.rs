@@ -61,13 +61,16 @@ macro_rules! choice {
 
 choice! {
     /// A preset: a named set of values for every field.
-    Preset, "`mission`, `paper` or `search`" {
+    Preset, "`mission`, `paper`, `search` or `isac`" {
         /// The paper's model with its billing and payment corrected; the default.
         Mission = "mission",
         /// The paper's model, with every equation taken literally.
         Paper = "paper",
         /// A search: hotspots are hidden, radar has a long range, and UAVs share their search maps.
         Search = "search",
+        /// A search in which sensing and communicating compete: coherent pilots, a Swerling-1 echo,
+        /// false alarms and reports.
+        Isac = "isac",
     }
 }
 
