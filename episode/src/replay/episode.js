@@ -34,7 +34,8 @@ function readEpisode({ header, steps, end }) {
   };
   for (const frame of frames) frame.knownBy = countKnowers(episode, frame);
   countMoves(frames);
-  episode.firstVisit = firstVisits(episode);
+  episode.firstVisit = firstCells(frames, (frame) => frame.positions);
+  episode.firstFalse = firstCells(frames, (frame) => frame.falsely_confirmed ?? []);
   episode.searchedAt = firstSearches(episode);
   episode.confirmedAt = firstSteps(frames, episode.hotspotCount, (frame) => frame.confirmed);
   episode.informedAt = firstSteps(frames, episode.hotspotCount, (frame) => frame.informed);
@@ -73,11 +74,11 @@ function firstSteps(frames, count, setOf) {
   return at;
 }
 
-/** [x, y, step of the first visit by any UAV] of every visited cell. */
-function firstVisits({ frames }) {
+/** [x, y, first step] of every cell that a frame's list ever holds. */
+function firstCells(frames, listOf) {
   const seen = new Map();
   frames.forEach((frame, t) => {
-    for (const [x, y] of frame.positions) {
+    for (const [x, y] of listOf(frame)) {
       const key = `${x},${y}`;
       if (!seen.has(key)) seen.set(key, [x, y, t]);
     }

@@ -30,6 +30,12 @@ struct Frame<'a> {
     knowledge: &'a [Vec<usize>],
     confirmed: &'a [usize],
     informed: &'a [usize],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    false_alarms: Option<&'a [Vec<Cell>]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    falsely_confirmed: Option<&'a [Cell]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reports: Option<&'a [Vec<Vec<Cell>>]>,
     carbon_intensity_mg_per_kwh: u64,
     co2_ng: u64,
     throughput: f64,
@@ -101,6 +107,9 @@ impl<'a> Frame<'a> {
             knowledge: &step.knowledge,
             confirmed: &step.confirmed,
             informed: &step.informed,
+            false_alarms: step.false_alarms.as_deref(),
+            falsely_confirmed: step.falsely_confirmed.as_deref(),
+            reports: step.reports.as_deref(),
             carbon_intensity_mg_per_kwh: step.carbon_intensity_mg_per_kwh,
             co2_ng: step.co2_ng,
             throughput: step.throughput,
@@ -146,9 +155,9 @@ fn started<'a>(header: &'a Header, first: Option<&Step>) -> Result<Cow<'a, Heade
 fn check_header(header: &Header) -> Result<(), TraceError> {
     let uavs = header.config.uav_count as usize;
     let hotspots = header.config.hotspot_count as usize;
-    check_length("hotspots", header.hotspots.len(), hotspots)?;
-    check_length("positions", header.initial.positions.len(), uavs)?;
-    check_length("battery_uj", header.initial.battery_uj.len(), uavs)?;
+    check_length(1, "hotspots", header.hotspots.len(), hotspots)?;
+    check_length(1, "positions", header.initial.positions.len(), uavs)?;
+    check_length(1, "battery_uj", header.initial.battery_uj.len(), uavs)?;
     check_cells(1, "hotspots", &header.hotspots, header)?;
     check_cells(1, "depots", &header.depots, header)?;
     check_cells(1, "positions", &header.initial.positions, header)
@@ -158,6 +167,17 @@ fn check_step(line: usize, step: &Step, header: &Header) -> Result<(), TraceErro
     let uavs = header.config.uav_count as usize;
     let hotspots = header.config.hotspot_count as usize;
     check_cells(line, "positions", &step.positions, header)?;
+    for alarms in step.false_alarms.iter().flatten() {
+        check_cells(line, "false_alarms", alarms, header)?;
+    }
+    for levels in step.reports.iter().flatten().flatten() {
+        check_cells(line, "reports", levels, header)?;
+    }
+    let falsely = step.falsely_confirmed.as_deref().unwrap_or_default();
+    check_cells(line, "falsely_confirmed", falsely, header)?;
+    if let Some(reports) = &step.reports {
+        check_length(line, "reports", reports.len(), uavs)?;
+    }
     for (hotspot, cell) in step.host.iter().filter_map(moved_hotspot) {
         check_ids(line, "hotspot", &[hotspot], hotspots)?;
         check_cells(line, "cell", &[cell], header)?;
@@ -177,12 +197,12 @@ fn check_step(line: usize, step: &Step, header: &Header) -> Result<(), TraceErro
     Ok(())
 }
 
-fn check_length(field: &str, found: usize, wanted: usize) -> Result<(), TraceError> {
+fn check_length(line: usize, field: &str, found: usize, wanted: usize) -> Result<(), TraceError> {
     if found == wanted {
         return Ok(());
     }
     Err(malformed(
-        1,
+        line,
         format!("{field} has {found} elements: must have {wanted}"),
     ))
 }

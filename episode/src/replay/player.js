@@ -54,6 +54,9 @@ function writeHeader() {
   $('result').className = `badge ${end.terminated ? 'success' : 'failure'}`;
   $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
   $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
+  for (const [key, list] of [['of-alarms', 'false_alarms'], ['of-reports', 'reports']]) {
+    for (const node of document.querySelectorAll(`.${key}`)) node.hidden = !frames[lastStep][list];
+  }
   $('footer').textContent = `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. The page is one file and loads nothing. Press ? for the keys.`;
 }
 

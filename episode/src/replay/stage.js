@@ -26,12 +26,18 @@ function createStage(svg, episode, onSelect) {
 
   drawField();
   const searched = drawSearched();
+  const reported = drawReported();
   const visited = episode.firstVisit.map(([x, y, t]) => {
     const [cx, cy] = centre([x, y]);
     return { t, node: element(svg, 'rect', { class: 'visited', x: cx - CELL / 2 + 0.5, y: cy - CELL / 2 + 0.5, width: CELL - 1, height: CELL - 1 }) };
   });
   header.depots.forEach(drawDepot);
+  const falsely = episode.firstFalse.map(([x, y, t]) => {
+    const title = `No hotspot at (${x},${y}): falsely confirmed in step ${t}`;
+    return { t, node: drawCross('falsely', [x, y], 12, title) };
+  });
   const hotspots = header.hotspots.map(drawHotspot);
+  const alarms = element(svg, 'path', { class: 'alarms' });
   const tails = element(svg, 'path', { class: 'tails' });
   const route = element(svg, 'path', { class: 'route' });
   const links = element(svg, 'path', { class: 'links' });
@@ -66,6 +72,43 @@ function createStage(svg, episode, onSelect) {
       const [x, y] = centre([cell % config.grid_width, Math.floor(cell / config.grid_width)]);
       return element(svg, 'rect', { class: 'searched', x: x - CELL / 2, y: y - CELL / 2, width: CELL, height: CELL });
     });
+  }
+
+  /** A square for each cell that any UAV reports in the end; nothing without reports. */
+  function drawReported() {
+    const last = episode.frames[episode.lastStep].reports ?? [];
+    const cells = new Map(last.flatMap(([any]) => any).map((cell) => [`${cell}`, cell]));
+    return [...cells].map(([key, cell]) => {
+      const [x, y] = centre(cell);
+      const square = { x: x - CELL / 2, y: y - CELL / 2, width: CELL, height: CELL };
+      return { key, node: element(svg, 'rect', { class: 'reported', ...square }) };
+    });
+  }
+
+  function cross(cell, size) {
+    const [x, y] = centre(cell);
+    const full = 2 * size;
+    return `M${x - size} ${y - size}l${full} ${full}m0 ${-full}l${-full} ${full}`;
+  }
+
+  function drawCross(name, cell, size, title) {
+    const node = element(svg, 'path', { class: name, d: cross(cell, size) });
+    element(node, 'title').textContent = title;
+    return node;
+  }
+
+  /** The highest level of a report of each cell, as one UAV knows it or as any UAV does. */
+  function reportLevels(frame, selection) {
+    const known = frame.reports ?? [];
+    const levels = new Map();
+    for (const uav of selection.uav === undefined ? known : [known[selection.uav] ?? []]) {
+      uav.forEach((cells, below) => {
+        for (const key of cells.map(String)) {
+          levels.set(key, Math.max(levels.get(key) ?? 0, below + 1));
+        }
+      });
+    }
+    return levels;
   }
 
   function drawDepot(cell) {
@@ -223,7 +266,14 @@ function createStage(svg, episode, onSelect) {
   function drawStep(t, frame, selection) {
     const maps = selection.uav === undefined ? episode.searchedAt : [episode.searchedAt?.[selection.uav]];
     searched.forEach((node, cell) => { node.style.visibility = maps.some((map) => map[cell] <= t) ? 'visible' : 'hidden'; });
-    for (const { node, t: since } of visited) node.style.visibility = since <= t ? 'visible' : 'hidden';
+    for (const { node, t: since } of [...visited, ...falsely]) {
+      node.style.visibility = since <= t ? 'visible' : 'hidden';
+    }
+    const levels = reportLevels(frame, selection);
+    for (const { key, node } of reported) node.style.fillOpacity = 0.16 * (levels.get(key) ?? 0);
+    const seen = frame.false_alarms ?? [];
+    const raised = selection.uav === undefined ? seen.flat() : seen[selection.uav] ?? [];
+    alarms.setAttribute('d', raised.map((cell) => cross(cell, 5)).join(''));
     if (frame.hotspots !== placedHotspots) placeHotspots(frame.hotspots);
     hotspots.forEach(({ group, title, known }, id) => {
       for (const node of [group, tags[id]]) {

@@ -103,6 +103,28 @@ fn a_mark_inside_a_value_is_left_alone() {
     assert_eq!(filled, "a {{y}} b 2 c");
 }
 
+/// A page of a mission with false alarms holds them, and one without has no word of them.
+#[test]
+fn false_alarms_and_reports_are_shown_where_there_are_any() {
+    let silent = data_of(&page(&flight()).unwrap());
+    assert!(silent["steps"][0].get("reports").is_none());
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/reports.jsonl");
+    let text = std::fs::read_to_string(path).unwrap();
+    let shown = data_of(&page(&text).unwrap());
+    let recorded: Vec<Value> = text
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    for field in ["false_alarms", "falsely_confirmed", "reports"] {
+        let last = recorded.len() - 2;
+        assert_eq!(
+            shown["steps"][last - 1][field],
+            recorded[last][field],
+            "{field}"
+        );
+    }
+}
+
 /// Changes one place of the trace and returns the error's text.
 fn refusal(change: impl FnOnce(&mut Trace)) -> String {
     let mut trace = flown();
