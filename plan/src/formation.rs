@@ -42,6 +42,11 @@ impl<'p, 'm> Recorder<'p, 'm> {
         }
     }
 
+    /// Returns the number of recorded steps.
+    pub(crate) fn step(&self) -> usize {
+        self.step
+    }
+
     pub(crate) fn cell(&self, uav: usize) -> Cell {
         self.cells[uav]
     }
@@ -58,7 +63,7 @@ impl<'p, 'm> Recorder<'p, 'm> {
     }
 
     /// Records one step, with a target and a level for each UAV.
-    fn fly_as(&mut self, order: impl Fn(usize) -> (Cell, u8)) {
+    pub(crate) fn fly_as(&mut self, order: impl Fn(usize) -> (Cell, u8)) {
         let (model, odds) = (self.problem.model, &self.problem.odds);
         let config = model.config();
         self.step += 1;

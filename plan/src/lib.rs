@@ -50,6 +50,7 @@ mod plan;
 mod planned;
 mod problem;
 mod replan;
+mod rounds;
 mod targets;
 mod teams;
 

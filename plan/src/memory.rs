@@ -92,13 +92,26 @@ impl Demand {
         (priors + nearest + 4 * self.sites + self.quorum + self.uavs) * WORD
     }
 
+    /// Rounds, those that are tried, and the trajectories of the best: `rounds/`.
+    fn rounds(&self) -> u128 {
+        let teams = 4 * self.uavs * (256 + GROWTH * WORD * (self.hotspots + 1));
+        teams
+            + (300 * self.hotspots + self.quorum + self.uavs) * WORD
+            + 4 * self.uavs * STEP * self.steps
+    }
+
     /// A plan, its file and the text of it: `plan.rs`, `file.rs`.
     fn result(&self) -> u128 {
         self.uavs * self.steps * (STEP + STEP_ON_FILE) + self.groups * SITE * GROWTH + TEXT
     }
 
     fn total(&self, starts: u128) -> u128 {
-        self.tables() + self.starts() + self.annealing() + self.bounding(starts) + self.result()
+        self.tables()
+            + self.starts()
+            + self.annealing()
+            + self.bounding(starts)
+            + self.rounds()
+            + self.result()
     }
 }
 

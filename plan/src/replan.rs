@@ -14,6 +14,7 @@ use crate::memory;
 use crate::objective::missed_after;
 use crate::plan::{Plan, improve, starts};
 use crate::problem::{Problem, Situation};
+use crate::rounds::{self, Rounds};
 use crate::targets::{Targets, index_of};
 
 /// A planner that plans before the first step, and anew in each radio component whose knowledge has
@@ -43,6 +44,8 @@ struct View {
     known: Vec<bool>,
     /// The prior of the hidden hotspots, for each cell; empty if positions are known.
     weights: Vec<f64>,
+    /// The rounds that the plan begins, where they are faster than fixed trajectories.
+    rounds: Option<Rounds>,
 }
 
 impl View {
@@ -138,19 +141,20 @@ impl Replanner {
     fn search(&self, model: &Model<'_>) -> Result<Arc<View>, PlanError> {
         let targets = Targets::hidden(model);
         // The plan holds for the least charges.
-        self.begun(model, &targets, Situation::at_reset(model))
+        self.begun(model, &targets, &[], Situation::at_reset(model))
     }
 
     fn tour(&self, model: &Model<'_>, state: &StateRef<'_>) -> Result<Arc<View>, PlanError> {
-        let known = vec![false; state.hotspot_count()];
-        let targets = Targets::known(model, &unknown_cells(state, &known))?;
-        self.begun(model, &targets, Situation::of(state))
+        let hotspots = hotspot_cells(state);
+        let targets = Targets::known(model, &hotspots)?;
+        self.begun(model, &targets, &hotspots, Situation::of(state))
     }
 
     fn begun(
         &self,
         model: &Model<'_>,
         targets: &Targets,
+        hotspots: &[Cell],
         situation: Situation,
     ) -> Result<Arc<View>, PlanError> {
         let problem = Problem::new(model, targets, situation)?;
@@ -158,7 +162,9 @@ impl Replanner {
             iterations: self.first_iterations,
             ..self.settings
         };
-        let plan = improve(&problem, starts(&problem), &settings, &mut go_on);
+        let mut plan = improve(&problem, starts(&problem), &settings, &mut go_on);
+        let known = vec![false; model.hotspot_count()];
+        let rounds = faster_rounds(&problem, hotspots, &known, None, &settings, &mut plan);
         let weights = match targets.groups().first() {
             Some(group) if model.config().target_visibility == TargetVisibility::Hidden => {
                 group.weights.clone()
@@ -168,8 +174,9 @@ impl Replanner {
         Ok(Arc::new(View {
             first_step: problem.situation().step,
             plan,
-            known: vec![false; model.hotspot_count()],
+            known,
             weights,
+            rounds,
         }))
     }
 
@@ -219,8 +226,15 @@ impl Replanner {
             }
         }
         let weights = belief(model, state, shared, &known)?;
+        let hotspots = if weights.is_empty() {
+            hotspot_cells(state)
+        } else {
+            Vec::new()
+        };
         let targets = if weights.is_empty() {
-            Targets::known(model, &unknown_cells(state, &known))?
+            let unknown = (0..known.len()).filter(|&hotspot| !known[hotspot]);
+            let unknown: Vec<Cell> = unknown.map(|hotspot| hotspots[hotspot]).collect();
+            Targets::known(model, &unknown)?
         } else {
             let left = known.iter().filter(|known| !**known).count();
             Targets::weighted(model, left as u32, &weights)?
@@ -231,11 +245,22 @@ impl Replanner {
         if members.len() == state.uav_count() && weights.is_empty() {
             begin.extend(starts(&problem));
         }
+        let mut plan = improve(&problem, begin, &self.settings, &mut go_on);
+        let before = shared.rounds.as_ref();
+        let rounds = faster_rounds(
+            &problem,
+            &hotspots,
+            &known,
+            before,
+            &self.settings,
+            &mut plan,
+        );
         Ok(View {
             first_step: state.t(),
-            plan: improve(&problem, begin, &self.settings, &mut go_on),
+            plan,
             known,
             weights,
+            rounds,
         })
     }
 
@@ -277,10 +302,29 @@ fn component(state: &StateRef<'_>, first: usize) -> Vec<usize> {
     members
 }
 
-/// Returns the cells of the hotspots that are not known.
-fn unknown_cells(state: &StateRef<'_>, known: &[bool]) -> Vec<Cell> {
-    let unknown = (0..known.len()).filter(|&hotspot| !known[hotspot]);
-    unknown.map(|hotspot| state.hotspot_cell(hotspot)).collect()
+fn hotspot_cells(state: &StateRef<'_>) -> Vec<Cell> {
+    let hotspots = 0..state.hotspot_count();
+    hotspots
+        .map(|hotspot| state.hotspot_cell(hotspot))
+        .collect()
+}
+
+/// Returns rounds if they are expected to be faster than a plan, whose trajectories they replace.
+fn faster_rounds(
+    problem: &Problem<'_>,
+    hotspots: &[Cell],
+    known: &[bool],
+    shared: Option<&Rounds>,
+    settings: &Settings,
+    plan: &mut Plan,
+) -> Option<Rounds> {
+    let planned = rounds::plan(problem, hotspots, known, shared, &plan.paths, settings)?;
+    if planned.expected.steps >= plan.expected.steps {
+        return None;
+    }
+    plan.paths = planned.paths;
+    plan.expected = planned.expected;
+    Some(planned.rounds)
 }
 
 /// Returns the prior of the hidden hotspots after the looks of a shared plan. It is empty if
