@@ -143,10 +143,16 @@ impl Planned {
     /// component; it returns that of the first UAV. There is none before the first step of a tour.
     #[must_use]
     pub fn plan(&self) -> Option<&Plan> {
+        self.plan_of(0)
+    }
+
+    /// Returns the plan that a UAV follows at present, as [`Planned::plan`] does for the first.
+    #[must_use]
+    pub fn plan_of(&self, uav: usize) -> Option<&Plan> {
         match &self.way {
             Way::Follow(follower) => Some(follower.plan()),
             Way::Tour(tour) => tour.follower.as_ref().map(Follower::plan),
-            Way::Replan(replanner) => replanner.plan_of(0),
+            Way::Replan(replanner) => replanner.plan_of(uav),
         }
     }
 

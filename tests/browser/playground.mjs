@@ -126,6 +126,20 @@ async function hotspotsCanBeDragged(page) {
   await page.until('decodeURIComponent(location.hash).includes(\'"moved":[[0,[0,0]]]\')');
 }
 
+/** A policy that plans shows the plans of all UAVs or of the selected one. A script has none. */
+async function plansAreDrawn(browser, base) {
+  const drawn = 'document.querySelector(".planned").getAttribute("d") ?? ""';
+  const lines = async (page) => (await page.evaluate(drawn)).split('M').length - 1;
+  const set = { uav_count: 6, hotspot_count: 2 };
+  const mission = { preset: 'search', policy: 'plan', set };
+  const planned = await open(browser, addressOf(base, mission, 1));
+  assert.equal(await lines(planned), 6);
+  await click(planned, '.uav[data-uav="2"]');
+  await planned.until(`(${drawn}).split('M').length === 2`);
+  assert.equal(await lines(await open(browser, addressOf(base, {}, 1))), 0);
+  assert.deepEqual(planned.complaints, [], 'console errors');
+}
+
 async function fitsAPhone(page) {
   await page.call('Emulation.setDeviceMetricsOverride', { width: 360, height: 740, deviceScaleFactor: 1, mobile: true });
   const overflow = await page.evaluate('document.documentElement.scrollWidth - document.documentElement.clientWidth');
@@ -171,6 +185,7 @@ try {
     assert.deepEqual(page.complaints, [], 'console errors');
     assert.deepEqual(page.requests.filter((address) => !address.startsWith(base) && !address.startsWith('data:')), [], 'the page loads something');
   }
+  await plansAreDrawn(browser, served);
   if (pictures) {
     mkdirSync(pictures, { recursive: true });
     const page = await open(browser, addressOf(file, { preset: 'paper', set: { uav_count: 15, hotspot_count: 7 } }, 8));

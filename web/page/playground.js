@@ -11,6 +11,9 @@ const START = { preset: 'mission', set: {}, policy: 'teams', pilot: 'adaptive', 
 let mission = readMission() ?? structuredClone(START);
 let steering = false;
 let flying = null;
+/** For each UAV its planned trajectories: pairs of the first step and the cells from then on. */
+let plans = [];
+let planLines = null;
 
 fillChoices();
 listen();
@@ -121,10 +124,13 @@ async function fly(time = player.time) {
   if (again !== undefined) await fly(again);
 }
 
-function show({ episode: data, radar }, time) {
+function show({ episode: data, radar, plans: planned }, time) {
   const { uav, hotspot } = player.selection;
   if (uav >= data.header.config.uav_count || hotspot >= data.header.config.hotspot_count) player.selection = {};
   open(data);
+  plans = planned;
+  planLines = element($('stage'), 'path', { class: 'planned' });
+  $('stage').querySelector('.tails').after(planLines);
   $('footer').textContent = `jcas ${data.header.core_version}; configuration ${data.header.config_hash}. The address holds the whole mission. Press ? for the keys.`;
   document.title = `${data.header.policy}, N = ${data.header.config.uav_count}, n = ${data.header.config.hotspot_count}: jcas playground`;
   drawRadar(radar, data.header.config);
@@ -168,8 +174,25 @@ function drawRadar(radar, config) {
   $('radar').setAttribute('aria-label', text);
 }
 
+/** Draws what is planned from step t on, for the selected UAV or for all. */
+function drawPlans(t) {
+  const { grid_width: width, grid_height: height } = episode.config;
+  const { uav } = player.selection;
+  const centre = (cell) => {
+    const [x, y] = [cell % width + 0.5, height - Math.floor(cell / width) - 0.5];
+    return `${x * CELL} ${y * CELL}`;
+  };
+  const shown = uav === undefined ? plans : plans.slice(uav, uav + 1);
+  planLines?.setAttribute('d', shown.map((lines) => {
+    const line = lines.findLast(([first]) => first <= t);
+    const cells = line ? line[1].slice(t - line[0]) : [];
+    return cells.length > 1 ? `M${cells.map(centre).join('L')}` : '';
+  }).join(''));
+}
+
 function describeSelection(t) {
   const { uav } = player.selection;
+  drawPlans(t);
   if (steering && uav === undefined) takeControls(false);
   $('hash').textContent = t > 0 ? episode.frames[t].state_hash : episode.header.initial.state_hash;
   $('steer').disabled = uav === undefined;

@@ -10,6 +10,7 @@
 //! (`wasm.rs`). Behind `jcas play` the same function answers over the loopback interface.
 
 pub mod about;
+mod lines;
 pub mod mission;
 pub mod page;
 #[cfg(target_family = "wasm")]

@@ -10,6 +10,8 @@ use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use crate::lines::Lines;
+
 /// The largest number of UAVs, and of hotspots, that the page accepts.
 pub const MOST_UAVS: u32 = 400;
 /// The largest grid that the page draws.
@@ -43,7 +45,7 @@ pub struct Mission {
     config: Map<String, Value>,
     /// Name of a baseline, of a policy that plans or of a shipped policy.
     policy: String,
-    /// Pilot mode: a number, `min`, `mid`, `max` or `adaptive`.
+    /// Flyer mode: a number, `min`, `mid`, `max` or `adaptive`.
     pilot: String,
     /// Seed of the episode.
     seed: u32,
@@ -65,12 +67,27 @@ enum Deed {
     Ground { t: u32, uav: usize },
 }
 
+/// What flies the fleet: a policy that plans, whose plans are drawn, or another one.
+enum Flyer {
+    Planned(Planned),
+    Other(Box<dyn Policy>),
+}
+
+impl Flyer {
+    fn policy(&mut self) -> &mut dyn Policy {
+        match self {
+            Self::Planned(planned) => planned,
+            Self::Other(policy) => policy.as_mut(),
+        }
+    }
+}
+
 /// A recorder that writes the mission into a text.
 type Recorder<'m, 't> = EpisodeRecorder<'m, &'t mut Vec<u8>>;
 
 impl Mission {
     /// Runs the mission. Returns the episode in the replay page's form, the detection probability
-    /// over distance, and the hash of the last state.
+    /// over distance, the planned trajectories, and the hash of the last state.
     ///
     /// # Errors
     /// A message names the field, the value and the allowed values.
@@ -79,39 +96,40 @@ impl Mission {
             .map_err(|error| error.to_string())?;
         check_size(&config)?;
         let model = Model::new(config).map_err(|error| error.to_string())?;
-        let mut policy = self.policy(&model)?;
-        let trace = self.trace(&model, policy.as_mut())?;
+        let mut lines = Lines::new(model.uav_count(), config.horizon_steps);
+        let trace = self.trace(&model, self.pilot(&model)?, &mut lines)?;
         let last = trace.steps.last().map(|step| step.state_hash);
         let data = replay::data_of(&trace).map_err(|error| error.to_string())?;
         let hash = last.unwrap_or(trace.header.initial.state_hash);
         // The episode is long and already JSON, so it is not parsed to be written again.
         Ok(format!(
-            r#"{{"state_hash":"{hash}","radar":{},"episode":{data}}}"#,
-            radar(&model)
+            r#"{{"state_hash":"{hash}","radar":{},"plans":{},"episode":{data}}}"#,
+            radar(&model),
+            lines.to_json(trace.steps.len())
         ))
     }
 
-    fn policy(&self, model: &Model<'_>) -> Result<Box<dyn Policy>, String> {
+    fn pilot(&self, model: &Model<'_>) -> Result<Flyer, String> {
         if let Some((name, bytes)) = SHIPPED.iter().find(|(name, _)| *name == self.policy) {
             let trained = Trained::read(name, bytes).map_err(|error| error.to_string())?;
             trained.check(model).map_err(|error| error.to_string())?;
-            return Ok(Box::new(trained));
+            return Ok(Flyer::Other(Box::new(trained)));
         }
         if let Some(kind) = PlannedKind::named(&self.policy) {
-            return Ok(Box::new(planned(kind, model)?));
+            return Ok(Flyer::Planned(planned(kind, model)?));
         }
         let kind = BaselineKind::named(&self.policy).map_err(|error| error.to_string())?;
         let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
         let baseline = kind
             .build(model, pilot)
             .map_err(|error| error.to_string())?;
-        Ok(Box::new(baseline))
+        Ok(Flyer::Other(Box::new(baseline)))
     }
 
-    fn trace(&self, model: &Model<'_>, policy: &mut dyn Policy) -> Result<Trace, String> {
+    fn trace(&self, model: &Model<'_>, pilot: Flyer, lines: &mut Lines) -> Result<Trace, String> {
         self.check_deeds(model)?;
         let mut text = Vec::new();
-        let flown = self.record(model, policy, &mut text);
+        let flown = self.record(model, pilot, lines, &mut text);
         flown
             .and_then(|()| trace::read(text.as_slice()))
             .map_err(|error| error.to_string())
@@ -120,12 +138,14 @@ impl Mission {
     fn record(
         &self,
         model: &Model<'_>,
-        policy: &mut dyn Policy,
+        mut pilot: Flyer,
+        lines: &mut Lines,
         text: &mut Vec<u8>,
     ) -> Result<(), TraceError> {
         let seed = derive_seed(u64::from(self.seed), 0);
-        let pilot = policy.pilot().to_string();
-        let mut episode = EpisodeRecorder::begin(model, seed, (policy.name(), &pilot), text)?;
+        let policy = pilot.policy();
+        let density = policy.pilot().to_string();
+        let mut episode = EpisodeRecorder::begin(model, seed, (policy.name(), &density), text)?;
         policy.reset(model, seed);
         self.place(&mut episode)?;
         let mut actions = vec![0.0; model.action_len()];
@@ -137,7 +157,10 @@ impl Mission {
             for deed in deeds() {
                 deed.change(&mut episode)?;
             }
-            episode.ask(policy, &mut actions);
+            episode.ask(pilot.policy(), &mut actions);
+            if let Flyer::Planned(planned) = &pilot {
+                lines.record(planned, t - 1);
+            }
             for deed in deeds() {
                 deed.steer(&mut actions);
             }
@@ -325,6 +348,7 @@ mod tests {
             let flown = fly(&question);
             assert_eq!(flown["episode"]["header"]["policy"], policy, "{flown}");
             assert_eq!(last_hash(&flown), last_hash(&fly(&question)));
+            assert_flown_as_planned(&flown);
             question["config"]["uav_count"] = json!(100);
             let refused = fly(&question);
             let reason = refused["error"].as_str().unwrap();
@@ -333,6 +357,24 @@ mod tests {
                 "{reason}"
             );
         }
+    }
+
+    /// Each UAV is where its last plan says. An answer to a script has no plans.
+    fn assert_flown_as_planned(flown: &Value) {
+        let steps = flown["episode"]["steps"].as_array().unwrap();
+        for (uav, lines) in flown["plans"].as_array().unwrap().iter().enumerate() {
+            for (t, step) in steps.iter().enumerate() {
+                let lines = lines.as_array().unwrap();
+                let first = |line: &&Value| line[0].as_u64().unwrap() as usize;
+                let line = lines.iter().rfind(|line| first(line) <= t).unwrap();
+                let cell = &line[1][t + 1 - first(&line)];
+                let at = &step["positions"][uav];
+                let index = at[0].as_u64().unwrap() + 12 * at[1].as_u64().unwrap();
+                assert_eq!(cell.as_u64(), Some(index), "UAV {uav}, step {}", t + 1);
+            }
+        }
+        let script = fly(&mission(json!([])));
+        assert_eq!(script["plans"], json!([[], [], [], [], [], []]));
     }
 
     #[test]
