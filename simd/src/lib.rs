@@ -8,7 +8,7 @@
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Model, Scratch};
-use jcas_policy::network::{Operands, Product};
+use jcas_policy::network::Product;
 
 /// An instruction set that the code is compiled for and that this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,7 +146,7 @@ macro_rules! compile_for {
         /// # Safety
         #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
         #[target_feature(enable = $features)]
-        unsafe fn $multiply(operands: Operands<'_>) {
+        unsafe fn $multiply(operands: jcas_policy::network::Operands<'_>) {
             operands.multiply_here::<64>();
         }
     };

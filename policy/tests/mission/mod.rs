@@ -1,6 +1,6 @@
 //! Episodes of shipped policies, and the hash of all actions of each, which is the same on every
 //! platform. The tests of this crate run them, and so do those of jcas-simd with each instruction
-//! set. `tests/portable` runs them on AArch64 and wasm32.
+//! set. `tests/portable` runs them on other processors.
 
 use jcas_core::hash::Fnv1a;
 use jcas_core::{Config, Model, Preset, Sim};

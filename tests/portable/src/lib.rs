@@ -1,6 +1,6 @@
 //! Replays every golden trace and compares each field of each step, with the hashes of states and
-//! observations. It also runs shipped policies. The bits are the same on x86-64, AArch64 and
-//! wasm32.
+//! observations. It also runs shipped policies. The bits are the same on x86-64, AArch64,
+//! ARMv7, s390x and wasm32.
 
 #[cfg(target_family = "wasm")]
 mod wasm;
