@@ -40,7 +40,8 @@ macro_rules! configuration {
             $(
                 $(#[doc = $doc])+
                 #[doc = concat!(
-                    "\n\nUnit: ", $unit, ". Legal: ", stringify!($low), " to ", stringify!($high), "."
+                    "\n\nUnit: ", $unit,
+                    ". Legal: ", stringify!($low), " to ", stringify!($high), "."
                 )]
                 pub $name: $type,
             )+
@@ -81,8 +82,8 @@ macro_rules! configuration {
                 [ $( self.$name.field_value(), )+ ]
             }
 
-            /// Replaces the field at an index of [`Config::FIELDS`]. Returns `false` if the value has
-            /// another type.
+            /// Replaces the field at an index of [`Config::FIELDS`]. Returns `false` if the value
+            /// has another type.
             #[cfg(feature = "text")]
             pub(crate) fn set_value(&mut self, index: usize, value: &text::TextValue<'_>) -> bool {
                 let mut _position = 0;
@@ -153,7 +154,8 @@ configuration! { $
     logistic_slope_per_db: f64 = 0.25, "1/dB", 0..=10;
     /// Distances below this count as this, for radar and link (R_min); half a cell where absent.
     range_min_m: Option<f64> = None, "m", 0.001..=1e6;
-    /// Range resolution (δ) in the penalty 10 log10(1 + δ/R); c/(2B) where absent, 0 for no penalty.
+    /// Range resolution (δ) in the penalty 10 log10(1 + δ/R). Where absent: c/(2B). 0 stands for
+    /// no penalty.
     range_resolution_m: Option<f64> = None, "m", 0..=1e6;
     /// Lowest pilot density (ρ_min).
     pilot_density_min: f64 = 0.01, "fraction", 0..=1;
@@ -173,7 +175,8 @@ configuration! { $
     step_duration_s: f64 = 10.0, "s", 0.001..=86400;
     /// Battery capacity (B_max).
     battery_capacity_kwh: f64 = 0.20, "kWh", 1e-6..=100;
-    /// A battery below this at the start of a step sends the UAV to the nearest depot; 0 turns it off.
+    /// A battery below this at the start of a step sends the UAV to the nearest depot. 0 turns the
+    /// rule off.
     rtb_threshold_kwh: f64 = 0.04, "kWh", 0..=100;
     /// Charging power at a depot (r_ch).
     charge_power_kw: f64 = 0.30, "kW", 0..=10000;
@@ -191,7 +194,8 @@ configuration! { $
     carbon_intensity_min_kg_per_kwh: f64 = 0.25, "kg/kWh", 0..=10;
     /// Highest carbon intensity of grid energy.
     carbon_intensity_max_kg_per_kwh: f64 = 0.40, "kg/kWh", 0..=10;
-    /// What charging bills: `accepted` (what the battery took) or `nameplate` (r_ch, the paper's letter).
+    /// What charging bills: `accepted` (what the battery took) or `nameplate` (r_ch, the paper's
+    /// letter).
     charge_billing: ChargeBilling = ChargeBilling::Accepted, "accepted | nameplate", 0..=1;
 
     /// Reward of a confirmation (α_det).
@@ -223,7 +227,8 @@ configuration! { $
     /// Weight of the carbon-aware charging potential (w_c).
     shaping_charge_weight: f64 = 0.1, "reward", 0..=1e6;
 
-    /// Whether each UAV keeps a map of the cells that it knows to have been looked at: `off` or `shared`.
+    /// Whether each UAV keeps a map of the cells that it knows to have been looked at: `off` or
+    /// `shared`.
     search_maps: SearchMaps = SearchMaps::Off, "off | shared", 0..=1;
     /// A UAV has looked at the cells whose centre is at most this far from its own.
     search_map_radius_m: f64 = 100.0, "m", 0..=1e6;
@@ -233,10 +238,11 @@ configuration! { $
     map_directions: MapDirections = MapDirections::Off, "off | shown", 0..=1;
     /// What tells UAVs in one cell apart: nothing (`off`) or its `index`.
     uav_tag: UavTag = UavTag::Off, "off | index", 0..=1;
-    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid (w_u); from 1
-    /// on a confirmation never lowers it.
+    /// Weight of each unconfirmed hotspot in the potential of w_g (w_u), in longest ways over the
+    /// grid. From 1 on, a confirmation never lowers the potential.
     shaping_unconfirmed_weight: f64 = 1.0, "longest ways", 0..=1000;
-    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an explicit one wins.
+    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty. An
+    /// explicit threshold takes precedence.
     sensing_range_m: Option<f64> = None, "m", 0.001..=1e6;
 
     /// What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or

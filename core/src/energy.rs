@@ -277,7 +277,9 @@ impl Settlement {
 
 /// Spends first, then charges: b(t+1) = min(B_max, b(t) - e(t) + χ r_ch), never below 0.
 #[cfg_attr(kani, kani::requires(battery_uj <= capacity_uj && capacity_uj <= 1 << 62))]
-#[cfg_attr(kani, kani::ensures(|after| after.balances(battery_uj, asked_uj, offered_uj, capacity_uj)))]
+#[cfg_attr(kani, kani::ensures(
+    |after| after.balances(battery_uj, asked_uj, offered_uj, capacity_uj)
+))]
 #[inline(always)]
 #[must_use]
 pub fn settle(battery_uj: u64, asked_uj: u64, offered_uj: u64, capacity_uj: u64) -> Settlement {

@@ -161,7 +161,8 @@ impl fmt::Display for Error {
                 got,
             } => write!(out, "{what} has {got} elements: must have {expected}"),
             Self::ModelMismatch => out.write_str(
-                "the state was never reset or belongs to another configuration: reset it with this model",
+                "the state was never reset or belongs to another configuration: \
+                 reset it with this model",
             ),
             Self::ScratchTooSmall { words_min, words } => write!(
                 out,

@@ -421,8 +421,8 @@ impl<'m> Model<'m> {
 
     /// Probability in [0, 1] that a UAV detects a hotspot in one step (p_ij).
     ///
-    /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of the
-    /// grid have. `pilot_density` is a fraction of the waveform in [0, 1].
+    /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of
+    /// the grid have. `pilot_density` is a fraction of the waveform in [0, 1].
     #[must_use]
     pub fn detection_probability(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
         let Some(offset) = self.offset(dx, dy) else {
@@ -434,8 +434,8 @@ impl<'m> Model<'m> {
 
     /// Normalised throughput from one UAV to another (η_ij), without a unit.
     ///
-    /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of the
-    /// grid have. `pilot_density` is the sender's, a fraction of the waveform in [0, 1].
+    /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of
+    /// the grid have. `pilot_density` is the sender's, a fraction of the waveform in [0, 1].
     #[must_use]
     pub fn link_throughput(&self, dx: u32, dy: u32, pilot_density: f64) -> f64 {
         let Some(offset) = self.offset(dx, dy) else {

@@ -52,7 +52,10 @@ macro_rules! state {
         impl<'a> StateRef<'a> {
             pub(crate) fn split(layout: Layout, words: &'a [u64]) -> Self {
                 let (header, _rest) = words.split_at(header::WORDS);
-                $( let (one, _rest) = _rest.split_at(length(&layout, $length)); let $name = one; )+
+                $(
+                    let (one, _rest) = _rest.split_at(length(&layout, $length));
+                    let $name = one;
+                )+
                 Self { header: HeaderRef(header), $( $name, )+ layout }
             }
         }
@@ -60,14 +63,21 @@ macro_rules! state {
         impl<'a> StateMut<'a> {
             pub(crate) fn split(layout: Layout, words: &'a mut [u64]) -> Self {
                 let (header, _rest) = words.split_at_mut(header::WORDS);
-                $( let (one, _rest) = _rest.split_at_mut(length(&layout, $length)); let $name = one; )+
+                $(
+                    let (one, _rest) = _rest.split_at_mut(length(&layout, $length));
+                    let $name = one;
+                )+
                 Self { header: HeaderMut(header), $( $name, )+ layout }
             }
 
             /// A read-only view of the same state.
             #[must_use]
             pub fn as_ref(&self) -> StateRef<'_> {
-                StateRef { header: self.header.as_ref(), $( $name: &*self.$name, )+ layout: self.layout }
+                StateRef {
+                    header: self.header.as_ref(),
+                    $( $name: &*self.$name, )+
+                    layout: self.layout,
+                }
             }
         }
     };

@@ -171,8 +171,8 @@ pub struct jcas_config {
     pub step_duration_s: f64,
     /// Battery capacity (B_max). [kWh, 1e-6 to 100; default 0.20]
     pub battery_capacity_kwh: f64,
-    /// A battery below this at the start of a step sends the UAV to the nearest depot; 0 turns it
-    /// off. [kWh, 0 to 100; default 0.04]
+    /// A battery below this at the start of a step sends the UAV to the nearest depot. 0 turns the
+    /// rule off. [kWh, 0 to 100; default 0.04]
     pub rtb_threshold_kwh: f64,
     /// Charging power at a depot (r_ch). [kW, 0 to 10000; default 0.30]
     pub charge_power_kw: f64,
@@ -237,12 +237,13 @@ pub struct jcas_config {
     pub map_directions: i32,
     /// What tells UAVs in one cell apart: JCAS_TAG_OFF (default) or JCAS_TAG_INDEX.
     pub uav_tag: i32,
-    /// Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid
-    /// (w_u); from 1 on a confirmation never lowers it. [longest ways, 0 to 1000; default 1]
+    /// Weight of each unconfirmed hotspot in the potential of w_g (w_u), in longest ways over the
+    /// grid. From 1 on, a confirmation never lowers the potential. [longest ways, 0 to 1000;
+    /// default 1]
     pub shaping_unconfirmed_weight: f64,
-    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an
-    /// explicit detection_threshold_db wins; JCAS_DERIVED: by Albersheim's equation. [m, 0.001 to
-    /// 1e6; default JCAS_DERIVED]
+    /// The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty. An
+    /// explicit detection_threshold_db takes precedence. JCAS_DERIVED: Albersheim's equation gives
+    /// the threshold. [m, 0.001 to 1e6; default JCAS_DERIVED]
     pub sensing_range_m: f64,
     /// What the pilot density adds to the sensing SNR: JCAS_PILOT_GAIN_NONE (default) or
     /// JCAS_PILOT_GAIN_COHERENT.

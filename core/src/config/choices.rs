@@ -27,7 +27,11 @@ macro_rules! choice {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub enum $name {
-            $( $(#[$variant_meta])* #[cfg_attr(feature = "serde", serde(rename = $text))] $variant, )+
+            $(
+                $(#[$variant_meta])*
+                #[cfg_attr(feature = "serde", serde(rename = $text))]
+                $variant,
+            )+
         }
 
         impl $name {

@@ -69,8 +69,8 @@ class Fields(TypedDict, total=False):
     """Distances below this count as this, for radar and link (R_min); half a cell where absent.
     0.001 to 1e+06 m."""
     range_resolution_m: float | None
-    """Range resolution (δ) in the penalty 10 log10(1 + δ/R); c/(2B) where absent, 0 for no
-    penalty. 0 to 1e+06 m."""
+    """Range resolution (δ) in the penalty 10 log10(1 + δ/R). Where absent: c/(2B). 0 stands for
+    no penalty. 0 to 1e+06 m."""
     pilot_density_min: float | None
     """Lowest pilot density (ρ_min). 0 to 1 fraction."""
     pilot_density_max: float | None
@@ -88,8 +88,8 @@ class Fields(TypedDict, total=False):
     battery_capacity_kwh: float | None
     """Battery capacity (B_max). 1e-06 to 100 kWh."""
     rtb_threshold_kwh: float | None
-    """A battery below this at the start of a step sends the UAV to the nearest depot; 0 turns it
-    off. 0 to 100 kWh."""
+    """A battery below this at the start of a step sends the UAV to the nearest depot. 0 turns
+    the rule off. 0 to 100 kWh."""
     charge_power_kw: float | None
     """Charging power at a depot (r_ch). 0 to 10000 kW."""
     move_energy_kwh: float | None
@@ -152,11 +152,11 @@ class Fields(TypedDict, total=False):
     uav_tag: Literal["off", "index"] | None
     """What tells UAVs in one cell apart: nothing (`off`) or its `index`. One of off, index."""
     shaping_unconfirmed_weight: float | None
-    """Weight of each unconfirmed hotspot in the potential of w_g, in longest ways over the grid
-    (w_u); from 1 on a confirmation never lowers it. 0 to 1000 longest ways."""
+    """Weight of each unconfirmed hotspot in the potential of w_g (w_u), in longest ways over the
+    grid. From 1 on, a confirmation never lowers the potential. 0 to 1000 longest ways."""
     sensing_range_m: float | None
-    """The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty; an
-    explicit one wins. 0.001 to 1e+06 m."""
+    """The threshold (γ_det) is the sensing SNR at this distance, before the load's penalty. An
+    explicit threshold takes precedence. 0.001 to 1e+06 m."""
     pilot_gain: Literal["none", "coherent"] | None
     """What the pilot density adds to the sensing SNR: nothing (`none`, the paper) or 10
     log10(ρ/ρ_max) (`coherent`). One of none, coherent."""
