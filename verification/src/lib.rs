@@ -2,8 +2,8 @@
 //!
 //! [`specification`] is the model written a second time, as plainly as possible. [`sampling`] draws
 //! configurations and actions that reach its corner cases. [`comparison`] finds differences between
-//! a state of the kernel and the specification's world. [`mission`] runs whole episodes in both, and
-//! [`machine`] makes random sequences of every public call. `proofs.toml` beside this crate's
+//! a state of the kernel and the specification's world. [`mission`] runs whole episodes in both,
+//! and [`machine`] makes random sequences of every public call. `proofs.toml` beside this crate's
 //! sources lists what Kani proves. `ASSUMPTIONS.md` lists what those proofs assume.
 
 // The specification indexes as its equations do.

@@ -8,8 +8,8 @@ use jcas_verification::specification::{Specification, World};
 /// Missions flown, each with a configuration of its own.
 const MISSIONS: u64 = 500;
 
-/// Whether numbers are the mean of others up to rounding. The rounding is relative to the largest of
-/// them, and to the potentials whose difference a shaping term is.
+/// Whether numbers are the mean of others up to rounding. The rounding is relative to the largest
+/// of them, and to the potentials whose difference a shaping term is.
 fn is_mean(what: &str, mean: f64, parts: &[f64], potential: f64) -> Result<(), String> {
     let mut scale = 1.0 + potential.abs();
     for part in parts {

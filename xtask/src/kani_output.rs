@@ -263,8 +263,8 @@ Complete - 1 successfully verified harnesses, 0 failures, 1 total.
 Checking harness proofs::energy::the_ledger_balances...
 CBMC failed
 VERIFICATION:- FAILED
-CBMC timed out. You may want to rerun your proof with a larger timeout or use stubbing to reduce the size \
-of the code the verifier reasons about.
+CBMC timed out. You may want to rerun your proof with a larger timeout or use stubbing to \
+reduce the size of the code the verifier reasons about.
 
 Manual Harness Summary:
 Verification failed for - proofs::energy::the_ledger_balances

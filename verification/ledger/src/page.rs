@@ -124,7 +124,8 @@ mod tests {
         let row = |name: &str| {
             format!(
                 "[[proof]]\nid = \"P1\"\npackage = \"a\"\n\
-                 harness = \"proofs::m::{name}\"\nclaim = \"c\"\nbound = \"b\"\nassumptions = []\ncovers = 2\n\
+                 harness = \"proofs::m::{name}\"\nclaim = \"c\"\nbound = \"b\"\n\
+                 assumptions = []\ncovers = 2\n\
                  [proof.mutant]\nfile = \"f\"\nfind = \"x\"\nreplace = \"y\"\n"
             )
         };

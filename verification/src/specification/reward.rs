@@ -52,8 +52,8 @@ impl Rewards {
 /// Quantities of a step that the world after the step does not hold.
 #[derive(Clone, Debug, Default)]
 pub struct StepFacts {
-    /// Whether each UAV was the first ever in its cell. Of several UAVs in one step, the one with the
-    /// lowest index counts.
+    /// Whether each UAV was the first ever in its cell. Of several UAVs in one step, the one with
+    /// the lowest index counts.
     pub first_visits: Vec<bool>,
     /// Whether each UAV moved into a cell visited before this step.
     pub revisits: Vec<bool>,
@@ -111,8 +111,8 @@ impl Specification {
         }
     }
 
-    /// Returns the terms of R_i. A term that the team's reward sums over UAVs is the UAV's part times
-    /// N. A term that is a mean over UAVs is the UAV's own value. The others are the team's.
+    /// Returns the terms of R_i. A term that the team's reward sums over UAVs is the UAV's part
+    /// times N. A term that is a mean over UAVs is the UAV's own value. The others are the team's.
     pub(super) fn uav_reward(
         &self,
         world: &World,

@@ -4,7 +4,8 @@ use super::{Position, Specification, World, fraction};
 use jcas_core::{MapDirections, SearchMaps, UavTag};
 
 impl Specification {
-    /// Adds the cells within the radius to the map of each UAV that is not grounded, after the move.
+    /// Adds the cells within the radius to the map of each UAV that is not grounded, after the
+    /// move.
     pub(super) fn look_around(&self, world: &mut World) {
         if self.config.search_maps == SearchMaps::Off {
             return;

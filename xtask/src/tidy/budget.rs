@@ -30,8 +30,8 @@ impl Budget {
 
     pub fn write(&self, root: &Path) -> Result<(), String> {
         let text = toml::to_string(self).map_err(|error| error.to_string())?;
-        let head = "# Findings of `cargo xtask tidy` that are accepted. Its `--bless` writes them anew,\n\
-                    # and never raises the sum of a rule.\n\n";
+        let head = "# Findings of `cargo xtask tidy` that are accepted. Its `--bless` writes\n\
+                    # them anew, and never raises the sum of a rule.\n\n";
         jcas_ledger::write(&root.join(PATH), &format!("{head}{text}"))
     }
 
