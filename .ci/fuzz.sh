@@ -22,6 +22,7 @@ target() {
     # A policy is read with its weights.
     [[ $name != policy ]] || longest=140000
     [[ $name != trace ]] || longest=65536
+    [[ $name != plan ]] || longest=16384
     local folders=("${FUZZ_CORPUS:-$found}/$name" "fuzz/corpus/$name")
     mkdir -p "${folders[0]}"
     [[ $name != policy ]] || folders+=(policies/fleet)

@@ -156,27 +156,8 @@ impl PlanFile {
                 flown,
             });
         }
+        let steps = self.steps(model)?;
         let config = model.config();
-        let steps = self.uavs.first().map_or(0, |uav| uav.pilot_density.len());
-        let fits = |uav: &Trajectory| {
-            uav.cells.len() == steps + 1
-                && uav.pilot_density.len() == steps
-                && uav.cells[0] == model.depots()[0]
-                && uav
-                    .cells
-                    .windows(2)
-                    .all(|pair| pair[0].manhattan(pair[1]) <= 1)
-                && uav
-                    .cells
-                    .iter()
-                    .all(|cell| cell.x < config.grid_width && cell.y < config.grid_height)
-        };
-        if self.uavs.len() != model.uav_count() || !self.uavs.iter().all(fits) {
-            return Err(PlanFileError::Content(
-                "uavs: must be one trajectory for each UAV, from the depot, over cells of the grid \
-                 that are neighbours",
-            ));
-        }
         let mut densities: Vec<f64> = Vec::new();
         let start = config.grid_width * model.depots()[0].y + model.depots()[0].x;
         let mut paths = Paths::hovering(&vec![start; self.uavs.len()], steps, 0);
@@ -217,10 +198,40 @@ impl PlanFile {
             bound_steps: self.bound_steps,
         })
     }
+
+    /// Returns the number of steps, if the trajectories fit the fleet of a model.
+    fn steps(&self, model: &Model<'_>) -> Result<usize, PlanFileError> {
+        let config = model.config();
+        let steps = self.uavs.first().map_or(0, |uav| uav.pilot_density.len());
+        let fits = |uav: &Trajectory| {
+            uav.cells.len() == steps + 1
+                && uav.pilot_density.len() == steps
+                && uav.cells[0] == model.depots()[0]
+                && uav
+                    .cells
+                    .windows(2)
+                    .all(|pair| pair[0].manhattan(pair[1]) <= 1)
+                && uav
+                    .cells
+                    .iter()
+                    .all(|cell| cell.x < config.grid_width && cell.y < config.grid_height)
+        };
+        if self.uavs.len() != model.uav_count() || !self.uavs.iter().all(fits) {
+            return Err(PlanFileError::Content(
+                "uavs: must be one trajectory for each UAV, from the depot, over cells of the grid \
+                 that are neighbours",
+            ));
+        }
+        if steps == 0 {
+            return Err(PlanFileError::Content("uavs: must have at least one step"));
+        }
+        Ok(steps)
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use alloc::string::ToString;
     use core::ops::ControlFlow;
 
     use jcas_core::Preset;
@@ -263,5 +274,22 @@ mod tests {
         let mut torn = file;
         torn.uavs[2].cells[7] = Cell { x: 0, y: 0 };
         assert!(matches!(torn.plan(&model), Err(PlanFileError::Content(_))));
+    }
+
+    #[test]
+    fn trajectories_without_a_step_are_refused() {
+        let model = Model::new(Config::preset(Preset::Search)).unwrap();
+        let settings = Settings {
+            iterations: 0,
+            seed: 1,
+        };
+        let plan = search(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        let mut file = PlanFile::new(&model, &plan, None);
+        for uav in &mut file.uavs {
+            uav.cells.truncate(1);
+            uav.pilot_density.clear();
+        }
+        let error = file.plan(&model).unwrap_err().to_string();
+        assert!(error.contains("at least one step"), "{error}");
     }
 }
