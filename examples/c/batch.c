@@ -86,7 +86,8 @@ int main(int argc, char **argv)
 
     for (uint32_t m = 0; m < environments; m++)
         seeds[m] = m;
-    stop_on(jcas_batch_reset(batch, seeds, environments, out.observations, observed, NULL, 0), "reset");
+    stop_on(jcas_batch_reset(batch, seeds, environments, out.observations, observed, NULL, 0),
+            "reset");
 
     unsigned episodes = 0;
     double confirmed = 0, energy_kwh = 0;

@@ -20,7 +20,8 @@
 enum { N = 8, HOTSPOTS = 3 };
 static const double CELL_M = 50, SPEED_M_PER_STEP = 45, RADIO_RANGE_M = 130;
 
-static _Alignas(16) unsigned char model_arena[64 * 1024], sim_arena[64 * 1024], trace_arena[64 * 1024];
+static _Alignas(16) unsigned char model_arena[64 * 1024], sim_arena[64 * 1024],
+    trace_arena[64 * 1024];
 
 struct aircraft {
     double x_m, y_m;
@@ -128,8 +129,8 @@ int main(int argc, char **argv)
     jcas_metrics metrics = {.struct_size = sizeof metrics};
     stop_on(jcas_sim_get_metrics(sim, &metrics), "metrics");
     printf("%s after %u steps: %u of %d hotspots confirmed, %u known to all, %llu moves, %.3f kWh\n",
-           metrics.terminated ? "complete" : "at the horizon", metrics.steps, metrics.confirmed, HOTSPOTS,
-           metrics.informed, (unsigned long long)metrics.moves, metrics.energy_kwh);
+           metrics.terminated ? "complete" : "at the horizon", metrics.steps, metrics.confirmed,
+           HOTSPOTS, metrics.informed, (unsigned long long)metrics.moves, metrics.energy_kwh);
     stop_on(jcas_sim_free(sim), "end of simulation");
     stop_on(jcas_model_free(model), "end of model");
     return 0;

@@ -39,8 +39,9 @@ int main(int argc, char **argv)
 
     FILE *file = fopen(name, "rb");
     size_t length = file ? fread(bytes, 1, sizeof bytes, file) : 0;
-    int32_t status = file ? jcas_policy_load(model, bytes, length, &policy, message, sizeof message)
-                          : jcas_policy_baseline(model, name, NULL, &policy, message, sizeof message);
+    int32_t status =
+        file ? jcas_policy_load(model, bytes, length, &policy, message, sizeof message)
+             : jcas_policy_baseline(model, name, NULL, &policy, message, sizeof message);
     if (file)
         fclose(file);
     if (status != JCAS_OK) {
@@ -53,14 +54,15 @@ int main(int argc, char **argv)
     if (jcas_sim_reset(sim, jcas_derive_seed(1, 0)) != JCAS_OK)
         return 1;
     while (!outcome.terminated && !outcome.truncated)
-        if (jcas_policy_act(policy, sim, actions, 2 * N) || jcas_sim_step(sim, actions, 2 * N, &outcome))
+        if (jcas_policy_act(policy, sim, actions, 2 * N) ||
+            jcas_sim_step(sim, actions, 2 * N, &outcome))
             return 1;
 
     jcas_metrics metrics = {.struct_size = sizeof metrics};
     uint64_t hash;
     if (jcas_sim_get_metrics(sim, &metrics) || jcas_sim_hash(sim, &hash))
         return 1;
-    printf("%u of %d hotspots known to all after %u steps, state 0x%016" PRIx64 "\n", metrics.informed,
-           HOTSPOTS, metrics.steps, hash);
+    printf("%u of %d hotspots known to all after %u steps, state 0x%016" PRIx64 "\n",
+           metrics.informed, HOTSPOTS, metrics.steps, hash);
     return jcas_policy_free(policy) || jcas_sim_free(sim) || jcas_model_free(model);
 }

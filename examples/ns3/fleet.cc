@@ -63,8 +63,8 @@ private:
     void BeginStep();
     void EndStep();
     void Beacon(std::uint32_t uav);
-    bool Receive(ns3::Ptr<ns3::NetDevice> device, ns3::Ptr<const ns3::Packet> packet, std::uint16_t protocol,
-                 const ns3::Address &from);
+    bool Receive(ns3::Ptr<ns3::NetDevice> device, ns3::Ptr<const ns3::Packet> packet,
+                 std::uint16_t protocol, const ns3::Address &from);
     std::size_t IndexOf(const ns3::Address &address) const;
     jcas_cell Target(const jcas_uav &uav, float direction) const;
     jcas_cell CellOf(std::uint32_t uav) const;
@@ -111,7 +111,9 @@ Mission::Mission(const Options &options, bool wifi_links)
 {
     if (m_wifi_links && !options.trace.empty()) {
         m_trace.open(options.trace, std::ios::binary);
-        auto write = [this](std::string_view bytes) { return !!m_trace.write(bytes.data(), bytes.size()); };
+        auto write = [this](std::string_view bytes) {
+            return !!m_trace.write(bytes.data(), bytes.size());
+        };
         m_sim.record(options.seed, write, options.policy, "ns-3").check();
     } else {
         m_sim.reset(options.seed).check();
@@ -170,7 +172,8 @@ void Mission::BeginStep()
     const std::vector<jcas_uav> uavs = m_sim.uavs();
     for (std::uint32_t i = 0; i < m_config.uav_count; i++) {
         Steer(i, Target(uavs[i], m_actions[2 * i]));
-        ns3::Simulator::Schedule(ns3::Seconds(BEACON_AT_S + BEACON_SPACING_S * i), &Mission::Beacon, this, i);
+        ns3::Simulator::Schedule(ns3::Seconds(BEACON_AT_S + BEACON_SPACING_S * i), &Mission::Beacon,
+                                 this, i);
     }
     ns3::Simulator::Schedule(ns3::Seconds(STEP_S), &Mission::EndStep, this);
 }
@@ -206,12 +209,12 @@ void Mission::EndStep()
 void Mission::Beacon(std::uint32_t uav)
 {
     m_beacons++;
-    m_devices.Get(uav)->Send(ns3::Create<ns3::Packet>(BEACON_BYTES), ns3::Mac48Address::GetBroadcast(),
-                             PROTOCOL);
+    m_devices.Get(uav)->Send(ns3::Create<ns3::Packet>(BEACON_BYTES),
+                             ns3::Mac48Address::GetBroadcast(), PROTOCOL);
 }
 
-bool Mission::Receive(ns3::Ptr<ns3::NetDevice> device, ns3::Ptr<const ns3::Packet>, std::uint16_t protocol,
-                      const ns3::Address &from)
+bool Mission::Receive(ns3::Ptr<ns3::NetDevice> device, ns3::Ptr<const ns3::Packet>,
+                      std::uint16_t protocol, const ns3::Address &from)
 {
     if (protocol != PROTOCOL)
         return false;
@@ -261,13 +264,14 @@ void Mission::Steer(std::uint32_t uav, jcas_cell target)
     model->SetVelocity(ns3::Vector(dx * scale, dy * scale, 0));
 }
 
-void Print(const char *links, const Mission &mission, const jcas_metrics &metrics, std::uint32_t hotspots)
+void Print(const char *links, const Mission &mission, const jcas_metrics &metrics,
+           std::uint32_t hotspots)
 {
-    std::printf("%-18s %-14s steps %3u  confirmed %u/%u  known to all %u/%u  links %5.1f  energy %.3f kWh  "
+    std::printf("%-16s %-8s  steps %3u  confirmed %u/%u  known %u/%u  links %4.1f  %.3f kWh  "
                 "return %.2f\n",
-                links, metrics.terminated ? "complete" : "at the horizon", metrics.steps, metrics.confirmed,
-                hotspots, metrics.informed, hotspots, mission.MeanLinks(), metrics.energy_kwh,
-                metrics.return_sum);
+                links, metrics.terminated ? "complete" : "horizon", metrics.steps,
+                metrics.confirmed, hotspots, metrics.informed, hotspots, mission.MeanLinks(),
+                metrics.energy_kwh, metrics.return_sum);
 }
 
 } // namespace
@@ -277,7 +281,8 @@ int main(int argc, char **argv)
     Options options;
     ns3::CommandLine command_line(__FILE__);
     command_line.AddValue("preset", "mission, paper or search", options.preset);
-    command_line.AddValue("policy", "file of a trained policy, or name of a baseline", options.policy);
+    command_line.AddValue("policy", "file of a trained policy, or name of a baseline",
+                          options.policy);
     command_line.AddValue("uavs", "UAVs in the fleet", options.uavs);
     command_line.AddValue("hotspots", "hotspots to find", options.hotspots);
     command_line.AddValue("seed", "seed of the mission", options.seed);
