@@ -57,10 +57,12 @@ public:
     constexpr span(T (&array)[Count]) noexcept : data_(array), size_(Count) {}
     /// Views any container with data() and size(). A temporary container can only be read.
     template <class Container,
-              class = std::enable_if_t<!std::is_same_v<std::decay_t<Container>, span> &&
-                                       (std::is_const_v<T> || std::is_lvalue_reference_v<Container>) &&
-                                       std::is_convertible_v<decltype(std::declval<Container &>().data()), T *>>>
-    constexpr span(Container &&container) noexcept : data_(container.data()), size_(container.size())
+              class = std::enable_if_t<
+                  !std::is_same_v<std::decay_t<Container>, span> &&
+                  (std::is_const_v<T> || std::is_lvalue_reference_v<Container>) &&
+                  std::is_convertible_v<decltype(std::declval<Container &>().data()), T *>>>
+    constexpr span(Container &&container) noexcept
+        : data_(container.data()), size_(container.size())
     {
     }
 
@@ -150,7 +152,9 @@ template <class T>
 class [[nodiscard]] result {
 public:
     result(T value) : value_(std::move(value)) {}
-    result(std::int32_t code, std::string message = {}) : code_(code), message_(std::move(message)) {}
+    result(std::int32_t code, std::string message = {}) : code_(code), message_(std::move(message))
+    {
+    }
 
     explicit operator bool() const noexcept { return value_.has_value(); }
     std::int32_t code() const noexcept { return code_; }
@@ -184,7 +188,8 @@ inline jcas_config configuration()
 }
 
 namespace detail {
-using parser = std::int32_t(const char *, std::size_t, jcas_config *, std::size_t, char *, std::size_t);
+using parser = std::int32_t(const char *, std::size_t, jcas_config *, std::size_t, char *,
+                            std::size_t);
 
 inline result<jcas_config> parse(parser *parse, std::string_view text)
 {
@@ -292,7 +297,10 @@ public:
         return jcas_sim_set_positions(get(), cells.data(), cells.size());
     }
     status ground(std::uint32_t uav) { return jcas_sim_ground(get(), uav); }
-    status confirm_hotspot(std::uint32_t hotspot) { return jcas_sim_confirm_hotspot(get(), hotspot); }
+    status confirm_hotspot(std::uint32_t hotspot)
+    {
+        return jcas_sim_confirm_hotspot(get(), hotspot);
+    }
     status step_sense() { return jcas_sim_step_sense(get()); }
     status step_sense_with(span<const std::uint8_t> detections)
     {
@@ -466,8 +474,8 @@ public:
         detail::certain(jcas_trace_layout(model_, &size, &alignment));
         std::vector<std::uint64_t> memory(size / sizeof(std::uint64_t));
         char message[512] = "";
-        const std::int32_t code = jcas_trace_verify(get(), memory.data(), size, trace.data(), trace.size(),
-                                                    message, sizeof message);
+        const std::int32_t code = jcas_trace_verify(get(), memory.data(), size, trace.data(),
+                                                    trace.size(), message, sizeof message);
         if (code != JCAS_OK)
             return {code, message};
         return hash();
@@ -490,7 +498,10 @@ private:
     {
         return code == JCAS_ERROR_BUSY ? jcas_status_string(code) : message();
     }
-    sim(jcas_sim *handle, const model &model) : handle_(handle), model_(model.get()), info_(model.info()) {}
+    sim(jcas_sim *handle, const model &model)
+        : handle_(handle), model_(model.get()), info_(model.info())
+    {
+    }
     std::unique_ptr<detail::trace_sink> trace_sink_; // outlives the handle that writes to it
     std::unique_ptr<jcas_sim, end> handle_;
     const jcas_model *model_;
@@ -502,7 +513,8 @@ private:
 class batch {
 public:
     /// `threads` counts the caller's thread; 0 means one for each processor.
-    static result<batch> create(const model &model, std::uint32_t environments, std::uint32_t threads = 1)
+    static result<batch> create(const model &model, std::uint32_t environments,
+                                std::uint32_t threads = 1)
     {
         jcas_batch *handle = nullptr;
         std::int32_t code = jcas_batch_new(model.get(), environments, threads, &handle);
@@ -517,8 +529,8 @@ public:
 
     status reset(span<const std::uint64_t> seeds)
     {
-        return jcas_batch_reset(get(), seeds.data(), seeds.size(), observations.data(), observations.size(),
-                                global.data(), global.size());
+        return jcas_batch_reset(get(), seeds.data(), seeds.size(), observations.data(),
+                                observations.size(), global.data(), global.size());
     }
 
     status step(span<const float> actions, bool auto_reset = true)
@@ -543,12 +555,19 @@ public:
     status reset_some(span<const std::uint8_t> mask, span<const std::uint64_t> seeds)
     {
         return jcas_batch_reset_some(get(), mask.data(), mask.size(), seeds.data(), seeds.size(),
-                                     observations.data(), observations.size(), global.data(), global.size());
+                                     observations.data(), observations.size(), global.data(),
+                                     global.size());
     }
 
     /// Saves all environments into environments() * snapshot_size bytes.
-    status save(span<unsigned char> out) const { return jcas_batch_save(get(), out.data(), out.size()); }
-    status load(span<const unsigned char> saved) { return jcas_batch_load(get(), saved.data(), saved.size()); }
+    status save(span<unsigned char> out) const
+    {
+        return jcas_batch_save(get(), out.data(), out.size());
+    }
+    status load(span<const unsigned char> saved)
+    {
+        return jcas_batch_load(get(), saved.data(), saved.size());
+    }
     std::uint64_t hash() const
     {
         std::uint64_t hash = 0;
@@ -556,7 +575,10 @@ public:
         return hash;
     }
 
-    status copy_to(std::uint32_t index, sim &to) const { return jcas_batch_get(get(), index, to.get()); }
+    status copy_to(std::uint32_t index, sim &to) const
+    {
+        return jcas_batch_get(get(), index, to.get());
+    }
     status copy_from(std::uint32_t index, const sim &from)
     {
         return jcas_batch_set(get(), index, from.get());
@@ -574,9 +596,10 @@ private:
     };
     batch(jcas_batch *handle, const model &model, std::size_t count)
         : observations(count * model.info().uav_count * model.info().observation_len),
-          global(count * model.info().global_len), rewards(count), final_observations(observations.size()),
-          final_global(global.size()), uav_rewards(count * model.info().uav_count), components(count * model.info().reward_len), terminated(count),
-          truncated(count), final_metrics(count), handle_(handle)
+          global(count * model.info().global_len), rewards(count),
+          final_observations(observations.size()), final_global(global.size()),
+          uav_rewards(count * model.info().uav_count), components(count * model.info().reward_len),
+          terminated(count), truncated(count), final_metrics(count), handle_(handle)
     {
     }
     std::unique_ptr<jcas_batch, end> handle_;
@@ -694,7 +717,8 @@ public:
         char message[512] = "";
         const std::uint8_t none = 0;
         const std::uint8_t *data = file.size() > 0 ? file.data() : &none;
-        std::int32_t code = jcas_policy_load(model.get(), data, file.size(), &handle, message, sizeof message);
+        std::int32_t code =
+            jcas_policy_load(model.get(), data, file.size(), &handle, message, sizeof message);
         if (code != JCAS_OK)
             return {code, message};
         return policy(handle);
@@ -706,8 +730,8 @@ public:
     {
         jcas_policy *handle = nullptr;
         char message[512] = "";
-        std::int32_t code = jcas_policy_baseline(model.get(), name.c_str(), pilot.c_str(), &handle, message,
-                                                 sizeof message);
+        std::int32_t code = jcas_policy_baseline(model.get(), name.c_str(), pilot.c_str(), &handle,
+                                                 message, sizeof message);
         if (code != JCAS_OK)
             return {code, message};
         return policy(handle);
@@ -729,7 +753,8 @@ public:
     /// ones.
     status sampled(bool sampled)
     {
-        return jcas_policy_set_mode(get(), sampled ? JCAS_POLICY_SAMPLED : JCAS_POLICY_DETERMINISTIC);
+        return jcas_policy_set_mode(get(),
+                                    sampled ? JCAS_POLICY_SAMPLED : JCAS_POLICY_DETERMINISTIC);
     }
 
     status act(const sim &sim, span<float> actions)
