@@ -28,8 +28,11 @@ pub fn xml() -> Result<String, String> {
     let stop_s = step_s * f64::from(jcas_core::Config::default().horizon_steps);
     let mut xml = format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="jcas" instantiationToken="{}" version="{}" generationTool="jcas" license="MIT OR Apache-2.0" variableNamingConvention="flat" description="Fleets of UAVs that sense and communicate with one OFDM waveform">
-  <CoSimulation modelIdentifier="jcas" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true" canSerializeFMUState="true" fixedInternalStepSize="{step_s}"/>
+<fmiModelDescription fmiVersion="3.0" modelName="jcas" instantiationToken="{}" version="{}"
+    generationTool="jcas" license="MIT OR Apache-2.0" variableNamingConvention="flat"
+    description="Fleets of UAVs that sense and communicate with one OFDM waveform">
+  <CoSimulation modelIdentifier="jcas" canHandleVariableCommunicationStepSize="true"
+      canGetAndSetFMUState="true" canSerializeFMUState="true" fixedInternalStepSize="{step_s}"/>
   <UnitDefinitions>
 "#,
         token(),
@@ -44,7 +47,13 @@ pub fn xml() -> Result<String, String> {
     }
     let _ = write!(
         xml,
-        "  </UnitDefinitions>\n  <LogCategories>\n    <Category name=\"logStatusError\" description=\"Why a call was refused\"/>\n  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{stop_s}\" stepSize=\"{step_s}\"/>\n  <ModelVariables>\n"
+        r#"  </UnitDefinitions>
+  <LogCategories>
+    <Category name="logStatusError" description="Why a call was refused"/>
+  </LogCategories>
+  <DefaultExperiment startTime="0" stopTime="{stop_s}" stepSize="{step_s}"/>
+  <ModelVariables>
+"#
     );
     for variable in &variables {
         write_variable(&mut xml, variable, &mut defaults)?;
@@ -90,11 +99,11 @@ fn write_variable(
     };
     let _ = write!(
         xml,
-        r#"    <{element} name="{}" valueReference="{}" causality="{causality}" variability="{variability}" description="{}""#,
-        variable.name,
-        variable.reference,
-        escape(&variable.doc)
+        r#"    <{element} name="{}" valueReference="{}" causality="{causality}""#,
+        variable.name, variable.reference
     );
+    let doc = escape(&variable.doc);
+    let _ = write!(xml, r#" variability="{variability}" description="{doc}""#);
     if let Some(unit) = variable.unit {
         let _ = write!(xml, r#" unit="{unit}""#);
     }

@@ -79,16 +79,33 @@ macro_rules! numbers {
         /// # Safety
         /// The arrays are null or have the given lengths.
         #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $getter(handle: *mut Handle, references: *const u32, count: usize, values: *mut $type, length: usize) -> Status {
-            unsafe { get(handle, references, count, values, length, |values| match values { Values::$kind(values) => Some(values), _ => None }) }
+        pub unsafe extern "C" fn $getter(
+            handle: *mut Handle,
+            references: *const u32,
+            count: usize,
+            values: *mut $type,
+            length: usize,
+        ) -> Status {
+            let of_kind = |values| match values {
+                Values::$kind(values) => Some(values),
+                _ => None,
+            };
+            unsafe { get(handle, references, count, values, length, of_kind) }
         }
         /// Sets variables of this type.
         ///
         /// # Safety
         /// The arrays are null or have the given lengths.
         #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $setter(handle: *mut Handle, references: *const u32, count: usize, values: *const $type, length: usize) -> Status {
-            unsafe { set(handle, references, count, values, length, |values| Values::$kind(values.to_vec())) }
+        pub unsafe extern "C" fn $setter(
+            handle: *mut Handle,
+            references: *const u32,
+            count: usize,
+            values: *const $type,
+            length: usize,
+        ) -> Status {
+            let of_kind = |values: &[$type]| Values::$kind(values.to_vec());
+            unsafe { set(handle, references, count, values, length, of_kind) }
         }
     )+ };
 }

@@ -171,7 +171,8 @@ impl Instance {
         let steps = (length_s / step_s).round();
         if !(steps >= 1.0 && (steps * step_s - length_s).abs() <= STEP_TOLERANCE * step_s) {
             return Err(format!(
-                "communicationStepSize = {length_s}: must be a multiple of step_duration_s = {step_s}"
+                "communicationStepSize = {length_s}: \
+                 must be a multiple of step_duration_s = {step_s}"
             ));
         }
         if (from_s - self.time_s).abs() > STEP_TOLERANCE * step_s {

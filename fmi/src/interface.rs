@@ -98,7 +98,8 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         handle.say(
             Status::Error,
             &format!(
-                "nRequiredIntermediateVariables = {intermediate_count}: there are no intermediate updates"
+                "nRequiredIntermediateVariables = {intermediate_count}: must be 0; \
+                 there are no intermediate updates"
             ),
         );
         return null_mut();

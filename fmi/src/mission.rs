@@ -182,7 +182,11 @@ impl Mission {
     /// on all of them.
     pub fn save(&self) -> Result<Vec<u8>, String> {
         if self.pilot.is_some() && (self.setup.own_positions || self.setup.own_links) {
-            return Err("the state of a baseline that flies over the importer's positions or links cannot be saved; fly by actions".to_owned());
+            return Err(
+                "the state of a baseline cannot be saved while the importer sets positions or \
+                 links: fly by actions"
+                    .to_owned(),
+            );
         }
         let mut bytes = vec![0; self.model.save_len()];
         self.model.save(&self.words, &mut bytes).map_err(said)?;

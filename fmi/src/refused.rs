@@ -13,7 +13,8 @@ macro_rules! refused {
         #[unsafe(no_mangle)]
         #[allow(clippy::too_many_arguments)]
         pub extern "C" fn $name(handle: *mut Handle $(, _: $type)*) -> Status {
-            call(handle, |_| Err(concat!(stringify!($name), " is not offered by this unit").to_owned()))
+            let message = concat!(stringify!($name), " is not offered by this unit");
+            call(handle, |_| Err(message.to_owned()))
         }
     )+ };
 }

@@ -92,13 +92,15 @@ def test_actions_fly_the_same_bits_as_through_python(unpacked):
         unit.step()
         assert unit.hash() == sim.state_hash()
     assert unit.get("cell", 12) == sim.cells().ravel().tolist()
-    assert unit.get("battery_kwh", 6) == pytest.approx((sim.batteries_uj() / 3.6e12).tolist(), abs=0)
+    batteries_kwh = (sim.batteries_uj() / 3.6e12).tolist()
+    assert unit.get("battery_kwh", 6) == pytest.approx(batteries_kwh, abs=0)
 
 
 def test_two_units_in_one_process_do_not_know_of_each_other(unpacked):
     alone = Unit(unpacked, policy="swarm", seed=3).begin()
     alone.step(20)
-    one, other = Unit(unpacked, policy="swarm", seed=3).begin(), Unit(unpacked, 4, 2, policy="random", seed=8).begin()
+    one = Unit(unpacked, policy="swarm", seed=3).begin()
+    other = Unit(unpacked, 4, 2, policy="random", seed=8).begin()
     for _ in range(20):
         one.step()
         other.step()
@@ -176,7 +178,9 @@ def test_a_parameter_that_is_no_number_is_refused(unpacked):
         unit.set("cell_size_m", float("nan"))
 
 
-@pytest.mark.parametrize("name, value", [("quorum", 0), ("policy", "fly"), ("preset", "moon"), ("cell_size_m", -1.0)])
+@pytest.mark.parametrize(
+    "name, value", [("quorum", 0), ("policy", "fly"), ("preset", "moon"), ("cell_size_m", -1.0)]
+)
 def test_a_parameter_that_is_not_legal_is_refused_at_the_start(unpacked, name, value):
     unit = Unit(unpacked, **{name: value} if name != "policy" else {"policy": value})
     unit.fmu.enterInitializationMode()
