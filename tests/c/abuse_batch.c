@@ -64,7 +64,8 @@ static void abuse_building(const struct subject *subject)
     EXPECT(JCAS_ERROR_HANDLE, jcas_batch_free(FOREIGN(jcas_batch)));
     EXPECT(JCAS_ERROR_HANDLE, jcas_batch_free((jcas_batch *)(void *)subject->sim));
     CHECK(untouched(&batch, sizeof batch));
-    OK(jcas_batch_new(subject->model, 1, UINT32_MAX, &batch)); /* no more threads than environments */
+    /* A batch has no more threads than environments. */
+    OK(jcas_batch_new(subject->model, 1, UINT32_MAX, &batch));
     OK(jcas_batch_free(batch));
 }
 
@@ -75,13 +76,17 @@ static void abuse_resetting_some(const struct subject *subject, struct buffers *
     uint8_t mask[ENVIRONMENTS] = {1, 1};
     float *seen = buffers->observations;
     size_t observed = buffers->observed;
-    EXPECT(JCAS_ERROR_NULL, jcas_batch_reset_some(NULL, mask, 2, seeds, 2, seen, observed, NULL, 0));
-    EXPECT(JCAS_ERROR_NULL, jcas_batch_reset_some(batch, NULL, 2, seeds, 2, seen, observed, NULL, 0));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset_some(batch, mask, 1, seeds, 2, seen, observed, NULL, 0));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset_some(batch, mask, 2, seeds, 1, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL,
+           jcas_batch_reset_some(NULL, mask, 2, seeds, 2, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL,
+           jcas_batch_reset_some(batch, NULL, 2, seeds, 2, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH,
+           jcas_batch_reset_some(batch, mask, 1, seeds, 2, seen, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH,
+           jcas_batch_reset_some(batch, mask, 2, seeds, 1, seen, observed, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset_some(batch, mask, 2, seeds, 2, seen, 1, NULL, 0));
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_batch_reset_some(batch, (uint8_t *)seeds, 2, seeds, 2, seen, observed,
-                                                      NULL, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_batch_reset_some(batch, (uint8_t *)seeds, 2, seeds, 2, seen, observed, NULL, 0));
     EXPECT(JCAS_ERROR_HANDLE,
            jcas_batch_reset_some(FOREIGN(jcas_batch), mask, 2, seeds, 2, seen, observed, NULL, 0));
 }
@@ -96,9 +101,11 @@ static void abuse_reset(const struct subject *subject, struct buffers *buffers)
     EXPECT(JCAS_ERROR_NULL, jcas_batch_reset(NULL, seeds, 2, observations, observed, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_batch_reset(batch, NULL, 2, observations, observed, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_batch_reset(batch, seeds, 2, NULL, observed, NULL, 0));
-    EXPECT(JCAS_ERROR_NULL, jcas_batch_reset(batch, seeds, 2, observations, observed, NULL, shared));
+    EXPECT(JCAS_ERROR_NULL,
+           jcas_batch_reset(batch, seeds, 2, observations, observed, NULL, shared));
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 3, observations, observed, NULL, 0));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 2, observations, observed - 1, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH,
+           jcas_batch_reset(batch, seeds, 2, observations, observed - 1, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 2, observations, observed, global, 1));
     EXPECT(JCAS_ERROR_ARGUMENT,
            jcas_batch_reset(batch, seeds, 2, observations, observed, observations, shared));
@@ -107,11 +114,13 @@ static void abuse_reset(const struct subject *subject, struct buffers *buffers)
     OK(jcas_batch_message(batch, text, sizeof text, &length));
     CHECK(strcmp(text, "global and observations overlap: buffers must lie apart") == 0);
     /* The length is checked first, for any address of the buffers. */
-    EXPECT(JCAS_ERROR_LENGTH, jcas_batch_reset(batch, seeds, 2, observations, observed, observations, 1));
+    EXPECT(JCAS_ERROR_LENGTH,
+           jcas_batch_reset(batch, seeds, 2, observations, observed, observations, 1));
     abuse_resetting_some(subject, buffers);
     EXPECT(JCAS_ERROR_HANDLE,
            jcas_batch_reset(FOREIGN(jcas_batch), seeds, 2, observations, observed, NULL, 0));
-    CHECK(untouched(observations, observed * sizeof(float)) && untouched(global, shared * sizeof(float)));
+    CHECK(untouched(observations, observed * sizeof(float)) &&
+          untouched(global, shared * sizeof(float)));
     CHECK(hash_of(subject) == before);
     OK(jcas_batch_reset(batch, seeds, 2, observations, observed, global, shared));
     CHECK(hash_of(subject) != before);
@@ -120,18 +129,21 @@ static void abuse_reset(const struct subject *subject, struct buffers *buffers)
     EXPECT(JCAS_ERROR_NULL, jcas_batch_observe(batch, NULL, observed, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_observe(batch, observations, 1, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_observe(batch, observations, observed, global, 2));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_batch_observe(FOREIGN(jcas_batch), observations, observed, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_batch_observe(FOREIGN(jcas_batch), observations, observed, NULL, 0));
     uint64_t seen = hash_floats(observations, observed), seen_global = hash_floats(global, shared);
     OK(jcas_batch_observe(batch, observations, observed, global, shared));
-    CHECK(seen == hash_floats(observations, observed) && seen_global == hash_floats(global, shared));
+    CHECK(seen == hash_floats(observations, observed) &&
+          seen_global == hash_floats(global, shared));
 }
 
 /* Makes every field of the outputs wrong, one at a time. */
-static void abuse_outputs(const struct subject *subject, struct buffers *buffers, const jcas_batch_out *good)
+static void abuse_outputs(const struct subject *subject, struct buffers *buffers,
+                          const jcas_batch_out *good)
 {
     struct { int32_t status; jcas_batch_out out; } wrong[24];
     int count = 0;
-#define WRONG(status_, field, value)                                                                   \
+#define WRONG(status_, field, value)                                                               \
     wrong[count].status = status_, wrong[count].out = *good, wrong[count++].out.field = value
     WRONG(JCAS_ERROR_STRUCT_SIZE, struct_size, 0);
     WRONG(JCAS_ERROR_ARGUMENT, reserved, 1);
@@ -178,13 +190,15 @@ static void refuse_in_the_middle(const struct subject *subject, const struct buf
     OK(jcas_sim_step_begin(subject->sim, buffers->actions, subject->info.action_len));
     OK(jcas_batch_set(batch, 1, subject->sim));
     uint64_t before = hash_of(subject);
-    EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_batch_step(batch, buffers->actions, buffers->acted, 1, out));
+    EXPECT(JCAS_ERROR_OUT_OF_ORDER,
+           jcas_batch_step(batch, buffers->actions, buffers->acted, 1, out));
     CHECK(hash_of(subject) == before && memcmp(&kept, buffers, sizeof kept) == 0);
     OK(jcas_sim_reset(subject->sim, 6));
     OK(jcas_batch_set(batch, 1, subject->sim));
 }
 
-static void abuse_step(const struct subject *subject, struct buffers *buffers, const jcas_batch_out *out)
+static void abuse_step(const struct subject *subject, struct buffers *buffers,
+                       const jcas_batch_out *out)
 {
     jcas_batch *batch = subject->batch;
     float *actions = buffers->actions;
@@ -196,7 +210,8 @@ static void abuse_step(const struct subject *subject, struct buffers *buffers, c
     EXPECT(JCAS_ERROR_LENGTH, jcas_batch_step(batch, actions, acted - 1, 1, out));
     EXPECT(JCAS_ERROR_ARGUMENT, jcas_batch_step(batch, actions, acted, 2, out));
     EXPECT(JCAS_ERROR_HANDLE, jcas_batch_step(FOREIGN(jcas_batch), actions, acted, 1, out));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_batch_step((jcas_batch *)(void *)subject->model, actions, acted, 1, out));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_batch_step((jcas_batch *)(void *)subject->model, actions, acted, 1, out));
     actions[acted - 1] = NAN;
     EXPECT(JCAS_ERROR_NAN, jcas_batch_step(batch, actions, acted, 1, out));
     char text[128];

@@ -16,16 +16,19 @@ static void abuse_filling(void)
     EXPECT(JCAS_ERROR_NULL, jcas_config_preset(NULL, 5, &config, size, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_config_preset("paper", 5, NULL, size, NULL, 0));
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_config_preset("paper", 5, &config, size - 1, NULL, 0));
-    EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, message, sizeof message));
+    EXPECT(JCAS_ERROR_CONFIG,
+           jcas_config_preset("best", 4, &config, size, message, sizeof message));
     CHECK(strcmp(message, "preset = best: must be `mission`, `paper`, `search` or `isac`") == 0);
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, NULL, 10));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &config, size, message, 0));
-    EXPECT(JCAS_ERROR_CONFIG, jcas_config_preset("\xff\xfe", 2, &config, size, message, sizeof message));
+    EXPECT(JCAS_ERROR_CONFIG,
+           jcas_config_preset("\xff\xfe", 2, &config, size, message, sizeof message));
     EXPECT(JCAS_ERROR_LENGTH, jcas_config_preset("paper", SIZE_MAX, &config, size, NULL, 0));
 
     EXPECT(JCAS_ERROR_NULL, jcas_config_from_toml(NULL, 0, &config, size, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_config_from_toml("", 0, NULL, size, NULL, 0));
-    EXPECT(JCAS_ERROR_CONFIG, jcas_config_from_toml("uav_count = 0", 13, &config, size, message, 10));
+    EXPECT(JCAS_ERROR_CONFIG,
+           jcas_config_from_toml("uav_count = 0", 13, &config, size, message, 10));
     CHECK(strcmp(message, "uav_count") == 0); /* cut to ten bytes */
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_from_toml("\0", 1, &config, size, NULL, 0));
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_from_json("", 0, &config, size, NULL, 0));

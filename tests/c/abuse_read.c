@@ -2,41 +2,41 @@
 #include "abuse_common.h"
 
 /* Checks a function that writes elements: every wrong argument, then the right ones. */
-#define ABUSE_BUFFER(type, function, sim, count)                                                       \
-    do {                                                                                               \
-        size_t count_ = (count);                                                                       \
-        type *buffer_ = ARRAY(type, count_ + 1);                                                       \
-        mark(buffer_, sizeof(type) * (count_ + 1));                                                    \
-        EXPECT(JCAS_ERROR_NULL, function(NULL, buffer_, count_));                                      \
-        EXPECT(JCAS_ERROR_NULL, function(sim, NULL, count_));                                          \
-        EXPECT(JCAS_ERROR_NULL, function(sim, NULL, 0));                                               \
-        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, 0));                                          \
-        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, count_ - 1));                                 \
-        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, count_ + 1));                                 \
-        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, SIZE_MAX / 2));                               \
-        EXPECT(JCAS_ERROR_HANDLE, function(FOREIGN(jcas_sim), buffer_, count_));                       \
-        if (sizeof(type) > 1)                                                                          \
-            EXPECT(JCAS_ERROR_ALIGNMENT, function(sim, ASKEW(type, buffer_), count_));                 \
-        CHECK(untouched(buffer_, sizeof(type) * (count_ + 1)));                                        \
-        OK(function(sim, buffer_, count_));                                                            \
-        CHECK(untouched(buffer_ + count_, sizeof(type)));                                              \
-        free(buffer_);                                                                                 \
+#define ABUSE_BUFFER(type, function, sim, count)                                                   \
+    do {                                                                                           \
+        size_t count_ = (count);                                                                   \
+        type *buffer_ = ARRAY(type, count_ + 1);                                                   \
+        mark(buffer_, sizeof(type) * (count_ + 1));                                                \
+        EXPECT(JCAS_ERROR_NULL, function(NULL, buffer_, count_));                                  \
+        EXPECT(JCAS_ERROR_NULL, function(sim, NULL, count_));                                      \
+        EXPECT(JCAS_ERROR_NULL, function(sim, NULL, 0));                                           \
+        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, 0));                                      \
+        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, count_ - 1));                             \
+        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, count_ + 1));                             \
+        EXPECT(JCAS_ERROR_LENGTH, function(sim, buffer_, SIZE_MAX / 2));                           \
+        EXPECT(JCAS_ERROR_HANDLE, function(FOREIGN(jcas_sim), buffer_, count_));                   \
+        if (sizeof(type) > 1)                                                                      \
+            EXPECT(JCAS_ERROR_ALIGNMENT, function(sim, ASKEW(type, buffer_), count_));             \
+        CHECK(untouched(buffer_, sizeof(type) * (count_ + 1)));                                    \
+        OK(function(sim, buffer_, count_));                                                        \
+        CHECK(untouched(buffer_ + count_, sizeof(type)));                                          \
+        free(buffer_);                                                                             \
     } while (0)
 
 /* Checks a function that writes a struct. */
-#define ABUSE_STRUCT(type, function, sim)                                                              \
-    do {                                                                                               \
-        type record_;                                                                                  \
-        mark(&record_, sizeof record_);                                                                \
-        EXPECT(JCAS_ERROR_NULL, function(NULL, &record_));                                             \
-        EXPECT(JCAS_ERROR_NULL, function(sim, NULL));                                                  \
-        EXPECT(JCAS_ERROR_HANDLE, function(FOREIGN(jcas_sim), &record_));                              \
-        EXPECT(JCAS_ERROR_ALIGNMENT, function(sim, ASKEW(type, not_a_handle)));                        \
-        EXPECT(JCAS_ERROR_STRUCT_SIZE, function(sim, &record_));                                       \
-        CHECK(untouched(&record_, sizeof record_));                                                    \
-        record_.struct_size = sizeof record_;                                                          \
-        OK(function(sim, &record_));                                                                   \
-        CHECK(record_.struct_size == sizeof record_);                                                  \
+#define ABUSE_STRUCT(type, function, sim)                                                          \
+    do {                                                                                           \
+        type record_;                                                                              \
+        mark(&record_, sizeof record_);                                                            \
+        EXPECT(JCAS_ERROR_NULL, function(NULL, &record_));                                         \
+        EXPECT(JCAS_ERROR_NULL, function(sim, NULL));                                              \
+        EXPECT(JCAS_ERROR_HANDLE, function(FOREIGN(jcas_sim), &record_));                          \
+        EXPECT(JCAS_ERROR_ALIGNMENT, function(sim, ASKEW(type, not_a_handle)));                    \
+        EXPECT(JCAS_ERROR_STRUCT_SIZE, function(sim, &record_));                                   \
+        CHECK(untouched(&record_, sizeof record_));                                                \
+        record_.struct_size = sizeof record_;                                                      \
+        OK(function(sim, &record_));                                                               \
+        CHECK(record_.struct_size == sizeof record_);                                              \
     } while (0)
 
 static int32_t get_uavs(const jcas_sim *sim, jcas_uav *uavs, size_t count)
@@ -57,7 +57,8 @@ void abuse_reading(struct subject *subject)
     ABUSE_BUFFER(float, jcas_sim_observe_global, sim, info->global_len);
     ABUSE_BUFFER(double, jcas_sim_get_rewards, sim, info->reward_len);
     ABUSE_BUFFER(double, jcas_sim_uav_rewards, sim, info->uav_count);
-    ABUSE_BUFFER(double, jcas_sim_uav_reward_components, sim, (size_t)info->uav_count * info->reward_len);
+    ABUSE_BUFFER(double, jcas_sim_uav_reward_components, sim,
+                 (size_t)info->uav_count * info->reward_len);
     ABUSE_BUFFER(jcas_uav, get_uavs, sim, info->uav_count);
     ABUSE_BUFFER(jcas_hotspot, get_hotspots, sim, info->hotspot_count);
     ABUSE_BUFFER(uint8_t, jcas_sim_get_links, sim, info->uav_count * info->uav_count);
@@ -109,7 +110,8 @@ void abuse_observation_fields(struct subject *subject)
     EXPECT(JCAS_ERROR_NULL, jcas_model_observation_fields(model, NULL, count, size));
     EXPECT(JCAS_ERROR_LENGTH, jcas_model_observation_fields(model, fields, count - 1, size));
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_model_observation_fields(model, fields, count, size + 4));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_model_observation_fields(FOREIGN(jcas_model), fields, count, size));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_model_observation_fields(FOREIGN(jcas_model), fields, count, size));
     CHECK(untouched(fields, sizeof fields));
     OK(jcas_model_observation_fields(model, fields, count, size));
     CHECK(untouched(fields + count, size));
@@ -167,7 +169,8 @@ void abuse_snapshots(struct subject *subject)
         memcpy(broken, saved, size);
         broken[at] ^= (unsigned char)(1u << at % 8);
         int32_t status = jcas_sim_load(sim, broken, size);
-        CHECK(status == JCAS_ERROR_CORRUPT || (status == JCAS_ERROR_MODEL_MISMATCH && at >= 16 && at < 24));
+        CHECK(status == JCAS_ERROR_CORRUPT ||
+              (status == JCAS_ERROR_MODEL_MISMATCH && at >= 16 && at < 24));
     }
     expect_same(sim, hash);
 

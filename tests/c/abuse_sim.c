@@ -77,7 +77,8 @@ static void abuse_stepping(struct subject *subject)
     EXPECT(JCAS_ERROR_ALIGNMENT, jcas_sim_step(sim, ASKEW(float, actions), 8, &outcome));
     EXPECT(JCAS_ERROR_ALIGNMENT, jcas_sim_step(sim, actions, 8, ASKEW(jcas_outcome, not_a_handle)));
     EXPECT(JCAS_ERROR_HANDLE, jcas_sim_step(FOREIGN(jcas_sim), actions, 8, &outcome));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_sim_step((jcas_sim *)(void *)subject->batch, actions, 8, &outcome));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_sim_step((jcas_sim *)(void *)subject->batch, actions, 8, &outcome));
     actions[5] = NAN;
     EXPECT(JCAS_ERROR_NAN, jcas_sim_step(sim, actions, 8, &outcome));
     char text[128];
@@ -140,7 +141,8 @@ static void abuse_order(jcas_sim *sim, const float *actions)
         }
         if (done != 2) {
             EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_communicate(sim));
-            EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_communicate_with(sim, links, 16, NULL, 0));
+            EXPECT(JCAS_ERROR_OUT_OF_ORDER,
+                   jcas_sim_step_communicate_with(sim, links, 16, NULL, 0));
         }
         if (done != 3)
             EXPECT(JCAS_ERROR_OUT_OF_ORDER, jcas_sim_step_end(sim, &outcome));
@@ -186,7 +188,8 @@ static void abuse_links(jcas_sim *sim)
     EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_with(sim, NULL, 16, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_with(sim, links, 16, NULL, 4));
     EXPECT(JCAS_ERROR_NULL, jcas_sim_step_communicate_with(NULL, links, 16, NULL, 0));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_sim_step_communicate_with(FOREIGN(jcas_sim), links, 16, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_sim_step_communicate_with(FOREIGN(jcas_sim), links, 16, NULL, 0));
     EXPECT(JCAS_ERROR_ALIGNMENT,
            jcas_sim_step_communicate_with(sim, links, 16, ASKEW(double, throughput), 4));
     CHECK(hash_of(sim) == before);
@@ -294,7 +297,8 @@ static void abuse_hosting(jcas_sim *sim, const float *actions)
     OK(jcas_sim_step_communicate(sim));
     OK(jcas_sim_step_end(sim, &outcome));
     OK(jcas_sim_get_uavs(sim, uavs, 4, sizeof *uavs));
-    CHECK(uavs[0].given_uj < 0 && uavs[3].grounded == 1 && uavs[3].moved == 0 && uavs[3].spent_uj == 0);
+    CHECK(uavs[0].given_uj < 0 && uavs[3].grounded == 1 && uavs[3].moved == 0 &&
+          uavs[3].spent_uj == 0);
     CHECK(uavs[0].battery_uj + uavs[0].spent_uj ==
           uavs[0].initial_uj + uavs[0].accepted_uj + (uint64_t)uavs[0].given_uj);
     CHECK(uavs[0].known == 3 && uavs[3].known == 0);

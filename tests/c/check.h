@@ -7,22 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CHECK(condition)                                                                               \
-    do {                                                                                               \
-        if (!(condition)) {                                                                            \
-            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                    \
-            exit(1);                                                                                   \
-        }                                                                                              \
+#define CHECK(condition)                                                                           \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                \
+            exit(1);                                                                               \
+        }                                                                                          \
     } while (0)
 
-#define EXPECT(wanted, call)                                                                           \
-    do {                                                                                               \
-        int32_t got_ = (call);                                                                         \
-        if (got_ != (wanted)) {                                                                        \
-            fprintf(stderr, "%s:%d: %s gave %d (%s), not %d\n", __FILE__, __LINE__, #call, (int)got_,  \
-                    jcas_status_string(got_), (int)(wanted));                                          \
-            exit(1);                                                                                   \
-        }                                                                                              \
+#define EXPECT(wanted, call)                                                                       \
+    do {                                                                                           \
+        int32_t got_ = (call);                                                                     \
+        if (got_ != (wanted)) {                                                                    \
+            fprintf(stderr, "%s:%d: %s gave %d (%s), not %d\n", __FILE__, __LINE__, #call,         \
+                    (int)got_, jcas_status_string(got_), (int)(wanted));                           \
+            exit(1);                                                                               \
+        }                                                                                          \
     } while (0)
 
 #define OK(call) EXPECT(JCAS_OK, call)

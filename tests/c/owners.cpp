@@ -8,12 +8,12 @@
 #include <cstdio>
 #include <cstdlib>
 
-#define CHECK(condition)                                                                                \
-    do {                                                                                                \
-        if (!(condition)) {                                                                             \
-            std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                \
-            std::exit(1);                                                                               \
-        }                                                                                               \
+#define CHECK(condition)                                                                           \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);           \
+            std::exit(1);                                                                          \
+        }                                                                                          \
     } while (0)
 
 static void refuse_configurations()
@@ -22,7 +22,8 @@ static void refuse_configurations()
     CHECK(!wrong && wrong.code() == JCAS_ERROR_CONFIG);
     CHECK(wrong.message() == "uav_count = 0: must be a whole number from 1 to 4096");
     CHECK(!jcas::preset("best") && jcas::preset("paper"));
-    CHECK(!jcas::configuration_from_json("") && jcas::configuration_from_json("{\"quorum\": 2}")->quorum == 2);
+    CHECK(!jcas::configuration_from_json("") &&
+          jcas::configuration_from_json("{\"quorum\": 2}")->quorum == 2);
     jcas_config config = jcas::configuration();
     config.pilot_density_min = 0.9;
     auto model = jcas::model::create(config);
@@ -55,7 +56,8 @@ static void fly(const jcas::model &model)
     const std::uint64_t hash = sim.hash();
     jcas::sim twin = jcas::sim::create(model).take();
     CHECK(twin.load(snapshot) && twin.hash() == hash);
-    CHECK(twin.step_begin(actions) && twin.step_sense() && twin.step_communicate() && twin.step_end());
+    CHECK(twin.step_begin(actions) && twin.step_sense() && twin.step_communicate() &&
+          twin.step_end());
     CHECK(twin.hash() != hash && twin.fork_from(sim) && twin.hash() == hash);
     jcas::sim moved = std::move(twin);
     CHECK(moved.hash() == hash && twin.get() == nullptr);
@@ -126,7 +128,8 @@ static void fly_batch(const jcas::model &model)
         CHECK(batch.step(actions));
     CHECK(batch.final_metrics[0].truncated == 1 && batch.final_metrics[0].steps == 100);
     jcas::sim sim = jcas::sim::create(model).take();
-    CHECK(batch.copy_to(2, sim) && sim.episode().seed == jcas_derive_seed(jcas_derive_seed(3, 0), 0));
+    CHECK(batch.copy_to(2, sim) &&
+          sim.episode().seed == jcas_derive_seed(jcas_derive_seed(3, 0), 0));
     CHECK(batch.copy_to(3, sim).code() == JCAS_ERROR_ARGUMENT);
 }
 
@@ -199,7 +202,8 @@ int main()
         // No object uses the model any more.
         jcas_model *handle = const_cast<jcas_model *>(model.get());
         jcas_sim *sim = nullptr;
-        CHECK(jcas_sim_new(handle, &sim) == JCAS_OK && jcas_model_free(handle) == JCAS_ERROR_IN_USE);
+        CHECK(jcas_sim_new(handle, &sim) == JCAS_OK &&
+              jcas_model_free(handle) == JCAS_ERROR_IN_USE);
         CHECK(jcas_sim_free(sim) == JCAS_OK);
     }
     std::puts("owners own");

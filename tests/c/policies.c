@@ -62,7 +62,8 @@ static void abuse_files(const jcas_model *model)
     for (size_t end = 0; end < length; end += 1 + end / 7) {
         EXPECT(JCAS_ERROR_CORRUPT, jcas_policy_load(model, file, end, &policy, why, sizeof why));
         CHECK(why[0] != 0);
-        EXPECT(JCAS_ERROR_CORRUPT, jcas_policy_layout(model, file, end, &size, &alignment, NULL, 0));
+        EXPECT(JCAS_ERROR_CORRUPT,
+               jcas_policy_layout(model, file, end, &size, &alignment, NULL, 0));
     }
     unsigned char *damaged = ARRAY(unsigned char, length);
     memcpy(damaged, file, length);
@@ -77,7 +78,8 @@ static void abuse_files(const jcas_model *model)
     EXPECT(JCAS_ERROR_NULL, jcas_policy_load(NULL, file, length, &policy, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_load(model, NULL, length, &policy, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_load(model, file, length, NULL, NULL, 0));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_policy_load(FOREIGN(jcas_model), file, length, &policy, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_policy_load(FOREIGN(jcas_model), file, length, &policy, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_layout(model, file, length, NULL, &alignment, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_layout(model, file, length, &size, NULL, NULL, 0));
     CHECK(policy == FOREIGN(jcas_policy) && size == 7 && alignment == 7);
@@ -87,15 +89,18 @@ static void abuse_names(const jcas_model *model)
 {
     jcas_policy *policy = FOREIGN(jcas_policy);
     char why[128] = "";
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(model, "swan", NULL, &policy, why, sizeof why));
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_policy_baseline(model, "swan", NULL, &policy, why, sizeof why));
     CHECK(strstr(why, "swarm") != NULL);
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(model, "swarm", "2", &policy, why, sizeof why));
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_policy_baseline(model, "swarm", "2", &policy, why, sizeof why));
     CHECK(strstr(why, "pilot") != NULL);
     EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(model, NULL, NULL, &policy, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(model, "swarm", NULL, NULL, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(NULL, "swarm", NULL, &policy, NULL, 0));
     jcas_model *hidden = build(UAVS, JCAS_VISIBILITY_HIDDEN);
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(hidden, "swarm", NULL, &policy, why, sizeof why));
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_policy_baseline(hidden, "swarm", NULL, &policy, why, sizeof why));
     CHECK(policy == FOREIGN(jcas_policy) && strstr(why, "target_visibility") != NULL);
     OK(jcas_model_free(hidden));
 }
@@ -115,7 +120,8 @@ static void abuse_acting(jcas_model *model, jcas_sim *sim, jcas_batch *batch)
     EXPECT(JCAS_ERROR_HANDLE, jcas_policy_act(policy, FOREIGN(jcas_sim), actions, ACTIONS));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_act_batch(NULL, batch, actions, MEMBERS * ACTIONS));
     EXPECT(JCAS_ERROR_LENGTH, jcas_policy_act_batch(policy, batch, actions, ACTIONS));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_policy_act_batch(policy, FOREIGN(jcas_batch), actions, MEMBERS * ACTIONS));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_policy_act_batch(policy, FOREIGN(jcas_batch), actions, MEMBERS * ACTIONS));
     EXPECT(JCAS_ERROR_ARGUMENT, jcas_policy_set_mode(policy, 3));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_set_mode(NULL, JCAS_POLICY_SAMPLED));
 
@@ -134,7 +140,8 @@ static void abuse_acting(jcas_model *model, jcas_sim *sim, jcas_batch *batch)
 }
 
 /* The actions are the same from the caller's memory and for every member of a batch. */
-static void same_everywhere(jcas_sim *sim, jcas_batch *batch, jcas_policy *policy, jcas_policy *lent)
+static void same_everywhere(jcas_sim *sim, jcas_batch *batch, jcas_policy *policy,
+                            jcas_policy *lent)
 {
     float one[ACTIONS], other[ACTIONS], all[MEMBERS * ACTIONS];
     OK(jcas_policy_act_batch(policy, batch, all, MEMBERS * ACTIONS));
@@ -179,7 +186,8 @@ int main(int argc, char **argv)
     CHECK(alignment <= 16);
     void *memory = allocated(size);
     memset(memory, 0, size);
-    EXPECT(JCAS_ERROR_LENGTH, jcas_policy_init(memory, size - 1, model, file, length, &lent, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH,
+           jcas_policy_init(memory, size - 1, model, file, length, &lent, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_policy_init(NULL, size, model, file, length, &lent, NULL, 0));
     OK(jcas_policy_init(memory, size, model, file, length, &lent, NULL, 0));
     /* A policy in use is not overwritten. */

@@ -95,7 +95,8 @@ static void begin(struct flight *flight, char *header)
     uint64_t seeds[3] = {seed, seed, seed};
     OK(jcas_sim_reset(flight->whole, seed));
     OK(jcas_sim_reset(flight->parts, seed));
-    OK(jcas_batch_reset(flight->batch, seeds, 3, flight->others, 3 * flight->observation_count, NULL, 0));
+    OK(jcas_batch_reset(flight->batch, seeds, 3, flight->others, 3 * flight->observation_count,
+                        NULL, 0));
 }
 
 static void expect_state(struct flight *flight, jcas_sim *sim, char *line)

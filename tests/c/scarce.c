@@ -57,7 +57,8 @@ enum { N = 4, HOTSPOTS = 3, M = 8 };
 
 static jcas_config config;
 static unsigned char policy_file[1 << 20], snapshot[1 << 16];
-static _Alignas(16) unsigned char arena[1 << 20], batch_arena[1 << 18], model_arena[1 << 17], sim_arena[1 << 15];
+static _Alignas(16) unsigned char arena[1 << 20], batch_arena[1 << 18], model_arena[1 << 17],
+    sim_arena[1 << 15];
 static size_t policy_length;
 static uint64_t workspace[1 << 12];
 static char trace[1 << 18];
@@ -74,32 +75,43 @@ static int refused(int32_t status)
 }
 
 /* Checks that a call succeeds and allocates nothing. */
-#define FREE_OF_MEMORY(status, call)                                                                   \
-    do {                                                                                               \
-        long before_ = asked;                                                                          \
-        EXPECT(status, call);                                                                          \
-        CHECK(asked == before_);                                                                       \
+#define FREE_OF_MEMORY(status, call)                                                               \
+    do {                                                                                           \
+        long before_ = asked;                                                                      \
+        EXPECT(status, call);                                                                      \
+        CHECK(asked == before_);                                                                   \
     } while (0)
 
 static void texts(void)
 {
-    const char *good = "preset = 'paper'\nquorum = 2\ndepots = [[1, 2], [3, 4]]\ntarget_visibility = \"hidden\"";
-    const char *bad[] = {"quorum = 0", "quorum = = 1", "nothing = 1", "depots = [[99, 0]]", "quorum = 'three'",
-                         "detection_curve = 'table'\ndetection_table = [[20, 0.1], [80, 0.2]]"};
-    const char *json = "{\"quorum\": 2, \"range_min_m\": null}", *twice = "{\"quorum\": 2, \"quorum\": 2}";
+    const char *good =
+        "preset = 'paper'\nquorum = 2\ndepots = [[1, 2], [3, 4]]\ntarget_visibility = \"hidden\"";
+    const char *bad[] = {
+        "quorum = 0",
+        "quorum = = 1",
+        "nothing = 1",
+        "depots = [[99, 0]]",
+        "quorum = 'three'",
+        "detection_curve = 'table'\ndetection_table = [[20, 0.1], [80, 0.2]]",
+    };
+    const char *json = "{\"quorum\": 2, \"range_min_m\": null}",
+               *twice = "{\"quorum\": 2, \"quorum\": 2}";
     static char text[1 << 15];
     char message[200];
     jcas_config other, wrong = config;
     size_t length;
     uint64_t hash;
     wrong.quorum = 0;
-    FREE_OF_MEMORY(JCAS_OK, jcas_config_from_toml(good, strlen(good), &other, sizeof other, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK,
+                   jcas_config_from_toml(good, strlen(good), &other, sizeof other, NULL, 0));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        FREE_OF_MEMORY(JCAS_ERROR_CONFIG, jcas_config_from_toml(bad[i], strlen(bad[i]), &other, sizeof other,
-                                                                message, sizeof message));
-    FREE_OF_MEMORY(JCAS_OK, jcas_config_from_json(json, strlen(json), &other, sizeof other, NULL, 0));
-    FREE_OF_MEMORY(JCAS_ERROR_CONFIG,
-                   jcas_config_from_json(twice, strlen(twice), &other, sizeof other, message, sizeof message));
+        FREE_OF_MEMORY(JCAS_ERROR_CONFIG,
+                       jcas_config_from_toml(bad[i], strlen(bad[i]), &other, sizeof other, message,
+                                             sizeof message));
+    FREE_OF_MEMORY(JCAS_OK,
+                   jcas_config_from_json(json, strlen(json), &other, sizeof other, NULL, 0));
+    FREE_OF_MEMORY(JCAS_ERROR_CONFIG, jcas_config_from_json(twice, strlen(twice), &other,
+                                                            sizeof other, message, sizeof message));
     FREE_OF_MEMORY(JCAS_ERROR_CONFIG, jcas_config_preset("best", 4, &other, sizeof other, NULL, 0));
     FREE_OF_MEMORY(JCAS_ERROR_CONFIG, jcas_config_validate(&wrong, NULL, 0));
     FREE_OF_MEMORY(JCAS_ERROR_CONFIG, jcas_config_validate(&wrong, message, sizeof message));
@@ -151,10 +163,12 @@ static void read(const jcas_model *model, jcas_sim *sim)
     uint64_t hash;
     size_t size, alignment;
     FREE_OF_MEMORY(JCAS_OK, jcas_model_get_info(model, &info));
-    CHECK(info.snapshot_size <= sizeof snapshot && info.observation_len <= 64 && info.global_len <= N * 64);
+    CHECK(info.snapshot_size <= sizeof snapshot && info.observation_len <= 64 &&
+          info.global_len <= N * 64);
     FREE_OF_MEMORY(JCAS_OK, jcas_model_get_config(model, &other, sizeof other));
     FREE_OF_MEMORY(JCAS_OK, jcas_model_get_radio(model, 1, 2, 0.1, &radio));
-    FREE_OF_MEMORY(JCAS_OK, jcas_model_observation_fields(model, fields, JCAS_OBSERVATION_FIELDS, sizeof *fields));
+    FREE_OF_MEMORY(JCAS_OK, jcas_model_observation_fields(model, fields, JCAS_OBSERVATION_FIELDS,
+                                                          sizeof *fields));
     FREE_OF_MEMORY(JCAS_OK, jcas_model_layout(&config, &size, &alignment, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_layout(model, &size, &alignment));
     FREE_OF_MEMORY(JCAS_OK, jcas_trace_layout(model, &size, &alignment));
@@ -196,7 +210,8 @@ static void record(jcas_sim *sim)
                               .write = take,
                               .memory = workspace,
                               .memory_size = sizeof workspace};
-    jcas_cell starts[N] = {{1, 1}, {2, 2}, {3, 3}, {4, 4}}, hotspots[HOTSPOTS] = {{0, 1}, {0, 2}, {0, 3}};
+    jcas_cell starts[N] = {{1, 1}, {2, 2}, {3, 3}, {4, 4}},
+              hotspots[HOTSPOTS] = {{0, 1}, {0, 2}, {0, 3}};
     uint64_t charges[N] = {1, 2, 3, 4};
     char message[200];
     jcas_config other;
@@ -214,12 +229,13 @@ static void record(jcas_sim *sim)
     jcas_outcome outcome = {.struct_size = sizeof outcome};
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_step_end(sim, &outcome));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_record_end(sim));
-    FREE_OF_MEMORY(JCAS_OK, jcas_trace_config(trace, trace_length, &other, sizeof other, message, sizeof message));
-    FREE_OF_MEMORY(JCAS_OK, jcas_trace_verify(sim, workspace, sizeof workspace, trace, trace_length, message,
+    FREE_OF_MEMORY(JCAS_OK, jcas_trace_config(trace, trace_length, &other, sizeof other, message,
                                               sizeof message));
+    FREE_OF_MEMORY(JCAS_OK, jcas_trace_verify(sim, workspace, sizeof workspace, trace, trace_length,
+                                              message, sizeof message));
     trace[trace_length / 2] ^= 1;
-    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT, jcas_trace_verify(sim, workspace, sizeof workspace, trace, trace_length,
-                                                         message, sizeof message));
+    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT, jcas_trace_verify(sim, workspace, sizeof workspace, trace,
+                                                         trace_length, message, sizeof message));
 }
 
 /* A trained policy allocates when it is loaded, and never again. */
@@ -228,16 +244,20 @@ static int fly_policy(const jcas_model *model, jcas_sim *sim)
     jcas_policy *policy;
     char message[200];
     size_t size, alignment;
-    FREE_OF_MEMORY(JCAS_OK, jcas_policy_layout(model, policy_file, policy_length, &size, &alignment, NULL, 0));
-    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT, jcas_policy_layout(model, policy_file, policy_length - 1, &size, &alignment,
-                                                          message, sizeof message));
+    FREE_OF_MEMORY(
+        JCAS_OK, jcas_policy_layout(model, policy_file, policy_length, &size, &alignment, NULL, 0));
+    FREE_OF_MEMORY(JCAS_ERROR_CORRUPT,
+                   jcas_policy_layout(model, policy_file, policy_length - 1, &size, &alignment,
+                                      message, sizeof message));
     CHECK(size <= sizeof arena);
-    FREE_OF_MEMORY(JCAS_OK, jcas_policy_init(arena, sizeof arena, model, policy_file, policy_length, &policy, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_init(arena, sizeof arena, model, policy_file, policy_length,
+                                             &policy, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, actions, 2 * N));
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_set_mode(policy, JCAS_POLICY_SAMPLED));
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, actions, 2 * N));
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_free(policy));
-    if (refused(jcas_policy_load(model, policy_file, policy_length, &policy, message, sizeof message)))
+    if (refused(
+            jcas_policy_load(model, policy_file, policy_length, &policy, message, sizeof message)))
         return 1;
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_act(policy, sim, actions, 2 * N));
     OK(jcas_policy_free(policy));
@@ -301,14 +321,17 @@ static void fly_baselines(void)
     OK(jcas_model_new(&fleet, &model, NULL, 0));
     OK(jcas_sim_new(model, &sim));
     OK(jcas_batch_new(model, MEMBERS, 1, &batch));
-    FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(model, "swan", NULL, &policy, message, sizeof message));
-    FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT, jcas_policy_baseline(model, "swarm", "2", &policy, message, sizeof message));
+    FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT,
+                   jcas_policy_baseline(model, "swan", NULL, &policy, message, sizeof message));
+    FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT,
+                   jcas_policy_baseline(model, "swarm", "2", &policy, message, sizeof message));
     for (size_t name = 0; name < sizeof NAMES / sizeof *NAMES; name++) {
         uint64_t hash = 0;
         int refusals = 0;
         for (long k = -1; k <= 100; k += k < 12 ? 1 : 8) {
             left = k;
-            while (refused(jcas_policy_baseline(model, NAMES[name], "0.2", &policy, message, sizeof message))) {
+            while (refused(jcas_policy_baseline(model, NAMES[name], "0.2", &policy, message,
+                                                sizeof message))) {
                 CHECK(policy == NULL);
                 refusals++;
                 left = -1;
@@ -404,7 +427,8 @@ static void step(jcas_batch *batch)
     char message[200];
     size_t length;
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_reset(batch, seeds, M, observations, observed, NULL, 0));
-    FREE_OF_MEMORY(JCAS_OK, jcas_batch_reset_some(batch, mask, M, seeds, M, observations, observed, NULL, 0));
+    FREE_OF_MEMORY(
+        JCAS_OK, jcas_batch_reset_some(batch, mask, M, seeds, M, observations, observed, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_observe(batch, observations, observed, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_hash(batch, &hash));
     FREE_OF_MEMORY(JCAS_ERROR_LENGTH, jcas_batch_save(batch, snapshot, 1));
@@ -423,11 +447,14 @@ static void build_in_place(void)
     size_t size, alignment;
     uint8_t maps[1];
     left = 0;
-    FREE_OF_MEMORY(JCAS_OK, jcas_model_init(model_arena, sizeof model_arena, &config, &model, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK,
+                   jcas_model_init(model_arena, sizeof model_arena, &config, &model, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_sim_init(sim_arena, sizeof sim_arena, model, &sim));
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_layout(model, &options, &size, &alignment));
-    FREE_OF_MEMORY(JCAS_OK, jcas_batch_init(batch_arena, sizeof batch_arena, model, &options, &batch));
-    FREE_OF_MEMORY(JCAS_OK, jcas_policy_init(arena, sizeof arena, model, policy_file, policy_length, &policy, NULL, 0));
+    FREE_OF_MEMORY(JCAS_OK,
+                   jcas_batch_init(batch_arena, sizeof batch_arena, model, &options, &batch));
+    FREE_OF_MEMORY(JCAS_OK, jcas_policy_init(arena, sizeof arena, model, policy_file, policy_length,
+                                             &policy, NULL, 0));
     FREE_OF_MEMORY(JCAS_OK, jcas_policy_act_batch(policy, batch, actions, M * 2 * N));
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_get(batch, 1, sim));
     FREE_OF_MEMORY(JCAS_OK, jcas_batch_set(batch, 2, sim));

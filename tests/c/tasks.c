@@ -157,8 +157,11 @@ static void use_tasks(const jcas_model *model, uint64_t expected)
     int seven = 7;
     jcas_run_tasks runners[] = {run_backwards, run_one, run_threads, NULL};
     for (int i = 0; i < 4; i++) {
-        jcas_batch_options options = {.struct_size = sizeof options, .environments = M, .threads = TASKS,
-                                      .run = runners[i], .run_context = &seven};
+        jcas_batch_options options = {.struct_size = sizeof options,
+                                      .environments = M,
+                                      .threads = TASKS,
+                                      .run = runners[i],
+                                      .run_context = &seven};
         size_t size, alignment;
         OK(jcas_batch_layout(model, &options, &size, &alignment));
         CHECK(alignment <= 16);

@@ -140,7 +140,8 @@ static uint64_t fly_batch(const jcas_model *model, uint32_t thread_count)
         for (int m = 0; m < ENVIRONMENTS; m++) {
             if (terminated[m] || truncated[m]) {
                 ended++;
-                CHECK(metrics[m].terminated == terminated[m] && metrics[m].truncated == truncated[m]);
+                CHECK(metrics[m].terminated == terminated[m] &&
+                      metrics[m].truncated == truncated[m]);
                 CHECK(metrics[m].steps > 0 && metrics[m].struct_size == sizeof(jcas_metrics));
             }
         }

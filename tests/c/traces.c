@@ -108,7 +108,8 @@ static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
     OK(jcas_sim_set_starts(sim, starts, UAVS));
     OK(jcas_sim_set_hotspots(sim, hotspots, HOTSPOTS));
     OK(jcas_sim_set_batteries(sim, charges, UAVS));
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_set_battery(sim, UAVS, 1)); /* what is refused is in no trace */
+    /* A refused call is in no trace. */
+    EXPECT(JCAS_ERROR_ARGUMENT, jcas_sim_set_battery(sim, UAVS, 1));
     for (uint32_t step = 0; step < 12; step++) {
         if (step == 3) {
             OK(jcas_sim_set_battery(sim, 4, 5));
@@ -145,7 +146,8 @@ static void fly_hosted(jcas_sim *sim, const jcas_recorder *recorder)
 
 /* Replays a trace step by step in a simulation of its own. It counts t, and its last state is that
  * of the whole replay. */
-static void verify_by_steps(jcas_sim *sim, void *memory, size_t size, const char *trace, size_t length)
+static void verify_by_steps(jcas_sim *sim, void *memory, size_t size, const char *trace,
+                            size_t length)
 {
     jcas_episode episode;
     uint64_t at_once, by_steps;
@@ -296,7 +298,8 @@ static void fill_sink(jcas_sim *sim, jcas_recorder recorder, struct text *text)
 static const char ILLEGAL[] = "{\"kind\":\"header\",\"format\":\"jcas-trace\",\"format_version\":2,"
                               "\"core_version\":\"0.1.0\",\"config\":{\"uav_count\":0},";
 
-static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder, const struct text *trace)
+static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder,
+                  const struct text *trace)
 {
     size_t size = 7, alignment = 7;
     jcas_config config;
@@ -342,8 +345,8 @@ static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder, cons
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_trace_config(text, length, &config, 4, NULL, 0));
     EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_config("\xff", 1, &config, sizeof config, NULL, 0));
     char refused[128] = "";
-    EXPECT(JCAS_ERROR_CORRUPT,
-           jcas_trace_config(ILLEGAL, sizeof ILLEGAL - 1, &config, sizeof config, refused, sizeof refused));
+    EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_config(ILLEGAL, sizeof ILLEGAL - 1, &config,
+                                                 sizeof config, refused, sizeof refused));
     CHECK(strcmp(refused, "line 1: uav_count = 0: must be a whole number from 1 to 4096") == 0);
     CHECK(untouched(&config, sizeof config));
     size = recorder.memory_size;
@@ -352,18 +355,23 @@ static void abuse(jcas_model *model, jcas_sim *sim, jcas_recorder recorder, cons
     EXPECT(JCAS_ERROR_NULL, jcas_trace_verify(sim, NULL, size, text, length, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_trace_verify(sim, memory, size, NULL, length, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_trace_verify(sim, memory, size - 1, text, length, NULL, 0));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_trace_verify(FOREIGN(jcas_sim), memory, size, text, length, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_trace_verify(FOREIGN(jcas_sim), memory, size, text, length, NULL, 0));
     size_t offset = 0;
     EXPECT(JCAS_ERROR_NULL, jcas_trace_step(NULL, memory, size, text, length, &offset, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_trace_step(sim, NULL, size, text, length, &offset, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_trace_step(sim, memory, size, NULL, length, &offset, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_trace_step(sim, memory, size, text, length, NULL, NULL, 0));
-    EXPECT(JCAS_ERROR_LENGTH, jcas_trace_step(sim, memory, size - 1, text, length, &offset, NULL, 0));
-    EXPECT(JCAS_ERROR_HANDLE, jcas_trace_step(FOREIGN(jcas_sim), memory, size, text, length, &offset, NULL, 0));
-    EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_step(sim, memory, size, text, length - 1, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_LENGTH,
+           jcas_trace_step(sim, memory, size - 1, text, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_HANDLE,
+           jcas_trace_step(FOREIGN(jcas_sim), memory, size, text, length, &offset, NULL, 0));
+    EXPECT(JCAS_ERROR_CORRUPT,
+           jcas_trace_step(sim, memory, size, text, length - 1, &offset, NULL, 0));
     CHECK(offset == 0);
     for (offset = length; offset < length + 2; offset++)
-        EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_step(sim, memory, size, text, length, &offset, NULL, 0));
+        EXPECT(JCAS_ERROR_CORRUPT,
+               jcas_trace_step(sim, memory, size, text, length, &offset, NULL, 0));
     offset = 7;
     EXPECT(JCAS_ERROR_CORRUPT, jcas_trace_step(sim, memory, size, text, length, &offset, NULL, 0));
     CHECK(offset == 7);

@@ -36,8 +36,8 @@ record hidden_targets --uavs 9 --hotspots 4 --policy sweep --pilot adaptive \
 record one_uav --uavs 1 --hotspots 4 --policy greedy --pilot max \
     --set quorum=1 --set radar_cross_section_dbsm=10
 record several_depots --uavs 8 --hotspots 5 --policy teams --pilot adaptive \
-    --set "depots=[[1, 1], [10, 10], [10, 1]]" --set initial_soc_min=0.21 --set initial_soc_max=0.29 \
-    --set horizon_steps=80
+    --set "depots=[[1, 1], [10, 10], [10, 1]]" \
+    --set initial_soc_min=0.21 --set initial_soc_max=0.29 --set horizon_steps=80
 record narrow_grid --uavs 7 --hotspots 2 --policy random --pilot adaptive \
     --set grid_width=2 --set grid_height=9 --set neighbour_slots=3 --set horizon_steps=40
 record search --preset search --uavs 8 --hotspots 5 --policy random --pilot max --episode 2 \

@@ -124,7 +124,8 @@ class Mission:
         resolution = c.get("range_resolution_m", 299_792_458 / (2 * c["bandwidth_hz"]))
         return (
             c["transmit_power_dbm"] + c["transmit_gain_dbi"] + c["receive_gain_dbi"]
-            + 20 * math.log10(wavelength) + c["radar_cross_section_dbsm"] - 30 * math.log10(4 * math.pi)
+            + 20 * math.log10(wavelength) + c["radar_cross_section_dbsm"]
+            - 30 * math.log10(4 * math.pi)
             - 40 * math.log10(r) - c["sensing_noise_dbm"] + c["processing_gain_db"]
             - 10 * math.log10(1 + resolution / r)
         )
@@ -233,8 +234,10 @@ class Mission:
     def throughput(self, i, k):
         c = self.c
         loss = 20 * math.log10(4 * math.pi * c["carrier_frequency_hz"] / 299_792_458)
-        loss += 10 * c["path_loss_exponent"] * math.log10(self.range_m(self.cells[i], self.cells[k]))
-        snr = c["transmit_power_dbm"] + c["transmit_gain_dbi"] + c["receive_gain_dbi"] - loss - c["comm_noise_dbm"]
+        range_m = self.range_m(self.cells[i], self.cells[k])
+        loss += 10 * c["path_loss_exponent"] * math.log10(range_m)
+        radiated = c["transmit_power_dbm"] + c["transmit_gain_dbi"]
+        snr = radiated + c["receive_gain_dbi"] - loss - c["comm_noise_dbm"]
         full = math.log2(1 + 10 ** (snr / 10)) / c["reference_spectral_efficiency"]
         return (1 - self.density[i]) * full
 
@@ -286,13 +289,16 @@ class Mission:
         again = sum(cell in self.visited for cell in moved)
         self.visited |= new
         goal, charging = (0.0, 0.0) if complete else self.potentials()
-        shaping = c["shaping_discount"] * goal - self.goal, c["shaping_discount"] * charging - self.charging
+        discount = c["shaping_discount"]
+        shaping = discount * goal - self.goal, discount * charging - self.charging
         self.goal, self.charging = goal, charging
         spread = sum(sum(j in known for known in self.knows) / self.n for j in self.confirmed)
+        spread = spread / len(self.confirmed) if self.confirmed else 0.0
+        paid = told if c["inform_payment"] == "once" else len(self.informed)
         return {
             "detect": c["reward_detect"] * found
             + c.get("reward_false_confirmation", 0) * self.newly_false,
-            "inform": c["reward_inform"] * (told if c["inform_payment"] == "once" else len(self.informed)),
+            "inform": c["reward_inform"] * paid,
             "complete": c["reward_complete"] * complete,
             "coverage": c["reward_coverage"] * len(new) / (self.w * self.h),
             "energy": -c["penalty_energy_per_kwh"] * spent / 3.6e12,
@@ -300,7 +306,7 @@ class Mission:
             "revisit": -c["penalty_revisit"] * again,
             "truncation": -c["penalty_truncation"] * over,
             "throughput": c["reward_throughput"] * self.mean_throughput,
-            "spread": c["reward_spread"] * (spread / len(self.confirmed) if self.confirmed else 0.0),
+            "spread": c["reward_spread"] * spread,
             "shaping_goal": shaping[0],
             "shaping_charge": shaping[1],
         }
@@ -328,7 +334,8 @@ class Mission:
         c = self.c
         self.t += 1
         low, high = c["pilot_density_min"], c["pilot_density_max"]
-        before, confirmed, informed, co2 = list(self.cells), set(self.confirmed), self.informed, self.co2
+        before, confirmed = list(self.cells), set(self.confirmed)
+        informed, co2 = self.informed, self.co2
         for i, (u_dir, u_pilot) in enumerate(actions):
             u = max(-1.0, min(1.0, u_pilot))
             self.density[i] = max(low, min(high, low + (u + 1) / 2 * (high - low)))
@@ -337,7 +344,11 @@ class Mission:
             self.cells[i] = self.destination(i, u_dir)
         senses = [not self.grounded[i] and len(self.knows[i]) < self.m for i in range(self.n)]
         hits = [
-            {j for j in range(self.m) if senses[i] and j not in self.knows[i] and self.detects(i, j)}
+            {
+                j
+                for j in range(self.m)
+                if senses[i] and j not in self.knows[i] and self.detects(i, j)
+            }
             for i in range(self.n)
         ]
         for j in range(self.m):
