@@ -1,8 +1,8 @@
-/* A fleet that steers to goals, written anew from the rules of PufferLib's Ocean environment `target`.
- * 15 agents turn and change their speed in a plane. 7 goals move elsewhere when they are reached.
- * Every agent observes 48 reals: the offset of each goal and each agent, its heading, its last reward
- * and its position. It computes kinematics and distances only, so it shows the cost of a step without
- * a model. It holds none of PufferLib's source.
+/* A fleet that steers to goals, written anew from the rules of PufferLib's Ocean environment
+ * `target`. 15 agents turn and change their speed in a plane. 7 goals move elsewhere when they are
+ * reached. Every agent observes 48 reals: the offset of each goal and each agent, its heading, its
+ * last reward and its position. The program computes kinematics and distances only, so it shows the
+ * cost of a step without a model. It holds none of PufferLib's source.
  *
  *   cc -O2 target.c -lm && ./a.out SECONDS ENVIRONMENTS
  *
@@ -17,7 +17,8 @@
 
 enum { AGENTS = 15, GOALS = 7, OBSERVED = 2 * GOALS + 2 * AGENTS + 4, ACTION_SETS = 8 };
 
-static const float WIDTH = 1080, HEIGHT = 720, REACH = 32, FASTEST = 20, TURN = 0.0833f, QUICKEN = 1;
+static const float WIDTH = 1080, HEIGHT = 720, REACH = 32, FASTEST = 20, TURN = 0.0833f,
+                   QUICKEN = 1;
 
 typedef struct {
     float x, y, heading, speed, reward;
@@ -64,7 +65,8 @@ static void begin(world *w, uint32_t seed)
     }
 }
 
-/* An action is one of nine turns and one of five changes of speed. The middle ones change nothing. */
+/* An action is one of nine turns and one of five changes of speed. The middle ones change
+ * nothing. */
 static void step(world *w, const uint8_t *actions, float *observations, float *rewards)
 {
     for (int i = 0; i < AGENTS; i++) {
@@ -124,7 +126,8 @@ int main(int argc, char **argv)
     while ((double)(now - begun) < seconds * CLOCKS_PER_SEC) {
         const uint8_t *chosen = actions + steps % ACTION_SETS * acting;
         for (size_t m = 0; m < count; m++)
-            step(&worlds[m], chosen + m * 2 * AGENTS, observations + m * AGENTS * OBSERVED, rewards + m * AGENTS);
+            step(&worlds[m], chosen + m * 2 * AGENTS, observations + m * AGENTS * OBSERVED,
+                 rewards + m * AGENTS);
         steps++;
         now = clock();
     }

@@ -30,7 +30,8 @@ def shows_fields(function: F) -> F:
         for name, annotation in Fields.__annotations__.items()
         if name not in taken
     ]
-    function.__signature__ = signature.replace(parameters=[*own, *fields])  # type: ignore[attr-defined]
+    shown = signature.replace(parameters=[*own, *fields])
+    function.__signature__ = shown  # type: ignore[attr-defined]
     return function
 
 
