@@ -7,11 +7,13 @@
 # Paths are relative to this file, so that the installed tree can be moved.
 
 get_filename_component(_jcas_prefix "${CMAKE_CURRENT_LIST_DIR}" ABSOLUTE)
-while(NOT EXISTS "${_jcas_prefix}/include/jcas.h" AND NOT EXISTS "${_jcas_prefix}/include/jcas/jcas.h")
+while(NOT EXISTS "${_jcas_prefix}/include/jcas.h"
+      AND NOT EXISTS "${_jcas_prefix}/include/jcas/jcas.h")
     get_filename_component(_jcas_parent "${_jcas_prefix}" DIRECTORY)
     if(_jcas_parent STREQUAL _jcas_prefix)
         set(jcas_FOUND FALSE)
-        set(jcas_NOT_FOUND_MESSAGE "jcas.h lies in no include folder above ${CMAKE_CURRENT_LIST_DIR}")
+        set(jcas_NOT_FOUND_MESSAGE
+            "jcas.h lies in no include folder above ${CMAKE_CURRENT_LIST_DIR}")
         return()
     endif()
     set(_jcas_prefix "${_jcas_parent}")
@@ -21,7 +23,8 @@ set(_jcas_include "${_jcas_prefix}/include")
 if(NOT EXISTS "${_jcas_include}/jcas.h")
     set(_jcas_include "${_jcas_prefix}/include/jcas")
 endif()
-file(GLOB _jcas_folders "${_jcas_prefix}/lib" "${_jcas_prefix}/lib64" "${_jcas_prefix}/lib/*-linux-*")
+file(GLOB _jcas_folders
+    "${_jcas_prefix}/lib" "${_jcas_prefix}/lib64" "${_jcas_prefix}/lib/*-linux-*")
 
 find_library(_jcas_shared NAMES libjcas.so libjcas.dylib jcas.dll.lib
     PATHS ${_jcas_folders} NO_DEFAULT_PATH NO_CACHE)

@@ -149,7 +149,8 @@ impl Report {
             .map(|cells| row(cells, &numeric))
             .collect();
         self.push(&format!(
-            "<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>",
+            "<div class=\"table\"><table>\n<caption>{}</caption>\n\
+             <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>",
             inline(&table.caption)
         ));
         self
@@ -177,8 +178,10 @@ impl Report {
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
-             <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n\
+             <meta http-equiv=\"Content-Security-Policy\" \
+             content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
+             <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n\
              {summary}{contents}{rest}</main>\n</body>\n</html>\n"
         )
     }
@@ -306,7 +309,10 @@ mod tests {
     fn text_is_escaped_and_marked_up() {
         let html = report().html();
         assert!(html.contains("<h1>Fleet &lt;size&gt;</h1>"));
-        assert!(html.contains("<p>One <strong>bold</strong> word &amp; <code>a &lt; b</code>.</p>\n<p>Second paragraph.</p>"));
+        assert!(html.contains(
+            "<p>One <strong>bold</strong> word &amp; <code>a &lt; b</code>.</p>\n\
+             <p>Second paragraph.</p>"
+        ));
         assert!(html.contains(">Table of <code>N</code></h2>"));
         assert!(html.contains(">Table of <code>N</code></a>"));
         assert!(html.contains("<th scope=\"col\"><code>claim</code></th>"));

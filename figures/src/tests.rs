@@ -123,7 +123,10 @@ fn svg_holds_title_axes_units_and_names_as_text() {
     }
     assert!(!svg.contains("<random>") && !svg.contains("jcas-figure-font"));
     assert!(svg.contains("font-family=\"Roboto, "));
-    assert!(svg.contains("<title>Success over fleet size: Success (%) over Fleet size N; swarm, teams, &lt;random&gt;</title>"));
+    assert!(svg.contains(
+        "<title>Success over fleet size: Success (%) over Fleet size N; \
+         swarm, teams, &lt;random&gt;</title>"
+    ));
 }
 
 #[test]

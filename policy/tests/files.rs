@@ -251,8 +251,9 @@ proptest! {
     #[test]
     fn any_header_is_read_or_refused(
         pieces in prop::collection::vec(prop::sample::select(vec![
-            "{", "}", "[", "]", ":", ",", "\"", "\"0.weight\"", "\"dtype\"", "\"shape\"", "\"data_offsets\"",
-            "\"F32\"", "\"__metadata__\"", "\\", "1", "16", "18446744073709551615", " ", "\u{e4}",
+            "{", "}", "[", "]", ":", ",", "\"", "\"0.weight\"", "\"dtype\"", "\"shape\"",
+            "\"data_offsets\"", "\"F32\"", "\"__metadata__\"", "\\", "1", "16",
+            "18446744073709551615", " ", "\u{e4}",
         ]), 0..60),
         data in 0usize..64,
     ) {

@@ -43,9 +43,10 @@ fn file(widths: &[usize], layers: &[(Vec<f32>, Vec<f32>)]) -> Vec<u8> {
         ] {
             let start = data.len();
             data.extend(values.iter().flat_map(|x| x.to_le_bytes()));
+            let end = data.len();
+            let offsets = format!(r#""data_offsets":[{start},{end}]"#);
             header.push(format!(
-                r#""{index}.{part}":{{"dtype":"F32","shape":{shape:?},"data_offsets":[{start},{}]}}"#,
-                data.len()
+                r#""{index}.{part}":{{"dtype":"F32","shape":{shape:?},{offsets}}}"#
             ));
         }
     }

@@ -72,7 +72,8 @@ impl fmt::Display for TraceError {
             ),
             Self::Checksum { stated, computed } => write!(
                 out,
-                "checksum = {stated}: the content gives {computed}, so it was changed after recording"
+                "checksum = {stated}: the content gives {computed}, \
+                 so it was changed after recording"
             ),
             Self::Kernel(error) => error.fmt(out),
         }

@@ -98,7 +98,8 @@ mod tests {
             most in 1i64..20,
             draws in prop::collection::vec(any::<u32>(), 144),
         ) {
-            let costs: Vec<i64> = draws[..size * size].iter().map(|&x| i64::from(x) % most).collect();
+            let draws = draws[..size * size].iter();
+            let costs: Vec<i64> = draws.map(|&x| i64::from(x) % most).collect();
             let matrix = Matrix::from_vec(size, size, costs.clone()).unwrap();
             prop_assert_eq!(cheapest(&costs, size).unwrap(), kuhn_munkres_min(&matrix).1);
         }
