@@ -8,8 +8,20 @@ function readEpisode({ header, steps, end }) {
   const capacity_uj = config.battery_capacity_kwh * MICROJOULES_PER_KWH;
   const nobody = initial.positions.map(() => []);
   const start = {
-    t: 0, positions: initial.positions, pilot_density: null, battery_uj: initial.battery_uj, grounded: [], returning: [],
-    links: [], knowledge: nobody, confirmed: [], informed: [], carbon_intensity_mg_per_kwh: null, co2_ng: 0, throughput: 0, reward: {},
+    t: 0,
+    positions: initial.positions,
+    pilot_density: null,
+    battery_uj: initial.battery_uj,
+    grounded: [],
+    returning: [],
+    links: [],
+    knowledge: nobody,
+    confirmed: [],
+    informed: [],
+    carbon_intensity_mg_per_kwh: null,
+    co2_ng: 0,
+    throughput: 0,
+    reward: {},
   };
   let hotspots = header.hotspots;
   const frames = [start, ...steps].map((step) => ({
@@ -62,7 +74,9 @@ function countMoves(frames) {
   frames[0].moves = 0;
   for (let t = 1; t < frames.length; t += 1) {
     const before = frames[t - 1].positions;
-    const moved = frames[t].positions.filter(([x, y], id) => x !== before[id][0] || y !== before[id][1]);
+    const moved = frames[t].positions.filter(
+      ([x, y], id) => x !== before[id][0] || y !== before[id][1],
+    );
     frames[t].moves = frames[t - 1].moves + moved.length;
   }
 }
@@ -93,7 +107,9 @@ function firstSearches({ config, frames, uavCount }) {
   if (config.search_maps !== 'shared') return null;
   const [width, height] = [config.grid_width, config.grid_height];
   const squared = (config.search_map_radius_m / config.cell_size_m) ** 2;
-  const at = Array.from({ length: uavCount }, () => new Float64Array(width * height).fill(Infinity));
+  const at = Array.from({ length: uavCount }, () =>
+    new Float64Array(width * height).fill(Infinity),
+  );
   for (let t = 1; t < frames.length; t += 1) {
     const { positions, grounded, links } = frames[t];
     positions.forEach(([px, py], id) => {
@@ -112,7 +128,9 @@ function firstSearches({ config, frames, uavCount }) {
       if (!known.has(root)) known.set(root, new Set());
       map.forEach((since, cell) => { if (since <= t) known.get(root).add(cell); });
     });
-    at.forEach((map, id) => { for (const cell of known.get(find(id))) map[cell] = Math.min(map[cell], t); });
+    at.forEach((map, id) => {
+      for (const cell of known.get(find(id))) map[cell] = Math.min(map[cell], t);
+    });
   }
   return at;
 }
@@ -125,8 +143,12 @@ function readSeries({ frames, uavCount, hotspotCount }) {
   const ofPilot = (statistic) => pilots.map((values) => (values ? statistic(values) : null));
   let sum = 0;
   return {
-    socMean: frames.map((f) => mean(f.soc)), socLow: frames.map((f) => least(f.soc)), socHigh: frames.map((f) => most(f.soc)),
-    pilotMean: ofPilot(mean), pilotLow: ofPilot(least), pilotHigh: ofPilot(most),
+    socMean: frames.map((f) => mean(f.soc)),
+    socLow: frames.map((f) => least(f.soc)),
+    socHigh: frames.map((f) => most(f.soc)),
+    pilotMean: ofPilot(mean),
+    pilotLow: ofPilot(least),
+    pilotHigh: ofPilot(most),
     throughput: frames.map((f) => f.throughput),
     reward: frames.map((f) => f.reward_total),
     rewardSum: frames.map((f) => (sum += f.reward_total)),
@@ -147,15 +169,29 @@ function readEvents({ frames, end, lastStep, hotspotCount, uavCount }) {
   for (let t = 1; t < frames.length; t += 1) {
     const [before, now] = [frames[t - 1], frames[t]];
     const entering = (name) => [...now[name]].filter((id) => !before[name].has(id));
-    for (const id of entering('confirmed')) events.push({ t, kind: 'confirmed', text: `Hotspot ${id} confirmed`, pick: { hotspot: id } });
-    for (const id of entering('informed')) events.push({ t, kind: 'informed', text: `Hotspot ${id} known to all`, pick: { hotspot: id } });
+    for (const id of entering('confirmed'))
+      events.push({ t, kind: 'confirmed', text: `Hotspot ${id} confirmed`, pick: { hotspot: id } });
+    for (const id of entering('informed'))
+      events.push({
+        t,
+        kind: 'informed',
+        text: `Hotspot ${id} known to all`,
+        pick: { hotspot: id },
+      });
     const leaving = entering('returning').filter((id) => t - lastReturning[id] > SAME_RETURN_STEPS);
     for (const id of now.returning) lastReturning[id] = t;
-    for (const id of leaving) events.push({ t, kind: 'returning', text: `UAV ${id} returns to base`, pick: { uav: id } });
-    for (const id of entering('grounded')) events.push({ t, kind: 'grounded', text: `UAV ${id} grounded`, pick: { uav: id } });
+    for (const id of leaving)
+      events.push({ t, kind: 'returning', text: `UAV ${id} returns to base`, pick: { uav: id } });
+    for (const id of entering('grounded'))
+      events.push({ t, kind: 'grounded', text: `UAV ${id} grounded`, pick: { uav: id } });
   }
   const informed = frames[lastStep].informed.size;
   if (end.terminated) events.push({ t: lastStep, kind: 'end', text: 'Mission complete' });
-  else if (end.truncated) events.push({ t: lastStep, kind: 'end', text: `Horizon reached, ${informed} of ${hotspotCount} informed` });
+  else if (end.truncated)
+    events.push({
+      t: lastStep,
+      kind: 'end',
+      text: `Horizon reached, ${informed} of ${hotspotCount} informed`,
+    });
   return events;
 }

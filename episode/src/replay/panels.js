@@ -29,25 +29,44 @@ function createTiles(list, episode) {
 
 function createFleetTable(table, episode, onSelect) {
   const { uavCount, hotspotCount, config } = episode;
-  const columns = hotspotCount <= WIDEST_TABLE ? Array.from({ length: hotspotCount }, (_, id) => id) : [];
-  const heads = columns.length ? columns.map((id) => `<th scope="col" title="Hotspot ${id}">H${id}</th>`).join('') : '<th scope="col">known</th>';
-  table.innerHTML = `<thead><tr><th scope="col"><span class="visually-hidden">UAV</span></th><th scope="col">battery</th><th scope="col">pilot</th>${heads}<th scope="col">state</th></tr></thead>`
-    + `<tbody>${Array.from({ length: uavCount }, (_, id) => row(id)).join('')}</tbody>`;
+  const columns =
+    hotspotCount <= WIDEST_TABLE ? Array.from({ length: hotspotCount }, (_, id) => id) : [];
+  const heads = columns.length
+    ? columns.map((id) => `<th scope="col" title="Hotspot ${id}">H${id}</th>`).join('')
+    : '<th scope="col">known</th>';
+  table.innerHTML =
+    '<thead><tr><th scope="col"><span class="visually-hidden">UAV</span></th>' +
+    '<th scope="col">battery</th><th scope="col">pilot</th>' +
+    `${heads}<th scope="col">state</th></tr></thead>` +
+    `<tbody>${Array.from({ length: uavCount }, (_, id) => row(id)).join('')}</tbody>`;
   const rows = [...table.querySelectorAll('tbody tr')].map((node, id) => {
     node.addEventListener('click', () => onSelect({ uav: id }));
     return {
-      node, button: node.querySelector('button'), meter: node.querySelector('.meter'), bar: node.querySelector('b'), soc: node.querySelector('.meter span'),
-      swatch: node.querySelector('.swatch'), pilot: node.querySelector('.pilot'), knows: [...node.querySelectorAll('.knows')],
-      count: node.querySelector('.count'), state: node.querySelector('.state-word'),
+      node,
+      button: node.querySelector('button'),
+      meter: node.querySelector('.meter'),
+      bar: node.querySelector('b'),
+      soc: node.querySelector('.meter span'),
+      swatch: node.querySelector('.swatch'),
+      pilot: node.querySelector('.pilot'),
+      knows: [...node.querySelectorAll('.knows')],
+      count: node.querySelector('.count'),
+      state: node.querySelector('.state-word'),
     };
   });
   const colour = pilotColours();
   const lowest = config.rtb_threshold_kwh / config.battery_capacity_kwh;
 
   function row(id) {
-    const cells = columns.length ? columns.map(() => '<td><span class="knows" role="img"></span></td>').join('') : '<td class="count"></td>';
-    return `<tr><th scope="row"><button aria-pressed="false">UAV ${id}</button></th><td><span class="meter"><i><b></b></i><span></span></span></td>`
-      + `<td><span class="swatch"></span><span class="pilot"></span></td>${cells}<td class="state-word"></td></tr>`;
+    const cells = columns.length
+      ? columns.map(() => '<td><span class="knows" role="img"></span></td>').join('')
+      : '<td class="count"></td>';
+    return (
+      `<tr><th scope="row"><button aria-pressed="false">UAV ${id}</button></th>` +
+      '<td><span class="meter"><i><b></b></i><span></span></span></td>' +
+      '<td><span class="swatch"></span><span class="pilot"></span></td>' +
+      `${cells}<td class="state-word"></td></tr>`
+    );
   }
 
   // While a mission plays, the table holds only its visible rows, since a layout of a hundred rows
@@ -69,7 +88,10 @@ function createFleetTable(table, episode, onSelect) {
 
   function inSight() {
     const first = Math.floor(top / ROW_PX);
-    return { first: Math.max(0, first - MORE), last: Math.min(uavCount, first + ROWS_SHOWN + MORE) };
+    return {
+      first: Math.max(0, first - MORE),
+      last: Math.min(uavCount, first + ROWS_SHOWN + MORE),
+    };
   }
 
   const behind = new Set();
@@ -88,7 +110,10 @@ function createFleetTable(table, episode, onSelect) {
 
   function writeHead(t) {
     const frame = episode.frames[t];
-    table.querySelectorAll('thead th').forEach((head, k) => { if (columns.length && k >= 3 && k < 3 + columns.length) head.className = hotspotState(frame, k - 3); });
+    table.querySelectorAll('thead th').forEach((head, k) => {
+      if (columns.length && k >= 3 && k < 3 + columns.length)
+        head.className = hotspotState(frame, k - 3);
+    });
   }
 
   function write(id, t, selection) {
@@ -101,11 +126,13 @@ function createFleetTable(table, episode, onSelect) {
     parts.bar.style.width = `${100 * frame.soc[id]}%`;
     setText(parts.soc, percent(frame.soc[id]));
     const pilot = frame.pilot_density?.[id];
-    parts.swatch.style.background = pilot === undefined ? 'var(--ring-back)' : colour(pilotShare(config, pilot));
+    parts.swatch.style.background =
+      pilot === undefined ? 'var(--ring-back)' : colour(pilotShare(config, pilot));
     setText(parts.pilot, pilot === undefined ? '–' : pilot.toFixed(2));
     parts.knows.forEach((node, hotspot) => {
       const known = frame.knowledge[id].has(hotspot);
-      const name = `knows${known ? ' yes' : ''}${known && frame.informed.has(hotspot) ? ' all' : ''}`;
+      const byAll = known && frame.informed.has(hotspot);
+      const name = `knows${known ? ' yes' : ''}${byAll ? ' all' : ''}`;
       if (node.className === name && node.ariaLabel) return;
       node.className = name;
       node.setAttribute('aria-label', known ? 'knows' : 'does not know');
@@ -134,7 +161,8 @@ function createInspector(card, episode, onSeek) {
   };
 
   function rebuild({ uav, hotspot }) {
-    const title = uav !== undefined ? `UAV ${uav}` : hotspot !== undefined ? `Hotspot ${hotspot}` : 'The fleet';
+    const title =
+      uav !== undefined ? `UAV ${uav}` : hotspot !== undefined ? `Hotspot ${hotspot}` : 'The fleet';
     card.innerHTML = `<h2>${title}</h2><dl></dl><div class="history"></div>`;
     charts = [];
     if (uav === undefined) return;
@@ -142,8 +170,22 @@ function createInspector(card, episode, onSeek) {
     const soc = frames.map((frame) => frame.soc[uav]);
     const pilot = frames.map((frame) => frame.pilot_density?.[uav] ?? null);
     charts = [
-      { title: 'Battery', low: 0, high: 1, area: soc, lines: [{ values: soc }], format: (t) => percent(soc[t]) },
-      { title: 'Pilot density', low: 0, high: config.pilot_density_max, area: pilot, lines: [{ values: pilot }], format: (t) => pilot[t]?.toFixed(3) ?? '–' },
+      {
+        title: 'Battery',
+        low: 0,
+        high: 1,
+        area: soc,
+        lines: [{ values: soc }],
+        format: (t) => percent(soc[t]),
+      },
+      {
+        title: 'Pilot density',
+        low: 0,
+        high: config.pilot_density_max,
+        area: pilot,
+        lines: [{ values: pilot }],
+        format: (t) => pilot[t]?.toFixed(3) ?? '–',
+      },
     ].map((plan) => createChart(parent, lastStep, { ...plan, small: true }, onSeek));
   }
 
@@ -151,7 +193,10 @@ function createInspector(card, episode, onSeek) {
     const frame = frames[t];
     const node = card.querySelector('dl');
     if (uav !== undefined) {
-      const heard = frame.links.filter((link) => link.includes(uav)).map(([i, k]) => (i === uav ? k : i)).sort((a, b) => a - b);
+      const heard = frame.links
+        .filter((link) => link.includes(uav))
+        .map(([i, k]) => (i === uav ? k : i))
+        .sort((a, b) => a - b);
       node.innerHTML = facts([
         ['Cell', `(${frame.positions[uav].join(', ')}), ${uavState(frame, uav)}`],
         ['Knows', list([...frame.knowledge[uav]].map((id) => `H${id}`), 'no hotspot')],
@@ -164,7 +209,10 @@ function createInspector(card, episode, onSeek) {
         ['Cell', `(${frame.hotspots[hotspot].join(', ')})`],
         ['Confirmed', at(episode.confirmedAt[hotspot])],
         ['Informed', at(episode.informedAt[hotspot])],
-        ['Known to', knowers.length === uavCount ? `all ${uavCount} UAVs` : list(knowers, 'nobody')],
+        [
+          'Known to',
+          knowers.length === uavCount ? `all ${uavCount} UAVs` : list(knowers, 'nobody'),
+        ],
       ]);
     } else {
       const cells = episode.firstVisit.filter((visit) => visit[2] <= t).length;
@@ -175,16 +223,27 @@ function createInspector(card, episode, onSeek) {
         ['Returning', list([...frame.returning], 'nobody')],
         ['Grounded', list([...frame.grounded], 'nobody')],
       ]);
-      card.querySelector('.history').innerHTML = `<p class="note">Select a UAV to see what it knows, whom it hears, and how its battery and pilot density went; or one of the ${hotspotCount} hotspots to see who knows it.</p>`;
+      card.querySelector('.history').innerHTML =
+        '<p class="note">Select a UAV to see what it knows, which UAVs it hears, and the course ' +
+        `of its battery and pilot density. Select one of the ${hotspotCount} hotspots to see ` +
+        'which UAVs know it.</p>';
     }
   }
 }
 
 function createEventList(list, episode, onEvent) {
-  list.innerHTML = episode.events.map(({ t, kind, text }) => `<li class="${kind}"><button><span class="when">${t}</span><span class="dot"></span><span>${text}</span></button></li>`).join('')
-    || '<li class="note">Nothing happened.</li>';
+  list.innerHTML =
+    episode.events
+      .map(
+        ({ t, kind, text }) =>
+          `<li class="${kind}"><button><span class="when">${t}</span><span class="dot"></span>` +
+          `<span>${text}</span></button></li>`,
+      )
+      .join('') || '<li class="note">Nothing happened.</li>';
   const items = [...list.querySelectorAll('li')];
-  episode.events.forEach((event, k) => items[k].firstChild.addEventListener('click', () => onEvent(event)));
+  episode.events.forEach((event, k) =>
+    items[k].firstChild.addEventListener('click', () => onEvent(event)),
+  );
   let shown;
   return (t) => {
     let latest = null;
@@ -201,10 +260,20 @@ function createEventList(list, episode, onEvent) {
 
 function createRewards(list, { frames, rewardNames }) {
   const sums = { 0: rewardNames.map(() => 0) };
-  for (let t = 1; t < frames.length; t += 1) sums[t] = rewardNames.map((name, k) => sums[t - 1][k] + frames[t].reward[name]);
+  for (let t = 1; t < frames.length; t += 1)
+    sums[t] = rewardNames.map((name, k) => sums[t - 1][k] + frames[t].reward[name]);
   const widest = Math.max(1e-9, ...sums[frames.length - 1].map(Math.abs));
-  list.innerHTML = rewardNames.map((name) => `<div><dt>${name.replace('_', ' ')}</dt><dd class="track"><b></b></dd><dd class="value"></dd></div>`).join('');
-  const rows = [...list.children].map((node) => ({ bar: node.querySelector('b'), value: node.querySelector('.value') }));
+  list.innerHTML = rewardNames
+    .map(
+      (name) =>
+        `<div><dt>${name.replace('_', ' ')}</dt><dd class="track"><b></b></dd>` +
+        '<dd class="value"></dd></div>',
+    )
+    .join('');
+  const rows = [...list.children].map((node) => ({
+    bar: node.querySelector('b'),
+    value: node.querySelector('.value'),
+  }));
   return (t) => rows.forEach(({ bar, value }, k) => {
     const sum = sums[t][k];
     const share = Math.min(50, (50 * Math.abs(sum)) / widest);

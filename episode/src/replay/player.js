@@ -5,7 +5,14 @@ const $ = (id) => document.getElementById(id);
 
 let episode = null;
 let parts = {};
-const player = { time: 0, playing: false, selection: {}, drawnStep: -1, drawnSelection: null, clock: 0 };
+const player = {
+  time: 0,
+  playing: false,
+  selection: {},
+  drawnStep: -1,
+  drawnSelection: null,
+  clock: 0,
+};
 const stillness = matchMedia('(prefers-reduced-motion: reduce)');
 /** A page around the player may add keys, words in the address, and a callback after drawing. */
 const around = { onKey: () => false, address: () => '', drawn: () => {} };
@@ -29,7 +36,17 @@ if (JSON.parse($('episode').textContent)) {
 /** Shows an episode in place of the previous one. */
 function open(data) {
   episode = readEpisode(data);
-  for (const id of ['stage', 'event-lane', 'tiles', 'charts', 'fleet', 'inspector', 'events', 'rewards']) $(id).replaceChildren();
+  for (const id of [
+    'stage',
+    'event-lane',
+    'tiles',
+    'charts',
+    'fleet',
+    'inspector',
+    'events',
+    'rewards',
+  ])
+    $(id).replaceChildren();
   parts = {
     stage: createStage($('stage'), episode, toggle),
     tiles: createTiles($('tiles'), episode),
@@ -48,16 +65,25 @@ function open(data) {
 function writeHeader() {
   const { header, end, uavCount, hotspotCount, lastStep, frames, config } = episode;
   const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
-  $('headline').textContent = `${plural(uavCount, 'UAV')} search for ${plural(hotspotCount, 'hotspot')}`;
-  $('byline').textContent = `policy ${header.policy}, pilot density ${header.pilot}, seed ${shortSeed(header.seed)}, quorum ${config.quorum}, ${config.grid_width} × ${config.grid_height} cells of ${config.cell_size_m} m`;
-  $('result').textContent = end.terminated ? `Complete in ${plural(lastStep, 'step')}` : `${frames[lastStep].informed.size} of ${hotspotCount} informed after ${plural(lastStep, 'step')}`;
+  $('headline').textContent =
+    `${plural(uavCount, 'UAV')} search for ${plural(hotspotCount, 'hotspot')}`;
+  $('byline').textContent =
+    `policy ${header.policy}, pilot density ${header.pilot}, seed ${shortSeed(header.seed)}, ` +
+    `quorum ${config.quorum}, ` +
+    `${config.grid_width} × ${config.grid_height} cells of ${config.cell_size_m} m`;
+  $('result').textContent = end.terminated
+    ? `Complete in ${plural(lastStep, 'step')}`
+    : `${frames[lastStep].informed.size} of ${hotspotCount} informed after ` +
+      plural(lastStep, 'step');
   $('result').className = `badge ${end.terminated ? 'success' : 'failure'}`;
   $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
   $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
   for (const [key, list] of [['of-alarms', 'false_alarms'], ['of-reports', 'reports']]) {
     for (const node of document.querySelectorAll(`.${key}`)) node.hidden = !frames[lastStep][list];
   }
-  $('footer').textContent = `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. The page is one file and loads nothing. Press ? for the keys.`;
+  $('footer').textContent =
+    `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. ` +
+    'The page is one file and loads nothing. Press ? for the keys.';
 }
 
 /** A small seed is shown in decimal, as people type it; a derived one as in the trace. */
@@ -76,7 +102,10 @@ function drawEventLane() {
     stacked.set(event.t, row + 1);
     // The slider's thumb is about 16 px wide, so its centre runs from 8 px to 8 px before the end.
     const x = 1000 * (0.012 + 0.976 * (event.t / Math.max(1, episode.lastStep)));
-    const mark = element(lane, 'path', { class: `mark ${event.kind}`, d: `M${x} ${19 - Math.min(row, 2) * 7.5}h0.01` });
+    const mark = element(lane, 'path', {
+      class: `mark ${event.kind}`,
+      d: `M${x} ${19 - Math.min(row, 2) * 7.5}h0.01`,
+    });
     mark.addEventListener('click', () => goToEvent(event));
   }
 }
@@ -140,7 +169,10 @@ function tick(now) {
   if (!player.playing) return;
   const elapsed_s = Math.max(0, now - player.clock) / 1000;
   player.clock = now;
-  player.time = Math.min(episode.lastStep, player.time + elapsed_s * STEPS_PER_SECOND * Number($('speed').value));
+  player.time = Math.min(
+    episode.lastStep,
+    player.time + elapsed_s * STEPS_PER_SECOND * Number($('speed').value),
+  );
   if (player.time === episode.lastStep) setPlaying(false);
   draw();
   requestAnimationFrame(tick);
@@ -166,7 +198,8 @@ function draw() {
   parts.rewards(t);
   $('scrub').value = t;
   $('scrub').setAttribute('aria-valuetext', `step ${t} of ${episode.lastStep}`);
-  $('step-label').innerHTML = `Step ${t} <small>of ${episode.lastStep}, ${clockTime(t * episode.config.step_duration_s)}</small>`;
+  const elapsed = clockTime(t * episode.config.step_duration_s);
+  $('step-label').innerHTML = `Step ${t} <small>of ${episode.lastStep}, ${elapsed}</small>`;
   $('caption').textContent = caption(t);
   [player.drawnStep, player.drawnSelection] = [t, selectionKey];
   if (!player.playing) writeAddress();
@@ -180,10 +213,14 @@ function clockTime(seconds) {
 
 function caption(t) {
   const now = episode.events.filter((event) => event.t === t).map((event) => event.text);
-  if (now.length) return `${now.slice(0, 4).join('. ')}${now.length > 4 ? `, and ${now.length - 4} more` : ''}.`;
+  if (now.length)
+    return `${now.slice(0, 4).join('. ')}${now.length > 4 ? `, and ${now.length - 4} more` : ''}.`;
   if (t === 0) return 'The fleet stands at the depot. Press space to play.';
   const frame = episode.frames[t];
-  return `${frame.confirmed.size} of ${episode.hotspotCount} hotspots confirmed, ${frame.informed.size} known to every UAV.`;
+  return (
+    `${frame.confirmed.size} of ${episode.hotspotCount} hotspots confirmed, ` +
+    `${frame.informed.size} known to every UAV.`
+  );
 }
 
 /** The address has the form `#t=12&uav=3` or `#t=12&hotspot=1`. */

@@ -22,14 +22,25 @@ function createStage(svg, episode, onSelect) {
   const margin = glyph * 0.55;
   const colour = pilotColours(config);
   const centre = ([x, y]) => [(x + 0.5) * CELL, height - (y + 0.5) * CELL];
-  svg.setAttribute('viewBox', `${-margin} ${-glyph * 0.25} ${width + margin + glyph * 0.25} ${height + margin + glyph * 0.25}`);
+  const edge = glyph * 0.25;
+  const view = [-margin, -edge, width + margin + edge, height + margin + edge];
+  svg.setAttribute('viewBox', view.join(' '));
 
   drawField();
   const searched = drawSearched();
   const reported = drawReported();
   const visited = episode.firstVisit.map(([x, y, t]) => {
     const [cx, cy] = centre([x, y]);
-    return { t, node: element(svg, 'rect', { class: 'visited', x: cx - CELL / 2 + 0.5, y: cy - CELL / 2 + 0.5, width: CELL - 1, height: CELL - 1 }) };
+    return {
+      t,
+      node: element(svg, 'rect', {
+        class: 'visited',
+        x: cx - CELL / 2 + 0.5,
+        y: cy - CELL / 2 + 0.5,
+        width: CELL - 1,
+        height: CELL - 1,
+      }),
+    };
   });
   header.depots.forEach(drawDepot);
   const falsely = episode.firstFalse.map(([x, y, t]) => {
@@ -59,10 +70,13 @@ function createStage(svg, episode, onSelect) {
     element(svg, 'path', { class: 'gridlines', d: lines });
     const every = Math.ceil(Math.max(config.grid_width, config.grid_height) / 16);
     const label = (x, y, text) => {
-      element(svg, 'text', { class: 'axis-label', x, y, 'font-size': glyph * 0.27 }).textContent = text;
+      element(svg, 'text', { class: 'axis-label', x, y, 'font-size': glyph * 0.27 }).textContent =
+        text;
     };
-    for (let x = 0; x < config.grid_width; x += every) label((x + 0.5) * CELL, height + margin * 0.5, x);
-    for (let y = 0; y < config.grid_height; y += every) label(-margin * 0.5, height - (y + 0.5) * CELL, y);
+    for (let x = 0; x < config.grid_width; x += every)
+      label((x + 0.5) * CELL, height + margin * 0.5, x);
+    for (let y = 0; y < config.grid_height; y += every)
+      label(-margin * 0.5, height - (y + 0.5) * CELL, y);
   }
 
   /** A square for each cell of the search maps; nothing without maps. */
@@ -70,7 +84,13 @@ function createStage(svg, episode, onSelect) {
     if (!episode.searchedAt) return [];
     return Array.from(episode.searchedAt[0], (_, cell) => {
       const [x, y] = centre([cell % config.grid_width, Math.floor(cell / config.grid_width)]);
-      return element(svg, 'rect', { class: 'searched', x: x - CELL / 2, y: y - CELL / 2, width: CELL, height: CELL });
+      return element(svg, 'rect', {
+        class: 'searched',
+        x: x - CELL / 2,
+        y: y - CELL / 2,
+        width: CELL,
+        height: CELL,
+      });
     });
   }
 
@@ -115,7 +135,13 @@ function createStage(svg, episode, onSelect) {
     const [x, y] = centre(cell);
     const group = element(svg, 'g', { class: 'depot', transform: `translate(${x} ${y})` });
     element(group, 'title').textContent = `Depot at (${cell})`;
-    element(group, 'rect', { x: -CELL / 2 + 3, y: -CELL / 2 + 3, width: CELL - 6, height: CELL - 6, rx: 6 });
+    element(group, 'rect', {
+      x: -CELL / 2 + 3,
+      y: -CELL / 2 + 3,
+      width: CELL - 6,
+      height: CELL - 6,
+      rx: 6,
+    });
     element(group, 'path', { d: 'M2 -13L-8 2H-1L-3 13L8 -3H1Z' });
   }
 
@@ -138,16 +164,41 @@ function createStage(svg, episode, onSelect) {
   }
 
   function drawHotspot(cell, id) {
-    const group = element(svg, 'g', { class: 'hotspot', 'data-hotspot': id, transform: hotspotPlace(cell) });
+    const group = element(svg, 'g', {
+      class: 'hotspot',
+      'data-hotspot': id,
+      transform: hotspotPlace(cell),
+    });
     group.addEventListener('click', () => onSelect({ hotspot: id }));
     const title = element(group, 'title');
     const half = CELL / 2 - 2;
-    element(group, 'rect', { class: 'box', x: -half, y: -half, width: 2 * half, height: 2 * half, rx: 7 });
+    element(group, 'rect', {
+      class: 'box',
+      x: -half,
+      y: -half,
+      width: 2 * half,
+      height: 2 * half,
+      rx: 7,
+    });
     element(group, 'path', { class: 'known-back', d: `M${-half + 6} ${half}H${half - 6}` });
-    const known = element(group, 'path', { class: 'known', d: `M${-half + 6} ${half}H${half - 6}`, pathLength: 1 });
-    element(group, 'rect', { class: 'pick', x: -half - 4, y: -half - 4, width: 2 * half + 8, height: 2 * half + 8, rx: 10 });
+    const known = element(group, 'path', {
+      class: 'known',
+      d: `M${-half + 6} ${half}H${half - 6}`,
+      pathLength: 1,
+    });
+    element(group, 'rect', {
+      class: 'pick',
+      x: -half - 4,
+      y: -half - 4,
+      width: 2 * half + 8,
+      height: 2 * half + 8,
+      rx: 10,
+    });
     element(group, 'path', { class: 'tick', d: `M${half - 13} ${half - 7}l4 4l8 -9` });
-    const ripples = ['confirmed', 'informed'].map((kind) => ({ kind, node: element(group, 'circle', { class: `ripple ${kind}` }) }));
+    const ripples = ['confirmed', 'informed'].map((kind) => ({
+      kind,
+      node: element(group, 'circle', { class: `ripple ${kind}` }),
+    }));
     return { group, title, known, ripples };
   }
 
@@ -168,7 +219,11 @@ function createStage(svg, episode, onSelect) {
     element(group, 'circle', { class: 'pick', r: 19 });
     const body = element(group, 'circle', { class: 'body', r: 11 });
     element(group, 'circle', { class: 'ring-back', r: 14 });
-    const ring = element(group, 'path', { class: 'ring', d: 'M0 -14A14 14 0 0 1 0 14A14 14 0 0 1 0 -14', pathLength: 1 });
+    const ring = element(group, 'path', {
+      class: 'ring',
+      d: 'M0 -14A14 14 0 0 1 0 14A14 14 0 0 1 0 -14',
+      pathLength: 1,
+    });
     element(group, 'text', { class: 'name' }).textContent = id;
     element(group, 'path', { class: 'state home', d: 'M-7 -20L0 -26L7 -20' });
     element(group, 'path', { class: 'state cross', d: 'M-6 -6L6 6M6 -6L-6 6' });
@@ -193,7 +248,13 @@ function createStage(svg, episode, onSelect) {
     for (const ids of cells(t).values()) {
       const [cx, cy] = centre(episode.frames[t].positions[ids[0]]);
       const fan = fanOut(ids.length);
-      ids.forEach((id, k) => { places[id] = { x: cx + fan.at[k][0] * glyph, y: cy + fan.at[k][1] * glyph, scale: (fan.scale * glyph) / CELL }; });
+      ids.forEach((id, k) => {
+        places[id] = {
+          x: cx + fan.at[k][0] * glyph,
+          y: cy + fan.at[k][1] * glyph,
+          scale: (fan.scale * glyph) / CELL,
+        };
+      });
     }
     return (layouts[t] = places);
   }
@@ -202,12 +263,26 @@ function createStage(svg, episode, onSelect) {
     const t = Math.floor(time);
     const frame = episode.frames[t];
     const places = placesAt(time, t);
-    places.forEach((place, id) => uavs[id].group.setAttribute('transform', `translate(${place.x.toFixed(2)} ${place.y.toFixed(2)}) scale(${place.scale.toFixed(3)})`));
-    const line = ([i, k]) => `M${places[i].x.toFixed(1)} ${places[i].y.toFixed(1)}L${places[k].x.toFixed(1)} ${places[k].y.toFixed(1)}`;
+    places.forEach((place, id) =>
+      uavs[id].group.setAttribute(
+        'transform',
+        `translate(${place.x.toFixed(2)} ${place.y.toFixed(2)}) scale(${place.scale.toFixed(3)})`,
+      ),
+    );
+    const point = (id) => `${places[id].x.toFixed(1)} ${places[id].y.toFixed(1)}`;
+    const line = ([i, k]) => `M${point(i)}L${point(k)}`;
     const isMine = ([i, k]) => i === selection.uav || k === selection.uav;
     links.setAttribute('d', frame.links.map(line).join(''));
-    ownLinks.setAttribute('d', selection.uav === undefined ? '' : frame.links.filter(isMine).map(line).join(''));
-    tails.setAttribute('d', places.map((place, id) => tail(t, id) + `L${place.x.toFixed(1)} ${place.y.toFixed(1)}`).join(''));
+    ownLinks.setAttribute(
+      'd',
+      selection.uav === undefined ? '' : frame.links.filter(isMine).map(line).join(''),
+    );
+    tails.setAttribute(
+      'd',
+      places
+        .map((place, id) => tail(t, id) + `L${place.x.toFixed(1)} ${place.y.toFixed(1)}`)
+        .join(''),
+    );
     drawRipples(time, t);
     counts.style.visibility = time === t ? 'visible' : 'hidden';
     if (stepChanged) drawStep(t, frame, selection);
@@ -219,7 +294,11 @@ function createStage(svg, episode, onSelect) {
     for (const [key, ids] of cells(t)) {
       if (ids.length < 6) continue;
       const [x, y] = centre(key.split(',').map(Number));
-      const text = element(counts, 'text', { x: x + glyph * 0.62, y: y + glyph * 0.5, 'font-size': glyph * 0.3 });
+      const text = element(counts, 'text', {
+        x: x + glyph * 0.62,
+        y: y + glyph * 0.5,
+        'font-size': glyph * 0.3,
+      });
       text.textContent = `${ids.length}×`;
     }
   }
@@ -230,7 +309,11 @@ function createStage(svg, episode, onSelect) {
     const to = layout(t + 1);
     const s = ease(time - t);
     const mix = (a, b) => a + (b - a) * s;
-    return from.map((place, id) => ({ x: mix(place.x, to[id].x), y: mix(place.y, to[id].y), scale: mix(place.scale, to[id].scale) }));
+    return from.map((place, id) => ({
+      x: mix(place.x, to[id].x),
+      y: mix(place.y, to[id].y),
+      scale: mix(place.scale, to[id].scale),
+    }));
   }
 
   function tail(t, id) {
@@ -264,8 +347,11 @@ function createStage(svg, episode, onSelect) {
   }
 
   function drawStep(t, frame, selection) {
-    const maps = selection.uav === undefined ? episode.searchedAt : [episode.searchedAt?.[selection.uav]];
-    searched.forEach((node, cell) => { node.style.visibility = maps.some((map) => map[cell] <= t) ? 'visible' : 'hidden'; });
+    const maps =
+      selection.uav === undefined ? episode.searchedAt : [episode.searchedAt?.[selection.uav]];
+    searched.forEach((node, cell) => {
+      node.style.visibility = maps.some((map) => map[cell] <= t) ? 'visible' : 'hidden';
+    });
     for (const { node, t: since } of [...visited, ...falsely]) {
       node.style.visibility = since <= t ? 'visible' : 'hidden';
     }
@@ -282,7 +368,11 @@ function createStage(svg, episode, onSelect) {
       }
       group.classList.toggle('selected', selection.hotspot === id);
       known.setAttribute('stroke-dasharray', `${frame.knownBy[id] / uavCount} 2`);
-      setText(title, `Hotspot ${id}: ${hotspotState(frame, id)}, known to ${frame.knownBy[id]} of ${uavCount} UAVs`);
+      setText(
+        title,
+        `Hotspot ${id}: ${hotspotState(frame, id)}, ` +
+          `known to ${frame.knownBy[id]} of ${uavCount} UAVs`,
+      );
     });
     const lowest = config.rtb_threshold_kwh / config.battery_capacity_kwh;
     uavs.forEach(({ group, title, halo, body, ring }, id) => {
@@ -297,10 +387,17 @@ function createStage(svg, episode, onSelect) {
       group.classList.toggle('returning', frame.returning.has(id) && !frame.grounded.has(id));
       group.classList.toggle('selected', selection.uav === id);
       group.classList.toggle('tiny', layout(t)[id].scale * CELL < glyph * 0.4);
-      setText(title, `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, knows ${frame.knowledge[id].size} of ${episode.hotspotCount} hotspots`);
+      setText(
+        title,
+        `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, ` +
+          `knows ${frame.knowledge[id].size} of ${episode.hotspotCount} hotspots`,
+      );
     });
     drawCounts(t);
-    const steps = selection.uav === undefined ? [] : episode.frames.slice(0, t + 1).map((past) => centre(past.positions[selection.uav]));
+    const steps =
+      selection.uav === undefined
+        ? []
+        : episode.frames.slice(0, t + 1).map((past) => centre(past.positions[selection.uav]));
     route.setAttribute('d', steps.map(([x, y], k) => `${k ? 'L' : 'M'}${x} ${y}`).join(''));
     if (selection.uav !== undefined) fleet.append(uavs[selection.uav].group);
   }
@@ -311,7 +408,8 @@ function fanOut(count) {
   if (count === 1) return { at: [[0, 0]], scale: 0.86 };
   const lattice = [];
   const reach = Math.ceil(Math.sqrt(count)) + 1;
-  const [offsetX, offsetY] = count === 2 || count === 4 ? [0.5, 0] : count === 3 ? [0.5, 0.289] : [0, 0];
+  const [offsetX, offsetY] =
+    count === 2 || count === 4 ? [0.5, 0] : count === 3 ? [0.5, 0.289] : [0, 0];
   for (let row = -reach; row <= reach; row += 1) {
     for (let column = -reach; column <= reach; column += 1) {
       const [x, y] = [column + (row & 1) / 2 - offsetX, row * 0.866 - offsetY];
@@ -328,8 +426,10 @@ function fanOut(count) {
 
 const ease = (s) => { const u = Math.min(1, s / 0.8); return u * u * (3 - 2 * u); };
 const percent = (fraction) => `${Math.round(100 * fraction)} %`;
-const pilotShare = (config, pilot) => (pilot - config.pilot_density_min) / (config.pilot_density_max - config.pilot_density_min || 1);
-const pilotColours = () => (share) => `color-mix(in oklab, var(--sense) ${(100 * share).toFixed(1)}%, var(--talk))`;
+const pilotShare = (config, pilot) =>
+  (pilot - config.pilot_density_min) / (config.pilot_density_max - config.pilot_density_min || 1);
+const pilotColours = () => (share) =>
+  `color-mix(in oklab, var(--sense) ${(100 * share).toFixed(1)}%, var(--talk))`;
 
 function hotspotState(frame, id) {
   if (frame.informed.has(id)) return 'informed';
