@@ -10,10 +10,20 @@ import { setTimeout as sleep } from 'node:timers/promises';
 
 const CHROMIUM = process.env.CHROMIUM ?? 'chromium';
 const FLAGS = [
-  '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-  '--disable-component-update', '--disable-sync', '--window-size=1440,1100', '--remote-debugging-pipe',
+  '--headless',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+  '--window-size=1440,1100',
+  '--remote-debugging-pipe',
   // Pages behind the last one are looked at as well, and a container's /dev/shm may be small.
-  '--disable-renderer-backgrounding', '--disable-background-timer-throttling', '--disable-backgrounding-occluded-windows',
+  '--disable-renderer-backgrounding',
+  '--disable-background-timer-throttling',
+  '--disable-backgrounding-occluded-windows',
   '--disable-dev-shm-usage',
 ];
 /** Time limit for a missing event. It is no bound on speed, and far above the time on a busy
@@ -24,7 +34,9 @@ const GOODBYE_MS = 30_000;
 
 export async function openBrowser() {
   const profile = mkdtempSync(join(tmpdir(), 'jcas-browser-'));
-  const child = spawn(CHROMIUM, [...FLAGS, `--user-data-dir=${profile}`], { stdio: ['ignore', 'ignore', 'pipe', 'pipe', 'pipe'] });
+  const child = spawn(CHROMIUM, [...FLAGS, `--user-data-dir=${profile}`], {
+    stdio: ['ignore', 'ignore', 'pipe', 'pipe', 'pipe'],
+  });
   const [requests, replies] = [child.stdio[3], child.stdio[4]];
   const waiting = new Map();
   const listeners = [];
@@ -34,8 +46,12 @@ export async function openBrowser() {
 
   const failAll = (error) => { for (const { reject } of waiting.values()) reject(error); };
   child.on('error', (error) => failAll(new Error(`${CHROMIUM} does not start: ${error.message}`)));
-  child.on('exit', (code, signal) => failAll(new Error(`${CHROMIUM} ended with ${code ?? signal}; its last words: ${lastWords}`)));
-  child.stderr.setEncoding('utf8').on('data', (text) => { lastWords = (lastWords + text).slice(-2000); });
+  child.on('exit', (code, signal) =>
+    failAll(new Error(`${CHROMIUM} ended with ${code ?? signal}; its last words: ${lastWords}`)),
+  );
+  child.stderr.setEncoding('utf8').on('data', (text) => {
+    lastWords = (lastWords + text).slice(-2000);
+  });
   // A pipe breaks when the browser ends, whose exit gives a better message.
   for (const pipe of [requests, replies]) pipe.on('error', () => {});
   replies.setEncoding('utf8');
@@ -57,7 +73,10 @@ export async function openBrowser() {
   function send(method, params = {}, sessionId = undefined) {
     const id = nextId++;
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => reject(new Error(`${method}: no answer in ${PATIENCE_MS} ms`)), PATIENCE_MS);
+      const timer = setTimeout(
+        () => reject(new Error(`${method}: no answer in ${PATIENCE_MS} ms`)),
+        PATIENCE_MS,
+      );
       const settle = (finish) => (value) => { clearTimeout(timer); finish(value); };
       waiting.set(id, { resolve: settle(resolve), reject: settle(reject) });
       requests.write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
@@ -71,15 +90,28 @@ export async function openBrowser() {
     const page = { complaints: [], requests: [], call };
     listeners.push(({ method, params, sessionId: from }) => {
       if (from !== sessionId) return;
-      if (method === 'Runtime.exceptionThrown') page.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
-      if (method === 'Runtime.consoleAPICalled' && ['error', 'warning', 'assert'].includes(params.type)) page.complaints.push(params.args.map((arg) => arg.value).join(' '));
-      if (method === 'Log.entryAdded' && ['error', 'warning'].includes(params.entry.level)) page.complaints.push(params.entry.text);
+      if (method === 'Runtime.exceptionThrown')
+        page.complaints.push(
+          params.exceptionDetails.exception?.description ?? params.exceptionDetails.text,
+        );
+      if (
+        method === 'Runtime.consoleAPICalled' &&
+        ['error', 'warning', 'assert'].includes(params.type)
+      )
+        page.complaints.push(params.args.map((arg) => arg.value).join(' '));
+      if (method === 'Log.entryAdded' && ['error', 'warning'].includes(params.entry.level))
+        page.complaints.push(params.entry.text);
       if (method === 'Network.requestWillBeSent') page.requests.push(params.request.url);
     });
 
     page.evaluate = async (expression) => {
-      const { result, exceptionDetails } = await call('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
-      if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+      const { result, exceptionDetails } = await call('Runtime.evaluate', {
+        expression,
+        returnByValue: true,
+        awaitPromise: true,
+      });
+      if (exceptionDetails)
+        throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
       return result.value;
     };
     page.until = async (condition) => {
@@ -93,20 +125,27 @@ export async function openBrowser() {
       await call('Input.dispatchKeyEvent', { type: 'keyDown', key, text });
       await call('Input.dispatchKeyEvent', { type: 'keyUp', key });
     };
-    page.screenshot = async () => Buffer.from((await call('Page.captureScreenshot', { format: 'png' })).data, 'base64');
+    page.screenshot = async () =>
+      Buffer.from((await call('Page.captureScreenshot', { format: 'png' })).data, 'base64');
     page.close = () => send('Target.closeTarget', { targetId });
     /** From now on the page's clock advances by a sixtieth of a second per frame, at any real
      * speed. */
-    page.countTimeInFrames = () => page.evaluate(`(() => {
+    page.countTimeInFrames = () =>
+      page.evaluate(`(() => {
       const request = requestAnimationFrame.bind(window);
       const begin = performance.now();
       window.framesDrawn = 0;
       performance.now = () => begin + (1000 * window.framesDrawn) / 60;
-      window.requestAnimationFrame = (draw) => request(() => { window.framesDrawn += 1; draw(performance.now()); });
+      window.requestAnimationFrame = (draw) => request(() => {
+        window.framesDrawn += 1;
+        draw(performance.now());
+      });
     })()`);
 
     for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await call(`${domain}.enable`);
-    await call('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }] });
+    await call('Emulation.setEmulatedMedia', {
+      features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }],
+    });
     await call('Page.navigate', { url });
     await page.until('location.protocol !== "about:" && document.readyState === "complete"');
     return page;
@@ -122,12 +161,19 @@ export async function openBrowser() {
         if (method === 'Tracing.tracingComplete') resolve();
       });
     });
-    await page.call('Tracing.start', { transferMode: 'ReportEvents', traceConfig: { includedCategories: ['devtools.timeline', 'disabled-by-default-devtools.timeline'] } });
+    await page.call('Tracing.start', {
+      transferMode: 'ReportEvents',
+      traceConfig: {
+        includedCategories: ['devtools.timeline', 'disabled-by-default-devtools.timeline'],
+      },
+    });
     await action();
     await page.call('Tracing.end');
     await complete;
     const frame = events.findLast(({ name }) => name === 'FireAnimationFrame');
-    return events.filter(({ ph, pid, tid }) => ph === 'X' && pid === frame.pid && tid === frame.tid).sort((a, b) => a.ts - b.ts);
+    return events
+      .filter(({ ph, pid, tid }) => ph === 'X' && pid === frame.pid && tid === frame.tid)
+      .sort((a, b) => a.ts - b.ts);
   }
 
   async function close() {
@@ -141,7 +187,9 @@ export async function openBrowser() {
     }
     failAll(new Error('the browser has ended'));
     // Its helpers may still write there for a moment. Remaining files are no fault of the page.
-    await rm(profile, { recursive: true, force: true, maxRetries: 20 }).catch((error) => console.error(`${profile} stays: ${error.message}`));
+    await rm(profile, { recursive: true, force: true, maxRetries: 20 }).catch((error) =>
+      console.error(`${profile} stays: ${error.message}`),
+    );
   }
 
   return { openPage, trace, close };

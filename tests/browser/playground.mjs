@@ -22,8 +22,20 @@ const MISSIONS = [
   {},
   { set: { uav_count: 15, hotspot_count: 7 }, seed: 4 },
   { preset: 'paper', policy: 'random', pilot: 'mid', set: { uav_count: 100, hotspot_count: 11 } },
-  { policy: 'swarm', pilot: '0.15', set: { sensing_range_m: 150, quorum: 2 }, moved: [[0, [0, 0]]] },
-  { policy: 'sweep', set: { target_visibility: 'hidden', uav_count: 5 }, deeds: [{ do: 'steer', t: 2, uav: 1, motion: 0 }, { do: 'ground', t: 5, uav: 3 }] },
+  {
+    policy: 'swarm',
+    pilot: '0.15',
+    set: { sensing_range_m: 150, quorum: 2 },
+    moved: [[0, [0, 0]]],
+  },
+  {
+    policy: 'sweep',
+    set: { target_visibility: 'hidden', uav_count: 5 },
+    deeds: [
+      { do: 'steer', t: 2, uav: 1, motion: 0 },
+      { do: 'ground', t: 5, uav: 3 },
+    ],
+  },
 ];
 
 /** Starts `jcas play` and waits for the address that it prints. */
@@ -36,10 +48,16 @@ function serve() {
   return { child, address };
 }
 
-const addressOf = (base, mission, t = 0) => `${base}#m=${encodeURIComponent(JSON.stringify(mission))}&t=${t}`;
+const addressOf = (base, mission, t = 0) =>
+  `${base}#m=${encodeURIComponent(JSON.stringify(mission))}&t=${t}`;
 const READY = 'document.querySelector("#hash")?.textContent.startsWith("0x")';
-const text = (page, selector) => page.evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
-const click = (page, selector) => page.evaluate(`document.querySelector(${JSON.stringify(selector)}).dispatchEvent(new MouseEvent('click', { bubbles: true }))`);
+const text = (page, selector) =>
+  page.evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
+const click = (page, selector) =>
+  page.evaluate(
+    `document.querySelector(${JSON.stringify(selector)})
+      .dispatchEvent(new MouseEvent('click', { bubbles: true }))`,
+  );
 
 async function open(browser, address) {
   const page = await browser.openPage(address);
@@ -54,7 +72,18 @@ async function lastHash(page) {
 }
 
 /** The program's answer to the same request that the page sends. */
-async function nativeHash(base, { preset = 'mission', set = {}, policy = 'teams', pilot = 'adaptive', seed = 1, moved = [], deeds = [] }) {
+async function nativeHash(
+  base,
+  {
+    preset = 'mission',
+    set = {},
+    policy = 'teams',
+    pilot = 'adaptive',
+    seed = 1,
+    moved = [],
+    deeds = [],
+  },
+) {
   const question = { ask: 'fly', config: { preset, ...set }, policy, pilot, seed, moved, deeds };
   const reply = await fetch(`${base}answer`, { method: 'POST', body: JSON.stringify(question) });
   const answer = await reply.json();
@@ -75,7 +104,14 @@ async function sameBits(browser, served) {
 }
 
 async function controlsWork(page) {
-  const change = (id, value) => page.evaluate(`(() => { const input = document.querySelector('#${id}'); input.value = ${JSON.stringify(value)}; input.dispatchEvent(new Event('change')); })()`);
+  const change = (id, value) =>
+    page.evaluate(
+      `(() => {
+        const input = document.querySelector('#${id}');
+        input.value = ${JSON.stringify(value)};
+        input.dispatchEvent(new Event('change'));
+      })()`,
+    );
   const before = await lastHash(page);
   await change('uavs', '12');
   await page.until('document.querySelectorAll(".uav").length === 12');
@@ -94,20 +130,35 @@ async function controlsWork(page) {
   await page.press('Home');
   await page.press('u', 'u');
   await click(page, '#steer');
-  const place = () => page.evaluate('document.querySelector(".uav[data-uav=\\"0\\"]").getAttribute("transform").match(/translate\\(([-\\d.]+) ([-\\d.]+)/).slice(1).map(Number)');
+  const place = () =>
+    page.evaluate(
+      `document.querySelector('.uav[data-uav="0"]').getAttribute('transform')
+        .match(/translate\\(([-\\d.]+) ([-\\d.]+)/).slice(1).map(Number)`,
+    );
   for (const [t, key] of ['ArrowLeft', 'ArrowLeft', 'ArrowUp'].entries()) {
     await page.press(key);
-    await page.until(`document.querySelector('#step-label').textContent.startsWith('Step ${t + 1} ')`);
+    await page.until(
+      `document.querySelector('#step-label').textContent.startsWith('Step ${t + 1} ')`,
+    );
   }
   const [x, y] = await place();
-  assert.deepEqual([Math.floor(x / 40), 11 - Math.floor(y / 40)], [4, 7], 'two cells left of the depot at (6, 6), one up');
+  assert.deepEqual(
+    [Math.floor(x / 40), 11 - Math.floor(y / 40)],
+    [4, 7],
+    'two cells left of the depot at (6, 6), one up',
+  );
   await click(page, '#steer');
 
   // The UAV is grounded from the next step on.
   await click(page, '#ground');
   await page.until('location.hash.includes("ground")');
   await page.press('ArrowRight');
-  assert.equal(await page.evaluate('document.querySelector(".uav[data-uav=\\"0\\"]").classList.contains("grounded")'), true);
+  assert.equal(
+    await page.evaluate(
+      'document.querySelector(".uav[data-uav=\\"0\\"]").classList.contains("grounded")',
+    ),
+    true,
+  );
   await click(page, '#undo');
   await page.until('!location.hash.includes("ground")');
 }
@@ -116,10 +167,28 @@ async function hotspotsCanBeDragged(page) {
   // At the start no UAV stands over a hotspot.
   await page.press('Home');
   await page.evaluate('document.querySelector("#stage").scrollIntoView({ block: "center" })');
-  const box = await page.evaluate('(() => { const { x, y, width, height } = document.querySelector(".field").getBoundingClientRect(); return { x, y, width, height }; })()');
-  const centre = await page.evaluate('(() => { const { x, y, width, height } = document.querySelector(".hotspot .box").getBoundingClientRect(); return [x + width / 2, y + height / 2]; })()');
+  const box = await page.evaluate(
+    `(() => {
+      const { x, y, width, height } = document.querySelector('.field').getBoundingClientRect();
+      return { x, y, width, height };
+    })()`,
+  );
+  const centre = await page.evaluate(
+    `(() => {
+      const box = document.querySelector('.hotspot .box').getBoundingClientRect();
+      return [box.x + box.width / 2, box.y + box.height / 2];
+    })()`,
+  );
   const corner = [box.x + box.width / 24, box.y + box.height * 23 / 24];
-  const mouse = (type, [x, y]) => page.call('Input.dispatchMouseEvent', { type, x, y, button: 'left', buttons: 1, clickCount: 1 });
+  const mouse = (type, [x, y]) =>
+    page.call('Input.dispatchMouseEvent', {
+      type,
+      x,
+      y,
+      button: 'left',
+      buttons: 1,
+      clickCount: 1,
+    });
   await mouse('mousePressed', centre);
   await mouse('mouseMoved', corner);
   await mouse('mouseReleased', corner);
@@ -141,9 +210,20 @@ async function plansAreDrawn(browser, base) {
 }
 
 async function fitsAPhone(page) {
-  await page.call('Emulation.setDeviceMetricsOverride', { width: 360, height: 740, deviceScaleFactor: 1, mobile: true });
-  const overflow = await page.evaluate('document.documentElement.scrollWidth - document.documentElement.clientWidth');
-  const nameless = await page.evaluate('[...document.querySelectorAll("#controls input, #controls select")].filter((node) => !node.labels.length).map((node) => node.id)');
+  await page.call('Emulation.setDeviceMetricsOverride', {
+    width: 360,
+    height: 740,
+    deviceScaleFactor: 1,
+    mobile: true,
+  });
+  const overflow = await page.evaluate(
+    'document.documentElement.scrollWidth - document.documentElement.clientWidth',
+  );
+  const nameless = await page.evaluate(
+    `[...document.querySelectorAll('#controls input, #controls select')]
+      .filter((node) => !node.labels.length)
+      .map((node) => node.id)`,
+  );
   await page.call('Emulation.clearDeviceMetricsOverride');
   assert.ok(overflow <= 0, `the page is ${overflow} px wider than a phone`);
   assert.deepEqual(nameless, [], 'inputs without a label');
@@ -166,7 +246,8 @@ async function frameWork(browser) {
   const begins = events.filter(({ name }) => name === 'FireAnimationFrame').map(({ ts }) => ts);
   // The first frames belong to a page whose layout is not finished.
   const work = begins.slice(5, -1).map((from, k) => {
-    const within = ({ name, ts, dur }) => name === 'RunTask' && ts + dur > from && ts + dur <= begins[k + 6];
+    const within = ({ name, ts, dur }) =>
+      name === 'RunTask' && ts + dur > from && ts + dur <= begins[k + 6];
     return events.filter(within).reduce((sum, { tdur }) => sum + tdur / 1000, 0);
   }).sort((a, b) => a - b);
   return { median: work[work.length >> 1], most: work[Math.floor(work.length * 0.99)] };
@@ -183,16 +264,27 @@ try {
     await hotspotsCanBeDragged(page);
     await fitsAPhone(page);
     assert.deepEqual(page.complaints, [], 'console errors');
-    assert.deepEqual(page.requests.filter((address) => !address.startsWith(base) && !address.startsWith('data:')), [], 'the page loads something');
+    assert.deepEqual(
+      page.requests.filter((address) => !address.startsWith(base) && !address.startsWith('data:')),
+      [],
+      'the page loads something',
+    );
   }
   await plansAreDrawn(browser, served);
   if (pictures) {
     mkdirSync(pictures, { recursive: true });
-    const page = await open(browser, addressOf(file, { preset: 'paper', set: { uav_count: 15, hotspot_count: 7 } }, 8));
+    const page = await open(
+      browser,
+      addressOf(file, { preset: 'paper', set: { uav_count: 15, hotspot_count: 7 } }, 8),
+    );
     writeFileSync(join(pictures, 'playground.png'), await page.screenshot());
   }
   const { median, most } = await frameWork(browser);
-  console.log(`playground: ${MISSIONS.length} missions are the same bits in WebAssembly and natively; a frame at N = 100 takes ${median.toFixed(1)} ms of its thread, median, and ${most.toFixed(1)} ms, 99th percentile`);
+  console.log(
+    `playground: ${MISSIONS.length} missions are the same bits in WebAssembly and natively; ` +
+      `a frame at N = 100 takes ${median.toFixed(1)} ms of its thread, median, ` +
+      `and ${most.toFixed(1)} ms, 99th percentile`,
+  );
 } finally {
   await browser.close();
   server.child.kill();

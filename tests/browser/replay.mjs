@@ -15,7 +15,10 @@ if (!tracePath || !pagePath) {
   console.error('usage: node tests/browser/replay.mjs TRACE PAGE [FOLDER-FOR-SCREENSHOTS]');
   process.exit(2);
 }
-const [header, ...rest] = readFileSync(tracePath, 'utf8').trimEnd().split('\n').map((line) => JSON.parse(line));
+const [header, ...rest] = readFileSync(tracePath, 'utf8')
+  .trimEnd()
+  .split('\n')
+  .map((line) => JSON.parse(line));
 const steps = [header, ...rest.slice(0, -1)];
 const last = steps.length - 1;
 const url = pathToFileURL(resolve(pagePath)).href;
@@ -23,8 +26,16 @@ const url = pathToFileURL(resolve(pagePath)).href;
 /** The displayed state, read from the document alone. */
 const SHOWN = `(() => {
   const text = (selector) => document.querySelector(selector).textContent.trim();
-  const ids = (selector, name) => [...document.querySelectorAll(selector)].map((node) => Number(node.dataset[name])).sort((a, b) => a - b);
-  const place = (node) => node.getAttribute('transform').match(/translate\\(([-\\d.]+) ([-\\d.]+)\\)/).slice(1).map(Number);
+  const all = (selector) => [...document.querySelectorAll(selector)];
+  const ids = (selector, name) =>
+    all(selector).map((node) => Number(node.dataset[name])).sort((a, b) => a - b);
+  const place = (node) => {
+    const transform = node.getAttribute('transform');
+    return transform.match(/translate\\(([-\\d.]+) ([-\\d.]+)\\)/).slice(1).map(Number);
+  };
+  const known = (row) =>
+    [...row.querySelectorAll('.knows')].flatMap((node, id) =>
+      node.classList.contains('yes') ? [id] : []);
   return {
     step: Number(text('#step-label').match(/Step (\\d+)/)[1]),
     slider: Number(document.querySelector('#scrub').value),
@@ -33,22 +44,23 @@ const SHOWN = `(() => {
     confirmed: ids('.hotspot.confirmed', 'hotspot'),
     informed: ids('.hotspot.informed', 'hotspot'),
     grounded: ids('.uav.grounded', 'uav'),
-    places: Object.fromEntries([...document.querySelectorAll('.uav')].map((node) => [node.dataset.uav, place(node)])),
-    knowledge: [...document.querySelectorAll('#fleet tbody tr')].map((row) => [...row.querySelectorAll('.knows')].flatMap((node, id) => (node.classList.contains('yes') ? [id] : []))),
+    places: Object.fromEntries(all('.uav').map((node) => [node.dataset.uav, place(node)])),
+    knowledge: all('#fleet tbody tr').map(known),
     links: (document.querySelector('.links').getAttribute('d').match(/M/g) ?? []).length,
     playing: document.querySelector('#play').classList.contains('playing'),
     speed: document.querySelector('#speed').value,
     helpOpen: document.querySelector('#help').open,
     hash: location.hash,
     title: document.title,
-    selected: [...document.querySelectorAll('.uav.selected')].map((node) => Number(node.dataset.uav)),
+    selected: all('.uav.selected').map((node) => Number(node.dataset.uav)),
   };
 })()`;
 
 /** Map units of one cell in the page's drawing. */
 const CELL = 40;
 /** The UAVs of one cell are spread at most this many cells from its centre, more on large grids. */
-const FAN_OUT = 0.7 * Math.max(1, Math.max(header.config.grid_width, header.config.grid_height) / 26);
+const FAN_OUT =
+  0.7 * Math.max(1, Math.max(header.config.grid_width, header.config.grid_height) / 26);
 
 function assertShows(shown, t) {
   const step = steps[t];
@@ -60,15 +72,30 @@ function assertShows(shown, t) {
   assert.equal(shown.informedCount, shown.informed.length);
   assert.deepEqual(shown.grounded, step.grounded ?? [], `grounded UAVs at step ${t}`);
   assert.equal(shown.links, step.links?.length ?? 0, `links at step ${t}`);
-  if (header.hotspots.length <= 24) assert.deepEqual(shown.knowledge, step.knowledge ?? header.initial.positions.map(() => []), `knowledge at step ${t}`);
+  if (header.hotspots.length <= 24)
+    assert.deepEqual(
+      shown.knowledge,
+      step.knowledge ?? header.initial.positions.map(() => []),
+      `knowledge at step ${t}`,
+    );
   const positions = step.positions ?? header.initial.positions;
   assert.equal(Object.keys(shown.places).length, positions.length);
   positions.forEach(([x, y], id) => {
     const [shownX, shownY] = shown.places[id];
-    const [dx, dy] = [shownX / CELL - (x + 0.5), header.config.grid_height - shownY / CELL - (y + 0.5)];
-    assert.ok(Math.hypot(dx, dy) < FAN_OUT, `UAV ${id} at step ${t}: drawn ${dx}, ${dy} cells from (${x}, ${y})`);
+    const [dx, dy] = [
+      shownX / CELL - (x + 0.5),
+      header.config.grid_height - shownY / CELL - (y + 0.5),
+    ];
+    assert.ok(
+      Math.hypot(dx, dy) < FAN_OUT,
+      `UAV ${id} at step ${t}: drawn ${dx}, ${dy} cells from (${x}, ${y})`,
+    );
     const alone = positions.filter(([ox, oy]) => ox === x && oy === y).length === 1;
-    if (alone) assert.ok(Math.hypot(dx, dy) < 0.01, `UAV ${id} is alone in its cell at step ${t}, but not drawn at its centre`);
+    if (alone)
+      assert.ok(
+        Math.hypot(dx, dy) < 0.01,
+        `UAV ${id} is alone in its cell at step ${t}, but not drawn at its centre`,
+      );
   });
 }
 
@@ -132,8 +159,15 @@ async function addressOpensItsStep(browser) {
 }
 
 async function narrowScreenFits(page) {
-  await page.call('Emulation.setDeviceMetricsOverride', { width: 380, height: 800, deviceScaleFactor: 1, mobile: true });
-  const overflow = await page.evaluate('document.documentElement.scrollWidth - document.documentElement.clientWidth');
+  await page.call('Emulation.setDeviceMetricsOverride', {
+    width: 380,
+    height: 800,
+    deviceScaleFactor: 1,
+    mobile: true,
+  });
+  const overflow = await page.evaluate(
+    'document.documentElement.scrollWidth - document.documentElement.clientWidth',
+  );
   await page.call('Emulation.clearDeviceMetricsOverride');
   assert.ok(overflow <= 0, `the page is ${overflow} px wider than a narrow screen`);
 }
@@ -159,7 +193,11 @@ try {
   if (pictures) await keepPictures(browser);
   for (const { complaints, requests } of [page, linked]) {
     assert.deepEqual(complaints, [], 'console errors');
-    assert.deepEqual(requests.filter((address) => !address.startsWith(url) && !address.startsWith('data:')), [], 'the page loads something');
+    assert.deepEqual(
+      requests.filter((address) => !address.startsWith(url) && !address.startsWith('data:')),
+      [],
+      'the page loads something',
+    );
   }
   console.log(`replay page agrees with its trace at all ${last + 1} steps`);
 } finally {
