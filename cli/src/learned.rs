@@ -4,6 +4,7 @@ use std::path::Path;
 
 use jcas_core::Model;
 use jcas_episode::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
+use jcas_plan::PlannedKind;
 use jcas_policy::head::Mode;
 use jcas_policy::{PilotMode, Policy, PolicyError};
 
@@ -26,8 +27,8 @@ pub fn absent(name: &str, error: &PolicyError<'_>) -> CliError {
         "there is no such folder".to_owned()
     };
     CliError::input(format!(
-        "{error}, plan, replan, plan:FILE, or the folder of a trained policy, with a {CARD}; \
-         {reason}"
+        "{error}, {}, plan:FILE, or the folder of a trained policy, with a {CARD}; {reason}",
+        PlannedKind::NAMES
     ))
 }
 

@@ -248,7 +248,10 @@ unsafe fn script(
         let planned = planned.map_err(|error| refuse(&error, Fault::from(error)))?;
         return Ok(Script::Planned(planned));
     }
-    let kind = BaselineKind::named(name).map_err(argument)?;
+    let kind = BaselineKind::named(name).map_err(|error| {
+        let reason = format_args!("{error}, {}", PlannedKind::NAMES);
+        refuse(&reason, Fault::Status(JCAS_ERROR_ARGUMENT))
+    })?;
     kind.build(model, mode).map_err(argument)?;
     Ok(Script::Baseline(kind, mode))
 }

@@ -37,6 +37,8 @@ pub enum PlannedKind {
 impl PlannedKind {
     /// All policies that plan.
     pub const ALL: [Self; 2] = [Self::Plan, Self::Replan];
+    /// Their names, for a message that lists all policies.
+    pub const NAMES: &str = "plan, replan";
 
     /// The name of the policy.
     #[must_use]

@@ -88,10 +88,10 @@ static void abuse_files(const jcas_model *model)
 static void abuse_names(const jcas_model *model)
 {
     jcas_policy *policy = FOREIGN(jcas_policy);
-    char why[128] = "";
+    char why[160] = "";
     EXPECT(JCAS_ERROR_ARGUMENT,
            jcas_policy_baseline(model, "swan", NULL, &policy, why, sizeof why));
-    CHECK(strstr(why, "swarm") != NULL);
+    CHECK(strstr(why, "swarm") != NULL && strstr(why, "replan") != NULL);
     EXPECT(JCAS_ERROR_ARGUMENT,
            jcas_policy_baseline(model, "swarm", "2", &policy, why, sizeof why));
     CHECK(strstr(why, "pilot") != NULL);

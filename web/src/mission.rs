@@ -118,7 +118,8 @@ impl Mission {
         if let Some(kind) = PlannedKind::named(&self.policy) {
             return Ok(Flyer::Planned(planned(kind, model)?));
         }
-        let kind = BaselineKind::named(&self.policy).map_err(|error| error.to_string())?;
+        let kind = BaselineKind::named(&self.policy)
+            .map_err(|error| format!("{error}, {}", PlannedKind::NAMES))?;
         let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
         let baseline = kind
             .build(model, pilot)
@@ -408,7 +409,7 @@ mod tests {
             question[key] = value;
             refused(question)
         };
-        assert!(with("policy", json!("fly")).contains("fly"));
+        assert!(with("policy", json!("fly")).ends_with("charging, clean, plan, replan"));
         assert!(with("config", json!({ "uav_count": 401 })).contains("uav_count = 401"));
         assert!(with("config", json!({ "quorum": -1 })).contains("quorum"));
         assert!(with("config", json!({ "target_visibility": "hidden" })).contains("swarm"));
