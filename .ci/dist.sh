@@ -6,7 +6,8 @@ shopt -s inherit_errexit
 tools=$CARGO_TARGET_DIR/dist-tools
 [[ -x $tools/bin/python ]] || python3 -m venv "$tools"
 "$tools/bin/pip" install --quiet --disable-pip-version-check -r .ci/dist_requirements.txt
-rustup --quiet target add aarch64-unknown-linux-gnu x86_64-pc-windows-gnu
+rustup --quiet target add \
+    aarch64-unknown-linux-gnu x86_64-pc-windows-gnu wasm32-unknown-unknown
 export PATH=$tools/bin:$PATH
 
 dist=$CARGO_TARGET_DIR/dist
@@ -100,6 +101,21 @@ echo "$flown"
 [[ $flown == "$("${qemu[@]}" "$work/fly_arm" "$library/aarch64-linux/jcas.so" "${arguments[@]}")" ]]
 [[ $flown == "$("$wine" "$work/fly.exe" "$library/x86_64-windows/jcas.dll" "${arguments[@]}" |
     tr -d '\r')" ]]
+
+echo "Node.js: the missions that the command flies, and the playground's kernel"
+mkdir -p "$work/node_modules/jcas"
+tar -xzf "$dist"/jcas-*.tgz --strip-components 1 -C "$work/node_modules/jcas"
+cp tests/dist/fly.mjs "$work"
+for policy in teams greedy; do
+    "$intel/bin/jcas" simulate --policy "$policy" --seed 7 --episodes 1 --uavs 12 \
+        --trace "$work/flown.jsonl" >/dev/null
+    hash=$(grep -o '"state_hash":"[^"]*"' "$work/flown.jsonl" | tail -n 1)
+    flown=$(node "$work/fly.mjs" "$policy")
+    echo "$policy: $flown"
+    [[ $hash == "\"state_hash\":\"$flown\"" ]]
+done
+base64 --wrap 0 "$work/node_modules/jcas/jcas.wasm" |
+    grep --quiet --fixed-strings --file=- "$dist"/jcas-*-playground.html
 
 echo "Python without a compiler, Rust and network: the wheel flies a trained policy"
 twine check --strict "$dist"/*.whl "$dist"/jcas-?.?.?.tar.gz

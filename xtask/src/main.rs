@@ -4,6 +4,7 @@ mod dist;
 mod fmu;
 mod kani_output;
 mod mutants;
+mod paths;
 mod process;
 mod prove;
 mod report;

@@ -6,6 +6,8 @@ use std::process::Command;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use crate::paths::{absolute, without_paths};
+
 const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Builds the kernel for the browser, unless it is given with `--wasm FILE`, and writes
@@ -24,9 +26,11 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
             other => return Err(format!("{other}: there are --wasm FILE and --out FILE")),
         }
     }
-    let wasm = wasm.map_or_else(build, Ok)?;
-    let bytes = std::fs::read(&wasm).map_err(said(&wasm))?;
-    let page = jcas_web::page::whole(&STANDARD.encode(bytes));
+    let wasm = match wasm {
+        Some(file) => std::fs::read(&file).map_err(said(&file))?,
+        None => build(&absolute(Path::new("target/web"))?)?,
+    };
+    let page = page(&wasm);
     if let Some(folder) = out.parent() {
         std::fs::create_dir_all(folder).map_err(said(folder))?;
     }
@@ -37,7 +41,14 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     Ok(true)
 }
 
-fn build() -> Result<PathBuf, String> {
+/// The page with this kernel inside.
+pub fn page(wasm: &[u8]) -> String {
+    jcas_web::page::whole(&STANDARD.encode(wasm))
+}
+
+/// Builds the kernel for the browser in this folder, an absolute path, and returns it.
+pub fn build(folder: &Path) -> Result<Vec<u8>, String> {
+    let flags = without_paths(folder)?.join("\u{1f}");
     // The size of the file matters here, and even this build runs a hundred UAVs well within a
     // frame.
     let built = Command::new("cargo")
@@ -50,15 +61,16 @@ fn build() -> Result<PathBuf, String> {
             "--target",
             TARGET,
         ])
-        .args(["--target-dir", "target/web"])
+        .arg("--target-dir")
+        .arg(folder)
+        .env("CARGO_ENCODED_RUSTFLAGS", flags)
         .args(["--config", "profile.release.lto=\"fat\""])
         .args(["--config", "profile.release.codegen-units=1"])
         .status()
         .map_err(|error| format!("cargo does not start: {error}"))?;
     if built.success() {
-        Ok(Path::new("target/web")
-            .join(TARGET)
-            .join("release/jcas_web.wasm"))
+        let file = folder.join(TARGET).join("release/jcas_web.wasm");
+        std::fs::read(&file).map_err(said(&file))
     } else {
         Err(format!(
             "the kernel does not build for {TARGET}; `rustup target add {TARGET}` installs its \

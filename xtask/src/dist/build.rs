@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::targets::{System, Target};
+use crate::paths::{absolute, without_paths};
 
 /// The name under which a program looks for the shared library. Below 1.0 a new minor version
 /// may change the interface, so the name has both numbers.
@@ -16,7 +17,7 @@ pub const SONAME: &str = concat!(
 
 /// Builds the libraries and the command, and returns the folder that holds them.
 pub fn build(target: &Target, epoch: u32) -> Result<PathBuf, String> {
-    let folder = absolute(&target_folder())?.join("served");
+    let folder = folder()?;
     let flags = flags(target, &folder)?.join("\u{1f}");
     let cargo = |program: &str, subcommand: &str| {
         let mut command = Command::new(program);
@@ -55,17 +56,7 @@ fn linker_variable(target: &Target) -> String {
 
 /// Options of the compiler that keep the paths of this machine and the time out of the binaries.
 fn flags(target: &Target, folder: &Path) -> Result<Vec<String>, String> {
-    let home = std::env::var_os("HOME").ok_or("HOME is not set")?;
-    let cargo = std::env::var_os("CARGO_HOME")
-        .map_or_else(|| Path::new(&home).join(".cargo"), PathBuf::from);
-    // The last that fits counts.
-    let mut flags: Vec<String> = [
-        (absolute(Path::new("."))?.as_path(), "/jcas"),
-        (folder, "/target"),
-        (&cargo, "/cargo"),
-    ]
-    .map(|(path, name)| format!("--remap-path-prefix={}={name}", path.display()))
-    .into();
+    let mut flags = without_paths(folder)?;
     if target.system == System::Windows {
         flags.push("-Clink-arg=-Wl,--no-insert-timestamp".to_owned());
     }
@@ -84,10 +75,8 @@ pub fn execute(command: &mut Command) -> Result<(), String> {
     Err(format!("{command:?} failed: {status}"))
 }
 
-fn target_folder() -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from)
-}
-
-fn absolute(path: &Path) -> Result<PathBuf, String> {
-    std::path::absolute(path).map_err(|error| format!("{}: {error}", path.display()))
+/// The folder that Cargo builds in, an absolute path.
+pub fn folder() -> Result<PathBuf, String> {
+    let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    Ok(absolute(Path::new(&target))?.join("served"))
 }

@@ -6,6 +6,7 @@
 mod archive;
 mod build;
 mod dependencies;
+mod node;
 mod package;
 mod sbom;
 mod targets;
@@ -17,12 +18,14 @@ use std::process::Command;
 use archive::{Content, Tree};
 use targets::{System, TARGETS, Target};
 
-use crate::fmu;
+use crate::{fmu, web};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 struct Options {
     targets: Vec<&'static Target>,
+    /// Whether the playground and the package for Node.js are written.
+    web: bool,
     out: PathBuf,
 }
 
@@ -48,6 +51,16 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     out.made(wheels::sdist(&out.path, epoch)?);
     let unit = fmu::pack(&units).map_err(|error| format!("the FMU: {error}"))?;
     out.add(format!("jcas-{VERSION}.fmu"), &unit)?;
+    if options.web {
+        let wasm = web::build(&build::folder()?)?;
+        out.add(
+            format!("jcas-{VERSION}-playground.html"),
+            web::page(&wasm).as_bytes(),
+        )?;
+        let (name, bytes) =
+            node::package(wasm, &notices, epoch).map_err(|error| format!("Node: {error}"))?;
+        out.add(name, &bytes)?;
+    }
     let bill = sbom::cyclonedx(&graph, VERSION);
     out.add(format!("jcas-{VERSION}.cdx.json"), bill.as_bytes())?;
     out.checksums()?;
@@ -73,6 +86,7 @@ fn packed(target: &Target, tree: &Tree, epoch: u32) -> Result<(String, Vec<u8>),
 fn parse(arguments: &[String]) -> Result<Options, String> {
     let mut options = Options {
         targets: Vec::new(),
+        web: false,
         out: PathBuf::from("dist"),
     };
     let mut rest = arguments.iter();
@@ -93,6 +107,7 @@ fn parse(arguments: &[String]) -> Result<Options, String> {
     }
     if options.targets.is_empty() {
         options.targets = TARGETS.iter().collect();
+        options.web = true;
     }
     Ok(options)
 }

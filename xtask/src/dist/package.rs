@@ -118,9 +118,11 @@ mod tests {
     fn recipes_have_the_version() {
         let recipe = include_str!("../../../packaging/conda-forge/recipe.yaml");
         let port = include_str!("../../../packaging/vcpkg/vcpkg.json");
+        let npm = include_str!("../../../packaging/npm/package.json");
         let cmake = include_str!("../../../CMakeLists.txt");
         assert!(recipe.contains(&format!("version: \"{VERSION}\"")));
-        assert!(port.contains(&format!("\"version\": \"{VERSION}\"")));
+        let json = format!("\"version\": \"{VERSION}\"");
+        assert!(port.contains(&json) && npm.contains(&json));
         assert!(cmake.contains(&format!("VERSION {VERSION} ")));
     }
 
