@@ -209,26 +209,7 @@ fn batch(environments: usize, uavs: u32, hotspots: u32, use_paths: &mut dyn FnMu
     };
 
     let c_model = c_model(uavs, hotspots);
-    let mut c_batch = ptr::null_mut();
-    let observation_count = c_buffers.observations.len();
-    // SAFETY: living handles, buffers of these lengths.
-    unsafe {
-        ok(jcas_batch_new(
-            c_model,
-            environments as u32,
-            1,
-            &raw mut c_batch,
-        ));
-        ok(jcas_batch_reset(
-            c_batch,
-            seeds.as_ptr(),
-            seeds.len(),
-            c_buffers.observations.as_mut_ptr(),
-            observation_count,
-            ptr::null_mut(),
-            0,
-        ));
-    }
+    let c_batch = c_batch(c_model, &seeds, &mut c_buffers.observations);
     let c_step = black_box(jcas_batch_step as unsafe extern "C" fn(_, _, _, _, _) -> i32);
     let mut c_steps = 0;
     let mut abi = || {
@@ -245,6 +226,30 @@ fn batch(environments: usize, uavs: u32, hotspots: u32, use_paths: &mut dyn FnMu
         ok(jcas_batch_free(c_batch));
         ok(jcas_model_free(c_model));
     }
+}
+
+/// Builds a batch with one environment for each seed, and resets it.
+fn c_batch(c_model: *mut jcas_model, seeds: &[u64], observations: &mut [f32]) -> *mut jcas_batch {
+    let mut c_batch = ptr::null_mut();
+    // SAFETY: living handles, buffers of these lengths.
+    unsafe {
+        ok(jcas_batch_new(
+            c_model,
+            seeds.len() as u32,
+            1,
+            &raw mut c_batch,
+        ));
+        ok(jcas_batch_reset(
+            c_batch,
+            seeds.as_ptr(),
+            seeds.len(),
+            observations.as_mut_ptr(),
+            observations.len(),
+            ptr::null_mut(),
+            0,
+        ));
+    }
+    c_batch
 }
 
 struct Buffers {

@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use crate::batch_block::{BatchBlock, Plan};
+use crate::batch_block::{BatchBlock, BatchShape};
 use crate::batch_job::Runner;
 use crate::handle::{Memory, model};
 use crate::memory::{Plain, Record, place, put_layout, read_record};
@@ -55,7 +55,7 @@ unsafe impl Plain for jcas_batch_options {}
 unsafe impl Record for jcas_batch_options {}
 
 impl jcas_batch_options {
-    fn plan(&self) -> Result<Plan, Fault> {
+    fn shape(&self) -> Result<BatchShape, Fault> {
         if self.reserved != 0 {
             return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
         }
@@ -63,7 +63,7 @@ impl jcas_batch_options {
             run,
             context: self.run_context,
         });
-        Plan::new(self.environments as usize, self.threads as usize, runner)
+        BatchShape::new(self.environments as usize, self.threads as usize, runner)
     }
 }
 
@@ -89,10 +89,10 @@ pub unsafe extern "C" fn jcas_batch_new(
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `batch`.
         let out = unsafe { place(batch) }?;
-        let plan = Plan::new(environments as usize, threads as usize, None)?;
-        let memory = Memory::allocate(plan.layout(model.get())?)?;
+        let shape = BatchShape::new(environments as usize, threads as usize, None)?;
+        let memory = Memory::allocate(shape.layout(model.get())?)?;
         // SAFETY: the library allocated this memory with this layout.
-        let block = unsafe { BatchBlock::build(model, plan, memory) }?;
+        let block = unsafe { BatchBlock::build(model, shape, memory) }?;
         out.put(block.cast());
         Ok(())
     })
@@ -115,8 +115,8 @@ pub unsafe extern "C" fn jcas_batch_layout(
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `options`.
-        let plan = unsafe { read_record(options) }?.plan()?;
-        let layout = || plan.layout(model.get());
+        let shape = unsafe { read_record(options) }?.shape()?;
+        let layout = || shape.layout(model.get());
         // SAFETY: the caller's promises for `size` and `alignment`.
         unsafe { put_layout(size, alignment, layout) }
     })
@@ -143,13 +143,13 @@ pub unsafe extern "C" fn jcas_batch_init(
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `options`.
-        let plan = unsafe { read_record(options) }?.plan()?;
+        let shape = unsafe { read_record(options) }?.shape()?;
         // SAFETY: the caller's promise for `batch`.
         let out = unsafe { place(batch) }?;
         // SAFETY: the caller's promise for `memory`.
-        let memory = unsafe { Memory::lent(memory.cast(), size, plan.layout(model.get())?) }?;
+        let memory = unsafe { Memory::lent(memory.cast(), size, shape.layout(model.get())?) }?;
         // SAFETY: checked memory that the caller lends for as long as the batch lives.
-        let block = unsafe { BatchBlock::build(model, plan, memory) }?;
+        let block = unsafe { BatchBlock::build(model, shape, memory) }?;
         out.put(block.cast());
         Ok(())
     })

@@ -38,8 +38,8 @@ pub(crate) struct Batch {
     block: *mut BatchBlock,
     memory: Memory,
     model: *const ModelBlock,
-    plan: Plan,
-    parts: Parts,
+    shape: BatchShape,
+    parts: BatchParts,
     /// The process that started the threads; a forked process does not have them.
     process: u32,
     /// Whether every environment is known to be ready for a step. The states are in the caches of
@@ -55,7 +55,7 @@ unsafe impl Block for BatchBlock {
 
 /// The size of a batch and the threads that step it.
 #[derive(Clone, Copy)]
-pub(crate) struct Plan {
+pub(crate) struct BatchShape {
     pub(crate) count: usize,
     /// Worker threads, without the caller's thread.
     threads: usize,
@@ -65,7 +65,7 @@ pub(crate) struct Plan {
 
 /// The offsets of the parts behind a block, in bytes from its start.
 #[derive(Clone, Copy)]
-struct Parts {
+struct BatchParts {
     words: usize,
     metrics: usize,
     taken: usize,
@@ -83,7 +83,7 @@ pub(crate) struct Sizes {
     pub(crate) snapshots: usize,
 }
 
-impl Plan {
+impl BatchShape {
     /// `threads` is the caller's argument: 0 means one for each processor. With a runner it is the
     /// number of tasks.
     pub(crate) fn new(count: usize, threads: usize, runner: Option<Runner>) -> Result<Self, Fault> {
@@ -114,7 +114,7 @@ impl Plan {
         Ok(self.parts(model)?.0)
     }
 
-    fn parts(&self, model: &Model<'_>) -> Result<(Layout, Parts), Fault> {
+    fn parts(&self, model: &Model<'_>) -> Result<(Layout, BatchParts), Fault> {
         let scarce = Fault::Status(JCAS_ERROR_RESOURCES);
         let lay_out = || {
             let words = Layout::array::<u64>(self.words(model)?).ok()?;
@@ -125,7 +125,7 @@ impl Plan {
             let (layout, metrics) = layout.extend(metrics).ok()?;
             let (layout, taken) = layout.extend(taken).ok()?;
             let (layout, threads) = layout.extend(threads).ok()?;
-            let parts = Parts {
+            let parts = BatchParts {
                 words,
                 metrics,
                 taken,
@@ -151,26 +151,26 @@ impl BatchBlock {
     /// Builds a batch in memory that has its layout.
     ///
     /// # Safety
-    /// `at` and `memory` come from [`Memory`] with [`Plan::layout`] of this model.
+    /// `at` and `memory` come from [`Memory`] with [`BatchShape::layout`] of this model.
     pub(crate) unsafe fn build(
         model: &ModelBlock,
-        plan: Plan,
+        shape: BatchShape,
         (at, memory): (*mut u8, Memory),
     ) -> Result<*mut Self, Fault> {
         let block = at.cast::<Self>();
-        let parts = plan.parts(model.get())?.1;
+        let parts = shape.parts(model.get())?.1;
         // SAFETY: the layout has room for all parts; all zero bits are valid words, metrics and
         // flags.
         unsafe { at.write_bytes(0, memory.size()) };
         let value = Self {
             seal: Self::seal(block),
             in_use: InUse::new(),
-            pool: ThreadPool::new(plan.threads as u32),
+            pool: ThreadPool::new(shape.threads as u32),
             batch: Batch {
                 block,
                 memory,
                 model,
-                plan,
+                shape,
                 parts,
                 process: std::process::id(),
                 ready: false,
@@ -201,7 +201,7 @@ impl BatchBlock {
     unsafe fn start_threads(block: *mut Self) -> Result<(), Fault> {
         // SAFETY: the caller's promise; only shared parts of the block are used from here on.
         let (batch, pool) = unsafe { (&(*block).batch, &(*block).pool) };
-        for index in 0..batch.plan.threads {
+        for index in 0..batch.shape.threads {
             // SAFETY: the pool stays in the block until `stop_threads`.
             let Some(thread) = (unsafe { start(pool) }) else {
                 // SAFETY: `count` threads were started.
@@ -248,7 +248,7 @@ impl BatchBlock {
         // A forked process has no threads to join.
         if !batch.is_forked() {
             // SAFETY: started when the batch was built.
-            unsafe { Self::stop_threads(at, batch.plan.threads) };
+            unsafe { Self::stop_threads(at, batch.shape.threads) };
         }
         // SAFETY: a model cannot be freed while it has batches.
         unsafe { &*batch.model }.drop_user();
@@ -288,7 +288,7 @@ impl BatchBlock {
 
 impl Batch {
     fn is_forked(&self) -> bool {
-        self.plan.threads > 0 && self.process != std::process::id()
+        self.shape.threads > 0 && self.process != std::process::id()
     }
 
     /// Returns a pointer to a part behind the block.
@@ -307,7 +307,7 @@ impl Batch {
     }
 
     pub(crate) fn sizes(&self) -> Sizes {
-        let (model, count) = (self.model(), self.plan.count);
+        let (model, count) = (self.model(), self.shape.count);
         Sizes {
             count,
             actions: count * model.action_len(),
@@ -319,7 +319,7 @@ impl Batch {
     }
 
     fn states(&self) -> &[u64] {
-        let count = self.plan.count * self.model().state_words();
+        let count = self.shape.count * self.model().state_words();
         // SAFETY: the words begin with the states, initialised when the batch was built.
         unsafe { slice::from_raw_parts(self.part(self.parts.words), count) }
     }
@@ -327,15 +327,15 @@ impl Batch {
     fn parts_mut(&mut self) -> Open<'_> {
         self.ready = false;
         let model = self.model();
-        let (plan, parts) = (self.plan, self.parts);
-        let count = plan.words(model).unwrap_or(0);
-        // SAFETY: laid out behind the block by `Plan::parts`, initialised when it was built.
+        let (shape, parts) = (self.shape, self.parts);
+        let count = shape.words(model).unwrap_or(0);
+        // SAFETY: laid out behind the block by `BatchShape::parts`, initialised when it was built.
         let words = unsafe { slice::from_raw_parts_mut(self.part(parts.words), count) };
         // SAFETY: as above; no part overlaps another.
-        let metrics = unsafe { slice::from_raw_parts_mut(self.part(parts.metrics), plan.count) };
+        let metrics = unsafe { slice::from_raw_parts_mut(self.part(parts.metrics), shape.count) };
         // SAFETY: as above.
-        let taken = unsafe { slice::from_raw_parts(self.part(parts.taken), plan.shares) };
-        let (states, rest) = words.split_at_mut(plan.count * model.state_words());
+        let taken = unsafe { slice::from_raw_parts(self.part(parts.taken), shape.shares) };
+        let (states, rest) = words.split_at_mut(shape.count * model.state_words());
         let (spare, scratch) = rest.split_at_mut(2 * model.state_words());
         Open {
             model,
@@ -423,9 +423,9 @@ impl Batch {
         if self.is_forked() {
             return Err(Fault::Status(JCAS_ERROR_FORKED));
         }
-        let plan = self.plan;
+        let shape = self.shape;
         // SAFETY: the block lives as long as the batch; its threads share the pool with this call.
-        let pool = (plan.threads > 0).then(|| unsafe { &(*self.block).pool });
+        let pool = (shape.threads > 0).then(|| unsafe { &(*self.block).pool });
         let ready = self.ready;
         let open = self.parts_mut();
         // Every environment is checked first, as no share may refuse after another has stepped.
@@ -452,7 +452,7 @@ impl Batch {
             },
             open.taken,
         );
-        job.run(pool, plan.runner)?;
+        job.run(pool, shape.runner)?;
         if metrics_wanted {
             for (m, metrics) in self.parts_mut().metrics.iter_mut().enumerate() {
                 if metrics.terminated || metrics.truncated {

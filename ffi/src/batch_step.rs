@@ -3,11 +3,11 @@
 
 use std::ffi::{c_char, c_void};
 
-use jcas_core::batch::BatchOut;
-use jcas_core::{Error, Metrics, Model, Scratch, observation, reward};
+use jcas_core::{Error, Metrics, Model, Scratch, observation};
 
 use crate::batch::jcas_batch;
 use crate::batch_block::{Batch, BatchBlock};
+use crate::batch_buffers::StepBuffers;
 use crate::handle::{self, Open, see};
 use crate::memory::{
     Buffer, Plain, Record, Words, check_apart, input, output, place, read_record, text_out,
@@ -15,8 +15,7 @@ use crate::memory::{
 use crate::records::jcas_metrics;
 use crate::sim::jcas_sim;
 use crate::status::{
-    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_STRUCT_SIZE, JCAS_OK, guard,
-    jcas_status,
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_MODEL_MISMATCH, JCAS_OK, guard, jcas_status,
 };
 
 /// The buffers that a batch step writes, for M environments. Each pointer is followed by its number
@@ -211,88 +210,19 @@ pub unsafe extern "C" fn jcas_batch_step(
     out: *const jcas_batch_out,
 ) -> jcas_status {
     let act = |batch: &mut Batch| {
-        let sizes = batch.sizes();
-        let m = sizes.count;
         let auto_reset = match auto_reset {
             0 => false,
             1 => true,
             _ => return Err(Fault::Status(JCAS_ERROR_ARGUMENT)),
         };
         // SAFETY: the caller's promise for `out`.
-        let c = unsafe { read_record(out) }?;
-        if c.reserved != 0 {
-            return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
-        }
-        if !c.final_metrics.is_null() && c.metrics_size != size_of::<jcas_metrics>() {
-            return Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE));
-        }
-        let actions = Buffer::new("actions", actions, action_count, sizes.actions)?;
-        let observations = Buffer::new(
-            "observations",
-            c.observations,
-            c.observation_count,
-            sizes.observations,
-        )?;
-        let rewards = Buffer::new("rewards", c.rewards, c.reward_count, m)?;
-        let terminated = Buffer::new("terminated", c.terminated, c.terminated_count, m)?;
-        let truncated = Buffer::new("truncated", c.truncated, c.truncated_count, m)?;
-        let global = Buffer::optional("global", c.global, c.global_count, sizes.global)?;
-        let components = Buffer::optional(
-            "components",
-            c.components,
-            c.component_count,
-            m * reward::COMPONENTS,
-        )?;
-        let final_observations = Buffer::optional(
-            "final_observations",
-            c.final_observations,
-            c.final_observation_count,
-            sizes.observations,
-        )?;
-        let final_global = Buffer::optional(
-            "final_global",
-            c.final_global,
-            c.final_global_count,
-            sizes.global,
-        )?;
-        let final_metrics =
-            Buffer::optional("final_metrics", c.final_metrics, c.final_metrics_count, m)?;
-        let uav_rewards =
-            Buffer::optional("uav_rewards", c.uav_rewards, c.uav_reward_count, sizes.uavs)?;
-        check_apart(&[
-            actions.span,
-            observations.span,
-            rewards.span,
-            terminated.span,
-            truncated.span,
-            global.span,
-            components.span,
-            final_observations.span,
-            final_global.span,
-            final_metrics.span,
-            uav_rewards.span,
-        ])?;
-        // SAFETY: the caller's promise for each buffer, which lie apart.
-        let (actions, metrics) = unsafe { (actions.read(), final_metrics.write()) };
-        // SAFETY: as above.
-        let buffers = unsafe {
-            BatchOut {
-                observations: observations.write(),
-                global: global.write(),
-                rewards: rewards.write(),
-                components: components.write(),
-                terminated: terminated.write(),
-                truncated: truncated.write(),
-                final_observations: final_observations.write(),
-                final_global: final_global.write(),
-                final_metrics: &mut [],
-                uav_rewards: uav_rewards.write(),
-                uav_components: &mut [],
-            }
-        };
+        let out = unsafe { read_record(out) }?;
+        let buffers = StepBuffers::check(&out, (actions, action_count), batch.sizes())?;
+        // SAFETY: the caller's promise for each buffer.
+        let (actions, out, metrics) = unsafe { buffers.open() };
         let wanted = !metrics.is_empty();
         let keep = |at: usize, ended: &Metrics| metrics[at] = jcas_metrics::of(ended);
-        batch.step(actions, auto_reset, buffers, wanted, keep)
+        batch.step(actions, auto_reset, out, wanted, keep)
     };
     // SAFETY: the caller's promise for `batch`.
     unsafe { change(batch, act) }

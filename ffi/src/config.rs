@@ -294,7 +294,7 @@ macro_rules! conversions {
                     struct_size: Self::SIZE,
                     depot_count: config.depots.len() as u32,
                     detection_point_count: config.detection_table.len() as u32,
-                    $( $name: Field::to_c(config.$name), )+
+                    $( $name: CField::to_c(config.$name), )+
                 }
             }
 
@@ -302,7 +302,7 @@ macro_rules! conversions {
             pub(crate) fn to_core(self) -> Result<Config, ConfigError> {
                 let depots = self.given_depots()?;
                 let detection_table = self.given_table()?;
-                let config = Config { $( $name: Field::from_c(stringify!($name), self.$name)?, )+ };
+                let config = Config { $( $name: CField::from_c(stringify!($name), self.$name)?, )+ };
                 Ok(Config { depots, detection_table, ..config })
             }
         }
@@ -347,7 +347,7 @@ impl jcas_config {
 }
 
 /// The type of a field, in the kernel's record and in the C struct.
-trait Field: Sized {
+trait CField: Sized {
     type C;
 
     fn to_c(self) -> Self::C;
@@ -355,7 +355,7 @@ trait Field: Sized {
     fn from_c(name: &'static str, value: Self::C) -> Result<Self, ConfigError>;
 }
 
-impl Field for u32 {
+impl CField for u32 {
     type C = Self;
 
     fn to_c(self) -> Self {
@@ -367,7 +367,7 @@ impl Field for u32 {
     }
 }
 
-impl Field for f64 {
+impl CField for f64 {
     type C = Self;
 
     fn to_c(self) -> Self {
@@ -380,7 +380,7 @@ impl Field for f64 {
 }
 
 /// NaN means that a real number is derived.
-impl Field for Option<f64> {
+impl CField for Option<f64> {
     type C = f64;
 
     fn to_c(self) -> f64 {
@@ -392,7 +392,7 @@ impl Field for Option<f64> {
     }
 }
 
-impl Field for Depots {
+impl CField for Depots {
     type C = [jcas_cell; JCAS_MAX_DEPOTS];
 
     fn to_c(self) -> Self::C {
@@ -412,7 +412,7 @@ impl Field for Depots {
     }
 }
 
-impl Field for DetectionTable {
+impl CField for DetectionTable {
     type C = [jcas_detection_point; JCAS_MAX_DETECTION_POINTS];
 
     fn to_c(self) -> Self::C {
@@ -437,7 +437,7 @@ impl Field for DetectionTable {
 
 macro_rules! choices {
     ($( $name:ident ),+) => { $(
-        impl Field for $name {
+        impl CField for $name {
             type C = i32;
 
             fn to_c(self) -> i32 {

@@ -41,6 +41,7 @@ mod policy;
 mod plan;
 
 mod batch_block;
+mod batch_buffers;
 mod batch_job;
 mod handle;
 mod in_use;

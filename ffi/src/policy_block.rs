@@ -73,7 +73,7 @@ impl Lengths {
 }
 
 /// The arrays that follow the block of a network.
-struct Parts<'a> {
+struct PolicyParts<'a> {
     kernel: &'a mut [u64],
     weights: &'a mut [f32],
     scratch: &'a mut [f32],
@@ -84,7 +84,7 @@ struct Parts<'a> {
 /// # Safety
 /// `at` has the layout of [`PolicyBlock::layout`] for these lengths, initialised, and nothing else
 /// uses the words after it for `'a`.
-unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
+unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> PolicyParts<'a> {
     // SAFETY: the caller's promises, passed on.
     let words = unsafe { words_after(at, lengths.words()) };
     let (kernel, rest) = words.split_at_mut(lengths.kernel_words);
@@ -95,7 +95,7 @@ unsafe fn parts<'a>(at: *mut PolicyBlock, lengths: &Lengths) -> Parts<'a> {
     let (weights, rest) = floats[line..].split_at_mut(lengths.weights);
     let (scratch, rest) = rest.split_at_mut(lengths.scratch);
     let (observations, rest) = rest.split_at_mut(lengths.observations);
-    Parts {
+    PolicyParts {
         kernel,
         weights,
         scratch,
@@ -274,7 +274,7 @@ impl PolicyBlock {
 
 fn fly(
     learned: &Learned,
-    parts: Parts<'_>,
+    parts: PolicyParts<'_>,
     model: &Model<'_>,
     state: &StateRef<'_>,
     actions: &mut [f32],
