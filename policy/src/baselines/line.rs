@@ -30,7 +30,7 @@ const SAMPLES: u32 = 12;
 pub struct Line {
     pilot: PilotMode,
     chosen: Option<(u64, Formation)>,
-    rows: Vec<Row>,
+    rows: Vec<FlightLine>,
     /// The cell of each UAV that can fly.
     cells: Vec<Option<Cell>>,
 }
@@ -44,7 +44,7 @@ struct Formation {
 
 /// A line with its stations, and the place of each of its UAVs at them.
 #[derive(Clone, Debug)]
-struct Row {
+struct FlightLine {
     uavs: Range<usize>,
     /// Offset of each UAV from the station, across the sweep, in cells.
     places: Vec<i64>,
@@ -104,7 +104,7 @@ fn extents(model: &Model<'_>) -> (i64, i64, bool) {
     (i64::from(w.min(h)), i64::from(w.max(h)), w > h)
 }
 
-fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<Row>, OutOfMemory> {
+fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<FlightLine>, OutOfMemory> {
     let (across, along, transposed) = extents(model);
     let depot = model.depots()[0];
     let start = i64::from(if transposed { depot.x } else { depot.y });
@@ -133,7 +133,7 @@ fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<Row>, OutOfMemory
             let twice = (2 * k - (count - 1)) * spread;
             twice.div_euclid(2 * i64::from(THIRDS) * strips * count)
         }))?;
-        let row = Row {
+        let row = FlightLine {
             uavs,
             places,
             stations,
@@ -145,7 +145,7 @@ fn rows(model: &Model<'_>, formation: Formation) -> Result<Vec<Row>, OutOfMemory
     Ok(rows)
 }
 
-impl Row {
+impl FlightLine {
     /// Returns the cell of a UAV of the line at its present station.
     fn place(&self, model: &Model<'_>, index: usize) -> Cell {
         let (across, _, transposed) = extents(model);

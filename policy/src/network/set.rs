@@ -59,6 +59,17 @@ fn add_up(rows: &[f32], width: usize, sums: &mut [f32]) {
     }
 }
 
+/// Writes the own fields: the ends of an observation, the tag in a fleet of known size, and the
+/// size of the fleet where the network reads it.
+fn describe_own(head: &[f32], tail: &[f32], tag: f32, sizes: Sizes, own: &mut [f32]) {
+    own[..OWN_FIRST].copy_from_slice(head);
+    let (shown, unseen) = own[OWN_FIRST..].split_at_mut(tail.len());
+    shown.copy_from_slice(tail);
+    let (numbered, counted) = unseen.split_at_mut(unseen.len() - usize::from(sizes.fleet_size));
+    numbered.fill(tag);
+    counted.fill(sizes.uavs as f32 / CROWD);
+}
+
 fn divide(values: &mut [f32], by: f32) {
     for value in values {
         *value /= by;
@@ -127,12 +138,7 @@ impl Set {
         let (slots, tail) = rest.split_at(SLOT_FIELDS * sizes.slots);
         let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
         let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
-        own[..OWN_FIRST].copy_from_slice(head);
-        let (shown, unseen) = own[OWN_FIRST..].split_at_mut(tail.len());
-        shown.copy_from_slice(tail);
-        let (numbered, counted) = unseen.split_at_mut(unseen.len() - usize::from(sizes.fleet_size));
-        numbered.fill(tag);
-        counted.fill(sizes.uavs as f32 / CROWD);
+        describe_own(head, tail, tag, sizes, own);
         self.pool_neighbours(product, weights, slots, neighbours, &mut *scratch);
 
         let context = take(&mut scratch, self.own.inputs);
@@ -143,21 +149,12 @@ impl Set {
         let bias = self.hotspot[0].bias(weights);
         self.own.apply_from(product, weights, bias, rows, start);
 
-        let read = self.hotspot[0].inputs;
-        let features = take(&mut scratch, n * read);
-        describe(hotspots, slots, sizes, read, features);
-        if self.tours() {
-            let (rated, left) = (take(&mut scratch, n), take(&mut scratch, n));
-            tours::rate(hotspots, sizes.cells.map(|cells| cells as f32), rated, left);
-            for (features, rated) in features.chunks_exact_mut(read).zip(rated) {
-                features[HOTSPOT_FEATURES] = *rated;
-            }
-        }
+        let features = self.hotspot_features(hotspots, slots, sizes, &mut scratch);
         let width = self.embedding_width();
         let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
         let [first, second, third] = &self.hotspot;
         let embeddings = &mut one[..n * first.width()];
-        let rows = Rows::plain(features, read);
+        let rows = Rows::plain(features, first.inputs);
         first.apply_from(product, weights, start, rows, embeddings);
         let next = &mut other[..n * second.width()];
         let rows = Rows::rectified(embeddings, first.width());
@@ -191,6 +188,27 @@ impl Set {
                 attended,
             );
         }
+    }
+
+    /// Computes what the network reads of each hotspot.
+    fn hotspot_features<'s>(
+        &self,
+        hotspots: &[f32],
+        slots: &[f32],
+        sizes: Sizes,
+        scratch: &mut &'s mut [f32],
+    ) -> &'s [f32] {
+        let (n, read) = (sizes.hotspots, self.hotspot[0].inputs);
+        let features = take(scratch, n * read);
+        describe(hotspots, slots, sizes, read, features);
+        if self.tours() {
+            let (rated, left) = (take(scratch, n), take(scratch, n));
+            tours::rate(hotspots, sizes.cells.map(|cells| cells as f32), rated, left);
+            for (features, rated) in features.chunks_exact_mut(read).zip(rated) {
+                features[HOTSPOT_FEATURES] = *rated;
+            }
+        }
+        features
     }
 
     /// Sums the encodings of the neighbours in occupied slots.
