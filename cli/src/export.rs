@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use jcas_core::Cell;
+use jcas_core::{Cell, Config};
 use jcas_plan::PlanFile;
 use serde_json::{Value, json};
 
@@ -18,7 +18,7 @@ const COLOURS: [&str; 10] = [
 
 /// The position of the first depot on earth, and the altitude of the UAVs above it.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct GeoPosition {
     /// Latitude, in degrees north.
     pub latitude: f64,
     /// Longitude, in degrees east.
@@ -27,7 +27,7 @@ pub struct Place {
     pub altitude_m: f64,
 }
 
-impl Place {
+impl GeoPosition {
     /// Latitude and longitude of a cell: x points east, y north.
     fn of(self, cell: Cell, depot: Cell, cell_size_m: f64) -> (f64, f64) {
         let east_m = (f64::from(cell.x) - f64::from(depot.x)) * cell_size_m;
@@ -41,7 +41,7 @@ impl Place {
 
 /// The trajectories as GeoJSON lines: one feature for each UAV, one position for each step.
 #[must_use]
-pub fn geojson(file: &PlanFile, depot: Cell, place: Place) -> Value {
+pub fn geojson(file: &PlanFile, depot: Cell, place: GeoPosition) -> Value {
     let size_m = file.config.cell_size_m;
     let features = file.uavs.iter().enumerate().map(|(uav, trajectory)| {
         let coordinates: Vec<Value> = trajectory
@@ -71,7 +71,7 @@ pub fn geojson(file: &PlanFile, depot: Cell, place: Place) -> Value {
 /// The mission of one UAV as a QGroundControl plan. It has a take-off, a waypoint for each cell and
 /// the return. The UAV holds each waypoint for as long as it stays in the cell.
 #[must_use]
-pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: Place) -> Value {
+pub fn mission_of(file: &PlanFile, uav: usize, depot: Cell, place: GeoPosition) -> Value {
     const TAKE_OFF: u32 = 22;
     const WAYPOINT: u32 = 16;
     const RETURN: u32 = 20;
@@ -163,14 +163,7 @@ pub fn picture(file: &PlanFile) -> String {
             height - (f64::from(cell.y) + 0.5) * CELL_PX,
         )
     };
-    for column in 0..=config.grid_width {
-        let x = f64::from(column) * CELL_PX;
-        let _ = writeln!(svg, "<path d=\"M{x} 0V{height}\" stroke=\"#dddddd\"/>");
-    }
-    for row in 0..=config.grid_height {
-        let y = f64::from(row) * CELL_PX;
-        let _ = writeln!(svg, "<path d=\"M0 {y}H{width}\" stroke=\"#dddddd\"/>");
-    }
+    draw_grid(&mut svg, config);
     for depot in config.effective_depots().as_slice() {
         let (x, y) = middle(*depot);
         let _ = writeln!(
@@ -202,19 +195,39 @@ pub fn picture(file: &PlanFile) -> String {
                 format!("{:.1},{:.1}", x + shift, y + shift)
             })
             .collect();
-        let colour = COLOURS[uav % COLOURS.len()];
-        let _ = writeln!(
-            svg,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\" \
-             stroke-linejoin=\"round\"/>",
-            points.join(" ")
-        );
-        if let Some((x, y)) = points.last().and_then(|end| end.split_once(',')) {
-            let _ = writeln!(
-                svg,
-                "<circle cx=\"{x}\" cy=\"{y}\" r=\"4\" fill=\"{colour}\"/>"
-            );
-        }
+        draw_trajectory(&mut svg, &points, COLOURS[uav % COLOURS.len()]);
     }
     svg + "</g>\n</svg>\n"
+}
+
+/// Draws the borders of the cells.
+fn draw_grid(svg: &mut String, config: &Config) {
+    let (width, height) = (
+        f64::from(config.grid_width) * CELL_PX,
+        f64::from(config.grid_height) * CELL_PX,
+    );
+    for column in 0..=config.grid_width {
+        let x = f64::from(column) * CELL_PX;
+        let _ = writeln!(svg, "<path d=\"M{x} 0V{height}\" stroke=\"#dddddd\"/>");
+    }
+    for row in 0..=config.grid_height {
+        let y = f64::from(row) * CELL_PX;
+        let _ = writeln!(svg, "<path d=\"M0 {y}H{width}\" stroke=\"#dddddd\"/>");
+    }
+}
+
+/// Draws a line through points "x,y", with a disc at the last one.
+fn draw_trajectory(svg: &mut String, points: &[String], colour: &str) {
+    let _ = writeln!(
+        svg,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\" \
+         stroke-linejoin=\"round\"/>",
+        points.join(" ")
+    );
+    if let Some((x, y)) = points.last().and_then(|end| end.split_once(',')) {
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"4\" fill=\"{colour}\"/>"
+        );
+    }
 }

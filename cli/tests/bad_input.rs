@@ -334,6 +334,60 @@ fn configuration_files() {
     );
 }
 
+/// Spoiled copies of a recorded trace: name, text, and a part of the refusal.
+fn spoiled(good: &str) -> Vec<(&'static str, String, &'static str)> {
+    let lines: Vec<&str> = good.lines().collect();
+    let replaced = |from: &str, to: &str| good.replacen(from, to, 1);
+    vec![
+        ("empty.jsonl", String::new(), "is empty"),
+        (
+            "cut.jsonl",
+            lines[..lines.len() - 1].join("\n") + "\n",
+            "truncated: it stops after 100 whole steps",
+        ),
+        (
+            "middle.jsonl",
+            good[..good.len() / 2].to_owned(),
+            "truncated: it stops after",
+        ),
+        (
+            "version.jsonl",
+            replaced("\"format_version\":2", "\"format_version\":3"),
+            "format_version = 3: this build reads versions 1 to 2",
+        ),
+        (
+            "changed.jsonl",
+            replaced("\"co2_ng\":0", "\"co2_ng\":1"),
+            "was changed after recording",
+        ),
+        (
+            "number.jsonl",
+            replaced("\"t\":2,", "\"t\":\"two\","),
+            "line 3: invalid type: string \"two\"",
+        ),
+        (
+            "skipped.jsonl",
+            replaced("\"t\":2,", "\"t\":3,"),
+            "line 3: t = 3: must be 2",
+        ),
+        (
+            "extended.jsonl",
+            good.to_owned() + lines[1] + "\n",
+            "the end line must be the last",
+        ),
+        (
+            "other.jsonl",
+            "{\"kind\":\"header\",\"format\":\"xyz\"}\n".to_owned(),
+            "must be the header of a jcas-trace file",
+        ),
+        (
+            "text.jsonl",
+            "hello\n".to_owned(),
+            "must be the header of a jcas-trace file",
+        ),
+    ]
+}
+
 #[test]
 fn traces() {
     let folder = tempfile::tempdir().unwrap();
@@ -343,61 +397,15 @@ fn traces() {
         &["trace", "record", "--uavs", "4", "-o", "good.jsonl"],
     );
     let good = fs::read_to_string(path("good.jsonl")).unwrap();
-    let lines: Vec<&str> = good.lines().collect();
-
-    let cut_lines = lines[..lines.len() - 1].join("\n") + "\n";
-    let cut_middle = &good[..good.len() / 2];
-    let other_version = good.replacen("\"format_version\":2", "\"format_version\":3", 1);
-    let changed = good.replacen("\"co2_ng\":0", "\"co2_ng\":1", 1);
-    let no_number = good.replacen("\"t\":2,", "\"t\":\"two\",", 1);
-    let skipped = good.replacen("\"t\":2,", "\"t\":3,", 1);
-    let extended = good.clone() + lines[1] + "\n";
-    for (name, text, part) in [
-        ("empty.jsonl", "", "is empty"),
-        (
-            "cut.jsonl",
-            cut_lines.as_str(),
-            "truncated: it stops after 100 whole steps",
-        ),
-        ("middle.jsonl", cut_middle, "truncated: it stops after"),
-        (
-            "version.jsonl",
-            &other_version,
-            "format_version = 3: this build reads versions 1 to 2",
-        ),
-        ("changed.jsonl", &changed, "was changed after recording"),
-        (
-            "number.jsonl",
-            &no_number,
-            "line 3: invalid type: string \"two\"",
-        ),
-        ("skipped.jsonl", &skipped, "line 3: t = 3: must be 2"),
-        ("extended.jsonl", &extended, "the end line must be the last"),
-        (
-            "other.jsonl",
-            "{\"kind\":\"header\",\"format\":\"xyz\"}\n",
-            "must be the header of a jcas-trace file",
-        ),
-        (
-            "text.jsonl",
-            "hello\n",
-            "must be the header of a jcas-trace file",
-        ),
-    ] {
+    for (name, text, part) in spoiled(&good) {
         fs::write(path(name), text).unwrap();
-        refuses(
-            folder.path(),
-            &["trace", "verify", name],
-            INPUT,
-            &[name, part],
-        );
-        refuses(
-            folder.path(),
+        for command in [
+            &["trace", "verify", name][..],
             &["trace", "diff", "good.jsonl", name],
-            INPUT,
-            &[name, part],
-        );
-        refuses(folder.path(), &["replay", name], INPUT, &[name, part]);
+            &["replay", name],
+        ] {
+            refuses(folder.path(), command, INPUT, &[name, part]);
+        }
         assert!(!path("replay.html").exists(), "{name} left a page behind");
     }
     refuses(

@@ -180,7 +180,7 @@ fn measure_batch(
     )?;
 
     let rows: Vec<&[f32]> = actions.chunks_exact(count * model.action_len()).collect();
-    let mut sweep = |steps: usize| -> Result<(), Error> {
+    let sweep = |steps: usize| -> Result<(), Error> {
         for step in 0..steps {
             let mut out = BatchOut {
                 observations: &mut observations,
@@ -200,6 +200,15 @@ fn measure_batch(
         }
         Ok(())
     };
+    measure_sweeps(sweep, environments, time)
+}
+
+/// Calls `sweep`, which takes a number of steps of every environment, until the time is up.
+fn measure_sweeps(
+    mut sweep: impl FnMut(usize) -> Result<(), Error>,
+    environments: u32,
+    time: Duration,
+) -> Result<Measured, Error> {
     // This warms caches and clocks, and finds how many steps to take between two clock readings.
     let started = Instant::now();
     let mut between_looks = 1;

@@ -10,7 +10,7 @@ use jcas_plan::{Plan as Flights, PlanFile, Planned, Progress, Settings, search, 
 
 use super::replay::fly_page;
 use crate::error::{CliError, Outcome};
-use crate::export::{Place, geojson, mission_of, picture};
+use crate::export::{GeoPosition, geojson, mission_of, picture};
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
 use crate::options::{EpisodeOptions, MissionOptions};
@@ -208,7 +208,7 @@ impl Plan {
         let Some((latitude, longitude)) = self.depot else {
             return Ok(());
         };
-        let place = Place {
+        let place = GeoPosition {
             latitude,
             longitude,
             altitude_m: self.altitude_m,

@@ -15,7 +15,7 @@ use super::replay::fly_page;
 use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
-use crate::sweep::plan::{self, Axis, Cell};
+use crate::sweep::plan::{self, Axis, SweepCell};
 use crate::sweep::shard::Shard;
 use crate::sweep::store::{Frame, Store};
 use crate::sweep::{self, charts};
@@ -203,7 +203,7 @@ impl Sweep {
     }
 
     /// Writes a page that plays the first mission of the last cell, in most sweeps the largest.
-    fn replay(&self, cells: &[Cell], path: &std::path::Path) -> Result<(), CliError> {
+    fn replay(&self, cells: &[SweepCell], path: &std::path::Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
             return Ok(());
         };
@@ -230,7 +230,7 @@ pub(super) const SHOWN: [(&str, &str, usize); 5] = [
 ];
 
 /// Lists with one value stand above the table; the other lists are its columns.
-pub(super) fn text_table(axes: &[Axis], cells: &[Cell], store: &Store) -> String {
+pub(super) fn text_table(axes: &[Axis], cells: &[SweepCell], store: &Store) -> String {
     let (columns, common): (Vec<usize>, Vec<usize>) =
         (0..axes.len()).partition(|&axis| axes[axis].values.len() > 1);
     let common: Vec<String> = common
@@ -286,7 +286,7 @@ struct Report {
     written: Vec<PathBuf>,
 }
 
-fn report(axes: &[Axis], cells: &[Cell], store: &Store, written: &[PathBuf]) -> Report {
+fn report(axes: &[Axis], cells: &[SweepCell], store: &Store, written: &[PathBuf]) -> Report {
     let cells = cells
         .iter()
         .enumerate()

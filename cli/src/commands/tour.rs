@@ -17,7 +17,7 @@ use crate::error::{CliError, Outcome};
 use crate::files;
 use crate::numbers;
 use crate::options::{DEFAULT_PILOT, ThreadOptions, policy_factory};
-use crate::sweep::plan::{self, Axis, Cell};
+use crate::sweep::plan::{self, Axis, SweepCell};
 use crate::sweep::store::{Frame, Store};
 use crate::sweep::{self, charts};
 
@@ -100,7 +100,7 @@ pub struct Tour {
 /// The results of a grid.
 struct Flown {
     axes: Vec<Axis>,
-    cells: Vec<Cell>,
+    cells: Vec<SweepCell>,
     store: Store,
 }
 
@@ -220,7 +220,7 @@ impl Tour {
     }
 
     /// Plays the first mission of the last cell: the last policy with the largest fleet.
-    fn replay(&self, cells: &[Cell], path: &Path) -> Result<(), CliError> {
+    fn replay(&self, cells: &[SweepCell], path: &Path) -> Result<(), CliError> {
         let Some(cell) = cells.last() else {
             return Ok(());
         };
@@ -244,7 +244,7 @@ fn verify(golden: &[PathBuf]) -> Result<Option<usize>, CliError> {
 }
 
 /// A table with the main quantities of every cell of a grid.
-fn table(axes: &[Axis], cells: &[Cell], store: &Store) -> Table {
+fn table(axes: &[Axis], cells: &[SweepCell], store: &Store) -> Table {
     let columns: Vec<usize> = (0..axes.len())
         .filter(|&axis| axes[axis].values.len() > 1)
         .collect();

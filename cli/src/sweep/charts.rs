@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jcas_core::Config;
 use jcas_figures::{Draw, Figure, Panels, Point, Series};
 
-use super::plan::{Axis, Cell};
+use super::plan::{Axis, SweepCell};
 use super::store::Store;
 use crate::error::CliError;
 use crate::files;
@@ -38,7 +38,7 @@ const PANEL_COLUMNS: usize = 3;
 pub fn draw(
     out: &Path,
     axes: &[Axis],
-    cells: &[Cell],
+    cells: &[SweepCell],
     store: &Store,
     episodes: u64,
 ) -> Result<Vec<PathBuf>, CliError> {
@@ -52,7 +52,7 @@ pub fn draw(
 /// A figure for each quantity over each axis with several numbers, with the name of its file.
 pub fn figures(
     axes: &[Axis],
-    cells: &[Cell],
+    cells: &[SweepCell],
     store: &Store,
     episodes: u64,
 ) -> Vec<(String, Box<dyn Draw>)> {
@@ -149,7 +149,7 @@ impl<'a> Layout<'a> {
     }
 
     /// The combinations of values on some axes, in the order of the cells.
-    fn combinations(axes: &[usize], cells: &[Cell]) -> Vec<Vec<String>> {
+    fn combinations(axes: &[usize], cells: &[SweepCell]) -> Vec<Vec<String>> {
         let mut combinations: Vec<Vec<String>> = Vec::new();
         for cell in cells {
             let values = Self::values(axes, cell);
@@ -160,11 +160,11 @@ impl<'a> Layout<'a> {
         combinations
     }
 
-    fn values(axes: &[usize], cell: &Cell) -> Vec<String> {
+    fn values(axes: &[usize], cell: &SweepCell) -> Vec<String> {
         axes.iter().map(|&axis| cell.values[axis].clone()).collect()
     }
 
-    fn facets(&self, cells: &[Cell]) -> Vec<Vec<String>> {
+    fn facets(&self, cells: &[SweepCell]) -> Vec<Vec<String>> {
         Self::combinations(&self.facet_axes, cells)
     }
 
@@ -172,7 +172,7 @@ impl<'a> Layout<'a> {
         &self,
         (column, _, title, unit, share): (&str, &str, &str, &str, bool),
         facet: &[String],
-        cells: &[Cell],
+        cells: &[SweepCell],
         store: &Store,
         episodes: u64,
     ) -> Figure {

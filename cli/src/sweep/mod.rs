@@ -12,13 +12,13 @@ use jcas_episode::statistics::Summary;
 use crate::error::CliError;
 use crate::options::{ThreadOptions, policy_factory};
 use crate::{interrupt, progress};
-use plan::Cell;
+use plan::SweepCell;
 use store::Store;
 
 /// Runs the cells that are not in the store, one after the other, with the episodes of a cell on
 /// all cores. After Ctrl-C, the finished cells are on file.
 pub fn fly(
-    cells: &[Cell],
+    cells: &[SweepCell],
     store: &mut Store,
     campaign: Campaign,
     threads: &ThreadOptions,
@@ -50,7 +50,7 @@ pub fn fly(
 }
 
 fn fly_cell(
-    cell: &Cell,
+    cell: &SweepCell,
     campaign: Campaign,
     bar: &indicatif::ProgressBar,
 ) -> Result<Summary, CliError> {

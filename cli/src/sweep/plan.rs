@@ -39,7 +39,7 @@ impl Axis {
 
 /// One combination of values.
 #[derive(Clone, Debug)]
-pub struct Cell {
+pub struct SweepCell {
     /// The value on each axis, as it was typed.
     pub values: Vec<String>,
     /// The policy.
@@ -52,7 +52,7 @@ pub struct Cell {
 
 /// Every cell of the grid, with the last axis varying fastest. All cells are checked before the
 /// first one runs.
-pub fn cells(base: &ConfigSource, axes: &[Axis]) -> Result<Vec<Cell>, CliError> {
+pub fn cells(base: &ConfigSource, axes: &[Axis]) -> Result<Vec<SweepCell>, CliError> {
     for (index, axis) in axes.iter().enumerate() {
         if axes[..index].iter().any(|other| other.name == axis.name) {
             return Err(CliError::input(format!(
@@ -67,7 +67,7 @@ pub fn cells(base: &ConfigSource, axes: &[Axis]) -> Result<Vec<Cell>, CliError> 
         .collect()
 }
 
-fn cell(base: &ConfigSource, axes: &[Axis], values: Vec<String>) -> Result<Cell, CliError> {
+fn cell(base: &ConfigSource, axes: &[Axis], values: Vec<String>) -> Result<SweepCell, CliError> {
     let mut source = base.clone();
     let (mut policy, mut pilot) = (String::new(), String::new());
     for (axis, value) in axes.iter().zip(&values) {
@@ -80,7 +80,7 @@ fn cell(base: &ConfigSource, axes: &[Axis], values: Vec<String>) -> Result<Cell,
     let config = source.resolve()?;
     // An invalid cell is refused before the first one runs.
     let _ = policy_factory(&policy, &pilot, &Model::new(config)?)?;
-    Ok(Cell {
+    Ok(SweepCell {
         values,
         policy,
         pilot,

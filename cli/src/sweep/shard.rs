@@ -10,7 +10,7 @@ use jcas_core::hash::Fnv1a;
 use jcas_episode::card::{CARD, WEIGHTS};
 use serde::{Deserialize, Serialize};
 
-use super::plan::Cell;
+use super::plan::SweepCell;
 use super::store::{Frame, Store};
 use crate::error::CliError;
 use crate::{files, learned, planned};
@@ -74,10 +74,10 @@ impl Shard {
     pub fn open(
         self,
         folder: &Path,
-        cells: Vec<Cell>,
+        cells: Vec<SweepCell>,
         frame: Frame,
         overwrite: bool,
-    ) -> Result<(Vec<Cell>, Store), CliError> {
+    ) -> Result<(Vec<SweepCell>, Store), CliError> {
         let manifest = Manifest::new(self, &cells, &frame)?;
         let (table, path) = (self.table_path(folder), self.manifest_path(folder));
         if overwrite {
@@ -157,7 +157,7 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    fn new(shard: Shard, cells: &[Cell], frame: &Frame) -> Result<Self, CliError> {
+    fn new(shard: Shard, cells: &[SweepCell], frame: &Frame) -> Result<Self, CliError> {
         let key = |cell: usize| frame.keys[cell].clone();
         Ok(Self {
             format: FORMAT,
@@ -227,7 +227,7 @@ impl Manifest {
 
 /// Hash of what a sweep's results follow from. The keys have the hash of each configuration, the
 /// seed and the number of episodes; a policy on file counts with its bytes.
-fn fingerprint(cells: &[Cell], frame: &Frame) -> Result<String, CliError> {
+fn fingerprint(cells: &[SweepCell], frame: &Frame) -> Result<String, CliError> {
     let mut hash = Fnv1a::new();
     let mut add = |bytes: &[u8]| {
         hash.write_u64(bytes.len() as u64);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use jcas_episode::statistics::{Estimate, Summary};
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Axis, Cell};
+use super::plan::{Axis, SweepCell};
 use crate::error::CliError;
 use crate::files;
 
@@ -25,7 +25,7 @@ pub struct Frame {
 
 impl Frame {
     /// The frame of a sweep's table.
-    pub fn new(axes: &[Axis], cells: &[Cell], seed: u64, episodes: u64) -> Self {
+    pub fn new(axes: &[Axis], cells: &[SweepCell], seed: u64, episodes: u64) -> Self {
         let mut columns: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
         columns.extend(["config_hash", "seed", "episodes"].map(str::to_owned));
         columns.extend(quantity_columns());
