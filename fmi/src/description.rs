@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::instance::{Instance, Values};
-use crate::variables::{Causality, Extent, Kind, Variable, all, reference};
+use crate::variables::{Causality, Extent, Variable, VariableType, all, reference};
 
 /// Returns the instantiation token. Instantiation refuses an importer that has read another
 /// description.
@@ -83,12 +83,12 @@ fn write_variable(
     defaults: &mut Instance,
 ) -> Result<(), String> {
     let element = match variable.kind {
-        Kind::Float32 => "Float32",
-        Kind::Float64 => "Float64",
-        Kind::UInt32 => "UInt32",
-        Kind::UInt64 => "UInt64",
-        Kind::Boolean => "Boolean",
-        Kind::String => "String",
+        VariableType::Float32 => "Float32",
+        VariableType::Float64 => "Float64",
+        VariableType::UInt32 => "UInt32",
+        VariableType::UInt64 => "UInt64",
+        VariableType::Boolean => "Boolean",
+        VariableType::String => "String",
     };
     let (causality, variability) = match variable.causality {
         Causality::Independent => ("independent", "continuous"),

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::mission::{Inputs, Mission};
 use crate::setup::Setup;
-use crate::variables::{Causality, Extent, Kind, Variable, all, reference};
+use crate::variables::{Causality, Extent, Variable, VariableType, all, reference};
 
 /// The state of an instance in the state machine of the standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,14 +47,14 @@ pub enum Values {
 impl Values {
     /// Their type.
     #[must_use]
-    pub const fn kind(&self) -> Kind {
+    pub const fn kind(&self) -> VariableType {
         match self {
-            Self::Float32(_) => Kind::Float32,
-            Self::Float64(_) => Kind::Float64,
-            Self::UInt32(_) => Kind::UInt32,
-            Self::UInt64(_) => Kind::UInt64,
-            Self::Boolean(_) => Kind::Boolean,
-            Self::String(_) => Kind::String,
+            Self::Float32(_) => VariableType::Float32,
+            Self::Float64(_) => VariableType::Float64,
+            Self::UInt32(_) => VariableType::UInt32,
+            Self::UInt64(_) => VariableType::UInt64,
+            Self::Boolean(_) => VariableType::Boolean,
+            Self::String(_) => VariableType::String,
         }
     }
 }
@@ -202,7 +202,7 @@ impl Instance {
     ///
     /// # Errors
     /// The call fails if there is no such variable.
-    pub fn shape(&self, vr: u32) -> Result<(Kind, usize), String> {
+    pub fn shape(&self, vr: u32) -> Result<(VariableType, usize), String> {
         let variable = self.variable(vr)?;
         let mut count = 1;
         for extent in variable.extents {
@@ -379,10 +379,10 @@ fn field_name(vr: u32) -> Option<&'static str> {
     jcas_core::Config::FIELDS.get(index).map(|info| info.name)
 }
 
-fn field_values(kind: Kind, value: &Value) -> Result<Values, String> {
+fn field_values(kind: VariableType, value: &Value) -> Result<Values, String> {
     Ok(match kind {
-        Kind::Float64 => Values::Float64(vec![value.as_f64().unwrap_or(f64::NAN)]),
-        Kind::UInt32 => Values::UInt32(vec![
+        VariableType::Float64 => Values::Float64(vec![value.as_f64().unwrap_or(f64::NAN)]),
+        VariableType::UInt32 => Values::UInt32(vec![
             u32::try_from(value.as_u64().unwrap_or(0))
                 .map_err(|_| format!("{value} does not fit"))?,
         ]),

@@ -37,7 +37,7 @@ pub mod reference {
 
 /// The types of FMI 3.0 that the unit uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum VariableType {
     /// 32-bit float.
     Float32,
     /// 64-bit float.
@@ -86,7 +86,7 @@ pub struct Variable {
     /// Its name.
     pub name: &'static str,
     /// Its type.
-    pub kind: Kind,
+    pub kind: VariableType,
     /// Its causality.
     pub causality: Causality,
     /// Its dimensions; none for a scalar.
@@ -102,7 +102,7 @@ pub struct Variable {
 /// An output: name, type, dimensions, unit, meaning.
 type Output = (
     &'static str,
-    Kind,
+    VariableType,
     &'static [Extent],
     Option<&'static str>,
     &'static str,
@@ -112,147 +112,147 @@ type Output = (
 pub const OUTPUTS: [Output; 21] = [
     (
         "cell",
-        Kind::UInt32,
+        VariableType::UInt32,
         &[Extent::Uavs, Extent::Two],
         None,
         "Cell (x, y) of each UAV.",
     ),
     (
         "battery_kwh",
-        Kind::Float64,
+        VariableType::Float64,
         &[Extent::Uavs],
         Some("kWh"),
         "Charge of each UAV.",
     ),
     (
         "pilot_density",
-        Kind::Float64,
+        VariableType::Float64,
         &[Extent::Uavs],
         None,
         "Fraction of the waveform that each UAV uses for pilots.",
     ),
     (
         "throughput",
-        Kind::Float64,
+        VariableType::Float64,
         &[Extent::Uavs],
         None,
         "Mean normalised throughput of each UAV over its neighbours.",
     ),
     (
         "grounded",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[Extent::Uavs],
         None,
         "UAVs whose battery was empty at the start of the step.",
     ),
     (
         "knowledge",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[Extent::Uavs, Extent::Hotspots],
         None,
         "Which UAV knows which hotspot.",
     ),
     (
         "link",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[Extent::Uavs, Extent::Uavs],
         None,
         "Radio graph: true where two UAVs are neighbours.",
     ),
     (
         "hotspot_cell",
-        Kind::UInt32,
+        VariableType::UInt32,
         &[Extent::Hotspots, Extent::Two],
         None,
         "Cell (x, y) of each hotspot.",
     ),
     (
         "confirmed",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[Extent::Hotspots],
         None,
         "Hotspots that a quorum has confirmed.",
     ),
     (
         "informed",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[Extent::Hotspots],
         None,
         "Hotspots that every UAV knows.",
     ),
     (
         "confirmed_count",
-        Kind::UInt32,
+        VariableType::UInt32,
         &[],
         None,
         "Number of hotspots that are confirmed.",
     ),
     (
         "informed_count",
-        Kind::UInt32,
+        VariableType::UInt32,
         &[],
         None,
         "Number of hotspots that every UAV knows.",
     ),
     (
         "mean_throughput",
-        Kind::Float64,
+        VariableType::Float64,
         &[],
         None,
         "Mean over the UAVs of their throughput in the last step.",
     ),
     (
         "energy_kwh",
-        Kind::Float64,
+        VariableType::Float64,
         &[],
         Some("kWh"),
         "Energy spent by the fleet so far.",
     ),
     (
         "co2_kg",
-        Kind::Float64,
+        VariableType::Float64,
         &[],
         Some("kg"),
         "Carbon emitted so far.",
     ),
     (
         "carbon_intensity",
-        Kind::Float64,
+        VariableType::Float64,
         &[],
         Some("kg/kWh"),
         "Carbon intensity that the coming step is billed with.",
     ),
     (
         "reward",
-        Kind::Float64,
+        VariableType::Float64,
         &[],
         None,
         "Team reward of the steps since the last communication point.",
     ),
     (
         "return_sum",
-        Kind::Float64,
+        VariableType::Float64,
         &[],
         None,
         "Sum of all rewards so far.",
     ),
     (
         "terminated",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[],
         None,
         "Every hotspot is informed; the state no longer changes.",
     ),
     (
         "truncated",
-        Kind::Boolean,
+        VariableType::Boolean,
         &[],
         None,
         "The horizon ended the episode; the state no longer changes.",
     ),
     (
         "state_hash",
-        Kind::UInt64,
+        VariableType::UInt64,
         &[],
         None,
         "Fingerprint of the kernel's state, the same as through every other interface.",
@@ -264,7 +264,7 @@ pub const OUTPUTS: [Output; 21] = [
 type Special = (
     u32,
     &'static str,
-    Kind,
+    VariableType,
     Causality,
     &'static [Extent],
     Option<&'static str>,
@@ -280,30 +280,30 @@ const SPECIAL: [Special; 12] = {
     use reference::*;
     const SIZE: Option<(f64, f64)> = Some((1.0, 4096.0));
     [
-        (TIME, "time", Kind::Float64, Independent, &[], Some("s"), None,
+        (TIME, "time", VariableType::Float64, Independent, &[], Some("s"), None,
          "Simulated time."),
-        (UAV_COUNT, "uav_count", Kind::UInt64, Structural, &[], None, SIZE,
+        (UAV_COUNT, "uav_count", VariableType::UInt64, Structural, &[], None, SIZE,
          "UAVs in the fleet (N)."),
-        (HOTSPOT_COUNT, "hotspot_count", Kind::UInt64, Structural, &[], None, SIZE,
+        (HOTSPOT_COUNT, "hotspot_count", VariableType::UInt64, Structural, &[], None, SIZE,
          "Waste hotspots to find (n)."),
-        (PRESET, "preset", Kind::String, Parameter, &[], None, None,
+        (PRESET, "preset", VariableType::String, Parameter, &[], None, None,
          "Preset of the fields that are not set."),
-        (SEED, "seed", Kind::UInt64, Parameter, &[], None, None,
+        (SEED, "seed", VariableType::UInt64, Parameter, &[], None, None,
          "Seed of the episode, which determines every random draw."),
-        (POLICY, "policy", Kind::String, Parameter, &[], None, None,
+        (POLICY, "policy", VariableType::String, Parameter, &[], None, None,
          "Baseline, or trained policy or plan among the resources, that controls the fleet; \
           if empty, the input actions do."),
-        (PILOT, "pilot", Kind::String, Parameter, &[], None, None,
+        (PILOT, "pilot", VariableType::String, Parameter, &[], None, None,
          "Pilot density of a baseline: a number, min, mid, max or adaptive."),
-        (OWN_POSITIONS, "own_positions", Kind::Boolean, Parameter, &[], None, None,
+        (OWN_POSITIONS, "own_positions", VariableType::Boolean, Parameter, &[], None, None,
          "Whether the input positions replaces the kernel's motion."),
-        (OWN_LINKS, "own_links", Kind::Boolean, Parameter, &[], None, None,
+        (OWN_LINKS, "own_links", VariableType::Boolean, Parameter, &[], None, None,
          "Whether the input links replaces the kernel's radio graph."),
-        (ACTIONS, "actions", Kind::Float32, Input, &[Uavs, Two], None, Some((-1.0, 1.0)),
+        (ACTIONS, "actions", VariableType::Float32, Input, &[Uavs, Two], None, Some((-1.0, 1.0)),
          "(u_dir, u_pilot) of each UAV, each clipped to [-1, 1]."),
-        (POSITIONS, "positions", Kind::UInt32, Input, &[Uavs, Two], None, None,
+        (POSITIONS, "positions", VariableType::UInt32, Input, &[Uavs, Two], None, None,
          "Cell (x, y) of each UAV, read while own_positions is true."),
-        (LINKS, "links", Kind::Boolean, Input, &[Uavs, Uavs], None, None,
+        (LINKS, "links", VariableType::Boolean, Input, &[Uavs, Uavs], None, None,
          "Symmetric radio graph, read while own_links is true."),
     ]
 };
@@ -341,25 +341,33 @@ fn fields() -> Vec<Variable> {
         .map(|(reference, (info, value))| {
             let number = Some((info.low, info.high));
             let (kind, unit, range, how) = match value {
-                FieldValue::Integer(_) => (Kind::UInt32, None, number, String::new()),
-                FieldValue::Real(_) => (Kind::Float64, Some(info.unit), number, String::new()),
+                FieldValue::Integer(_) => (VariableType::UInt32, None, number, String::new()),
+                FieldValue::Real(_) => (
+                    VariableType::Float64,
+                    Some(info.unit),
+                    number,
+                    String::new(),
+                ),
                 FieldValue::Optional(_) => (
-                    Kind::Float64,
+                    VariableType::Float64,
                     Some(info.unit),
                     None,
                     " NaN: derived.".to_owned(),
                 ),
-                FieldValue::Choice(..) => {
-                    (Kind::String, None, None, format!(" One of {}.", info.unit))
-                }
+                FieldValue::Choice(..) => (
+                    VariableType::String,
+                    None,
+                    None,
+                    format!(" One of {}.", info.unit),
+                ),
                 FieldValue::Cells(_) => (
-                    Kind::String,
+                    VariableType::String,
                     None,
                     None,
                     " A list of [x, y] in JSON.".to_owned(),
                 ),
                 FieldValue::Table(_) => (
-                    Kind::String,
+                    VariableType::String,
                     None,
                     None,
                     " A list of [m, P_d] in JSON.".to_owned(),
