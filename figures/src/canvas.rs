@@ -203,21 +203,11 @@ impl Canvas {
                     align,
                     upward,
                 } => {
-                    let horizontal = match align {
-                        Align::Left => HPos::Left,
-                        Align::Centre => HPos::Center,
-                        Align::Right => HPos::Right,
-                    };
-                    let turned = if *upward {
-                        FontTransform::Rotate270
-                    } else {
-                        FontTransform::None
-                    };
                     let colour = rgba(kind.colour);
-                    let style =
-                        TextStyle::from(font(kind.size * scale, kind.bold).transform(turned))
-                            .color(&colour)
-                            .pos(Pos::new(horizontal, VPos::Center));
+                    let turned = font(kind.size * scale, kind.bold).transform(turn(*upward));
+                    let style = TextStyle::from(turned)
+                        .color(&colour)
+                        .pos(Pos::new(horizontal(*align), VPos::Center));
                     let sunk = kind.size * sink;
                     let at = if *upward {
                         (at.0 + sunk, at.1)
@@ -229,6 +219,22 @@ impl Canvas {
             }
         }
         Ok(())
+    }
+}
+
+fn horizontal(align: Align) -> HPos {
+    match align {
+        Align::Left => HPos::Left,
+        Align::Centre => HPos::Center,
+        Align::Right => HPos::Right,
+    }
+}
+
+fn turn(upward: bool) -> FontTransform {
+    if upward {
+        FontTransform::Rotate270
+    } else {
+        FontTransform::None
     }
 }
 

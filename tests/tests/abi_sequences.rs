@@ -218,30 +218,13 @@ impl<'m> Pair<'m> {
     /// Makes a call both ways and returns whether each side accepted it.
     fn make(&mut self, call: &Call) -> (i32, bool) {
         let sim = self.sim;
-        let mut outcome = jcas_outcome {
-            struct_size: size_of::<jcas_outcome>() as u32,
-            terminated: 0,
-            truncated: 0,
-            false_confirmations: 0,
-            reward: 0.0,
-        };
         // SAFETY (of this function): the simulation and the buffers' lengths are valid.
         match call {
             Call::Reset(seed) => {
                 self.kernel.reset(*seed);
                 (unsafe { jcas_sim_reset(sim, *seed) }, true)
             }
-            Call::Step(actions) => {
-                let stepped = self.kernel.step(actions);
-                let (data, count) = (actions.as_ptr(), actions.len());
-                let status = unsafe { jcas_sim_step(sim, data, count, &raw mut outcome) };
-                if let Ok(stepped) = stepped {
-                    assert_eq!(stepped.reward.to_bits(), outcome.reward.to_bits());
-                    assert_eq!(u32::from(stepped.terminated), outcome.terminated);
-                    assert_eq!(u32::from(stepped.truncated), outcome.truncated);
-                }
-                (status, stepped.is_ok())
-            }
+            Call::Step(actions) => self.step(actions),
             Call::Begin(actions) => {
                 let (data, count) = (actions.as_ptr(), actions.len());
                 let begun = self.kernel.step_begin(actions).is_ok();
@@ -264,19 +247,10 @@ impl<'m> Pair<'m> {
                 (unsafe { jcas_sim_step_communicate(sim) }, done)
             }
             Call::CommunicateOver(links, throughput) => {
-                let done = self
-                    .kernel
-                    .step_communicate_with(links, throughput.as_deref())
-                    .is_ok();
-                let (data, count) = throughput
-                    .as_ref()
-                    .map_or((null(), 0), |values| (values.as_ptr(), values.len()));
-                let status = unsafe {
-                    jcas_sim_step_communicate_with(sim, links.as_ptr(), links.len(), data, count)
-                };
-                (status, done)
+                self.communicate_over(links, throughput.as_deref())
             }
             Call::End => {
+                let mut outcome = empty_outcome();
                 let ended = self.kernel.step_end().is_ok();
                 (unsafe { jcas_sim_step_end(sim, &raw mut outcome) }, ended)
             }
@@ -295,13 +269,7 @@ impl<'m> Pair<'m> {
                     set,
                 )
             }
-            Call::Save => {
-                self.saved = self.kernel.save();
-                let mut bytes = vec![0u8; self.saved.len()];
-                let status = unsafe { jcas_sim_save(sim, bytes.as_mut_ptr().cast(), bytes.len()) };
-                assert_eq!(bytes, self.saved);
-                (status, true)
-            }
+            Call::Save => self.save(),
             Call::LoadSaved | Call::LoadChanged(..) | Call::LoadCut(_) | Call::LoadBytes(_) => {
                 let bytes = self.snapshot(call);
                 let loaded = self.kernel.load(&bytes).is_ok();
@@ -310,19 +278,67 @@ impl<'m> Pair<'m> {
                     loaded,
                 )
             }
-            Call::Fork => {
-                let mut twin = null_mut();
-                let statuses = unsafe {
-                    [
-                        jcas_sim_new(self.model, &raw mut twin),
-                        jcas_sim_fork(sim, twin),
-                        jcas_sim_free(sim),
-                    ]
-                };
-                self.sim = twin;
-                (statuses.into_iter().min().unwrap_or(JCAS_OK), true)
-            }
+            Call::Fork => self.fork(),
         }
+    }
+
+    fn step(&mut self, actions: &[f32]) -> (i32, bool) {
+        let stepped = self.kernel.step(actions);
+        let mut outcome = empty_outcome();
+        // SAFETY: the simulation and the buffer's length are valid.
+        let status =
+            unsafe { jcas_sim_step(self.sim, actions.as_ptr(), actions.len(), &raw mut outcome) };
+        if let Ok(stepped) = stepped {
+            assert_eq!(stepped.reward.to_bits(), outcome.reward.to_bits());
+            assert_eq!(u32::from(stepped.terminated), outcome.terminated);
+            assert_eq!(u32::from(stepped.truncated), outcome.truncated);
+        }
+        (status, stepped.is_ok())
+    }
+
+    fn communicate_over(&mut self, links: &[u8], throughput: Option<&[f64]>) -> (i32, bool) {
+        let done = self.kernel.step_communicate_with(links, throughput).is_ok();
+        let (data, count) =
+            throughput.map_or((null(), 0), |values| (values.as_ptr(), values.len()));
+        // SAFETY: the simulation and the buffers' lengths are valid.
+        let status = unsafe {
+            jcas_sim_step_communicate_with(self.sim, links.as_ptr(), links.len(), data, count)
+        };
+        (status, done)
+    }
+
+    fn save(&mut self) -> (i32, bool) {
+        self.saved = self.kernel.save();
+        let mut bytes = vec![0u8; self.saved.len()];
+        // SAFETY: the simulation and the buffer's length are valid.
+        let status = unsafe { jcas_sim_save(self.sim, bytes.as_mut_ptr().cast(), bytes.len()) };
+        assert_eq!(bytes, self.saved);
+        (status, true)
+    }
+
+    /// Goes on with a copy in place of the C simulation.
+    fn fork(&mut self) -> (i32, bool) {
+        let mut twin = null_mut();
+        // SAFETY: the model and the simulation are valid.
+        let statuses = unsafe {
+            [
+                jcas_sim_new(self.model, &raw mut twin),
+                jcas_sim_fork(self.sim, twin),
+                jcas_sim_free(self.sim),
+            ]
+        };
+        self.sim = twin;
+        (statuses.into_iter().min().unwrap_or(JCAS_OK), true)
+    }
+}
+
+fn empty_outcome() -> jcas_outcome {
+    jcas_outcome {
+        struct_size: size_of::<jcas_outcome>() as u32,
+        terminated: 0,
+        truncated: 0,
+        false_confirmations: 0,
+        reward: 0.0,
     }
 }
 

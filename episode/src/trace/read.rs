@@ -62,17 +62,9 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
                 hash.write(text.as_bytes());
             }
             "end" => {
-                let mut parsed: End = parse(&text, line)?;
-                if host.iter().any(Host::within_a_step) {
-                    return Err(malformed(
-                        line,
-                        "the step that the host's calls are part of is missing",
-                    ));
-                }
-                parsed.host = std::mem::take(&mut host);
+                end = Some(read_end(&text, std::mem::take(&mut host), line)?);
                 let covered = text.rfind(CHECKSUM_KEY).unwrap_or(text.len());
                 hash.write(&text.as_bytes()[..covered]);
-                end = Some(parsed);
             }
             kind if header.format_version > 1 && Call::KINDS.contains(&kind) => {
                 host.push(read_host(&text, header, line)?);
@@ -96,6 +88,18 @@ pub fn read(mut input: impl BufRead) -> Result<Trace, TraceError> {
         });
     }
     Ok(Trace { header, steps, end })
+}
+
+/// Reads the last line. `host` holds the calls since the last step.
+fn read_end(text: &str, host: Vec<Host>, line: usize) -> Result<End, TraceError> {
+    let end: End = parse(text, line)?;
+    if host.iter().any(Host::within_a_step) {
+        return Err(malformed(
+            line,
+            "the step that the host's calls are part of is missing",
+        ));
+    }
+    Ok(End { host, ..end })
 }
 
 /// The version is read first, since another version may have other fields.

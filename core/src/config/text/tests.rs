@@ -32,123 +32,126 @@ fn toml_and_json_agree_and_round_trip() {
     assert_eq!(counted.0, json_of(&toml).len());
 }
 
+/// Refused texts and the whole message for each.
+const REFUSED: &[(&str, &str)] = &[
+    (
+        "uav_count = 0",
+        "uav_count = 0: must be a whole number from 1 to 4096",
+    ),
+    (
+        "uav_count = -3",
+        "uav_count = -3: must be a whole number from 1 to 4096",
+    ),
+    (
+        "uav_count = 2.5",
+        "uav_count = 2.5: must be a whole number from 1 to 4096",
+    ),
+    (
+        "uav_count = true",
+        "uav_count = true: must be a whole number from 1 to 4096",
+    ),
+    (
+        "uav_cuont = 5",
+        "uav_cuont: no such field; did you mean uav_count?",
+    ),
+    (
+        "cell_size_m = nan",
+        "cell_size_m = NaN: must be a number from 0.001 to 1000000",
+    ),
+    (
+        "pilot_density_min = 0.4",
+        "pilot_density_min = 0.4: must be at most 0.3 (pilot_density_max)",
+    ),
+    (
+        "move_energy_kwh = -1e-3",
+        "move_energy_kwh = -0.001: must be a number from 0 to 1",
+    ),
+    (
+        "depots = 5",
+        "depots = 5: must be a list of at most 16 cells [x, y]",
+    ),
+    (
+        "target_visibility = 'seen'",
+        "target_visibility = 'seen': must be one of known, hidden",
+    ),
+    (
+        "quorum = 3\nquorum = 3",
+        "quorum: given twice, must be given once",
+    ),
+    (
+        "[fleet]\nquorum = 3",
+        "[fleet]: no such field (`jcas config show` lists all)",
+    ),
+    (
+        "fleet.quorum = 3",
+        "fleet.quorum: no such field (`jcas config show` lists all)",
+    ),
+    (
+        "quorum = 3 4",
+        "line 1 column 12: must be the end of the line",
+    ),
+    ("\nquorum = = 3", "line 2 column 10: must be a value"),
+    (
+        "detection_curve = 'swerling2'",
+        "detection_curve = 'swerling2': must be one of logistic, swerling1, table",
+    ),
+    (
+        "detection_curve = 'swerling1'\ndetection_threshold_db = 3",
+        "detection_threshold_db = 3.0: must be absent while detection_curve is swerling1, \
+         which has no threshold",
+    ),
+    (
+        "preset = 'search'\ndetection_curve = 'swerling1'",
+        "sensing_range_m = 150.0: must be absent while detection_curve is swerling1, \
+         which has no threshold",
+    ),
+    (
+        "detection_curve = 'swerling1'\nlogistic_slope_per_db = 0.5",
+        "logistic_slope_per_db = 0.5: must be 0.25, its default, while detection_curve is \
+         swerling1, which has no slope",
+    ),
+    (
+        "false_alarm_probability = 0.01",
+        "false_alarm_probability = 0.01: must be from 1e-7 to 1e-3 while detection_curve is \
+         logistic (Albersheim's equation)",
+    ),
+    (
+        "sensing_footprint_m = 70",
+        "sensing_footprint_m = 70.0: must be absent while false_alarm_per_cell is 0",
+    ),
+    (
+        "false_alarm_per_cell = 0.6",
+        "false_alarm_per_cell = 0.6: must be a number from 0 to 0.5",
+    ),
+    (
+        "report_levels = 2",
+        "report_levels = 2: must be 0 while false_alarm_per_cell is 0, which leaves no \
+         footprint",
+    ),
+    (
+        "false_alarm_per_cell = 0.01\nreport_slots = 4",
+        "report_slots = 4: must be 0 while report_levels is 0",
+    ),
+    (
+        "false_alarm_per_cell = 0.01\nreport_levels = 4",
+        "report_levels = 4: must be a whole number from 0 to 3",
+    ),
+    (
+        "map_window_radius = 2",
+        "map_window_radius = 2: must be 0 (off) while search_maps is off and report_levels \
+         is 0",
+    ),
+    (
+        "detection_curve = 'swerling1'\nfalse_alarm_probability = 0.5",
+        "false_alarm_probability = 0.5: must be a number from 0.000000000001 to 0.1",
+    ),
+];
+
 #[test]
 fn messages_name_field_value_and_what_is_allowed() {
     let refused = |text: &str| Config::from_toml(text).unwrap_err().to_string();
-    for (text, says) in [
-        (
-            "uav_count = 0",
-            "uav_count = 0: must be a whole number from 1 to 4096",
-        ),
-        (
-            "uav_count = -3",
-            "uav_count = -3: must be a whole number from 1 to 4096",
-        ),
-        (
-            "uav_count = 2.5",
-            "uav_count = 2.5: must be a whole number from 1 to 4096",
-        ),
-        (
-            "uav_count = true",
-            "uav_count = true: must be a whole number from 1 to 4096",
-        ),
-        (
-            "uav_cuont = 5",
-            "uav_cuont: no such field; did you mean uav_count?",
-        ),
-        (
-            "cell_size_m = nan",
-            "cell_size_m = NaN: must be a number from 0.001 to 1000000",
-        ),
-        (
-            "pilot_density_min = 0.4",
-            "pilot_density_min = 0.4: must be at most 0.3 (pilot_density_max)",
-        ),
-        (
-            "move_energy_kwh = -1e-3",
-            "move_energy_kwh = -0.001: must be a number from 0 to 1",
-        ),
-        (
-            "depots = 5",
-            "depots = 5: must be a list of at most 16 cells [x, y]",
-        ),
-        (
-            "target_visibility = 'seen'",
-            "target_visibility = 'seen': must be one of known, hidden",
-        ),
-        (
-            "quorum = 3\nquorum = 3",
-            "quorum: given twice, must be given once",
-        ),
-        (
-            "[fleet]\nquorum = 3",
-            "[fleet]: no such field (`jcas config show` lists all)",
-        ),
-        (
-            "fleet.quorum = 3",
-            "fleet.quorum: no such field (`jcas config show` lists all)",
-        ),
-        (
-            "quorum = 3 4",
-            "line 1 column 12: must be the end of the line",
-        ),
-        ("\nquorum = = 3", "line 2 column 10: must be a value"),
-        (
-            "detection_curve = 'swerling2'",
-            "detection_curve = 'swerling2': must be one of logistic, swerling1, table",
-        ),
-        (
-            "detection_curve = 'swerling1'\ndetection_threshold_db = 3",
-            "detection_threshold_db = 3.0: must be absent while detection_curve is swerling1, \
-             which has no threshold",
-        ),
-        (
-            "preset = 'search'\ndetection_curve = 'swerling1'",
-            "sensing_range_m = 150.0: must be absent while detection_curve is swerling1, \
-             which has no threshold",
-        ),
-        (
-            "detection_curve = 'swerling1'\nlogistic_slope_per_db = 0.5",
-            "logistic_slope_per_db = 0.5: must be 0.25, its default, while detection_curve is \
-             swerling1, which has no slope",
-        ),
-        (
-            "false_alarm_probability = 0.01",
-            "false_alarm_probability = 0.01: must be from 1e-7 to 1e-3 while detection_curve is \
-             logistic (Albersheim's equation)",
-        ),
-        (
-            "sensing_footprint_m = 70",
-            "sensing_footprint_m = 70.0: must be absent while false_alarm_per_cell is 0",
-        ),
-        (
-            "false_alarm_per_cell = 0.6",
-            "false_alarm_per_cell = 0.6: must be a number from 0 to 0.5",
-        ),
-        (
-            "report_levels = 2",
-            "report_levels = 2: must be 0 while false_alarm_per_cell is 0, which leaves no \
-             footprint",
-        ),
-        (
-            "false_alarm_per_cell = 0.01\nreport_slots = 4",
-            "report_slots = 4: must be 0 while report_levels is 0",
-        ),
-        (
-            "false_alarm_per_cell = 0.01\nreport_levels = 4",
-            "report_levels = 4: must be a whole number from 0 to 3",
-        ),
-        (
-            "map_window_radius = 2",
-            "map_window_radius = 2: must be 0 (off) while search_maps is off and report_levels \
-             is 0",
-        ),
-        (
-            "detection_curve = 'swerling1'\nfalse_alarm_probability = 0.5",
-            "false_alarm_probability = 0.5: must be a number from 0.000000000001 to 0.1",
-        ),
-    ] {
-        assert_eq!(refused(text), says);
+    for (text, says) in REFUSED {
+        assert_eq!(refused(text), *says);
     }
     assert!(refused("hotspot_count = 150").contains("must be at most 143"));
     assert!(refused("depots = [[12, 0]]").contains("[12, 0]"));
