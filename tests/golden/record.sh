@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Records every golden trace again, from the root of the repository. Run it only for a deliberate
 # change of the model or of the trace format, since every build has to reproduce these files. The
-# purpose of each scenario is in tests/tests/golden.rs, which checks it.
+# purpose of each scenario is in tests/tests/golden/, which checks it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
