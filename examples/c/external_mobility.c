@@ -128,7 +128,8 @@ int main(int argc, char **argv)
 
     jcas_metrics metrics = {.struct_size = sizeof metrics};
     stop_on(jcas_sim_get_metrics(sim, &metrics), "metrics");
-    printf("%s after %u steps: %u of %d hotspots confirmed, %u known to all, %llu moves, %.3f kWh\n",
+    printf("%s after %u steps: %u of %d hotspots confirmed, %u known to all, %llu moves, "
+           "%.3f kWh\n",
            metrics.terminated ? "complete" : "at the horizon", metrics.steps, metrics.confirmed,
            HOTSPOTS, metrics.informed, (unsigned long long)metrics.moves, metrics.energy_kwh);
     stop_on(jcas_sim_free(sim), "end of simulation");

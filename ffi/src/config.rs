@@ -302,7 +302,9 @@ macro_rules! conversions {
             pub(crate) fn to_core(self) -> Result<Config, ConfigError> {
                 let depots = self.given_depots()?;
                 let detection_table = self.given_table()?;
-                let config = Config { $( $name: CField::from_c(stringify!($name), self.$name)?, )+ };
+                let config = Config {
+                    $( $name: CField::from_c(stringify!($name), self.$name)?, )+
+                };
                 Ok(Config { depots, detection_table, ..config })
             }
         }

@@ -70,7 +70,9 @@ def test_the_description_is_valid():
 
 def test_it_simulates_with_nothing_said():
     outputs = ["confirmed_count", "energy_kwh", "terminated"]
-    result = simulate_fmu(FMU, start_values={"policy": "teams"}, output=outputs, output_interval=STEP_S)
+    result = simulate_fmu(
+        FMU, start_values={"policy": "teams"}, output=outputs, output_interval=STEP_S
+    )
     assert result["confirmed_count"][-1] > 0
     assert np.all(np.diff(result["energy_kwh"]) >= 0)
 

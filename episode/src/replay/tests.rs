@@ -63,7 +63,8 @@ fn the_title_tells_the_episode() {
         (trace.end.terminated, trace.end.truncated) = (terminated, !terminated);
         let link = if terminated { "in" } else { "after" };
         let title = format!(
-            "<title>swarm, pilot max, N = 4, n = 2, seed 0x000000000000002a: {result} {link} {} steps (jcas replay)</title>",
+            "<title>swarm, pilot max, N = 4, n = 2, seed 0x000000000000002a: \
+             {result} {link} {} steps (jcas replay)</title>",
             trace.end.steps
         );
         assert!(page_of(&trace).unwrap().contains(&title), "{title}");

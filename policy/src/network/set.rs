@@ -59,8 +59,8 @@ fn add_up(rows: &[f32], width: usize, sums: &mut [f32]) {
     }
 }
 
-/// Writes the own fields: the ends of an observation, the tag in a fleet of known size, and the
-/// size of the fleet where the network reads it.
+/// Writes the own fields: the two ends of an observation, then the tag and the size of the fleet
+/// if the network reads them.
 fn describe_own(head: &[f32], tail: &[f32], tag: f32, sizes: Sizes, own: &mut [f32]) {
     own[..OWN_FIRST].copy_from_slice(head);
     let (shown, unseen) = own[OWN_FIRST..].split_at_mut(tail.len());
