@@ -158,6 +158,49 @@ impl Builder<'_> {
         let line = self.graph.binary("Add", &falling, &one);
         self.relu(&line)
     }
+
+    /// The neighbours without any slot: zeros, and the weights that encode slots are passed over.
+    fn no_neighbours(&mut self, input: &Value, distance: &Value) -> (Value, Value, Value) {
+        self.weights.by_ref().take(4).for_each(drop);
+        let none = self.scaled(distance, 0.0);
+        let zero_row = self.graph.constant(&[1, UAV_WIDTH], &[0.0; UAV_WIDTH]);
+        let first = self.graph.columns(input, 0, 1);
+        let zero = self.scaled(&first, 0.0);
+        (
+            self.graph.binary("Add", &zero, &zero_row),
+            none.clone(),
+            none,
+        )
+    }
+
+    /// The sum of the neighbours' encodings, and the crowd at and around each hotspot.
+    fn neighbours(
+        &mut self,
+        slots: &Value,
+        [hotspot_x, hotspot_y]: [&Value; 2],
+        shape: &Shape,
+    ) -> (Value, Value, Value) {
+        let present = self.field(slots, 0);
+        let embedded = self.linear(slots);
+        let embedded = self.relu(&embedded);
+        let embedded = self.linear(&embedded);
+        let embedded = self.relu(&embedded);
+        let embedded = self.graph.binary("Mul", &embedded, &present);
+        let (slot_x, slot_y) = (self.field(slots, 1), self.field(slots, 2));
+        let (slot_x, slot_y) = (self.graph.swap(&slot_x), self.graph.swap(&slot_y));
+        let dx = self.graph.binary("Sub", hotspot_x, &slot_x);
+        let dy = self.graph.binary("Sub", hotspot_y, &slot_y);
+        let apart = self.distance(&dx, &dy, shape);
+        let present = self.graph.swap(&present);
+        let mut count = |reach: f32| {
+            let near = self.nearness(&apart, reach);
+            let near = self.graph.binary("Mul", &near, &present);
+            let sum = self.graph.sum(&near, 2, true);
+            self.scaled(&sum, 1.0 / CROWD)
+        };
+        let (at, around) = (count(1.0), count(4.0));
+        (self.pool(&embedded), at, around)
+    }
 }
 
 pub(super) fn actor(
@@ -191,34 +234,10 @@ pub(super) fn actor(
     let (hotspot_x, hotspot_y) = (b.field(&hotspots, 0), b.field(&hotspots, 1));
     let distance = b.distance(&hotspot_x, &hotspot_y, shape);
     let (neighbours, at, around) = if k == 0 {
-        b.weights.by_ref().take(4).for_each(drop);
-        let none = b.scaled(&distance, 0.0);
-        let zero_row = b.graph.constant(&[1, UAV_WIDTH], &[0.0; UAV_WIDTH]);
-        let first = b.graph.columns(&input, 0, 1);
-        let zero = b.scaled(&first, 0.0);
-        (b.graph.binary("Add", &zero, &zero_row), none.clone(), none)
+        b.no_neighbours(&input, &distance)
     } else {
         let slots = b.set_of(&input, slots_first, k, SLOT_FIELDS);
-        let present = b.field(&slots, 0);
-        let embedded = b.linear(&slots);
-        let embedded = b.relu(&embedded);
-        let embedded = b.linear(&embedded);
-        let embedded = b.relu(&embedded);
-        let embedded = b.graph.binary("Mul", &embedded, &present);
-        let (slot_x, slot_y) = (b.field(&slots, 1), b.field(&slots, 2));
-        let (slot_x, slot_y) = (b.graph.swap(&slot_x), b.graph.swap(&slot_y));
-        let dx = b.graph.binary("Sub", &hotspot_x, &slot_x);
-        let dy = b.graph.binary("Sub", &hotspot_y, &slot_y);
-        let apart = b.distance(&dx, &dy, shape);
-        let present = b.graph.swap(&present);
-        let mut count = |reach: f32| {
-            let near = b.nearness(&apart, reach);
-            let near = b.graph.binary("Mul", &near, &present);
-            let sum = b.graph.sum(&near, 2, true);
-            b.scaled(&sum, 1.0 / CROWD)
-        };
-        let (at, around) = (count(1.0), count(4.0));
-        (b.pool(&embedded), at, around)
+        b.neighbours(&slots, [&hotspot_x, &hotspot_y], shape)
     };
 
     let [x_cells, _] = shape.position_cells();
