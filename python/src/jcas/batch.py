@@ -29,16 +29,16 @@ class BatchBuffers:
     """Output arrays of a step of M missions. The kernel writes them: they cannot be replaced.
 
     Attributes:
-        observations: [M, N, observation length].
-        rewards: the team's, [M].
-        uav_rewards: each UAV's own, [M, N], or None.
-        terminated: where the step ended the episode with success, [M].
-        truncated: where the horizon ended it, [M].
-        reward_components: [M, 12], in the order of `REWARD_NAMES`.
-        global_state: [M, global length], or None.
-        final_observations: as `observations`, valid where an episode was just reset.
-        final_global_state: as `global_state`, valid where an episode was just reset.
-        final_metrics: structured, [M], valid where an episode just ended.
+        observations: [M, N, observation length]. Each row is one UAV's observation.
+        rewards: the team's reward, [M]. It is the sum of the reward components.
+        uav_rewards: each UAV's own reward, [M, N], or None. Its mean over UAVs is the team's.
+        terminated: [M]. It marks the episodes that the step ended with success.
+        truncated: [M]. It marks the episodes that ended at the horizon.
+        reward_components: [M, 12]. They have the order of `REWARD_NAMES`.
+        global_state: [M, global length], or None. It is what a centralised critic reads.
+        final_observations: as `observations`. A row is valid if its episode was just reset.
+        final_global_state: as `global_state`. A row is valid if its episode was just reset.
+        final_metrics: structured, [M]. An element is valid if its episode just ended.
 
     """
 
@@ -152,9 +152,9 @@ class Batch:
     """M environments of one model.
 
     Args:
-        model: the model; kept alive by its batches.
+        model: the model. Its batches keep it alive.
         num_envs: M, 1 to 2^20.
-        threads: how many step at once, 1 to 256; results do not depend on it.
+        threads: threads that step environments, 1 to 256. Results do not depend on the number.
 
     """
 

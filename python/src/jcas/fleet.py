@@ -33,10 +33,12 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
     """One fleet: observations [N, observation length], actions [N, 2] (or hybrid), one team reward.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
+            for the preset `mission`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-        credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward, whose mean is the
-            team's.
+            Hybrid actions have a discrete motion and a continuous pilot density.
+        credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward. Their mean is the
+            team's reward.
         render_mode: `rgb_array`, `human`, or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
             them.

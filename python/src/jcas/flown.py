@@ -51,9 +51,10 @@ class Policy:
 
         Args:
             path: a folder with a `policy.safetensors`, or that file.
-            model: what it will fly.
-            mode: `deterministic`, the most likely motion and the mean pilot density; `sampled`,
-                draws that follow from the mission's seed. By default as the file says.
+            model: the model of the simulations that the policy will fly.
+            mode: `deterministic` or `sampled`. A deterministic policy takes the most likely motion
+                and the mean pilot density. A sampled one draws from the mission's seed. None
+                stands for the mode that the file names.
 
         Raises:
             PolicyError: the file is no policy, or reads other observations than the model has.

@@ -253,12 +253,14 @@ def parallel_env(
     """Make a PettingZoo parallel environment with one agent for each UAV.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
+            for the preset `mission`.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-        credit: whose reward an agent receives: the `team`'s, as in the paper, or with `uav` its
-            own, whose mean over the fleet is the team's.
+            Hybrid actions have a discrete motion and a continuous pilot density.
+        credit: with `team`, as in the paper, each agent receives the team's reward. With `uav` it
+            receives its own. The mean of these over the fleet is the team's reward.
         render_mode: `rgb_array`, `human`, or None.
-        max_cycles: another name of `horizon_steps`, PettingZoo's own.
+        max_cycles: PettingZoo's name of the field `horizon_steps`.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
             them.
 

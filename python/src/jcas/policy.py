@@ -44,10 +44,11 @@ class MlpPolicy:
     """Linear layers with ReLU between them, to be written for `jcas.Policy.load`.
 
     Args:
-        layers: from the observation to the head's outputs.
-        head: `gaussian` (two means, two log standard deviations) or `hybrid` (five motion logits,
-            two parameters of a Beta distribution of the pilot density).
-        inputs: mean and scale by which observations are normalised first.
+        layers: the layers from the observation to the head's outputs.
+        head: `gaussian` or `hybrid`. A gaussian head has two means and two log standard deviations.
+            A hybrid head has five motion logits and the two parameters of a Beta distribution.
+            The Beta distribution gives the pilot density.
+        inputs: mean and scale that normalise the observations. None stands for no normalisation.
 
     """
 
@@ -78,9 +79,9 @@ class MlpPolicy:
         """Write weights and card.
 
         Args:
-            folder: the folder to write to, which is made if it does not exist.
-            name: of the policy, in reports.
-            config: what it was trained on.
+            folder: the folder to write to. It is made if it does not exist.
+            name: the name of the policy in reports.
+            config: the configuration of the training. The card repeats it.
             about: further entries of the card, such as the trainer's settings.
 
         """

@@ -33,10 +33,11 @@ class FleetVecEnv(VecEnv):
     """M missions of N UAVs as a Stable-Baselines3 vector environment of M · N members.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
-        missions: M.
-        credit: whose reward a member receives: its `team`'s, or with `uav` its own.
-        threads: how many missions step at once, 1 to 256; None for every core.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
+            for the preset `mission`.
+        missions: the number of missions, M.
+        credit: with `team` each member receives its team's reward. With `uav` it receives its own.
+        threads: threads that step missions, 1 to 256. None stands for one for each core.
         render_mode: `rgb_array` or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
             them.

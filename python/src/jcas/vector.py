@@ -326,19 +326,21 @@ def make_vec(
     """Make a Gymnasium vector environment of `num_envs` fleets.
 
     Args:
-        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`.
-        num_envs: how many missions fly side by side.
+        config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
+            for the preset `mission`.
+        num_envs: the number of missions, M.
         action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-        credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N], whose mean
-            is the team's.
-        threads: how many step at once, 1 to 256; None for every core. Results do not depend on it.
-        autoreset_mode: `NextStep` (Gymnasium's default), `SameStep` (the fastest where episodes are
-            short) or `Disabled`.
-        global_state: give the critic's view in the infos.
-        copy: give arrays that nobody writes to again; False gives views of the kernel's sets of
-            buffers.
-        buffer_sets: how many sets of buffers take turns with `copy=False`: 2 keep what a step
-            returned through the next one; 1 does not, and is 3 to 5 % faster.
+            Hybrid actions have a discrete motion and a continuous pilot density.
+        credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N]. Their mean
+            is the team's reward.
+        threads: threads that step missions, 1 to 256. None stands for one for each core. Results
+            do not depend on the number.
+        autoreset_mode: `NextStep`, `SameStep` or `Disabled`. `NextStep` is Gymnasium's default.
+            `SameStep` is the fastest if episodes are short.
+        global_state: whether the infos hold the global state. A centralised critic reads it.
+        copy: whether each step returns new arrays. False gives views of the kernel's buffers.
+        buffer_sets: sets of buffers that alternate with `copy=False`. With 2, the arrays of a step
+            keep their values through the next step. With 1 they do not, which is 3 to 5 % faster.
         render_mode: `rgb_array` or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
             them.

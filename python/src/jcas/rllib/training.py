@@ -44,11 +44,11 @@ class Run:
     """A run in a folder.
 
     Args:
-        folder: made if it is not there.
-        config: what is flown.
-        hyperparameters: how it is learned.
-        seed: of the run.
-        resume: go on from the checkpoint, if there is one. Without it, a folder that has one is
+        folder: the folder of the run. It is made if it does not exist.
+        config: the configuration of the episodes.
+        hyperparameters: the settings of PPO. The defaults are mostly the paper's.
+        seed: the seed of the run.
+        resume: continue from the checkpoint, if there is one. Without it, a folder that has one is
             refused.
 
     """
