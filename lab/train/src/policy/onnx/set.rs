@@ -159,6 +159,14 @@ impl Builder<'_> {
         self.relu(&line)
     }
 
+    /// The size of the fleet as a column with a row for each observation.
+    fn fleet_size(&mut self, input: &Value, shape: &Shape) -> Value {
+        let first = self.graph.columns(input, 0, 1);
+        let zero = self.scaled(&first, 0.0);
+        let size = self.graph.constant(&[1, 1], &[shape.agents as f32 / CROWD]);
+        self.graph.binary("Add", &zero, &size)
+    }
+
     /// The neighbours without any slot: zeros, and the weights that encode slots are passed over.
     fn no_neighbours(&mut self, input: &Value, distance: &Value) -> (Value, Value, Value) {
         self.weights.by_ref().take(4).for_each(drop);
@@ -222,10 +230,7 @@ pub(super) fn actor(
     let head = b.graph.columns(&input, 0, OWN_FIRST);
     let tail = b.graph.columns(&input, tail_first, shape.observation_len);
     let own = if fleet_size {
-        let first = b.graph.columns(&input, 0, 1);
-        let zero = b.scaled(&first, 0.0);
-        let size = b.graph.constant(&[1, 1], &[shape.agents as f32 / CROWD]);
-        let size = b.graph.binary("Add", &zero, &size);
+        let size = b.fleet_size(&input, shape);
         b.graph.concat(&[&head, &tail, &size], 1)
     } else {
         b.graph.concat(&[&head, &tail], 1)
