@@ -4,7 +4,7 @@
 use crate::config::{ChargeBilling, Config};
 use crate::energy::round_half_up;
 use crate::model::Model;
-use crate::reward::Happenings;
+use crate::reward::StepTotals;
 use crate::rng::{self, Purpose};
 use crate::state::StateMut;
 
@@ -110,7 +110,7 @@ pub(crate) fn emit(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     billed_uj: u64,
-    happened: &mut Happenings,
+    totals: &mut StepTotals,
 ) -> u64 {
     let header = &mut state.header;
     let intensity = header.intensity_mg_per_kwh();
@@ -123,7 +123,7 @@ pub(crate) fn emit(
         .carbon()
         .intensity_mg_per_kwh(header.seed(), header.t());
     header.set_intensity(next);
-    happened.co2_ng = co2_ng as f64;
+    totals.co2_ng = co2_ng as f64;
     co2_ng
 }
 

@@ -3,7 +3,7 @@
 use crate::bits;
 use crate::lanes::{self, Cells, at_width, ones};
 use crate::model::Model;
-use crate::reward::Happenings;
+use crate::reward::StepTotals;
 use crate::scratch::Tally;
 use crate::state::StateMut;
 
@@ -13,15 +13,15 @@ pub(crate) fn cover(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     tally: &mut Tally<'_>,
-    happened: &mut Happenings,
+    totals: &mut StepTotals,
 ) {
-    happened.revisits = at_width!(model, revisit_in_blocks(model, state, tally));
+    totals.revisits = at_width!(model, revisit_in_blocks(model, state, tally));
     // One after the other: of UAVs in the same new cell, the first discovers it.
     for (new_cell, &index) in tally.new_cells.iter_mut().zip(&*tally.cell_indices) {
         let (word, bit) = (&mut state.visited[index as usize / 64], index % 64);
         *new_cell = !*word >> bit & 1;
         *word |= 1 << bit;
-        happened.new_cells += *new_cell;
+        totals.new_cells += *new_cell;
     }
 }
 

@@ -6,7 +6,7 @@ use crate::config::{ChargeBilling, Config};
 use crate::lanes::real::whole;
 use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
-use crate::reward::Happenings;
+use crate::reward::StepTotals;
 use crate::scratch::Tally;
 use crate::state::StateMut;
 
@@ -131,10 +131,10 @@ pub(crate) fn settle_fleet(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     tally: &mut Tally<'_>,
-    happened: &mut Happenings,
+    totals: &mut StepTotals,
 ) -> Settled {
     let settled = at_width!(model, settle_in_blocks(model, state, tally));
-    happened.spent_uj = settled.spent_uj;
+    totals.spent_uj = settled.spent_uj;
     settled
 }
 

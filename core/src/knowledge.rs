@@ -3,7 +3,7 @@
 
 use crate::bits;
 use crate::model::Model;
-use crate::reward::Happenings;
+use crate::reward::StepTotals;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
@@ -52,19 +52,19 @@ fn spread_cells(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scrat
 
 /// Counts confirmations, informed hotspots and the spread of knowledge.
 #[inline(always)]
-pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, happened: &mut Happenings) {
+pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, totals: &mut StepTotals) {
     let t = u64::from(state.header.t());
     for j in 0..model.hotspot_count() {
-        happened.newly_confirmed += u64::from(state.confirmed_at[j] == t);
-        happened.newly_informed += u64::from(state.informed_at[j] == t);
+        totals.newly_confirmed += u64::from(state.confirmed_at[j] == t);
+        totals.newly_informed += u64::from(state.informed_at[j] == t);
     }
-    happened.informed = bits::count(state.informed) as u64;
+    totals.informed = bits::count(state.informed) as u64;
     // Only confirmed hotspots are known. So the known bits, divided by N times the confirmed
     // hotspots, are the mean fraction of UAVs that know a confirmed hotspot.
     let confirmed = bits::count(state.confirmed);
     if confirmed > 0 {
         let known = bits::count(state.knowledge);
-        happened.knowledge_spread = known as f64 / (confirmed * model.uav_count()) as f64;
+        totals.knowledge_spread = known as f64 / (confirmed * model.uav_count()) as f64;
     }
 }
 

@@ -68,7 +68,7 @@ pub struct RewardPlan {
 
 /// Totals of a step over the fleet, from which the team's reward follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Happenings {
+pub struct StepTotals {
     /// Number of hotspots confirmed in this step.
     pub newly_confirmed: u64,
     /// Number of cells falsely confirmed in this step.
@@ -127,7 +127,7 @@ impl RewardPlan {
     /// Computes the components of R_t, in the order of [`NAMES`].
     #[inline(always)]
     #[must_use]
-    pub fn components(&self, step: &Happenings) -> Rewards {
+    pub fn components(&self, step: &StepTotals) -> Rewards {
         let paid = if self.inform_once {
             step.newly_informed
         } else {
@@ -300,10 +300,10 @@ mod tests {
 
     #[test]
     fn mission_pays_informing_once_and_paper_at_every_step() {
-        let step = Happenings {
+        let step = StepTotals {
             newly_informed: 1,
             informed: 3,
-            ..Happenings::default()
+            ..StepTotals::default()
         };
         let inform = |preset| RewardPlan::new(&Config::preset(preset)).components(&step)[1];
         assert_eq!(inform(Preset::Mission), 4.0);
@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn weights_are_the_papers() {
-        let step = Happenings {
+        let step = StepTotals {
             newly_confirmed: 2,
             complete: true,
             at_horizon: true,
@@ -324,7 +324,7 @@ mod tests {
             knowledge_spread: 0.5,
             goal_potential_before: -1.0,
             goal_potential_after: -0.5,
-            ..Happenings::default()
+            ..StepTotals::default()
         };
         let rewards = RewardPlan::new(&Config::default()).components(&step);
         let expected = [
@@ -342,8 +342,8 @@ mod tests {
     #[test]
     fn own_components_are_where_own_says() {
         let plan = RewardPlan::new(&Config::default());
-        let idle = plan.components(&Happenings::default());
-        let busy = plan.components(&Happenings {
+        let idle = plan.components(&StepTotals::default());
+        let busy = plan.components(&StepTotals {
             new_cells: 1,
             revisits: 1,
             spent_uj: 1,
@@ -351,7 +351,7 @@ mod tests {
             mean_throughput: 1.0,
             goal_potential_before: -1.0,
             charge_potential_before: 0.1,
-            ..Happenings::default()
+            ..StepTotals::default()
         });
         for index in 0..COMPONENTS {
             let differs = idle[index] != busy[index];

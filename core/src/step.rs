@@ -6,7 +6,7 @@
 use crate::error::Error;
 use crate::header::Phase;
 use crate::model::Model;
-use crate::reward::{self, Billed, Happenings};
+use crate::reward::{self, Billed, StepTotals};
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 use crate::{
@@ -178,24 +178,24 @@ fn end(
     scratch: &mut Scratch<'_>,
 ) -> Result<StepOutcome, Error> {
     expect(state, Phase::Communicated, "step_end", "step_communicate")?;
-    let mut happened = Happenings {
+    let mut totals = StepTotals {
         goal_potential_before: state.header.goal_potential(),
         charge_potential_before: state.header.charge_potential(),
         mean_throughput: state.header.mean_throughput(),
         newly_false: alarms::newly_false(state),
-        ..Happenings::default()
+        ..StepTotals::default()
     };
     let (mut tally, mut rest) = scratch.tally(model.uav_count());
-    let settled = energy::settle_fleet(model, state, &mut tally, &mut happened);
+    let settled = energy::settle_fleet(model, state, &mut tally, &mut totals);
     let billed_uj = settled.billed_uj;
-    let co2_ng = carbon::emit(model, state, billed_uj, &mut happened);
+    let co2_ng = carbon::emit(model, state, billed_uj, &mut totals);
     metrics::add_step(state, &settled);
-    coverage::cover(model, state, &mut tally, &mut happened);
-    knowledge::count(model, state, &mut happened);
+    coverage::cover(model, state, &mut tally, &mut totals);
+    knowledge::count(model, state, &mut totals);
     potential::keep(model, state, &mut tally);
-    finish(model, state, &mut rest, &mut happened);
+    finish(model, state, &mut rest, &mut totals);
 
-    let rewards = model.reward().components(&happened);
+    let rewards = model.reward().components(&totals);
     let reward = reward::total(&rewards);
     state.header.set_rewards(&rewards);
     reward::credit(model, state, &tally, Billed { co2_ng, billed_uj });
@@ -204,7 +204,7 @@ fn end(
     let phase = state.header.phase();
     Ok(StepOutcome {
         reward,
-        false_confirmations: happened.newly_false as u32,
+        false_confirmations: totals.newly_false as u32,
         terminated: phase == Some(Phase::Terminated),
         truncated: phase == Some(Phase::Truncated),
     })
@@ -244,16 +244,16 @@ fn finish(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
-    happened: &mut Happenings,
+    totals: &mut StepTotals,
 ) {
-    happened.complete = happened.informed == model.hotspot_count() as u64;
-    happened.at_horizon = state.header.t() >= model.config().horizon_steps;
-    potential::update(model, state, scratch, happened.complete);
-    happened.goal_potential_after = state.header.goal_potential();
-    happened.charge_potential_after = state.header.charge_potential();
-    state.header.set_phase(if happened.complete {
+    totals.complete = totals.informed == model.hotspot_count() as u64;
+    totals.at_horizon = state.header.t() >= model.config().horizon_steps;
+    potential::update(model, state, scratch, totals.complete);
+    totals.goal_potential_after = state.header.goal_potential();
+    totals.charge_potential_after = state.header.charge_potential();
+    state.header.set_phase(if totals.complete {
         Phase::Terminated
-    } else if happened.at_horizon {
+    } else if totals.at_horizon {
         Phase::Truncated
     } else {
         Phase::Ready

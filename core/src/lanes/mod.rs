@@ -64,7 +64,7 @@ pub(crate) type Lanes<T, const W: usize> = [T; W];
 /// pages much slower.
 #[repr(align(64))]
 #[derive(Clone, Copy)]
-pub(crate) struct Lined<T>(pub(crate) T);
+pub(crate) struct CacheAligned<T>(pub(crate) T);
 
 /// A block: the UAVs `first..first + count`, each in a lane.
 ///

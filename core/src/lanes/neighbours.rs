@@ -1,7 +1,7 @@
 //! The neighbours of every UAV, nearest first, in small fleets.
 
 use crate::lanes::real::{Divisors, ENTRIES, repeat};
-use crate::lanes::{Block, Cells, Lanes, Lined, force_vector};
+use crate::lanes::{Block, CacheAligned, Cells, Lanes, force_vector};
 use crate::model::Model;
 use crate::state::StateRef;
 
@@ -55,14 +55,14 @@ macro_rules! layers {
 pub(crate) struct Ranking {
     block: Block<WIDTH>,
     /// Slot by slot, for each UAV where in `offsets` its neighbour begins.
-    begins: Lined<[Lanes<u8, WIDTH>; UAVS]>,
+    begins: CacheAligned<[Lanes<u8, WIDTH>; UAVS]>,
     /// (1, x, y, 0) of each UAV as a neighbour, one after the other, and (0, x, y, 0) as an
     /// observer.
-    places: Lined<[Lanes<f32, WIDTH>; PLACE]>,
-    observers: Lined<[Lanes<f32, WIDTH>; PLACE]>,
+    places: CacheAligned<[Lanes<f32, WIDTH>; PLACE]>,
+    observers: CacheAligned<[Lanes<f32, WIDTH>; PLACE]>,
     /// (1, Δx, Δy, 0) of one UAV after the other; as long as a byte that is an index needs no
     /// check.
-    offsets: Lined<[f32; 1 << u8::BITS | PLACE]>,
+    offsets: CacheAligned<[f32; 1 << u8::BITS | PLACE]>,
     divisors: Divisors,
 }
 
@@ -82,10 +82,10 @@ impl Ranking {
         let (span_x, span_y) = model.offset_spans();
         Some(Self {
             block: Block { first: 0, count },
-            begins: Lined([[0; WIDTH]; UAVS]),
-            places: Lined([[0.0; WIDTH]; PLACE]),
-            observers: Lined([[0.0; WIDTH]; PLACE]),
-            offsets: Lined([0.0; 1 << u8::BITS | PLACE]),
+            begins: CacheAligned([[0; WIDTH]; UAVS]),
+            places: CacheAligned([[0.0; WIDTH]; PLACE]),
+            observers: CacheAligned([[0.0; WIDTH]; PLACE]),
+            offsets: CacheAligned([0.0; 1 << u8::BITS | PLACE]),
             divisors: Divisors::of([1.0, span_x, span_y, 1.0]),
         })
     }
@@ -101,7 +101,7 @@ impl Ranking {
         }
         force_vector(&mut x);
         force_vector(&mut y);
-        let Lined(keys) = &mut Lined([[NONE; WIDTH]; UAVS]);
+        let CacheAligned(keys) = &mut CacheAligned([[NONE; WIDTH]; UAVS]);
         for (k, row) in keys[..block.count].iter_mut().enumerate() {
             // The graph is symmetric: the neighbours of k are those that have k as a neighbour.
             let (linked, neighbour) = (block.lanes_of(state.links[k]) as i16, block.lane(k));

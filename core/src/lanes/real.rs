@@ -1,6 +1,6 @@
 //! Functions of reals without branches or conversions, which the compiler can vectorise.
 
-use super::{Lined, force_vector};
+use super::{CacheAligned, force_vector};
 
 /// Number of entries of observations that are computed together, for a fleet of any size.
 pub(crate) const ENTRIES: usize = 16;
@@ -38,8 +38,8 @@ pub(crate) fn whole(value: f64) -> u64 {
 /// Four whole numbers from 1 to 1023, over and over, to divide by.
 pub(crate) struct Divisors {
     /// The upper fourteen bits of their inverses, and the rest.
-    high: Lined<[f32; ENTRIES]>,
-    low: Lined<[f32; ENTRIES]>,
+    high: CacheAligned<[f32; ENTRIES]>,
+    low: CacheAligned<[f32; ENTRIES]>,
 }
 
 impl Divisors {
@@ -51,7 +51,7 @@ impl Divisors {
         for entry in 0..4 {
             low[entry] = (inverses[entry] - f64::from(high[entry])) as f32;
         }
-        let (mut high, mut low) = (Lined(repeat(high)), Lined(repeat(low)));
+        let (mut high, mut low) = (CacheAligned(repeat(high)), CacheAligned(repeat(low)));
         // What is known of the numbers would be put to use for single lanes, and cost more than it
         // saves.
         force_vector(&mut high.0);

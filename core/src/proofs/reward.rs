@@ -5,7 +5,7 @@ use super::inputs::{between, real_between};
 use super::standin as kani;
 use crate::carbon;
 use crate::config::Config;
-use crate::reward::{Happenings, RewardPlan, total};
+use crate::reward::{RewardPlan, StepTotals, total};
 use crate::validity::THROUGHPUT_MAX;
 
 /// Bound of the reward of a step of any legal size with the default weights. At most half of it is
@@ -16,8 +16,8 @@ pub(super) const REWARD_MAX: f64 = 1e9;
 const GOAL_MIN: f64 = -4097.0;
 
 /// Any totals of a step within the legal sizes. Potentials lie within their weights.
-fn any_happenings() -> Happenings {
-    Happenings {
+fn any_totals() -> StepTotals {
+    StepTotals {
         newly_confirmed: between(0, 4096),
         newly_false: between(0, 4096),
         newly_informed: between(0, 4096),
@@ -38,7 +38,7 @@ fn any_happenings() -> Happenings {
 }
 
 /// Every component is a finite number, and so is their sum, within the bound.
-fn is_bounded(plan: &RewardPlan, step: &Happenings) {
+fn is_bounded(plan: &RewardPlan, step: &StepTotals) {
     let rewards = plan.components(step);
     for index in 0..rewards.len() {
         assert!(rewards[index] >= -REWARD_MAX && rewards[index] <= REWARD_MAX);
@@ -52,7 +52,7 @@ fn is_bounded(plan: &RewardPlan, step: &Happenings) {
 #[cfg_attr(kani, kani::solver(cadical))]
 pub fn rewards_are_bounded() {
     let plan = RewardPlan::new(&Config::default());
-    let step = any_happenings();
+    let step = any_totals();
     kani::cover!(
         step.complete && step.newly_informed > 0,
         "the mission is completed"

@@ -17,7 +17,7 @@ use super::state::{links_join_two, radios_are_valid};
 use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
 use crate::energy::{Activity, EnergyPlan};
 use crate::model::Model;
-use crate::reward::{COMPONENTS, Happenings, RewardPlan, Rewards};
+use crate::reward::{COMPONENTS, RewardPlan, Rewards, StepTotals};
 use crate::rng::Purpose;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
@@ -149,7 +149,7 @@ pub(super) fn any_potentials(
     state.header.set_charge_potential(charge());
 }
 
-pub(super) fn any_rewards(_: &RewardPlan, _: &Happenings) -> Rewards {
+pub(super) fn any_rewards(_: &RewardPlan, _: &StepTotals) -> Rewards {
     let mut rewards = [0.0; COMPONENTS];
     for index in 0..rewards.len() {
         rewards[index] = real_between(-REWARD_MAX, REWARD_MAX);
