@@ -1,7 +1,7 @@
 //! Fully connected layers with ReLU between them.
 
 use super::dense::Rows;
-use super::plan::{Mlp, Stack};
+use super::layout::{Mlp, Stack};
 use super::product::Product;
 
 /// The bound at which normalised inputs are clipped, in standard deviations.

@@ -20,9 +20,9 @@
 mod dense;
 mod error;
 mod file;
+mod layout;
 mod mlp;
 mod note;
-mod plan;
 mod product;
 mod set;
 pub mod tours;
@@ -33,8 +33,8 @@ pub(crate) use dense::Layer;
 pub(crate) use file::{HEADER_MAX, place, split, with_digit};
 
 pub use error::{ArrayName, FlyError, LoadError};
+pub use layout::DEPTH_MAX;
 pub use note::Note;
-pub use plan::DEPTH_MAX;
 pub use product::{Operands, Product};
 
 use jcas_core::{Config, Model, StateRef, UavTag};
@@ -42,7 +42,7 @@ use jcas_core::{Config, Model, StateRef, UavTag};
 use crate::head::{Draw, Head, Mode};
 use dense::padded;
 use file::File;
-use plan::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
+use layout::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
 use set::Sizes;
 
 /// Numbers (f32) in a cache line. Weights are read fastest where they begin at one.
@@ -143,7 +143,7 @@ impl Network {
     fn read_into(bytes: &[u8], weights: Option<&mut [f32]>) -> Result<Self, LoadError> {
         let file = File::open(bytes)?;
         let note = Note::read(file.note)?;
-        let (kind, head, weights_len) = plan::read(file, weights)?;
+        let (kind, head, weights_len) = layout::read(file, weights)?;
         let reads_size = matches!(&kind, Kind::Set(set) if set.own_fields() > 0);
         if note.fleet_size && !reads_size {
             return Err(LoadError::Note("fleet_size: only a set network reads it"));

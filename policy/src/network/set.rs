@@ -7,8 +7,8 @@
 use jcas_core::observation::index_tag;
 
 use super::dense::{LANES, Layer, Rows, relu};
+use super::layout::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
 use super::mlp::ROWS;
-use super::plan::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
 use super::product::Product;
 use super::tours;
 

@@ -6,7 +6,7 @@
 //! makes that rule much better (a rollout: D. P. Bertsekas, J. N. Tsitsiklis and C. Wu, "Rollout
 //! algorithms for combinatorial optimization", 1997).
 
-use super::plan::HOTSPOT_FIELDS;
+use super::layout::HOTSPOT_FIELDS;
 
 /// The maximum number of hotspots of a tour after the first, which bounds its work.
 pub const STOPS: usize = 16;
