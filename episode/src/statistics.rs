@@ -98,6 +98,40 @@ pub fn bootstrap_means<const K: usize>(missions: &[[f64; K]]) -> [Estimate; K] {
     })
 }
 
+/// Returns the time of each mission in steps. A failed mission counts its horizon, so that a policy
+/// cannot look fast by failing the long missions.
+#[must_use]
+pub fn mission_steps(missions: &[Metrics], horizon_steps: u32) -> Vec<u32> {
+    let steps = |metrics: &Metrics| {
+        if metrics.terminated {
+            metrics.steps
+        } else {
+            horizon_steps
+        }
+    };
+    missions.iter().map(steps).collect()
+}
+
+/// Returns the least value that at least this share of the values does not exceed; none of none.
+#[must_use]
+pub fn quantile(values: &[u32], share: f64) -> Option<u32> {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable();
+    let rank = (share * values.len() as f64).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied()
+}
+
+/// Returns the mean of a - b over pairs of missions with common seeds, with the bootstrap interval
+/// of the pairs. What both policies owe to a mission cancels.
+#[must_use]
+pub fn paired_difference(a: &[u32], b: &[u32]) -> Estimate {
+    let pairs = a.iter().zip(b);
+    let differences: Vec<[f64; 1]> = pairs
+        .map(|(&a, &b)| [f64::from(a) - f64::from(b)])
+        .collect();
+    bootstrap_means(&differences)[0]
+}
+
 /// Statistics of a set of missions.
 ///
 /// Serialises flat: each quantity under its name in [`Summary::quantities`], its interval's ends
@@ -108,8 +142,7 @@ pub struct Summary {
     pub episodes: u64,
     /// Fraction of missions in which every UAV knows every hotspot within the horizon.
     pub success_rate: Estimate,
-    /// Mission time in steps. A failed mission counts its horizon, so that a policy cannot look
-    /// fast by failing the long missions.
+    /// Mission time in steps; see [`mission_steps`].
     pub mission_steps: Estimate,
     /// Energy that the whole fleet spent in a mission.
     pub energy_kwh: Estimate,
@@ -145,12 +178,8 @@ impl Summary {
         let successes = missions.iter().filter(|metrics| metrics.terminated).count();
         let rows: Vec<[f64; 7]> = missions
             .iter()
-            .map(|metrics| {
-                let steps = if metrics.terminated {
-                    metrics.steps
-                } else {
-                    horizon_steps
-                };
+            .zip(mission_steps(missions, horizon_steps))
+            .map(|(metrics, steps)| {
                 [
                     f64::from(steps),
                     metrics.energy_kwh,
@@ -232,6 +261,34 @@ impl Serialize for Summary {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// R: `quantile(x, share, type = 1)`.
+    #[test]
+    fn quantiles_equal_published_ones() {
+        let values = [7, 3, 10, 1, 9, 2, 8, 4, 6, 5];
+        for (share, expected) in [(0.0, 1), (0.5, 5), (0.51, 6), (0.9, 9), (1.0, 10)] {
+            assert_eq!(quantile(&values, share), Some(expected), "{share}");
+        }
+        assert_eq!(quantile(&[], 0.5), None);
+    }
+
+    /// Two policies that differ by one step in every mission differ by one step without noise, and
+    /// a failed mission counts its horizon.
+    #[test]
+    fn pairs_cancel_what_missions_have_in_common() {
+        let mission = |steps, terminated| Metrics {
+            steps,
+            terminated,
+            ..Metrics::default()
+        };
+        let slow = [mission(11, true), mission(41, true), mission(3, false)];
+        let slow = mission_steps(&slow, 100);
+        assert_eq!(slow, [11, 41, 100]);
+        let one = paired_difference(&slow, &[10, 40, 99]);
+        assert_eq!((one.value, one.low, one.high), (1.0, 1.0, 1.0));
+        let both = paired_difference(&[1, 2], &[2, 1]);
+        assert_eq!((both.value, both.low, both.high), (0.0, -1.0, 1.0));
+    }
 
     /// R: `prop.test(x, n, correct = FALSE)$conf.int`.
     #[test]

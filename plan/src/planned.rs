@@ -42,7 +42,7 @@ impl PlannedKind {
 
     /// The name of the policy.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Plan => "plan",
             Self::Replan => "replan",

@@ -113,8 +113,8 @@ pub fn told(table: &Table) -> String {
             continue;
         };
         text += &format!(
-            "For {title} it has {} degrees of freedom and is {:.2} points of success. It is {:.1} % \
-                of the steps, {:.1} % of the energy and {:.1} % of the throughput. ",
+            "For {title} it has {} degrees of freedom and is {:.2} points of success. It is {:.1} \
+                % of the steps, {:.1} % of the energy and {:.1} % of the throughput. ",
             success.freedom,
             100.0 * success.deviation,
             100.0 * steps.deviation,

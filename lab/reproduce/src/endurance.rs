@@ -145,24 +145,24 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
 fn text(scope: &Scope, learned: bool) -> String {
     let config = mission(10, SWAP_KW);
     let ours = if learned {
-        " `learned` is ours, trained on this mission and flown with the charger that it was trained \
-            with. It may fly home by itself, and the autopilot sends it where it does not."
+        " `learned` is ours, trained on this mission and flown with the charger that it was \
+            trained with. It may fly home by itself, and the autopilot sends it where it does not."
     } else {
         ""
     };
     format!(
-        "This is `mission` with {HOTSPOTS} hotspots, a horizon of {} steps, and depots at (2, 2) and (9, \
-            9) (`examples/endurance.toml`; {} missions a row). Batteries of {} kWh last about sixty \
-            moves. The paper's charger of 0.3 kW takes as long as a flight. One of {SWAP_KW} kW \
-            fills a battery in one step, as a swap does.\n\n\
-         `teams` leaves charging to the autopilot: home at a fifth of the charge, off again once the \
-            grid can be crossed. `charging` fills up whenever it is home. `clean` starts for home \
-            with a reserve. It waits beside the depot until the intensity is in the lowest fifth of \
-            its range or the reserve is spent. Then it fills up. The intensity is drawn anew in \
-            each step, so that only the step in which a UAV begins to charge can be chosen. With a \
-            swap that is all of the charge, with the paper's charger one step of about sixty. And \
-            who goes home early goes more often and ends the mission with a fuller battery. So \
-            cleaner energy need not mean less carbon.{ours}",
+        "This is `mission` with {HOTSPOTS} hotspots, a horizon of {} steps, and depots at (2, 2) \
+            and (9, 9) (`examples/endurance.toml`; {} missions a row). Batteries of {} kWh last \
+            about sixty moves. The paper's charger of 0.3 kW takes as long as a flight. One of \
+            {SWAP_KW} kW fills a battery in one step, as a swap does.\n\n\
+         `teams` leaves charging to the autopilot: home at a fifth of the charge, off again once \
+            the grid can be crossed. `charging` fills up whenever it is home. `clean` starts for \
+            home with a reserve. It waits beside the depot until the intensity is in the lowest \
+            fifth of its range or the reserve is spent. Then it fills up. The intensity is drawn \
+            anew in each step, so that only the step in which a UAV begins to charge can be \
+            chosen. With a swap that is all of the charge, with the paper's charger one step of \
+            about sixty. And who goes home early goes more often and ends the mission with a \
+            fuller battery. So cleaner energy need not mean less carbon.{ours}",
         config.horizon_steps, scope.episodes, config.battery_capacity_kwh
     )
 }

@@ -5,7 +5,7 @@ use crate::pilot_by_distance;
 use crate::progress_sink::{Progress, ProgressSink};
 use crate::scope::{CONSTANT_PILOT, Learner, Part, Scope, Training, Variation};
 use crate::table::{Key, Table};
-use crate::{endurance, pilot, range, search};
+use crate::{comparison, endurance, pilot, range};
 use jcas_core::{Config, Model, Preset};
 use jcas_episode::card::{CARD, Card, CardError, EVALUATION_SEED, StoredPolicy, load};
 use jcas_episode::mission::{Campaign, fly};
@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// The baselines that stand beside learned policies; the other searchers have nothing to search
 /// here.
-const BASELINES: [BaselineKind; 5] = [
+pub(crate) const BASELINES: [BaselineKind; 5] = [
     BaselineKind::Random,
     BaselineKind::Greedy,
     BaselineKind::Swarm,
@@ -99,6 +99,11 @@ pub(crate) fn paper_name(
     )
 }
 
+/// The folder of a training with our settings.
+fn tuned_name(preset: Preset, constant: Option<f64>, seed: u64) -> String {
+    format!("learned-{}-{}-s{seed}", preset.name(), pilot_name(constant))
+}
+
 impl Flights<'_> {
     fn all_parts(&mut self) -> Result<Progress, TrainError> {
         for part in Part::ALL {
@@ -110,10 +115,10 @@ impl Flights<'_> {
                 Part::SensingRange => {
                     self.flown("success over the sensing range", range::flights(self.scope))?
                 }
-                Part::Search => self.flown("search", search::flights(self.scope))?,
                 Part::Pilot => self.flown("adaptive pilots", pilot::flights(self.scope))?,
                 Part::Endurance => self.flown("endurance", endurance::flights(self.scope))?,
                 Part::Tuned => self.all_tuned()?,
+                Part::Comparison => self.comparison()?,
                 Part::Paper => self.paper()?,
                 Part::TrainedRanges => self.trained_ranges()?,
                 Part::Variations => self.variations()?,
@@ -172,6 +177,48 @@ impl Flights<'_> {
             }
         }
         Ok(true)
+    }
+
+    /// Scripts, plans and our policy in every cell; false if stopped meanwhile.
+    fn comparison(&mut self) -> Result<bool, TrainError> {
+        let mut rows = comparison::open(self.out)?;
+        let mut presets = self.scope.presets.clone();
+        presets.insert(1, Preset::Search);
+        for units in comparison::Unit::PASSES {
+            for &preset in &presets {
+                let ours = self.compared(preset)?;
+                for &unit in units {
+                    self.narrator
+                        .chapter(&format!("comparing in {}: {unit:?}", preset.name()));
+                    for cell in self.scope.cells() {
+                        if self.stopped() {
+                            return Ok(false);
+                        }
+                        let place = comparison::ComparedCell {
+                            preset,
+                            config: self.scope.mission(preset, cell),
+                            missions: comparison::MISSIONS.min(self.scope.episodes),
+                            densities: &self.scope.pilot_densities.0,
+                        };
+                        if !place.is_there(unit, &rows)? {
+                            rows.extend(place.rows(unit, ours.as_deref())?);
+                            comparison::write(self.out, &rows)?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// The first of our policies for a preset, given or trained here.
+    fn compared(&self, preset: Preset) -> Result<Option<Arc<StoredPolicy>>, TrainError> {
+        let given = self.given_for(&self.scope.mission(preset, (10, 5)));
+        let out = self.folder(&tuned_name(preset, None, 0));
+        match given.into_iter().next() {
+            None if out.join(CARD).exists() => Ok(Some(Arc::new(load(&out)?))),
+            first => Ok(first),
+        }
     }
 
     /// A policy of ours, as it is or with its pilot density held.
@@ -329,7 +376,7 @@ impl Flights<'_> {
         seed: u64,
         constant: Option<f64>,
     ) -> Result<Option<StoredPolicy>, TrainError> {
-        let name = format!("learned-{}-{}-s{seed}", preset.name(), pilot_name(constant));
+        let name = tuned_name(preset, constant, seed);
         let settings = Settings {
             seed,
             constant_pilot: constant,

@@ -6,9 +6,10 @@
 
 mod campaign;
 mod cell_means;
-pub mod cell_table;
 mod chapter;
 pub mod claims;
+pub mod comparison;
+mod comparison_page;
 pub mod curves;
 mod endurance;
 mod evidence;
@@ -26,7 +27,6 @@ mod regimes;
 pub mod results;
 pub mod scan;
 pub mod scope;
-mod search;
 mod seed_spread;
 pub mod statistics;
 pub mod table;
@@ -88,7 +88,13 @@ fn tables(scope: &Scope, out: &Path) -> Vec<String> {
         .seeds
         .iter()
         .map(|&seed| pilot_by_distance::table(seed));
-    let names = [TABLE, curves::TRAININGS, ORIGIN, scan::TRAININGS];
+    let names = [
+        TABLE,
+        comparison::COMPARISON,
+        curves::TRAININGS,
+        ORIGIN,
+        scan::TRAININGS,
+    ];
     let names = names.into_iter().chain(scan::TABLES).map(str::to_owned);
     let all = names.chain(approaches);
     all.filter(|name| out.join(name).exists()).collect()

@@ -1,7 +1,6 @@
 //! The pages of a reproduction: Markdown, and one HTML report with every figure.
 
 use crate::campaign::{OURS, pilot_name};
-use crate::cell_table::{self, bars};
 use crate::chapter::{Block, Chapter};
 use crate::claims;
 use crate::curves::TRAININGS;
@@ -11,10 +10,10 @@ use crate::range::Study;
 use crate::readings::{self, FITTED};
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
-use crate::{TABLE, cell_means, endurance, pilot, search, seed_spread, text};
+use crate::{TABLE, cell_means, comparison_page, endurance, pilot, seed_spread, text};
 use jcas_core::Preset;
 use jcas_episode::card::EVALUATION_SEED;
-use jcas_figures::report::{Cell, Report, Table as ReportTable, Tone};
+use jcas_figures::report::{Cell, Report, Table as ReportTable};
 use jcas_figures::{Draw, FigureError};
 use jcas_train::error::TrainError;
 use jcas_train::store::write_whole;
@@ -38,8 +37,8 @@ const JUDGED: &str = "A verdict compares an interval with the region in which th
     is \"holds\" where the interval lies inside, \"does not hold\" where it lies outside, and \
     \"undecided\" otherwise. What was not run, or trained for less than the paper's iterations, \
     is \"not judged\". An interval has the noise of the missions and that of the training. The \
-    latter is the standard deviation between training seeds, pooled over the cells with several. It \
-    enters where a cell has one seed as well.";
+    latter is the standard deviation between training seeds, pooled over the cells with several. \
+    It enters where a cell has one seed as well.";
 const VARIATION_HEAD: [&str; 6] = [
     "changed",
     "tests",
@@ -286,24 +285,8 @@ impl Results<'_> {
             text += &study.chapter(self.scope, &self.table).markdown(pictures);
         }
         text += &self.claims().markdown(pictures);
-        for &preset in &self.scope.presets {
-            let rows: Vec<[String; 8]> = bars(self.scope, &self.table, preset)
-                .iter()
-                .map(cell_table::Bar::texts)
-                .collect();
-            if rows.is_empty() {
-                continue;
-            }
-            text += &format!(
-                "\n## Every cell of the preset `{}` against the best baseline\n\nThe best baseline \
-                    has the highest success, then the shortest missions, among five baselines with \
-                    three pilot rules.\n\n",
-                preset.name()
-            );
-            if preset == Preset::Paper {
-                text += &format!("{}\n", text::wrapped(FITTED));
-            }
-            text += &text::table(&cell_table::HEAD, &rows);
+        for chapter in comparison_page::chapters(self) {
+            text += &chapter.markdown(pictures);
         }
         let variations = self.variations();
         if let (Some((uavs, hotspots)), false) =
@@ -328,12 +311,7 @@ impl Results<'_> {
 
     /// The studies that go beyond the paper, as far as they have been flown.
     fn chapters(&self) -> impl Iterator<Item = Chapter> {
-        let all = [
-            search::chapter,
-            pilot::chapter,
-            endurance::chapter,
-            seed_spread::chapter,
-        ];
+        let all = [pilot::chapter, endurance::chapter, seed_spread::chapter];
         let of_table = all
             .into_iter()
             .filter_map(|chapter| chapter(self.scope, &self.table));
@@ -345,6 +323,7 @@ impl Results<'_> {
         let study = Study::of(self.scope, &self.table);
         let study = study.map(|study| study.chapter(self.scope, &self.table));
         let first = [self.two_numbers()].into_iter().chain(study);
+        let first = first.chain(comparison_page::chapters(self));
         let chapters: Vec<Chapter> = first.chain(self.chapters()).collect();
         let of_chapters = chapters.iter().flat_map(Chapter::figures);
         let names = self.pictures().map(|picture| picture.name);
@@ -386,16 +365,8 @@ impl Results<'_> {
             gallery.begin(picture.section);
             gallery.add(picture.name, &picture.draw(self))?;
         }
-        for &preset in &self.scope.presets {
-            let rows = bars(self.scope, &self.table, preset);
-            if rows.is_empty() {
-                continue;
-            }
-            gallery.begin(&format!(
-                "Every cell of the preset `{}` against the best baseline",
-                preset.name()
-            ));
-            gallery.report.table(&bar_table(&rows));
+        for chapter in comparison_page::chapters(self) {
+            gallery.chapter(&chapter)?;
         }
         let variations = self.variations();
         if !variations.is_empty() {
@@ -421,21 +392,6 @@ fn plain<const K: usize>(caption: &str, head: [&str; K], rows: Vec<[String; K]>)
             .into_iter()
             .map(|row| row.map(Cell::from).to_vec())
             .collect(),
-    }
-}
-
-fn bar_table(rows: &[cell_table::Bar]) -> ReportTable {
-    let row = |bar: &cell_table::Bar| {
-        let mut cells = bar.texts().map(Cell::from).to_vec();
-        let good = bar.success_holds() && bar.time_holds();
-        let last = cells.len() - 1;
-        cells[last].tone = if good { Tone::Good } else { Tone::Bad };
-        cells
-    };
-    ReportTable {
-        caption: "Learned policy beside the best baseline on the same missions".to_owned(),
-        head: cell_table::HEAD.map(str::to_owned).to_vec(),
-        rows: rows.iter().map(row).collect(),
     }
 }
 
@@ -514,6 +470,7 @@ mod tests {
             Results {
                 scope: &scope,
                 table: table.clone(),
+                comparison: Vec::new(),
                 curves: Vec::new(),
                 approach: Vec::new(),
                 scan: Scan::default(),

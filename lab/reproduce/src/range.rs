@@ -179,8 +179,8 @@ impl Studied {
         if fit.refused() {
             let (first, last) = self.ranges;
             return format!(
-                "- {} fits the two numbers at no range from {first} to {last} cells. At the best of \
-                    them, {value:.2} cells, it succeeds in {rates} (deviance {:.0}). {edge}\n",
+                "- {} fits the two numbers at no range from {first} to {last} cells. At the best \
+                    of them, {value:.2} cells, it succeeds in {rates} (deviance {:.0}). {edge}\n",
                 capital(&self.title),
                 fit.deviance
             );
@@ -343,12 +343,12 @@ impl Study {
         for studied in &self.policies {
             text += &studied.sentence(self.cell_size_m);
         }
-        text += "\nThis cannot tell whether the paper's averages run over other missions than its table \
-            of settings says. Its two numbers are rounded, and a policy and a range can make up \
-            for each other. So a fit shows that a policy in such a world is compatible with the \
-            numbers, not that it made them. The simulated rates of scripts are taken as known.\n\n\
-            A policy that is trained has the noise of two trainings as well, the paper's and ours. \
-            It may shift each rate by a normal variable with the standard deviation of both.\n";
+        text += "\nThis cannot tell whether the paper's averages run over other missions than its \
+            table of settings says. Its two numbers are rounded, and a policy and a range can \
+            make up for each other. So a fit shows that a policy in such a world is compatible \
+            with the numbers, not that it made them. The simulated rates of scripts are taken as \
+            known.\n\n A policy that is trained has the noise of two trainings as well, the \
+            paper's and ours. It may shift each rate by a normal variable with the standard deviation of both.\n";
         text
     }
 }

@@ -507,6 +507,7 @@ mod tests {
             let results = Results {
                 scope: &scope,
                 table: crate::table::testing::table("finding", &[]),
+                comparison: Vec::new(),
                 curves: Vec::new(),
                 approach: Vec::new(),
                 scan,

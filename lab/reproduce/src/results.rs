@@ -1,5 +1,6 @@
 //! What a reproduction has come to so far.
 
+use crate::comparison;
 use crate::curves::{Curve, curves};
 use crate::pilot_by_distance::{Approach, approaches};
 use crate::scan::Scan;
@@ -15,6 +16,8 @@ pub struct Results<'a> {
     pub scope: &'a Scope,
     /// What was flown.
     pub table: Table,
+    /// What flew the same missions.
+    pub comparison: Vec<comparison::ComparedRow>,
     /// What was trained with the paper's settings.
     pub curves: Vec<Curve>,
     /// What pilot density our policies hold at which distance.
@@ -31,6 +34,7 @@ impl<'a> Results<'a> {
         Ok(Results {
             scope,
             table: Table::open(&out.join(TABLE))?,
+            comparison: comparison::open(out)?,
             curves: curves(scope, out)?,
             approach: approaches(scope, out)?,
             scan: Scan::open(out)?,

@@ -166,7 +166,7 @@ impl Scan {
 }
 
 /// The lines of a table; none where it is not there.
-fn lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, TrainError> {
+pub(crate) fn lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, TrainError> {
     if !path.exists() {
         return Ok(Vec::new());
     }

@@ -83,8 +83,8 @@ pub enum Part {
     Tuned,
     /// The paper's training with one thing changed at a time.
     Variations,
-    /// Policies that search for hidden hotspots.
-    Search,
+    /// Scripts, plans and our policies in every cell, also where hotspots are hidden.
+    Comparison,
     /// What adapting the pilot density is worth, and where.
     Pilot,
     /// Missions that outlast many batteries.
@@ -96,10 +96,10 @@ impl Part {
     pub const ALL: [Part; 9] = [
         Part::Baselines,
         Part::SensingRange,
-        Part::Search,
         Part::Pilot,
         Part::Endurance,
         Part::Tuned,
+        Part::Comparison,
         Part::Paper,
         Part::TrainedRanges,
         Part::Variations,

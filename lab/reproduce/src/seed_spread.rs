@@ -52,11 +52,11 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
 
 fn text(scope: &Scope) -> String {
     format!(
-        "Some cells (N × n) were flown with several seeds of the paper's training, or several policies \
-            given as ours, on the same {} missions. In how many do the 95 % intervals of all of \
-            them have a value in common, and where are two farthest apart? Such an interval is one \
-            of the missions, for the policy at hand. What trainings come to varies besides, and \
-            this is how much.",
+        "Some cells (N × n) were flown with several seeds of the paper's training, or several \
+            policies given as ours, on the same {} missions. In how many do the 95 % intervals of \
+            all of them have a value in common, and where are two farthest apart? Such an \
+            interval is one of the missions, for the policy at hand. What trainings come to \
+            varies besides, and this is how much.",
         scope.episodes
     )
 }

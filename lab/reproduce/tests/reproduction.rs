@@ -84,11 +84,14 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     let learners = scope().learners().len();
     // Each cell and preset has fifteen baselines and two learned policies. Densities, batteries,
     // the paper's cells and variations follow. Each range and cell has two scripts and a few
-    // trainings. Each cell has five searchers, pilots fly in four worlds, and three scripts charge
-    // with two chargers.
+    // trainings. Pilots fly in four worlds, and three scripts charge with two chargers.
     let paper = 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners;
-    let beyond = 4 * 5 + 4 * 2 * 3 + 3 * 2;
+    let beyond = 4 * 2 * 3 + 3 * 2;
     assert_eq!(results.lines().count(), 1 + paper + beyond);
+    // Each cell of three presets has five scripts with two densities each, and two planners. Ours
+    // is in two presets.
+    let compared = std::fs::read_to_string(out.join("comparison.csv")).unwrap();
+    assert_eq!(compared.lines().count(), 1 + 3 * 4 * (5 * 2 + 2) + 2 * 4);
     for file in [
         "success_over_range",
         "paper_success_over_uavs",
@@ -165,10 +168,9 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
             .iter()
             .any(|chapter| chapter.starts_with("training"))
     );
-    assert_eq!(
-        std::fs::read_to_string(out.join("results.csv")).unwrap(),
-        results
-    );
+    let now = |name| std::fs::read_to_string(out.join(name)).unwrap();
+    assert_eq!(now("results.csv"), results);
+    assert_eq!(now("comparison.csv"), compared);
 
     // Another reproduction does not take these results for its own.
     let refused = |scope: Scope| {

@@ -23,8 +23,8 @@ Examples:
                                           the paper's own training alone, judged as the paper does
   jcas-lab reproduce --only sensing-range     the sensing range that the paper's two success rates
                                               imply
-  jcas-lab reproduce --only search,pilot,endurance --policy policies/endurance
-                                          hidden hotspots, adapting the pilot density, charging";
+  jcas-lab reproduce --only comparison,pilot,endurance --policy policies/endurance
+                                          plans beside scripts, adaptive pilots, charging";
 
 /// A part that can be done by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -39,8 +39,8 @@ enum Only {
     Tuned,
     /// The paper's training with one thing changed at a time
     Variations,
-    /// Searches for hidden hotspots
-    Search,
+    /// Scripts, plans and our policies in every cell
+    Comparison,
     /// What adapting the pilot density is worth, and where
     Pilot,
     /// Missions that outlast many batteries
@@ -75,7 +75,7 @@ impl Only {
             Only::Paper => &[Part::Paper],
             Only::Tuned => &[Part::Tuned],
             Only::Variations => &[Part::Variations],
-            Only::Search => &[Part::Search],
+            Only::Comparison => &[Part::Comparison],
             Only::Pilot => &[Part::Pilot],
             Only::Endurance => &[Part::Endurance],
             Only::Pages => &[],
