@@ -432,6 +432,19 @@ impl<'m> Model<'m> {
         self.curve.probability(tabulated, pilot_density)
     }
 
+    /// Probability in [0, 1] that a UAV raises a false alarm in one step in a cell.
+    ///
+    /// The cell holds no hotspot; `dx` and `dy` are its offset in cells. The result is 0 outside of
+    /// the footprint.
+    #[must_use]
+    pub fn false_alarm_probability(&self, dx: u32, dy: u32) -> f64 {
+        if self.footprint().holds(dx, dy) {
+            self.config.false_alarm_per_cell
+        } else {
+            0.0
+        }
+    }
+
     /// Normalised throughput from one UAV to another (η_ij), without a unit.
     ///
     /// `dx` and `dy` are the offset in cells. The result is 0 for an offset that no two cells of
@@ -572,6 +585,23 @@ impl<'m> Model<'m> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The disc of three cells around a cell has 29 of them: 7 + 2 (5 + 5 + 1).
+    #[test]
+    fn false_alarms_come_from_the_footprint_alone() {
+        let config = Config::preset(crate::Preset::Isac);
+        let mut words = std::vec![0; Model::table_words(&config).unwrap()];
+        let model = &Model::new_in(config, &mut words).unwrap();
+        let offsets =
+            (0..=3).map(|dy| (0..4).filter(move |&dx| model.false_alarm_probability(dx, dy) > 0.0));
+        assert_eq!(
+            offsets.map(Iterator::count).collect::<std::vec::Vec<_>>(),
+            [4, 3, 3, 1]
+        );
+        assert_eq!(model.false_alarm_probability(0, 3), 0.01);
+        assert_eq!(model.false_alarm_probability(4, 0), 0.0);
+        assert_eq!(model.false_alarm_probability(u32::MAX, u32::MAX), 0.0);
+    }
 
     #[test]
     fn an_offset_outside_of_the_grid_detects_nothing_and_links_nobody() {

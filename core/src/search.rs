@@ -43,6 +43,13 @@ impl Disc {
         Self { squared, reach }
     }
 
+    /// Whether the disc has an offset.
+    #[must_use]
+    pub fn holds(self, dx: u32, dy: u32) -> bool {
+        // Up to the reach, squares do not overflow.
+        dx <= self.reach && dy <= self.reach && dx * dx + dy * dy <= self.squared
+    }
+
     /// Adds the cells of a grid around `cell` to a set of row-major indices.
     pub fn mark(self, map: &mut [u64], cell: Cell, width: u32, height: u32) {
         let mut half = self.reach;

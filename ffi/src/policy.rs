@@ -171,7 +171,7 @@ pub unsafe extern "C" fn jcas_policy_load(
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
 /// `plan` follows one plan without feedback. `replan` plans again after each
-/// confirmation and each meeting. If the model hides hotspots, this call makes the first plan,
+/// confirmation, meeting and report. If the model hides hotspots, this call makes the first plan,
 /// which takes seconds; otherwise the first step of each episode does.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,

@@ -18,15 +18,19 @@
 //!
 //! Both bound the share of hotspots confirmed after t steps, hence F(t), the chance that all are.
 //! The mean over sets of distinct cells is at most the power of the mean (Maclaurin). A product of
-//! means is at most the power of their mean. The expected time is the sum of 1 - F(t).
+//! means is at most the power of their mean. A cell that holds a hotspot with a probability of its
+//! own counts as a hotspot. Where it holds none, that one is confirmed at once. The expected time
+//! is the sum of 1 - F(t).
 
 use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
 
+use crate::objective::one_more;
 use crate::odds::Odds;
 use crate::problem::{Problem, power};
+use crate::targets::Placement;
 
 /// The quorum above which h(p) = p/θ.
 const QUORUM_MAX: usize = 32;
@@ -69,10 +73,7 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
             for (members, best) in &nearest {
                 let p = best[reach * sites.len() + site];
                 for _ in members {
-                    for k in (1..quorum).rev() {
-                        exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
-                    }
-                    exactly[0] *= 1.0 - p;
+                    one_more(&mut exactly, p);
                 }
             }
             *missed *= exactly.iter().sum::<f64>();
@@ -85,7 +86,8 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
             for (weight, missed) in prior.weights.iter().zip(&missed) {
                 reached += weight * (1.0 - missed);
             }
-            let chance = power(reached.min(*coverage).min(1.0), prior.count);
+            let found = prior.empty + reached.min(*coverage);
+            let chance = power(found.min(1.0), prior.count);
             if index + 1 < priors.len() {
                 product *= chance;
             } else {
@@ -104,6 +106,8 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
 struct Prior {
     count: u32,
     weights: Vec<f64>,
+    /// What the weights leave of 1.
+    empty: f64,
 }
 
 /// The groups, and last all groups as one, with the mean of their weights.
@@ -115,20 +119,34 @@ fn priors(problem: &Problem<'_>) -> Vec<Prior> {
         .map(|draw| {
             let mut weights = vec![0.0; sites];
             weights[draw.sites.clone()].copy_from_slice(&draw.weights);
+            let mut empty = 0.0;
+            if draw.placement == Placement::EachCell {
+                for weight in &mut weights {
+                    *weight /= f64::from(draw.count);
+                }
+                empty = 1.0 - weights.iter().sum::<f64>();
+            }
             Prior {
                 count: draw.count,
                 weights,
+                empty,
             }
         })
         .collect();
     let count: u32 = priors.iter().map(|prior| prior.count).sum();
-    let mut weights = vec![0.0; sites];
+    let mut joint = Prior {
+        count,
+        weights: vec![0.0; sites],
+        empty: 0.0,
+    };
     for prior in &priors {
-        for (mean, weight) in weights.iter_mut().zip(&prior.weights) {
-            *mean += weight * f64::from(prior.count) / f64::from(count);
+        let share = f64::from(prior.count) / f64::from(count);
+        for (mean, weight) in joint.weights.iter_mut().zip(&prior.weights) {
+            *mean += weight * share;
         }
+        joint.empty += prior.empty * share;
     }
-    priors.push(Prior { count, weights });
+    priors.push(joint);
     priors
 }
 

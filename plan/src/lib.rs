@@ -34,6 +34,7 @@ extern crate std;
 
 mod anneal;
 mod battery;
+mod belief;
 mod bound;
 mod draws;
 mod error;
@@ -67,7 +68,9 @@ pub use objective::{Expectation, expect};
 pub use odds::Odds;
 pub use paths::Paths;
 pub use plan::{Plan, improve, search, starts, tour};
-pub use planned::{Planned, PlannedKind, REPLAN_ITERATIONS, SEARCH_ITERATIONS, TOUR_ITERATIONS};
+pub use planned::{
+    Planned, PlannedKind, REPLAN_ITERATIONS, REPORT_ITERATIONS, SEARCH_ITERATIONS, TOUR_ITERATIONS,
+};
 pub use problem::{Problem, Situation};
 pub use replan::Replanner;
-pub use targets::{Group, Targets};
+pub use targets::{Group, Placement, Targets};

@@ -21,6 +21,8 @@ const WORD: u128 = 8;
 const SITE: u128 = 2 * WORD;
 /// Bytes of a step of a trajectory: its cell's index and its level.
 const STEP: u128 = 5;
+/// Bytes of a look: its cell and its level.
+const LOOK: u128 = 12;
 /// Bytes of a step of a trajectory on file: cell, pilot density, and the text of both.
 const STEP_ON_FILE: u128 = 2 * WORD + GROWTH * 64;
 /// Bytes of a configuration as text, with the figures of a plan.
@@ -35,6 +37,8 @@ struct Demand {
     sites: u128,
     /// Steps of a trajectory, with its beginning.
     steps: u128,
+    /// Steps of an episode.
+    horizon: u128,
     /// The distances on the grid, 0 included.
     distances: u128,
     quorum: u128,
@@ -54,6 +58,7 @@ impl Demand {
             groups: known.unwrap_or(1) as u128,
             sites: known.map_or(hidden, |count| LANES * count) as u128,
             steps: STEPS_MAX.min(config.horizon_steps as usize) as u128 + 1,
+            horizon: u128::from(config.horizon_steps),
             distances: u128::from(config.grid_width + config.grid_height) + 1,
             quorum: u128::from(config.quorum),
         }
@@ -100,18 +105,22 @@ impl Demand {
             + 4 * self.uavs * STEP * self.steps
     }
 
+    /// The tables of `belief.rs`, and the looks that it reads. Those are the looks of each UAV, and
+    /// those that each component assumes, with as many components as starts.
+    fn believing(&self, starts: u128) -> u128 {
+        let tables = self.cells * (self.hotspots + 8) * WORD;
+        let told = self.uavs * self.uavs * WORD;
+        tables + told + (starts + GROWTH) * self.uavs * self.horizon * LOOK
+    }
+
     /// A plan, its file and the text of it: `plan.rs`, `file.rs`.
     fn result(&self) -> u128 {
         self.uavs * self.steps * (STEP + STEP_ON_FILE) + self.groups * SITE * GROWTH + TEXT
     }
 
     fn total(&self, starts: u128) -> u128 {
-        self.tables()
-            + self.starts()
-            + self.annealing()
-            + self.bounding(starts)
-            + self.rounds()
-            + self.result()
+        let made = self.starts() + self.annealing() + self.bounding(starts) + self.rounds();
+        self.tables() + self.believing(starts) + made + self.result()
     }
 }
 

@@ -5,6 +5,7 @@
 //! Hotspots are independent given their cells. The chance F(t) that all are confirmed is a product
 //! over the groups. A group of n hotspots with weights w_c has the factor (Σ w_c (1 - m_c(t)))^n.
 //! For n distinct and equally likely cells it is the mean of Π (1 - m_c(t)) over all sets of n.
+//! Where each cell holds a hotspot with a probability w_c of its own it is Π (1 - w_c m_c(t)).
 //!
 //! The episode ends at the first step after the last confirmation in which the planned fleet is one
 //! radio component: consensus then informs everybody. Let c(t) be the last such step up to t. The
@@ -18,6 +19,7 @@ use jcas_core::Cell;
 use crate::gather::connected;
 use crate::paths::Paths;
 use crate::problem::{Hidden, Problem, power};
+use crate::targets::Placement;
 
 /// The remaining probability below which no further step is evaluated.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -84,15 +86,9 @@ pub(crate) fn confirmed_by(problem: &Problem<'_>, paths: &Paths, probability: f6
     paths.steps()
 }
 
-/// Returns the chance that a hotspot in each site is unconfirmed after some steps of a plan.
-pub(crate) fn missed_after(problem: &Problem<'_>, paths: &Paths, steps: usize) -> Vec<f64> {
-    let sites = problem.odds.sites().iter();
-    let factors = sites.map(|&site| {
-        (1..=steps)
-            .map(|step| below_quorum(problem, paths, step, site))
-            .product()
-    });
-    factors.collect()
+/// Returns whether the fleet is one radio component in every step of the plan.
+pub(crate) fn stay_one(problem: &Problem<'_>, paths: &Paths) -> bool {
+    (1..=paths.steps()).all(|step| are_one(problem, paths, step))
 }
 
 /// Returns whether the fleet is one radio component in a step of the plan.
@@ -105,20 +101,30 @@ fn are_one(problem: &Problem<'_>, paths: &Paths, step: usize) -> bool {
 
 /// Returns the chance that fewer than θ UAVs detect a hotspot in a cell in a step.
 fn below_quorum(problem: &Problem<'_>, paths: &Paths, step: usize, hotspot: Cell) -> f64 {
-    let quorum = problem.model.config().quorum as usize;
-    let mut exactly = vec![0.0; quorum];
+    let odds = &problem.odds;
+    let chances = (0..paths.uav_count()).map(|uav| {
+        let cell = odds.cell(paths.cell(uav, step));
+        odds.detection(paths.level(uav, step), cell, hotspot)
+    });
+    fewer_than(problem.model.config().quorum as usize, chances)
+}
+
+/// Returns the chance that fewer than a number of independent events happen.
+pub(crate) fn fewer_than(count: usize, chances: impl Iterator<Item = f64>) -> f64 {
+    let mut exactly = vec![0.0; count];
     exactly[0] = 1.0;
-    for uav in 0..paths.uav_count() {
-        let cell = problem.odds.cell(paths.cell(uav, step));
-        let p = problem
-            .odds
-            .detection(paths.level(uav, step), cell, hotspot);
-        for k in (1..quorum).rev() {
-            exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
-        }
-        exactly[0] *= 1.0 - p;
+    for p in chances {
+        one_more(&mut exactly, p);
     }
     exactly.iter().sum()
+}
+
+/// Adds an event to the chances that exactly k events happen, for each k of the slice.
+pub(crate) fn one_more(exactly: &mut [f64], p: f64) {
+    for k in (1..exactly.len()).rev() {
+        exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
+    }
+    exactly[0] *= 1.0 - p;
 }
 
 /// Returns F: the probability that every hotspot is confirmed.
@@ -127,12 +133,16 @@ fn all_confirmed(draws: &[Hidden], missed: &[f64]) -> f64 {
         .iter()
         .map(|draw| {
             let missed = &missed[draw.sites.clone()][..draw.cells];
-            if draw.distinct {
-                over_distinct_cells(missed, draw.count as usize)
-            } else {
-                let terms = draw.weights.iter().zip(missed);
-                let found = terms.map(|(weight, missed)| weight * (1.0 - missed));
-                power(found.sum(), draw.count)
+            let terms = draw.weights.iter().zip(missed);
+            match draw.placement {
+                Placement::Distinct => over_distinct_cells(missed, draw.count as usize),
+                Placement::Drawn => {
+                    let found = terms.map(|(weight, missed)| weight * (1.0 - missed));
+                    power(found.sum(), draw.count)
+                }
+                Placement::EachCell => terms
+                    .map(|(weight, missed)| 1.0 - weight * missed)
+                    .product(),
             }
         })
         .product()

@@ -9,7 +9,7 @@ use jcas_core::{Cell, Model};
 use crate::anneal::{Annealer, Progress, Settings};
 use crate::bound::bound;
 use crate::error::PlanError;
-use crate::objective::{Expectation, confirmed_by, expect};
+use crate::objective::{Expectation, confirmed_by, expect, stay_one};
 use crate::paths::Paths;
 use crate::problem::{Problem, Situation};
 use crate::targets::Targets;
@@ -133,7 +133,11 @@ pub fn improve(
     };
     let mut best = (f64::INFINITY, Paths::default());
     let mut fastest = best.clone();
-    for paths in starts.into_iter().filter(fits) {
+    let mut starts: Vec<Paths> = starts.into_iter().filter(fits).collect();
+    if problem.together && starts.iter().any(|paths| stay_one(problem, paths)) {
+        starts.retain(|paths| stay_one(problem, paths));
+    }
+    for paths in starts {
         let expected = expect(problem, &paths);
         if expected.confirmed_steps < fastest.0 {
             fastest = (expected.confirmed_steps, paths.clone());
@@ -150,7 +154,7 @@ pub fn improve(
         let from = confirmed_by(problem, &fastest.1, probability);
         let paths = formation::gathered(problem, &fastest.1, from);
         let steps = expect(problem, &paths).steps;
-        if steps < best.0 {
+        if steps < best.0 && (!problem.together || stay_one(problem, &paths)) {
             best = (steps, paths);
         }
     }

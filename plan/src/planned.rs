@@ -22,6 +22,8 @@ pub const SEARCH_ITERATIONS: u64 = 400_000;
 pub const TOUR_ITERATIONS: u64 = 20_000;
 /// Annealing moves of `replan` after each confirmation.
 pub const REPLAN_ITERATIONS: u64 = 5_000;
+/// Annealing moves of `replan` where UAVs report what they see.
+pub const REPORT_ITERATIONS: u64 = 10_000;
 /// Seed of the annealing.
 const SEED: u64 = 1;
 
@@ -30,7 +32,7 @@ const SEED: u64 = 1;
 pub enum PlannedKind {
     /// One plan for all episodes of a search, or one for each episode with known hotspots.
     Plan,
-    /// A plan before the first step, and another one after each confirmation and each meeting.
+    /// A plan before the first step, and another one after each confirmation, meeting and report.
     Replan,
 }
 
@@ -81,7 +83,12 @@ impl PlannedKind {
             }
             Self::Plan => Way::Tour(Tour::default()),
             Self::Replan if hidden => {
-                let mut replanner = Replanner::new(iterations, settings(REPLAN_ITERATIONS));
+                let renewals = if model.config().report_levels > 0 {
+                    REPORT_ITERATIONS
+                } else {
+                    REPLAN_ITERATIONS
+                };
+                let mut replanner = Replanner::new(iterations, settings(renewals));
                 replanner.prepare(model)?;
                 Way::Replan(replanner)
             }

@@ -12,7 +12,7 @@ use crate::error::PlanError;
 use crate::gather::UAVS_MAX;
 use crate::odds::{LANES, Odds};
 use crate::paths::Paths;
-use crate::targets::Targets;
+use crate::targets::{Placement, Targets};
 
 /// The maximum number of steps of a plan; the fleet stays in its last cells after them.
 pub(crate) const STEPS_MAX: usize = 512;
@@ -66,7 +66,7 @@ pub(crate) struct Hidden {
     pub(crate) cells: usize,
     /// One weight for each site of the part; zero for the padding.
     pub(crate) weights: Vec<f64>,
-    pub(crate) distinct: bool,
+    pub(crate) placement: Placement,
 }
 
 /// An episode to plan, or the rest of one.
@@ -79,6 +79,7 @@ pub struct Problem<'m> {
     pub(crate) steps_left: u32,
     pub(crate) steps: usize,
     pub(crate) movers: Vec<usize>,
+    pub(crate) together: bool,
 }
 
 impl<'m> Problem<'m> {
@@ -126,6 +127,7 @@ impl<'m> Problem<'m> {
             steps_left,
             steps,
             movers: (0..model.uav_count()).collect(),
+            together: false,
         })
     }
 
@@ -136,6 +138,14 @@ impl<'m> Problem<'m> {
     pub fn only(mut self, uavs: &[usize]) -> Self {
         let fleet = self.model.uav_count();
         self.movers = uavs.iter().copied().filter(|&uav| uav < fleet).collect();
+        self
+    }
+
+    /// Says whether the fleet has to stay one radio component in each step in which it is one. What
+    /// one UAV sees then reaches all others at once.
+    #[must_use]
+    pub fn together(mut self, together: bool) -> Self {
+        self.together = together;
         self
     }
 
@@ -214,7 +224,7 @@ fn draws(targets: &Targets, width: u32) -> (Vec<Hidden>, Vec<Cell>) {
             sites: first..sites.len(),
             cells,
             weights,
-            distinct: group.distinct,
+            placement: group.placement,
         });
     }
     (draws, sites)

@@ -1,4 +1,4 @@
-//! A policy that plans anew during an episode, after each confirmation and each meeting.
+//! A policy that plans anew during an episode: after each confirmation, meeting and report.
 
 use alloc::sync::Arc;
 use alloc::vec;
@@ -8,21 +8,23 @@ use core::ops::ControlFlow;
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
 
 use crate::anneal::Settings;
+use crate::belief::{self, Look, Looks};
 use crate::error::PlanError;
 use crate::follow::write;
 use crate::memory;
-use crate::objective::missed_after;
 use crate::plan::{Plan, improve, starts};
 use crate::problem::{Problem, Situation};
 use crate::rounds::{self, Rounds};
-use crate::targets::{Targets, index_of};
+use crate::targets::Targets;
 
 /// A planner that plans before the first step, and anew in each radio component whose knowledge has
 /// changed.
 ///
-/// A component plans for its members by what they know. That is their own cells and charges, the
-/// hotspots that they know, and the plan that they share with the others. It assumes that the
-/// others follow that plan. All members of a component compute the same plan, bit by bit.
+/// A component plans for its members by what they know. That is their own cells, charges and looks,
+/// the hotspots and the reports that they know, and the plan that they share with the others. It
+/// assumes that the others follow that plan. All members compute the same plan, bit by bit.
+///
+/// Hidden hotspots lie where the looks and the reports make them likely, as `belief.rs` says.
 #[derive(Clone, Debug)]
 pub struct Replanner {
     settings: Settings,
@@ -33,6 +35,10 @@ pub struct Replanner {
     views: Vec<Arc<View>>,
     /// The members of each radio component.
     components: Vec<Vec<usize>>,
+    /// The looks of each UAV so far, step by step.
+    looks: Vec<Vec<Look>>,
+    /// For each UAV, how many looks of each other one it has been told of.
+    told: Vec<Vec<usize>>,
 }
 
 /// A plan as the members of a component share it.
@@ -42,10 +48,15 @@ struct View {
     plan: Plan,
     /// The hotspots that the members knew when they planned.
     known: Vec<bool>,
-    /// The prior of the hidden hotspots, for each cell; empty if positions are known.
-    weights: Vec<f64>,
     /// The rounds that the plan begins, where they are faster than fixed trajectories.
     rounds: Option<Rounds>,
+    /// The reports that the members knew when they planned.
+    reports: Vec<u64>,
+    /// Whether positions are hidden, so that the first plan serves all episodes.
+    hidden: bool,
+    /// For each UAV, the looks from the last contact with it to the plan's beginning, as the plans
+    /// before had them. There are none before the first step.
+    assumed: Vec<Vec<Look>>,
 }
 
 impl View {
@@ -56,6 +67,23 @@ impl View {
     /// Returns the cell of a UAV in the plan now.
     fn cell(&self, state: &StateRef<'_>, uav: usize) -> Cell {
         self.plan.cell(uav, self.flown(state))
+    }
+
+    /// Returns the last looks of a UAV, as the plans have them.
+    fn assumed(&self, state: &StateRef<'_>, uav: usize, count: usize) -> Vec<Look> {
+        let mut looks = self.assumed.get(uav).cloned().unwrap_or_default();
+        looks.extend((1..=self.flown(state)).map(|step| Look {
+            cell: self.plan.cell(uav, step),
+            level: self.plan.paths.level(uav, step),
+        }));
+        looks.split_off(looks.len().saturating_sub(count))
+    }
+
+    /// Whether the members plan anew only if they know more than this.
+    fn holds(&self, known: &[bool], reports: &[u64]) -> bool {
+        // Before the first step there are no reports.
+        let planned = self.reports.iter().chain(core::iter::repeat(&0));
+        self.known == known && reports.iter().zip(planned).all(|(now, then)| now == then)
     }
 }
 
@@ -70,14 +98,18 @@ impl Replanner {
             first: None,
             views: Vec::new(),
             components: Vec::new(),
+            looks: Vec::new(),
+            told: Vec::new(),
         }
     }
 
     /// Called before the first step of an episode.
     pub fn reset(&mut self) {
         // With hidden hotspots, the first plan is the same in every episode.
-        self.first = self.first.take().filter(|view| !view.weights.is_empty());
+        self.first = self.first.take().filter(|view| view.hidden);
         self.views.clear();
+        self.looks.clear();
+        self.told.clear();
     }
 
     /// Returns the plan that a UAV follows at present. There is none before the first step.
@@ -106,6 +138,9 @@ impl Replanner {
             };
             self.views = vec![Arc::clone(&first); state.uav_count()];
             self.first = Some(first);
+        }
+        if hidden {
+            self.record(state);
         }
         let mut open: Vec<usize> = (0..state.uav_count()).collect();
         self.components.clear();
@@ -157,7 +192,7 @@ impl Replanner {
         hotspots: &[Cell],
         situation: Situation,
     ) -> Result<Arc<View>, PlanError> {
-        let problem = Problem::new(model, targets, situation)?;
+        let problem = Problem::new(model, targets, situation)?.together(shares_reports(model));
         let settings = Settings {
             iterations: self.first_iterations,
             ..self.settings
@@ -165,19 +200,52 @@ impl Replanner {
         let mut plan = improve(&problem, starts(&problem), &settings, &mut go_on);
         let known = vec![false; model.hotspot_count()];
         let rounds = faster_rounds(&problem, hotspots, &known, None, &settings, &mut plan);
-        let weights = match targets.groups().first() {
-            Some(group) if model.config().target_visibility == TargetVisibility::Hidden => {
-                group.weights.clone()
-            }
-            _ => Vec::new(),
-        };
         Ok(Arc::new(View {
             first_step: problem.situation().step,
             plan,
             known,
-            weights,
             rounds,
+            reports: Vec::new(),
+            hidden: model.config().target_visibility == TargetVisibility::Hidden,
+            assumed: Vec::new(),
         }))
+    }
+
+    /// Records where each UAV is in the step that has just ended.
+    fn record(&mut self, state: &StateRef<'_>) {
+        self.looks.resize(state.uav_count(), Vec::new());
+        let first = self.first.as_ref().map(|view| &view.plan);
+        let densities = first.map_or(&[][..], |plan| &plan.densities[..]);
+        for (uav, looks) in self.looks.iter_mut().enumerate() {
+            let level = if state.grounded(uav) {
+                densities.len().saturating_sub(1)
+            } else {
+                nearest(densities, state.pilot_density(uav))
+            };
+            let look = Look {
+                cell: state.cell(uav),
+                level: level as u8,
+            };
+            looks.resize(state.t() as usize, look);
+        }
+        self.told
+            .resize(state.uav_count(), vec![0; state.uav_count()]);
+    }
+
+    /// Tells the members of a component each other's looks, and what each was told before.
+    fn tell(&mut self, members: &[usize]) {
+        let mut told = self.told[members[0]].clone();
+        for &member in members {
+            for (told, one) in told.iter_mut().zip(&self.told[member]) {
+                *told = (*told).max(*one);
+            }
+        }
+        for &member in members {
+            told[member] = self.looks[member].len();
+        }
+        for &member in members {
+            self.told[member].clone_from(&told);
+        }
     }
 
     /// Gives the members of a component one view, and plans anew if they know more than the view
@@ -188,6 +256,9 @@ impl Replanner {
         state: &StateRef<'_>,
         members: &[usize],
     ) -> Result<(), PlanError> {
+        if self.views[members[0]].hidden {
+            self.tell(members);
+        }
         let known: Vec<bool> = (0..state.hotspot_count())
             .map(|hotspot| state.knows(members[0], hotspot))
             .collect();
@@ -200,7 +271,7 @@ impl Replanner {
                 newest = view;
             }
         }
-        if agreed && newest.known == known {
+        if agreed && newest.holds(&known, state.reports_of(members[0])) {
             return Ok(());
         }
         let view = Arc::new(self.renewed(model, state, members, newest, known)?);
@@ -208,6 +279,26 @@ impl Replanner {
             self.views[uav] = Arc::clone(&view);
         }
         Ok(())
+    }
+
+    /// Returns the looks of each UAV since the last contact with it, as a shared plan has them.
+    fn assumed(&self, state: &StateRef<'_>, members: &[usize], shared: &View) -> Vec<Vec<Look>> {
+        let looks = self.looks.iter().zip(&self.told[members[0]]).enumerate();
+        looks
+            .map(|(uav, (looks, &told))| shared.assumed(state, uav, looks.len() - told))
+            .collect()
+    }
+
+    /// Returns what the members of a component know about the looks of each UAV.
+    fn looks_of<'l>(&'l self, members: &[usize], assumed: &'l [Vec<Look>]) -> Vec<Looks<'l>> {
+        let looks = self.looks.iter().zip(&self.told[members[0]]);
+        looks
+            .zip(assumed)
+            .map(|((looks, &told), assumed)| Looks {
+                heard: &looks[..told],
+                assumed,
+            })
+            .collect()
     }
 
     fn renewed(
@@ -225,24 +316,24 @@ impl Replanner {
                 situation.charges_uj[uav] = model.energy().capacity_uj;
             }
         }
-        let weights = belief(model, state, shared, &known)?;
-        let hotspots = if weights.is_empty() {
-            hotspot_cells(state)
+        let (mut assumed, mut hotspots) = (Vec::new(), Vec::new());
+        let targets = if shared.hidden {
+            assumed = self.assumed(state, members, shared);
+            let looks = self.looks_of(members, &assumed);
+            let chances = belief::chances(model, state, members[0], &known, &looks);
+            Targets::each_cell(model, &chances)?
         } else {
-            Vec::new()
-        };
-        let targets = if weights.is_empty() {
+            hotspots = hotspot_cells(state);
             let unknown = (0..known.len()).filter(|&hotspot| !known[hotspot]);
             let unknown: Vec<Cell> = unknown.map(|hotspot| hotspots[hotspot]).collect();
             Targets::known(model, &unknown)?
-        } else {
-            let left = known.iter().filter(|known| !**known).count();
-            Targets::weighted(model, left as u32, &weights)?
         };
-        let problem = Problem::new(model, &targets, situation)?.only(members);
+        let problem = Problem::new(model, &targets, situation)?
+            .only(members)
+            .together(shares_reports(model));
         let flown = shared.flown(state);
         let mut begin = vec![shared.plan.paths.after(flown, problem.steps())];
-        if members.len() == state.uav_count() && weights.is_empty() {
+        if members.len() == state.uav_count() && !shared.hidden {
             begin.extend(starts(&problem));
         }
         let mut plan = improve(&problem, begin, &self.settings, &mut go_on);
@@ -259,8 +350,10 @@ impl Replanner {
             first_step: state.t(),
             plan,
             known,
-            weights,
             rounds,
+            reports: state.reports_of(members[0]).to_vec(),
+            hidden: shared.hidden,
+            assumed,
         })
     }
 
@@ -280,6 +373,11 @@ impl Replanner {
             write(model, state.cell(uav), target, density, action);
         }
     }
+}
+
+/// Returns whether what one UAV sees helps the others, so that the fleet stays together.
+fn shares_reports(model: &Model<'_>) -> bool {
+    model.config().report_levels > 0
 }
 
 fn go_on(_: crate::anneal::Progress) -> ControlFlow<()> {
@@ -327,26 +425,11 @@ fn faster_rounds(
     Some(planned.rounds)
 }
 
-/// Returns the prior of the hidden hotspots after the looks of a shared plan. It is empty if
-/// positions are known.
-fn belief(
-    model: &Model<'_>,
-    state: &StateRef<'_>,
-    shared: &View,
-    known: &[bool],
-) -> Result<Vec<f64>, PlanError> {
-    let mut weights = shared.weights.clone();
-    if weights.is_empty() {
-        return Ok(weights);
-    }
-    let targets = Targets::weighted(model, 1, &weights)?;
-    let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
-    let missed = missed_after(&problem, &shared.plan.paths, shared.flown(state));
-    for (&site, missed) in problem.odds.sites().iter().zip(missed) {
-        weights[index_of(model, site)] = shared.weights[index_of(model, site)] * missed;
-    }
-    for hotspot in (0..known.len()).filter(|&hotspot| known[hotspot]) {
-        weights[index_of(model, state.hotspot_cell(hotspot))] = 0.0;
-    }
-    Ok(weights)
+/// Returns the level of the nearest density; the last one stands for an empty battery.
+fn nearest(densities: &[f64], density: f64) -> usize {
+    let distance = |level: &usize| (densities[*level] - density).abs();
+    let levels = 0..densities.len().saturating_sub(1);
+    levels
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(0)
 }

@@ -10,13 +10,23 @@ use crate::error::PlanError;
 /// A group of hotspots that share one prior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Number of hotspots.
+    /// Number of hotspots; for [`Placement::EachCell`] the number of cells that may hold one.
     pub count: u32,
-    /// Probability of each cell, row by row; the sum is 1.
+    /// Probability of each cell, row by row. The sum is 1, except for [`Placement::EachCell`].
     pub weights: Vec<f64>,
-    /// Whether the hotspots lie in distinct cells that are equally likely, as the kernel places
-    /// them. Otherwise each hotspot is drawn independently.
-    pub distinct: bool,
+    /// How the hotspots of the group lie.
+    pub placement: Placement,
+}
+
+/// How the hotspots of a group lie on the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// The hotspots lie in distinct cells that are equally likely, as the kernel places them.
+    Distinct,
+    /// Each hotspot is drawn independently, from the weights.
+    Drawn,
+    /// Each cell holds a hotspot with the probability of its weight, independently of the others.
+    EachCell,
 }
 
 /// The hotspots to confirm, as groups that are independent of each other.
@@ -43,7 +53,7 @@ impl Targets {
             groups: vec![Group {
                 count: config.hotspot_count,
                 weights,
-                distinct: true,
+                placement: Placement::Distinct,
             }],
         }
     }
@@ -66,7 +76,7 @@ impl Targets {
             Ok(Group {
                 count: 1,
                 weights,
-                distinct: false,
+                placement: Placement::Drawn,
             })
         });
         Ok(Self {
@@ -81,14 +91,7 @@ impl Targets {
     /// [`PlanError::Length`] if a prior has another length than the grid. [`PlanError::Weights`] if
     /// a weight is negative or not finite, or if all are zero.
     pub fn weighted(model: &Model<'_>, count: u32, weights: &[f64]) -> Result<Self, PlanError> {
-        let expected = model.config().cell_count();
-        if weights.len() != expected {
-            return Err(PlanError::Length {
-                what: "weights",
-                expected,
-                got: weights.len(),
-            });
-        }
+        check_length(model, weights)?;
         let sum: f64 = weights.iter().sum();
         let legal = weights.iter().all(|&weight| weight >= 0.0) && sum > 0.0 && sum.is_finite();
         if !legal {
@@ -98,7 +101,26 @@ impl Targets {
             groups: vec![Group {
                 count,
                 weights: weights.iter().map(|weight| weight / sum).collect(),
-                distinct: false,
+                placement: Placement::Drawn,
+            }],
+        })
+    }
+
+    /// Returns hotspots that each cell holds with a probability of its own, row by row.
+    ///
+    /// # Errors
+    /// [`PlanError::Length`] if there is not one probability for each cell. [`PlanError::Weights`]
+    /// if one is not in [0, 1].
+    pub fn each_cell(model: &Model<'_>, chances: &[f64]) -> Result<Self, PlanError> {
+        check_length(model, chances)?;
+        if !chances.iter().all(|chance| (0.0..=1.0).contains(chance)) {
+            return Err(PlanError::Weights);
+        }
+        Ok(Self {
+            groups: vec![Group {
+                count: chances.iter().filter(|&&chance| chance > 0.0).count() as u32,
+                weights: chances.to_vec(),
+                placement: Placement::EachCell,
             }],
         })
     }
@@ -108,6 +130,19 @@ impl Targets {
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
+}
+
+/// Checks that each cell of the grid has a weight.
+fn check_length(model: &Model<'_>, weights: &[f64]) -> Result<(), PlanError> {
+    let expected = model.config().cell_count();
+    if weights.len() == expected {
+        return Ok(());
+    }
+    Err(PlanError::Length {
+        what: "weights",
+        expected,
+        got: weights.len(),
+    })
 }
 
 /// Returns the row-major index of a cell of the grid.

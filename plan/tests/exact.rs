@@ -3,10 +3,10 @@
 use core::ops::ControlFlow;
 
 use jcas_core::rng::derive_seed;
-use jcas_core::{Cell, Config, Model, Preset, Sim};
+use jcas_core::{Cell, Config, Model, Preset, Sim, StateRef};
 use jcas_plan::{
-    Annealer, Follower, Plan, Problem, Replanner, Settings, Situation, Targets, allows, expect,
-    search, starts, tour,
+    Annealer, Follower, Paths, Plan, Problem, Replanner, Settings, Situation, Targets, allows,
+    bound, expect, search, starts, tour,
 };
 
 fn small(preset: Preset) -> Config {
@@ -75,21 +75,96 @@ fn the_annealing_counts_as_the_plain_sums_do() {
     };
     let model = Model::new(config).unwrap();
     let cells = model.config().cell_count();
-    let targets = Targets::weighted(&model, 3, &vec![1.0; cells]).unwrap();
-    let problem = Problem::new(&model, &targets, Situation::at_reset(&model)).unwrap();
-    let start = starts(&problem).swap_remove(5);
-    let mut annealer = Annealer::new(&problem, start, 3);
-    let mut made = 0;
-    for turn in 0..60 {
-        annealer.take_turn(turn % 6);
-        for _ in 0..40 {
-            made += u32::from(annealer.try_move(0.5));
+    let chances: Vec<f64> = (0..cells).map(|cell| cell as f64 / 600.0).collect();
+    for targets in [
+        Targets::weighted(&model, 3, &vec![1.0; cells]).unwrap(),
+        Targets::each_cell(&model, &chances).unwrap(),
+    ] {
+        let problem = Problem::new(&model, &targets, Situation::at_reset(&model)).unwrap();
+        let start = starts(&problem).swap_remove(5);
+        let mut annealer = Annealer::new(&problem, start, 3);
+        let mut made = 0;
+        for turn in 0..60 {
+            annealer.take_turn(turn % 6);
+            for _ in 0..40 {
+                made += u32::from(annealer.try_move(0.5));
+            }
+            let plain = expect(&problem, annealer.paths());
+            let value = annealer.value();
+            assert!((value - plain.steps).abs() < 1e-3, "{value} {plain:?}");
+            assert!(bound(&problem) <= plain.steps);
         }
-        let plain = expect(&problem, annealer.paths());
-        let value = annealer.value();
-        assert!((value - plain.steps).abs() < 1e-3, "{value} {plain:?}");
+        assert!(made > 100, "{made}");
     }
-    assert!(made > 100, "{made}");
+}
+
+/// A plan for cells that surely hold a hotspot is one for known hotspots.
+#[test]
+fn certain_cells_are_known_hotspots() {
+    let model = Model::new(small(Preset::Search)).unwrap();
+    let known = [Cell { x: 1, y: 2 }, Cell { x: 6, y: 4 }];
+    let mut chances = vec![0.0; model.config().cell_count()];
+    for cell in known {
+        chances[(cell.y * model.config().grid_width + cell.x) as usize] = 1.0;
+    }
+    let expected = [
+        Targets::known(&model, &known).unwrap(),
+        Targets::each_cell(&model, &chances).unwrap(),
+    ]
+    .map(|targets| {
+        let problem = Problem::new(&model, &targets, Situation::at_reset(&model)).unwrap();
+        let hover = Paths::hovering(&[27; 6], problem.steps(), 0);
+        expect(&problem, &hover)
+    });
+    assert!(
+        (expected[0].steps - expected[1].steps).abs() < 1e-9,
+        "{expected:?}"
+    );
+}
+
+/// What UAVs report can only help the others while the fleet is one radio component.
+#[test]
+fn a_fleet_that_reports_stays_one_component() {
+    let config = Config {
+        initial_soc_min: 1.0,
+        initial_soc_max: 1.0,
+        ..small(Preset::Isac)
+    };
+    let model = Model::new(config).unwrap();
+    let mut replanner = Replanner::new(5_000, BRIEF);
+    let mut sim = Sim::new(&model);
+    let mut actions = vec![0.0; model.action_len()];
+    for mission in 0..3 {
+        sim.reset(derive_seed(5, mission));
+        replanner.reset();
+        loop {
+            replanner.try_plan(&model, &sim.state()).unwrap();
+            replanner.write(&model, &sim.state(), &mut actions);
+            let outcome = sim.step(&actions).unwrap();
+            assert_eq!(reached(&sim.state()), 6, "step {}", sim.state().t());
+            if outcome.terminated || outcome.truncated {
+                break;
+            }
+        }
+    }
+}
+
+/// Returns the number of UAVs that the first one hears, directly or by others.
+fn reached(state: &StateRef<'_>) -> usize {
+    let mut members = vec![0];
+    let mut met = 0;
+    while let Some(&uav) = members.get(met) {
+        let others: Vec<usize> = state.neighbours(uav).collect();
+        members.extend(
+            others
+                .iter()
+                .filter(|uav| !members.contains(uav))
+                .copied()
+                .collect::<Vec<_>>(),
+        );
+        met += 1;
+    }
+    members.len()
 }
 
 #[test]
@@ -276,7 +351,7 @@ fn replanned(model: &Model<'_>, missions: u64) -> Vec<f64> {
 
 #[test]
 fn replanning_ends_missions_and_depends_on_nothing_else() {
-    for preset in [Preset::Paper, Preset::Search] {
+    for preset in [Preset::Paper, Preset::Search, Preset::Isac] {
         let model = Model::new(small(preset)).unwrap();
         let times = replanned(&model, 20);
         assert!(times.iter().all(|&time| time < 60.0), "{times:?}");

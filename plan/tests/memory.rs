@@ -132,6 +132,7 @@ fn planning_stays_below_its_bound() {
     }
     for config in [
         sized(Preset::Search, 10, 7, 12),
+        sized(Preset::Isac, 10, 7, 12),
         sized(Preset::Paper, 7, 7, 12),
     ] {
         let model = model(config);

@@ -2,7 +2,8 @@
 
 use super::Annealer;
 use crate::odds::LANES;
-use crate::problem::{Problem, power};
+use crate::problem::{Hidden, Problem, power};
+use crate::targets::Placement;
 
 impl Annealer<'_, '_> {
     /// Computes B and D of a step.
@@ -70,13 +71,7 @@ impl Annealer<'_, '_> {
 pub(super) fn found(problem: &Problem<'_>, left: &[f64]) -> f64 {
     let mut product = 1.0;
     for draw in &problem.draws {
-        let mut sums = [0.0; LANES];
-        for left in lanes(&left[draw.sites.clone()]) {
-            for lane in 0..LANES {
-                sums[lane] += left[lane];
-            }
-        }
-        product *= power(complement(&sums), draw.count);
+        product *= all_found(draw, lanes(&left[draw.sites.clone()]));
     }
     product
 }
@@ -85,17 +80,35 @@ pub(super) fn found(problem: &Problem<'_>, left: &[f64]) -> f64 {
 pub(super) fn miss(problem: &Problem<'_>, left: &mut [f64], factors: &[f64]) -> f64 {
     let mut product = 1.0;
     for draw in &problem.draws {
-        let mut sums = [0.0; LANES];
         let left = lanes_mut(&mut left[draw.sites.clone()]);
         for (left, factors) in left.iter_mut().zip(lanes(&factors[draw.sites.clone()])) {
             for lane in 0..LANES {
                 left[lane] *= factors[lane];
-                sums[lane] += left[lane];
             }
         }
-        product *= power(complement(&sums), draw.count);
+        product *= all_found(draw, left);
     }
     product
+}
+
+/// Returns the chance that all hotspots of a group are confirmed.
+fn all_found(draw: &Hidden, left: &[[f64; LANES]]) -> f64 {
+    if draw.placement == Placement::EachCell {
+        let mut products = [1.0; LANES];
+        for left in left {
+            for lane in 0..LANES {
+                products[lane] *= 1.0 - left[lane];
+            }
+        }
+        return products.iter().product();
+    }
+    let mut sums = [0.0; LANES];
+    for left in left {
+        for lane in 0..LANES {
+            sums[lane] += left[lane];
+        }
+    }
+    power(complement(&sums), draw.count)
 }
 
 /// Computes B - p D for each site.

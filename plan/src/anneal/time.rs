@@ -44,6 +44,10 @@ impl Annealer<'_, '_> {
                 factors(below, edge, odds, &mut self.factors);
                 let meets = self.joins_all(step, cell, level);
                 self.moved.meets[step] = meets;
+                if problem.together && self.meets[step] && !meets {
+                    value = f64::INFINITY;
+                    break;
+                }
                 (miss(problem, &mut row, &self.factors), meets)
             } else {
                 let missed = &self.missed[at..at + stride];

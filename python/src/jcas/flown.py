@@ -79,7 +79,7 @@ class Policy:
 
         The names are random, greedy, swarm, teams, sweep, line, frontier, relay, charging and
         clean. Two more plan by themselves: `plan` follows one plan without feedback, and `replan`
-        plans again after each confirmation and each meeting. Either takes seconds for its first
+        plans again after each confirmation, meeting and report. Either takes seconds for its first
         plan.
 
         Args:

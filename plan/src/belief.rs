@@ -1,0 +1,453 @@
+//! What the members of a radio component may infer about hidden hotspots.
+//!
+//! The members know where each of them was in each step, and at which pilot density it sensed. They
+//! also know their reports, and each other UAV's looks up to the last contact with it. No hotspot
+//! that they look for has been confirmed by these looks.
+//!
+//! Let λ_c be the probability of all this if cell c holds a hotspot, divided by that if it does
+//! not. Cells are independent once it is given which of them hold hotspots. So a set S of n
+//! distinct cells has the probability Π λ_c over c in S, up to a factor. The chance of a cell,
+//!
+//! ```text
+//! π_c = λ_c e_(n-1)(λ without λ_c) / e_n(λ)
+//! ```
+//!
+//! with the elementary symmetric polynomials e, is computed exactly.
+//!
+//! Without reports λ_c is the chance M that no step had a quorum. With them, let C(ℓ) be the chance
+//! that no UAV has seen a hotspot in c in more than ℓ steps. It is a product over the UAVs. The
+//! report's level is ℓ with probability C(ℓ) - C(ℓ-1) if c holds none. If it holds one, level 0 has
+//! the probability C(0), which includes that no step had a quorum. The other levels share the rest,
+//! M - C(0), in the ratio of their C(ℓ) - C(ℓ-1). That ratio is exact if a quorum is as rare for
+//! one of these levels as for another; all else is exact.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use jcas_core::{Cell, Model, StateRef};
+
+use crate::objective::{fewer_than, one_more};
+use crate::odds::Odds;
+
+/// Halvings of the interval in which the scale of the odds lies.
+const HALVINGS: u32 = 60;
+/// The range of the scale of the odds, as a power of two.
+const SCALE_MAX: f64 = 1000.0;
+
+/// Where a UAV was in a step, and the level at which it sensed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Look {
+    pub(crate) cell: Cell,
+    pub(crate) level: u8,
+}
+
+/// The looks of a UAV, step by step, as the members of a component know them.
+#[derive(Clone, Debug)]
+pub(crate) struct Looks<'l> {
+    /// Looks whose sightings the members have been told.
+    pub(crate) heard: &'l [Look],
+    /// Looks since then that the members only assume.
+    pub(crate) assumed: &'l [Look],
+}
+
+/// Probabilities of what is known about a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Likelihood {
+    /// If the cell holds a hotspot.
+    hotspot: f64,
+    /// If it holds none.
+    empty: f64,
+}
+
+/// Returns, for each cell, the chance that it holds a hotspot that no UAV has confirmed.
+///
+/// `member` is any member of the component, and `known` says which hotspots it knows.
+pub(crate) fn chances(
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    member: usize,
+    known: &[bool],
+    looks: &[Looks<'_>],
+) -> Vec<f64> {
+    let config = model.config();
+    let odds = Odds::new(model, Vec::new());
+    let hotspots = (0..known.len()).filter(|&hotspot| known[hotspot]);
+    let taken: Vec<Cell> = hotspots
+        .map(|hotspot| state.hotspot_cell(hotspot))
+        .chain(model.depots().iter().copied())
+        .collect();
+    let cells = 0..config.cell_count() as u32;
+    let likelihoods: Vec<Option<Likelihood>> = cells
+        .clone()
+        .map(|index| {
+            let (cell, level) = (odds.cell(index), state.report_level(member, index as usize));
+            (!taken.contains(&cell)).then(|| likelihood(model, &odds, cell, level, looks))
+        })
+        .collect();
+    let left = known.iter().filter(|known| !**known).count();
+    let mut chances = among(&likelihoods, left);
+    for (chance, index) in chances.iter_mut().zip(cells) {
+        *chance *= missed_unheard(model, &odds, odds.cell(index), looks);
+    }
+    chances
+}
+
+/// Returns the probabilities of the looks that the members have been told, and of a report's level.
+fn likelihood(
+    model: &Model<'_>,
+    odds: &Odds,
+    cell: Cell,
+    level: u32,
+    looks: &[Looks<'_>],
+) -> Likelihood {
+    let heard = || looks.iter().map(|looks| looks.heard);
+    let missed = missed(model, odds, cell, heard());
+    let levels = model.config().report_levels as usize;
+    if levels == 0 {
+        return Likelihood {
+            hotspot: missed,
+            empty: 1.0,
+        };
+    }
+    let level = level as usize;
+    let seen = at_most(heard(), levels, |look| {
+        odds.detection(look.level, look.cell, cell)
+    });
+    let raised = at_most(heard(), levels, |look| {
+        if look.level == odds.grounded() {
+            return 0.0;
+        }
+        let (dx, dy) = (look.cell.x.abs_diff(cell.x), look.cell.y.abs_diff(cell.y));
+        model.false_alarm_probability(dx, dy)
+    });
+    if level == 0 {
+        return Likelihood {
+            hotspot: seen[0],
+            empty: raised[0],
+        };
+    }
+    let some = 1.0 - seen[0];
+    let share = if some > 0.0 {
+        (seen[level] - seen[level - 1]) / some
+    } else {
+        0.0
+    };
+    Likelihood {
+        hotspot: f64::max(missed - seen[0], 0.0) * f64::max(share, 0.0),
+        empty: f64::max(raised[level] - raised[level - 1], 0.0),
+    }
+}
+
+/// Returns C(ℓ) for each ℓ up to the number of levels: the chance that no UAV has seen a hotspot in
+/// more than ℓ steps. The highest level stands for any number of steps.
+fn at_most<'l>(
+    looks: impl Iterator<Item = &'l [Look]>,
+    levels: usize,
+    chance: impl Fn(&Look) -> f64,
+) -> Vec<f64> {
+    let mut most = vec![1.0; levels + 1];
+    let mut exactly = vec![0.0; levels];
+    for looks in looks {
+        exactly.fill(0.0);
+        exactly[0] = 1.0;
+        for look in looks {
+            one_more(&mut exactly, chance(look));
+        }
+        let mut below = 0.0;
+        for (most, exactly) in most.iter_mut().zip(&exactly) {
+            below += exactly;
+            *most *= below;
+        }
+    }
+    most
+}
+
+/// Returns M: the chance that no step of these looks had a quorum of detections of a hotspot.
+fn missed<'l>(
+    model: &Model<'_>,
+    odds: &Odds,
+    hotspot: Cell,
+    looks: impl Iterator<Item = &'l [Look]> + Clone,
+) -> f64 {
+    let quorum = model.config().quorum as usize;
+    let steps = looks.clone().map(<[Look]>::len).max().unwrap_or(0);
+    let in_step = |step: usize| {
+        let chances = looks.clone().filter_map(move |looks| looks.get(step));
+        chances.map(|look| odds.detection(look.level, look.cell, hotspot))
+    };
+    (0..steps)
+        .map(|step| fewer_than(quorum, in_step(step)))
+        .product()
+}
+
+/// Returns the chance that the assumed looks have not confirmed a hotspot. UAVs out of contact are
+/// taken to confirm among themselves.
+fn missed_unheard(model: &Model<'_>, odds: &Odds, hotspot: Cell, looks: &[Looks<'_>]) -> f64 {
+    // All assumed looks end now, so they are compared from their ends.
+    let quorum = model.config().quorum as usize;
+    let steps = looks
+        .iter()
+        .map(|looks| looks.assumed.len())
+        .max()
+        .unwrap_or(0);
+    (1..=steps)
+        .map(|ago| {
+            let assumed = looks.iter().map(|looks| looks.assumed);
+            let now = assumed.filter_map(|looks| looks.get(looks.len().wrapping_sub(ago)));
+            fewer_than(
+                quorum,
+                now.map(|look| odds.detection(look.level, look.cell, hotspot)),
+            )
+        })
+        .product()
+}
+
+/// Returns the chance of each cell, if `count` hotspots lie in distinct cells. A cell without a
+/// likelihood holds none.
+///
+/// If what is known excludes every set of cells, all cells that may hold one are equally likely.
+fn among(likelihoods: &[Option<Likelihood>], count: usize) -> Vec<f64> {
+    // Any scale of the odds gives the same chances. This one makes the number of hotspots likely,
+    // so that no sum underflows.
+    let scaled = |exponent: f64| {
+        let scale = libm::exp2(exponent);
+        likelihoods.iter().map(move |of| match of {
+            Some(of) if of.hotspot > 0.0 => of.hotspot * scale / (of.hotspot * scale + of.empty),
+            _ => 0.0,
+        })
+    };
+    let (mut low, mut high) = (-SCALE_MAX, SCALE_MAX);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if scaled(middle).sum::<f64>() < count as f64 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let chances: Vec<f64> = scaled(high).collect();
+    given_count(&chances, count).unwrap_or_else(|| {
+        let open = likelihoods.iter().flatten().count();
+        let chance = f64::min(count as f64 / open as f64, 1.0);
+        let each = |of: &Option<Likelihood>| if of.is_some() { chance } else { 0.0 };
+        likelihoods.iter().map(each).collect()
+    })
+}
+
+/// Returns the chances of independent events, given that `count` of them happen. There are none if
+/// that is impossible.
+///
+/// The chance that the events from i on make up the rest follows from those from i + 1 on.
+fn given_count(chances: &[f64], count: usize) -> Option<Vec<f64>> {
+    let width = count + 1;
+    let mut after = vec![0.0; (chances.len() + 1) * width];
+    after[chances.len() * width] = 1.0;
+    for (index, &p) in chances.iter().enumerate().rev() {
+        let (now, next) = after[index * width..].split_at_mut(width);
+        now.copy_from_slice(&next[..width]);
+        one_more(now, p);
+    }
+    let all = after[count];
+    if all <= 0.0 {
+        return None;
+    }
+    let mut before = vec![0.0; width];
+    before[0] = 1.0;
+    let mut given = Vec::with_capacity(chances.len());
+    for (index, &p) in chances.iter().enumerate() {
+        let rest = &after[(index + 1) * width..][..width];
+        let others: f64 = (0..count).map(|k| before[k] * rest[count - 1 - k]).sum();
+        given.push(f64::min(p * others / all, 1.0));
+        one_more(&mut before, p);
+    }
+    Some(given)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jcas_core::{Config, Preset};
+
+    const HERE: Cell = Cell { x: 0, y: 0 };
+    const THERE: Cell = Cell { x: 1, y: 1 };
+
+    /// Two UAVs on a grid of two by two cells with a false alarm in a tenth of the looks.
+    fn model(quorum: u32) -> Model<'static> {
+        Model::new(Config {
+            grid_width: 2,
+            grid_height: 2,
+            cell_size_m: 150.0,
+            uav_count: 2,
+            hotspot_count: 2,
+            quorum,
+            false_alarm_per_cell: 0.1,
+            sensing_footprint_m: Some(150.0),
+            ..Config::preset(Preset::Isac)
+        })
+        .unwrap()
+    }
+
+    /// What two UAVs flew in two steps, the first of them at the highest density.
+    fn flown(odds: &Odds) -> [[Look; 2]; 2] {
+        let look = |cell, level| Look { cell, level };
+        let high = odds.highest();
+        [
+            [look(HERE, high), look(Cell { x: 1, y: 0 }, high)],
+            [look(HERE, high - 1), look(THERE, 0)],
+        ]
+    }
+
+    fn heard<'l>(flown: &'l [[Look; 2]; 2]) -> Vec<Looks<'l>> {
+        let looks = flown.iter().map(|heard| Looks {
+            heard,
+            assumed: &[],
+        });
+        looks.collect()
+    }
+
+    /// The probability of each level, by the sum over all outcomes of the four looks that have no
+    /// quorum.
+    fn levels(chances: [[f64; 2]; 2], quorum: u32) -> [f64; 3] {
+        let mut sums = [0.0; 3];
+        for outcome in 0u32..16 {
+            let seen = |uav: usize, step: usize| outcome >> (2 * uav + step) & 1;
+            let any_quorum = (0..2).any(|step| seen(0, step) + seen(1, step) >= quorum);
+            let most = (0..2).map(|uav| seen(uav, 0) + seen(uav, 1)).max().unwrap();
+            let mut probability = 1.0;
+            for uav in 0..2 {
+                for step in 0..2 {
+                    let p = chances[uav][step];
+                    probability *= if seen(uav, step) == 1 { p } else { 1.0 - p };
+                }
+            }
+            sums[most as usize] += if any_quorum { 0.0 } else { probability };
+        }
+        sums
+    }
+
+    /// With three of two UAVs for a quorum, every level is exact. With two, level 0 is, and so is
+    /// the sum of the others.
+    #[test]
+    fn likelihoods_are_the_sums_over_all_outcomes() {
+        for quorum in [2, 3] {
+            let model = model(quorum);
+            let odds = Odds::new(&model, Vec::new());
+            let flown = flown(&odds);
+            for cell in (0..4).map(|index| odds.cell(index)) {
+                let seen = levels(
+                    flown
+                        .map(|looks| looks.map(|look| odds.detection(look.level, look.cell, cell))),
+                    quorum,
+                );
+                let raised = levels(
+                    flown.map(|looks| {
+                        looks.map(|look| {
+                            if look.cell.manhattan(cell) < 2 {
+                                0.1
+                            } else {
+                                0.0
+                            }
+                        })
+                    }),
+                    3,
+                );
+                let got: Vec<Likelihood> = (0..3)
+                    .map(|level| likelihood(&model, &odds, cell, level, &heard(&flown)))
+                    .collect();
+                let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b} {got:?}");
+                for level in 0..3 {
+                    near(got[level].empty, raised[level]);
+                }
+                near(got[0].hotspot, seen[0]);
+                near(got[1].hotspot + got[2].hotspot, seen[1] + seen[2]);
+                if quorum == 3 {
+                    near(got[1].hotspot, seen[1]);
+                }
+            }
+        }
+    }
+
+    /// Six cells, of which the sets of each size are weighed one by one.
+    #[test]
+    fn chances_of_cells_are_the_sums_over_all_sets() {
+        let odds = [0.2, 3.0, 1.0, 0.0, 40.0, 1e-7];
+        let likelihoods = odds.map(|odds| {
+            Some(Likelihood {
+                hotspot: odds * 1e-200,
+                empty: 1e-200,
+            })
+        });
+        for count in 0..5u32 {
+            let (mut sums, mut all) = ([0.0; 6], 0.0);
+            for set in (0u32..1 << 6).filter(|set| set.count_ones() == count) {
+                let cells = || (0..6).filter(move |cell| set >> cell & 1 == 1);
+                let weight: f64 = cells().map(|cell| odds[cell]).product();
+                all += weight;
+                cells().for_each(|cell| sums[cell] += weight);
+            }
+            for (got, sum) in among(&likelihoods, count as usize).iter().zip(sums) {
+                assert!(
+                    (got - sum / all).abs() < 1e-9,
+                    "{count}: {got} {}",
+                    sum / all
+                );
+            }
+        }
+    }
+
+    /// A report that no false alarm explains is a hotspot, and contradictions leave the prior.
+    #[test]
+    fn certain_and_impossible_cells_are_chances_too() {
+        let certain = Some(Likelihood {
+            hotspot: 0.1,
+            empty: 0.0,
+        });
+        let even = Some(Likelihood {
+            hotspot: 1.0,
+            empty: 1.0,
+        });
+        let never = Some(Likelihood {
+            hotspot: 0.0,
+            empty: 1.0,
+        });
+        let chances = among(&[certain, even, even, None, never], 2);
+        assert_eq!(chances[0], 1.0);
+        assert!((chances[1] - 0.5).abs() < 1e-12 && (chances[2] - 0.5).abs() < 1e-12);
+        assert_eq!(&chances[3..], [0.0, 0.0]);
+        assert_eq!(among(&[never, None, never], 1), [0.5, 0.0, 0.5]);
+    }
+
+    /// With a quorum of one, a report that confirmed nothing is a false alarm.
+    #[test]
+    fn a_report_that_did_not_confirm_alone_is_false() {
+        let model = model(1);
+        let odds = Odds::new(&model, Vec::new());
+        let flown = flown(&odds);
+        assert_eq!(
+            likelihood(&model, &odds, THERE, 1, &heard(&flown)).hotspot,
+            0.0
+        );
+    }
+
+    /// Looks that the members assume leave only what they have not confirmed.
+    #[test]
+    fn assumed_looks_count_from_now_on_back() {
+        let model = model(2);
+        let odds = Odds::new(&model, Vec::new());
+        let flown = flown(&odds);
+        let looks = [
+            Looks {
+                heard: &flown[0][..1],
+                assumed: &flown[0][1..],
+            },
+            Looks {
+                heard: &[],
+                assumed: &flown[1],
+            },
+        ];
+        let p = |look: Look| odds.detection(look.level, look.cell, HERE);
+        let expected = 1.0 - p(flown[0][1]) * p(flown[1][1]);
+        let got = missed_unheard(&model, &odds, HERE, &looks);
+        assert!((got - expected).abs() < 1e-12, "{got} {expected}");
+    }
+}
