@@ -247,6 +247,10 @@ fn presets_differ_in_what_they_are_said_to() {
         "{told}"
     );
     assert!(!told.contains("uav_count"), "{told}");
+    // An absent field that nothing is derived for is absent, not another field's derived value.
+    let ranges = told.lines().find(|line| line.contains("sensing_range_m"));
+    let ranges: Vec<&str> = ranges.unwrap_or_default().split_whitespace().collect();
+    assert_eq!(ranges, ["sensing_range_m", "none", "150", "150", "none"]);
 }
 
 #[test]

@@ -7,12 +7,13 @@
 //! The arguments are UAVs, hotspots, the side of the grid and environments. Actions are random,
 //! observations and rewards are written, and ended episodes are reset. The time is that of the
 //! fastest tenth of the steps; the memory of an environment is printed too. `count SET STEPS` as
-//! further arguments runs only that many steps, for a profiler that counts instructions.
+//! further arguments runs only that many steps, for a profiler that counts instructions. After them
+//! `isac` steps that preset, and `silent` the same without false alarms and reports.
 
 use std::time::Instant;
 
 use jcas_core::batch::BatchOut;
-use jcas_core::{Config, Model, Scratch, rng};
+use jcas_core::{Config, Model, Preset, Scratch, rng};
 use jcas_simd::InstructionSet;
 
 /// Steps of each instruction set in a turn, and the number of turns.
@@ -90,10 +91,28 @@ impl<'m> Batch<'m> {
     }
 }
 
+/// The configuration of a world: the default one, or one with a fluctuating echo.
+fn world(name: Option<&str>) -> Result<Config, String> {
+    let isac = Config::preset(Preset::Isac);
+    match name {
+        None => Ok(Config::default()),
+        Some("isac") => Ok(isac),
+        Some("silent") => Ok(Config {
+            false_alarm_per_cell: 0.0,
+            report_levels: 0,
+            report_slots: 0,
+            ..isac
+        }),
+        Some(other) => Err(format!("world = {other}: must be isac or silent")),
+    }
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [uavs, hotspots, side, missions, counted @ ..] = arguments.as_slice() else {
-        return Err("usage: rate UAVS HOTSPOTS SIDE MISSIONS [count SET STEPS]".into());
+        return Err(
+            "usage: rate UAVS HOTSPOTS SIDE MISSIONS [count SET STEPS [isac|silent]]".into(),
+        );
     };
     let model = Model::new(Config {
         uav_count: uavs.parse()?,
@@ -101,11 +120,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         grid_width: side.parse()?,
         grid_height: side.parse()?,
         neighbour_slots: 14,
-        ..Config::default()
+        ..world(counted.get(3).map(String::as_str))?
     })?;
     let missions: usize = missions.parse()?;
     let mut batch = Batch::new(&model, missions);
-    if let [_, name, steps] = counted {
+    if let [_, name, steps, ..] = counted {
         let set = InstructionSet::all()
             .find(|set| set.name() == name)
             .ok_or("no such instruction set here")?;
