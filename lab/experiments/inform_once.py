@@ -38,7 +38,7 @@ READINGS = {
 
 
 def cells():
-    """Yields the cells in the order of their worth: the best range first, then seeds and n."""
+    """Yields the cells in the order of their worth: ranges, seeds, then n where the paper fits."""
     for range_m in (175, 150, 162.5, 187.5, 200, 137.5, 125, 212.5, 225):
         for uavs in (10, 15):
             yield ("once", range_m, uavs, 5, "mid", 0, "random")
@@ -53,8 +53,8 @@ def cells():
                 yield ("once", range_m, uavs, 5, "adaptive", seed, "ppo")
     for uavs in (10, 15, 5, 20):
         for hotspots in (3, 7, 9, 11):
-            yield ("once", 175, uavs, hotspots, "adaptive", 0, "ppo")
-        yield ("once", 175, uavs, 5, "0.3", 0, "ppo")
+            yield ("once", 162.5, uavs, hotspots, "adaptive", 0, "ppo")
+        yield ("once", 162.5, uavs, 5, "0.3", 0, "ppo")
 
 
 def finished(path):
