@@ -203,9 +203,11 @@ const PAIRS: [Pair; 4] = [
 
 /// In how many cells one is faster than the other.
 fn counts(places: &[CellRows]) -> String {
-    let mut text = "Differences of pairs on common seeds cancel what the missions have in common. \
-        Their 95 % intervals are of the missions alone:\n\n"
-        .to_owned();
+    let mut text = format!(
+        "Differences of pairs on common seeds cancel what the missions have in common. They are \
+            made of [{COMPARISON}](results/{COMPARISON}). Their 95 % intervals are of the missions \
+            alone:\n\n"
+    );
     for (a, b, difference) in PAIRS {
         let all: Vec<Estimate> = places.iter().filter_map(difference).collect();
         if all.is_empty() {
