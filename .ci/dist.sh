@@ -117,6 +117,20 @@ done
 base64 --wrap 0 "$work/node_modules/jcas/jcas.wasm" |
     grep --quiet --fixed-strings --file=- "$dist"/jcas-*-playground.html
 
+echo "the same bytes from another folder, with other permissions and another building folder"
+copy=$work/copy
+mkdir "$copy"
+git ls-files -z --cached --others --exclude-standard |
+    tar -c --null --files-from - | tar -x -C "$copy"
+SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+(
+    export SOURCE_DATE_EPOCH CARGO_TARGET_DIR=$copy/target
+    umask 077
+    cd "$copy"
+    cargo xtask dist --target x86_64-unknown-linux-gnu --out "$copy/dist"
+)
+for file in "$copy"/dist/*.{gz,whl}; do cmp "$file" "$dist/$(basename "$file")"; done
+
 echo "Python without a compiler, Rust and network: the wheel flies a trained policy"
 twine check --strict "$dist"/*.whl "$dist"/jcas-?.?.?.tar.gz
 # The source distribution has every crate that Cargo needs.

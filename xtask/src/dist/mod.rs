@@ -36,13 +36,14 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     let epoch = epoch()?;
     let mut out = Served::create(options.out)?;
     let graph = dependencies::graph(&options.targets)?;
-    let notices = dependencies::notices(&graph)?;
     let mut units = Vec::new();
     for target in &options.targets {
         let built = build::build(target, epoch)?;
         let mut tree = package::tree(target, &built)?;
+        // Of this platform alone, so that the archive does not depend on the others that are built.
+        let notices = dependencies::notices(&dependencies::graph(&[*target])?)?;
         let path = "share/licenses/jcas/THIRD-PARTY".to_owned();
-        tree.insert(path, Content::file(notices.as_str()));
+        tree.insert(path, Content::file(notices));
         let (name, bytes) = packed(target, &tree, epoch)?;
         out.add(name, &bytes)?;
         out.made(wheels::wheel(target, &built, &out.path, epoch)?);
@@ -57,6 +58,7 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
             format!("jcas-{VERSION}-playground.html"),
             web::page(&wasm).as_bytes(),
         )?;
+        let notices = dependencies::notices(&graph)?;
         let (name, bytes) =
             node::package(wasm, &notices, epoch).map_err(|error| format!("Node: {error}"))?;
         out.add(name, &bytes)?;
