@@ -11,6 +11,8 @@ PACKAGES=(
     rustc-web libstd-rust-web-dev:arm64 rust-web-src gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
     # s390x and ARMv7
     gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross
+    # a microcontroller
+    qemu-system-arm
     # programs for Windows, and the comparison of binary interfaces
     gcc-mingw-w64-x86-64 wine64 abigail-tools
     # figures and the replay page

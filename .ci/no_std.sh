@@ -22,9 +22,3 @@ bare=$("$program")
 hosted=$(cargo run --locked --quiet --release --manifest-path tests/no_std/Cargo.toml --example hosted)
 echo "bare machine $bare, hosted $hosted, $(wc -l <<<"$symbols") symbols, none foreign"
 [[ $bare == "$hosted" ]]
-
-# And it compiles for a microcontroller that has no operating system at all, a Cortex-M4F. Its `core` is
-# built from the source that Debian packages, which cargo calls an unstable feature.
-RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 cargo build --locked --quiet --release \
-    -Zbuild-std=core --target thumbv7em-none-eabihf --package jcas-core --package jcas-policy
-echo "compiles for thumbv7em-none-eabihf"
