@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# What must hold before a release. The binary interface is unchanged, all packages have accepted
-# licences and sources, and the registry would take them.
+# What must hold before a release. The interfaces of C and Rust are unchanged, all packages have
+# accepted licences and sources, and the registry would take them.
 #
 #   gates.sh           checks
-#   gates.sh --bless   writes the baseline of the binary interface anew
+#   gates.sh --bless   writes the baselines of the interface and of the public items anew
 set -euo pipefail
 shopt -s inherit_errexit
 
@@ -17,13 +17,18 @@ trap 'rm -rf "$work"' EXIT
 } >"$work/interface.c"
 cc -g -shared -fPIC -ffile-prefix-map="$work"=. -I include "$work/interface.c" \
     -o "$work/interface.so"
+api() { cargo run --locked --quiet --manifest-path tests/api/Cargo.toml -- "$@"; }
 if [[ ${1:-} == --bless ]]; then
+    api --bless
     abidw --no-corpus-path --no-comp-dir-path --no-show-locs --type-id-style hash \
         --out-file tests/dist/jcas.abi "$work/interface.so"
     exit
 fi
 echo "abidiff: functions may be added; all else needs \`.ci/gates.sh --bless\` and a new version"
 abidiff --no-added-syms tests/dist/jcas.abi "$work/interface.so"
+
+echo "the public items of the Rust libraries, and their lists in tests/api/lists"
+api
 
 readonly DENY=0.19.0
 tools=${XDG_CACHE_HOME:-$HOME/.cache}/jcas/cargo-deny-$DENY
