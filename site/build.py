@@ -3,7 +3,7 @@
     python -m venv venv && venv/bin/pip install -r site/requirements.txt
     venv/bin/python site/build.py --out target/site      # then open target/site/index.html
 
-The C reference needs Doxygen (`apt-get install doxygen`).
+The C reference needs Doxygen (`apt-get install doxygen`), and the Rust reference needs Cargo.
 
 The pages are the repository's own documents under their own paths, so that their links hold here
 and there. A link to a file that is no page leads to a copy of the file.
@@ -25,6 +25,8 @@ LINK = re.compile(r"(?<=\]\()([^)\s#]+)(?=[)#])")
 PAGES = ("docs/*.md", "python/README.md", "examples/ns3/README.md", "policies/README.md")
 PAGES += ("lab/*.md", "lab/log/*.md", "verification/*.md")
 PAGES += ("ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
+# The libraries of the Rust reference.
+CRATES = ("jcas-core", "jcas-policy", "jcas-plan", "jcas-simd", "jcas-trace", "jcas-episode")
 
 
 def copy_pages(into: Path) -> None:
@@ -60,6 +62,19 @@ def c_reference(into: Path) -> None:
     subprocess.run(["doxygen", "-"], input=settings, text=True, check=True)
 
 
+def rust_reference(into: Path) -> None:
+    """Writes the Rust reference by rustdoc, without pages of earlier runs."""
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).absolute() / "rustdoc"
+    pages = target / "doc"
+    if pages.exists():
+        shutil.rmtree(pages)
+    command = ["cargo", "doc", "--locked", "--quiet", "--no-deps", "--all-features"]
+    command += [f"--package={crate}" for crate in CRATES] + ["--target-dir", str(target)]
+    settings = os.environ | {"RUSTDOCFLAGS": "-D warnings"}
+    subprocess.run(command, cwd=ROOT, env=settings, check=True)
+    shutil.copytree(pages, into / "rust")
+
+
 def build(out: Path) -> None:
     """Builds the site in a temporary folder and then puts it in its place."""
     with tempfile.TemporaryDirectory() as folder:
@@ -68,6 +83,7 @@ def build(out: Path) -> None:
         copy_pages(pages)
         shutil.copytree(SITE / "assets", pages / "assets")
         c_reference(pages / "reference")
+        rust_reference(pages / "reference")
         shutil.copytree(ROOT / "python" / "src", work / "python")
         shutil.copy(SITE / "mkdocs.yml", work)
         # Not --quiet: it hides warnings from --strict too.

@@ -17,7 +17,7 @@ if (!folder) {
 }
 const PAGES = [
   'index', 'docs/cookbook', 'docs/model', 'docs/trust', 'lab/results', 'reference/python',
-  'reference/c',
+  'reference/c', 'reference/rust', 'reference/rust/jcas_core/index',
 ];
 /** The width of a common phone, in CSS pixels. */
 const PHONE = { width: 390, height: 844, deviceScaleFactor: 2, mobile: true };
