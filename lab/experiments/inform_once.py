@@ -55,6 +55,14 @@ def cells():
         for hotspots in (3, 7, 9, 11):
             yield ("once", 162.5, uavs, hotspots, "adaptive", 0, "ppo")
         yield ("once", 162.5, uavs, 5, "0.3", 0, "ppo")
+        if uavs in (5, 20):
+            yield ("once", 162.5, uavs, 5, "adaptive", 0, "ppo")
+        for hotspots in (3, 5, 7, 9, 11):
+            if (uavs, hotspots) not in ((10, 5), (15, 5)):
+                yield ("once", 162.5, uavs, hotspots, "mid", 0, "random")
+    for uavs in (10, 15):
+        for hotspots in (3, 7, 9, 11):
+            yield ("once", 162.5, uavs, hotspots, "0.3", 0, "ppo")
 
 
 def finished(path):

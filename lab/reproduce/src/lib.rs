@@ -16,6 +16,7 @@ mod evidence;
 pub mod figures;
 pub mod fit;
 mod flights;
+mod one_range;
 mod page;
 mod pilot;
 pub mod pilot_by_distance;

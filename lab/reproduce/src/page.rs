@@ -10,7 +10,7 @@ use crate::range::Study;
 use crate::readings::{self, FITTED};
 use crate::results::Results;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
-use crate::{TABLE, cell_means, comparison_page, endurance, pilot, seed_spread, text};
+use crate::{TABLE, cell_means, comparison_page, endurance, one_range, pilot, seed_spread, text};
 use jcas_core::Preset;
 use jcas_episode::card::EVALUATION_SEED;
 use jcas_figures::report::{Cell, Report, Table as ReportTable};
@@ -315,7 +315,8 @@ impl Results<'_> {
         let of_table = all
             .into_iter()
             .filter_map(|chapter| chapter(self.scope, &self.table));
-        readings::chapter(self).into_iter().chain(of_table)
+        let of_scan = [one_range::chapter(self), readings::chapter(self)];
+        of_scan.into_iter().flatten().chain(of_table)
     }
 
     /// Names of all pictures on the Markdown page.

@@ -56,6 +56,12 @@ pub struct ScanRow {
     pub steps: f64,
     pub steps_low: f64,
     pub steps_high: f64,
+    pub energy_kwh: f64,
+    pub energy_kwh_low: f64,
+    pub energy_kwh_high: f64,
+    pub throughput: f64,
+    pub throughput_low: f64,
+    pub throughput_high: f64,
     #[serde(rename = "return")]
     pub episode_return: f64,
     pub return_low: f64,
@@ -87,6 +93,24 @@ impl ScanRow {
             value: self.steps,
             low: self.steps_low,
             high: self.steps_high,
+        }
+    }
+
+    /// Energy of the fleet in a mission in kWh, with the interval of its missions.
+    pub fn energy_kwh(&self) -> Estimate {
+        Estimate {
+            value: self.energy_kwh,
+            low: self.energy_kwh_low,
+            high: self.energy_kwh_high,
+        }
+    }
+
+    /// Normalised throughput with the interval of its missions.
+    pub fn throughput(&self) -> Estimate {
+        Estimate {
+            value: self.throughput,
+            low: self.throughput_low,
+            high: self.throughput_high,
         }
     }
 }
@@ -129,6 +153,17 @@ impl Scan {
     /// The rows of a policy in one cell, one a training seed. A random walk and the scripts fly the
     /// same under every reading, which changes what is paid alone.
     pub fn cell(&self, reading: &str, range_m: f64, uavs: u32, flown: Flown) -> Vec<&ScanRow> {
+        self.at(reading, range_m, (uavs, HOTSPOTS), flown)
+    }
+
+    /// As [`Scan::cell`], for a number of UAVs and one of hotspots.
+    pub fn at(
+        &self,
+        reading: &str,
+        range_m: f64,
+        (uavs, hotspots): (u32, u32),
+        flown: Flown,
+    ) -> Vec<&ScanRow> {
         let mut seeds: Vec<u64> = Vec::new();
         let mut first_of_seed = |row: &&ScanRow| {
             let new = !seeds.contains(&row.seed);
@@ -137,7 +172,7 @@ impl Scan {
         };
         let of = |row: &&ScanRow| {
             (row.reading.as_str(), row.range_m, row.uavs, row.hotspots)
-                == (reading, range_m, uavs, HOTSPOTS)
+                == (reading, range_m, uavs, hotspots)
                 && (row.policy.as_str(), row.pilot.as_str()) == (flown.0, flown.1)
         };
         let rows = self.rows.iter().filter(of);
@@ -179,13 +214,26 @@ pub(crate) fn lines<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, TrainErr
 
 /// Success of a cell with the noise of its missions and, where it is trained, of its trainings.
 pub fn success(rows: &[&ScanRow], spread: Option<Spread>) -> Option<Measured> {
+    measured(rows, ScanRow::success, spread, |_| 1.0)
+}
+
+/// A quantity of a cell with the noise of its missions and, where it is trained, of its trainings.
+/// The spread between trainings is in units of `unit` of the cell's mean.
+pub fn measured(
+    rows: &[&ScanRow],
+    quantity: impl Fn(&ScanRow) -> Estimate,
+    spread: Option<Spread>,
+    unit: impl Fn(f64) -> f64,
+) -> Option<Measured> {
     let count = rows.len() as f64;
     let first = rows.first()?;
     let trained = spread.filter(|_| first.policy == PPO.0);
-    let missions = rows.iter().map(|row| error_of(&row.success())).sum::<f64>() / count;
-    let trainings = trained.map_or(0.0, |spread| spread.deviation / count.sqrt());
+    let estimates = rows.iter().map(|row| quantity(row));
+    let missions = estimates.clone().map(|e| error_of(&e)).sum::<f64>() / count;
+    let value = estimates.map(|e| e.value).sum::<f64>() / count;
+    let trainings = trained.map_or(0.0, |spread| spread.deviation * unit(value) / count.sqrt());
     Some(Measured {
-        value: rows.iter().map(|row| row.success).sum::<f64>() / count,
+        value,
         error: missions.hypot(trainings),
         freedom: trained.map_or(f64::INFINITY, |spread| spread.freedom),
     })
@@ -293,6 +341,12 @@ pub(crate) mod testing {
             steps: 40.0,
             steps_low: 39.0,
             steps_high: 41.0,
+            energy_kwh: 0.4,
+            energy_kwh_low: 0.39,
+            energy_kwh_high: 0.41,
+            throughput: 1.2,
+            throughput_low: 1.19,
+            throughput_high: 1.21,
             episode_return: 100.0,
             return_low: 99.0,
             return_high: 101.0,

@@ -1,0 +1,539 @@
+//! The chapter on one sensing range for all numbers of the paper, with informing paid once. They are
+//! success over fleets and hotspots, energy, throughput and the constant pilot density.
+
+use crate::cell_means::{between_seeds, of_trainings};
+use crate::chapter::{Block, Chapter};
+use crate::fit::{PAPER, Published};
+use crate::results::Results;
+use crate::scan::{self, Flown, PPO, RANDOM, READINGS, Scan, ScanRow, success_interval};
+use crate::statistics::{CONFIDENCE, Measured, Spread, combination};
+use crate::table::Quantity;
+use crate::verdict::{Effect, Region, Verdict, verdict};
+use jcas_core::Preset;
+use jcas_episode::statistics::Estimate;
+use std::collections::BTreeSet;
+
+/// The reading of the scan over fleets and hotspots.
+const READING: &str = READINGS[1];
+/// The paper's PPO, trained with a constant pilot density.
+const CONSTANT: Flown = ("ppo", "0.3", "the paper's PPO, pilot density 0.3");
+/// Largest difference of pilot densities that the paper calls fluctuating.
+const FLUCTUATION: f64 = 0.05;
+
+/// Most intervals that are listed one by one.
+const LISTED_MAX: usize = 5;
+/// Head of the table of claims.
+const HEAD: [&str; 3] = ["the paper", "here", "verdict"];
+
+/// The cells of the scan at one range.
+struct Range<'r> {
+    scan: &'r Scan,
+    metres: f64,
+    success: Option<Spread>,
+    energy: Option<Spread>,
+    throughput: Option<Spread>,
+}
+
+/// A claim of the paper beside what was measured.
+struct Claim {
+    text: &'static str,
+    effects: Vec<Effect>,
+    region: Region,
+    /// Whether every cell that the claim is about has been flown.
+    complete: bool,
+}
+
+/// The chapter. There is none if no range has several numbers of hotspots.
+pub fn chapter(results: &Results) -> Option<Chapter> {
+    let range = Range::of(results)?;
+    let (fleets, hotspots) = range.sizes();
+    let mut blocks = vec![
+        Block::Text(range.introduction()),
+        range.success_table(&fleets, &hotspots),
+        range.cost_table(&fleets, &hotspots),
+    ];
+    blocks.extend(range.constant_table(&fleets, &hotspots));
+    let claims = range.claims(&fleets, &hotspots);
+    let verdicts: Vec<Verdict> = claims
+        .iter()
+        .map(|claim| claim.verdict(range.success))
+        .collect();
+    blocks.push(Block::Text(format!(
+        "The paper's sentences beside these cells, by the rule of the chapter on its claims. A \
+            sentence of which cells are missing can fail; it is not judged otherwise. {}",
+        together(&verdicts)
+    )));
+    let judged = claims.iter().zip(&verdicts);
+    let rows = judged.map(|(claim, verdict)| claim.row(*verdict)).collect();
+    blocks.push(Block::table(
+        "The paper's sentences at one range",
+        HEAD,
+        rows,
+    ));
+    Some(Chapter {
+        heading: "One range for all numbers".to_owned(),
+        blocks,
+    })
+}
+
+impl<'r> Range<'r> {
+    /// The range at which PPO has flown with most fleets and numbers of hotspots.
+    fn of(results: &'r Results) -> Option<Range<'r>> {
+        let scan = &results.scan;
+        let sizes = |&metres: &f64| cells_at(scan, metres).len();
+        let ranges = scan.ranges(READING, PPO);
+        let metres = ranges.into_iter().max_by_key(sizes)?;
+        let hotspots: BTreeSet<u32> = cells_at(scan, metres).iter().map(|cell| cell.1).collect();
+        if hotspots.len() < 2 {
+            return None;
+        }
+        let relative =
+            |quantity| between_seeds(&results.table, Preset::Paper.name(), PPO.0, quantity);
+        Some(Range {
+            scan,
+            metres,
+            success: of_trainings(&results.table, scan),
+            energy: relative(Quantity::Energy),
+            throughput: relative(Quantity::Throughput),
+        })
+    }
+
+    fn sizes(&self) -> (Vec<u32>, Vec<u32>) {
+        let cells = cells_at(self.scan, self.metres);
+        let fleets: BTreeSet<u32> = cells.iter().map(|cell| cell.0).collect();
+        let hotspots: BTreeSet<u32> = cells.iter().map(|cell| cell.1).collect();
+        (fleets.into_iter().collect(), hotspots.into_iter().collect())
+    }
+
+    fn rows(&self, cell: (u32, u32), flown: Flown) -> Vec<&'r ScanRow> {
+        self.scan.at(READING, self.metres, cell, flown)
+    }
+
+    fn success(&self, cell: (u32, u32), flown: Flown) -> Option<Measured> {
+        scan::success(&self.rows(cell, flown), self.success)
+    }
+
+    fn energy(&self, cell: (u32, u32)) -> Option<Measured> {
+        let rows = self.rows(cell, PPO);
+        scan::measured(&rows, ScanRow::energy_kwh, self.energy, |mean| mean)
+    }
+
+    fn throughput(&self, cell: (u32, u32), flown: Flown) -> Option<Measured> {
+        let rows = self.rows(cell, flown);
+        scan::measured(&rows, ScanRow::throughput, self.throughput, |mean| mean)
+    }
+
+    /// The mean over the numbers of hotspots that a fleet has flown, and whether these are all.
+    fn mean(
+        &self,
+        uavs: u32,
+        hotspots: &[u32],
+        of: impl Fn((u32, u32)) -> Option<Measured>,
+    ) -> Option<(Measured, bool)> {
+        let flown: Vec<Measured> = hotspots.iter().filter_map(|&n| of((uavs, n))).collect();
+        if flown.is_empty() {
+            return None;
+        }
+        let weight = 1.0 / flown.len() as f64;
+        let mean = combination(flown.iter().map(|&cell| (weight, cell)));
+        Some((mean, flown.len() == hotspots.len()))
+    }
+
+    fn introduction(&self) -> String {
+        format!(
+            "Is one sensing range compatible with the other numbers of the paper, too? At {} m the \
+                paper's PPO was trained for each fleet and number of hotspots, with informing paid \
+                {READING}. A cell has one training seed where the first table has no more. The \
+                intervals have the noise of the missions and the spread between trainings. A cell \
+                that has not been run is empty. The rows are those of [{}](results/{}).",
+            self.metres,
+            scan::TABLES[0],
+            scan::TABLES[0],
+        )
+    }
+
+    fn success_table(&self, fleets: &[u32], hotspots: &[u32]) -> Block {
+        let mut head = vec!["N".to_owned(), "policy".to_owned()];
+        head.extend(hotspots.iter().map(|n| format!("n = {n}")));
+        head.push("mean".to_owned());
+        let mut rows = Vec::new();
+        for &uavs in fleets {
+            for flown in [PPO, RANDOM] {
+                let cell = |&n: &u32| {
+                    let rows = self.rows((uavs, n), flown);
+                    success_interval(&rows, self.success).map_or(String::new(), |e| told(&e, 2))
+                };
+                let mean = self.mean(uavs, hotspots, |cell| self.success(cell, flown));
+                let mut row = vec![uavs.to_string(), flown.2.to_owned()];
+                row.extend(hotspots.iter().map(cell));
+                row.push(mean.map_or(String::new(), |(mean, complete)| {
+                    let e = within_rates(mean.interval(CONFIDENCE));
+                    format!(
+                        "{}{}",
+                        told(&e, 2),
+                        if complete { "" } else { " (in part)" }
+                    )
+                }));
+                if row[2..].iter().any(|entry| !entry.is_empty()) {
+                    rows.push(row);
+                }
+            }
+        }
+        Block::Table {
+            caption: format!("Success at {} m", self.metres),
+            head,
+            rows,
+        }
+    }
+
+    fn cost_table(&self, fleets: &[u32], hotspots: &[u32]) -> Block {
+        let rows = fleets.iter().map(|&uavs| {
+            let entry = |of: &dyn Fn((u32, u32)) -> Option<Measured>, digits| {
+                let mean = self.mean(uavs, hotspots, of);
+                mean.map_or(String::new(), |(mean, _)| {
+                    told(&mean.interval(CONFIDENCE), digits)
+                })
+            };
+            let steps = |cell| {
+                let rows = self.rows(cell, PPO);
+                scan::measured(&rows, ScanRow::steps, None, |mean| mean)
+            };
+            [
+                uavs.to_string(),
+                entry(&steps, 1),
+                entry(&|cell| self.energy(cell), 3),
+                entry(&|cell| self.throughput(cell, PPO), 2),
+            ]
+        });
+        Block::table(
+            "Steps, energy and throughput of the paper's PPO, mean over n",
+            ["N", "steps (missions alone)", "energy (kWh)", "throughput"],
+            rows.collect(),
+        )
+    }
+
+    /// The cells that were trained with the constant pilot density as well.
+    fn constant_table(&self, fleets: &[u32], hotspots: &[u32]) -> Option<Block> {
+        let mut rows = Vec::new();
+        for cell in pairs(fleets, hotspots) {
+            let (Some(gap), Some(ratio)) = (self.gap(cell), self.throughput_ratio(cell)) else {
+                continue;
+            };
+            let of = |flown| {
+                let rows = self.rows(cell, flown);
+                success_interval(&rows, self.success).map_or(String::new(), |e| told(&e, 2))
+            };
+            rows.push([
+                cell.0.to_string(),
+                cell.1.to_string(),
+                of(PPO),
+                of(CONSTANT),
+                told(&gap.interval(CONFIDENCE), 2),
+                told(&ratio.interval(CONFIDENCE), 2),
+            ]);
+        }
+        let head = [
+            "N",
+            "n",
+            "success, adaptive",
+            "success, 0.3",
+            "adaptive less constant",
+            "throughput, constant over adaptive",
+        ];
+        (!rows.is_empty()).then(|| Block::table("The constant pilot density", head, rows))
+    }
+
+    fn gap(&self, cell: (u32, u32)) -> Option<Effect> {
+        let (adaptive, constant) = (self.success(cell, PPO)?, self.success(cell, CONSTANT)?);
+        Some(Effect::Plain(combination([
+            (1.0, adaptive),
+            (-1.0, constant),
+        ])))
+    }
+
+    fn throughput_ratio(&self, cell: (u32, u32)) -> Option<Effect> {
+        let (adaptive, constant) = (
+            self.throughput(cell, PPO)?,
+            self.throughput(cell, CONSTANT)?,
+        );
+        let terms = [(1.0, constant.ln()), (-1.0, adaptive.ln())];
+        Some(Effect::LogRatio(combination(terms)))
+    }
+
+    fn claims(&self, fleets: &[u32], hotspots: &[u32]) -> Vec<Claim> {
+        let success = |cell| self.success(cell, PPO);
+        let of_all = |cells: Vec<(u32, u32)>, of: &dyn Fn((u32, u32)) -> Option<Effect>| {
+            let effects: Vec<Effect> = cells.iter().filter_map(|&cell| of(cell)).collect();
+            let complete = effects.len() == cells.len();
+            (effects, complete)
+        };
+        let [
+            Published {
+                uavs: ten,
+                rate: low,
+                ..
+            },
+            Published {
+                uavs: fifteen,
+                rate: high,
+                ..
+            },
+        ] = PAPER;
+        let mean = self.mean(ten, hotspots, success);
+        let mut claims = vec![Claim {
+            text: "0.73 with 10 UAVs, on average over the target densities",
+            effects: mean.iter().map(|(mean, _)| Effect::Plain(*mean)).collect(),
+            region: Region::AnotherTraining(low),
+            complete: mean.is_some_and(|(_, complete)| complete),
+        }];
+        let (effects, complete) = of_all(pairs(&[fifteen], hotspots), &|cell| {
+            success(cell).map(Effect::Plain)
+        });
+        claims.push(Claim {
+            text: "0.97 with 15 UAVs, for each number of hotspots",
+            effects,
+            region: Region::AnotherTraining(high),
+            complete,
+        });
+        let (effects, complete) = of_all(pairs(fleets, hotspots), &|cell| {
+            self.throughput(cell, PPO).map(Effect::Plain)
+        });
+        claims.push(Claim {
+            text: "normalised throughput above 1",
+            effects,
+            region: Region::Above(1.0),
+            complete,
+        });
+        claims.extend(self.sublinear(fleets, hotspots));
+        claims.extend(self.constant(&[ten, fifteen], hotspots));
+        claims
+    }
+
+    /// The energy of the largest fleet over that of the smallest, in units of their sizes.
+    fn sublinear(&self, fleets: &[u32], hotspots: &[u32]) -> Option<Claim> {
+        let (&least, &most) = (fleets.first()?, fleets.last()?);
+        let of = |uavs| self.mean(uavs, hotspots, |cell| self.energy(cell));
+        let ((small, all_small), (large, all_large)) = (of(least)?, of(most)?);
+        let mut grown = combination([(1.0, large.ln()), (-1.0, small.ln())]);
+        grown.value -= (f64::from(most) / f64::from(least)).ln();
+        Some(Claim {
+            text: "energy grows slower than the fleet (energy over N, largest over smallest fleet)",
+            effects: vec![Effect::LogRatio(grown)],
+            region: Region::Below(1.0),
+            complete: least < most && all_small && all_large,
+        })
+    }
+
+    fn constant(&self, fleets: &[u32; 2], hotspots: &[u32]) -> Vec<Claim> {
+        let judged = |cells: &[(u32, u32)], of: &dyn Fn((u32, u32)) -> Option<Effect>| {
+            let effects: Vec<Effect> = cells.iter().filter_map(|&cell| of(cell)).collect();
+            let complete = effects.len() == cells.len();
+            (effects, complete)
+        };
+        let gaps = |uavs: u32| judged(&pairs(&[uavs], hotspots), &|cell| self.gap(cell));
+        let (at_ten, all_at_ten) = gaps(fleets[0]);
+        let (at_fifteen, all_at_fifteen) = gaps(fleets[1]);
+        let greatest = at_fifteen.iter().filter_map(|effect| match effect {
+            Effect::Plain(measured) => Some(*measured),
+            _ => None,
+        });
+        let greatest: Vec<Measured> = greatest.collect();
+        let (ratios, all_ratios) = judged(&pairs(fleets, hotspots), &|cell| {
+            self.throughput_ratio(cell)
+        });
+        vec![
+            Claim {
+                text: "with 10 UAVs, adaptive and constant pilot within about 5 points",
+                effects: at_ten,
+                region: Region::Between(-FLUCTUATION, FLUCTUATION),
+                complete: all_at_ten,
+            },
+            Claim {
+                text: "with 15 UAVs, adapting improves success for some number of hotspots",
+                effects: if greatest.is_empty() {
+                    Vec::new()
+                } else {
+                    vec![Effect::Greatest(greatest)]
+                },
+                region: Region::Above(0.0),
+                complete: all_at_fifteen,
+            },
+            Claim {
+                text: "a constant pilot density lowers the throughput",
+                effects: ratios,
+                region: Region::Below(1.0),
+                complete: all_ratios,
+            },
+        ]
+    }
+}
+
+impl Claim {
+    /// A claim whose cells have been flown in part can be refuted, and does not hold yet.
+    fn verdict(&self, spread: Option<Spread>) -> Verdict {
+        let found = verdict(&self.effects, self.region.ends(spread));
+        match found {
+            Verdict::Fails => Verdict::Fails,
+            _ if !self.complete => Verdict::NotJudged,
+            other => other,
+        }
+    }
+
+    fn row(&self, verdict: Verdict) -> [String; 3] {
+        let intervals = self
+            .effects
+            .iter()
+            .map(|effect| effect.interval(CONFIDENCE));
+        let mut intervals: Vec<Estimate> = intervals.collect();
+        if intervals.len() > LISTED_MAX {
+            intervals.sort_by(|a, b| a.value.total_cmp(&b.value));
+            let ends = [intervals.first(), intervals.last()];
+            let [least, greatest] = ends.map(|e| e.map_or(String::new(), |e| told(e, 2)));
+            let cells = intervals.len();
+            let here = format!("{least} to {greatest}, in {cells} cells");
+            return [self.text.to_owned(), here, verdict.text().to_owned()];
+        }
+        let here: Vec<String> = intervals.iter().map(|e| told(e, 2)).collect();
+        [
+            self.text.to_owned(),
+            here.join(", "),
+            verdict.text().to_owned(),
+        ]
+    }
+}
+
+/// What the verdicts come to together, in a sentence.
+fn together(verdicts: &[Verdict]) -> String {
+    let count = |of: Verdict| verdicts.iter().filter(|&&verdict| verdict == of).count();
+    let (holds, fails) = (count(Verdict::Holds), count(Verdict::Fails));
+    let open = verdicts.len() - holds - fails;
+    let whole = if fails > 0 {
+        "The range is therefore not compatible with all of them together."
+    } else if open > 0 {
+        "None refutes the range, and not all of them are shown."
+    } else {
+        "The range is compatible with all of them together."
+    };
+    format!(
+        "Of {} sentences {holds} hold, {fails} fail, and {open} are open. {whole}",
+        verdicts.len()
+    )
+}
+
+/// The fleets and numbers of hotspots with which PPO has flown at a range.
+fn cells_at(scan: &Scan, metres: f64) -> BTreeSet<(u32, u32)> {
+    let rows = scan.rows.iter().filter(|row| {
+        (
+            row.reading.as_str(),
+            row.policy.as_str(),
+            row.pilot.as_str(),
+        ) == (READING, PPO.0, PPO.1)
+            && row.range_m == metres
+    });
+    rows.map(|row| (row.uavs, row.hotspots)).collect()
+}
+
+fn pairs(fleets: &[u32], hotspots: &[u32]) -> Vec<(u32, u32)> {
+    let of = |&uavs: &u32| hotspots.iter().map(move |&n| (uavs, n));
+    fleets.iter().flat_map(of).collect()
+}
+
+fn within_rates(e: Estimate) -> Estimate {
+    Estimate {
+        low: e.low.max(0.0),
+        high: e.high.min(1.0),
+        ..e
+    }
+}
+
+fn told(e: &Estimate, digits: usize) -> String {
+    format!(
+        "{:.digits$} [{:.digits$}, {:.digits$}]",
+        e.value, e.low, e.high
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::testing::row;
+
+    fn at(flown: Flown, (uavs, hotspots): (u32, u32), success: f64) -> ScanRow {
+        ScanRow {
+            hotspots,
+            ..row(flown, 162.5, uavs, 0, success)
+        }
+    }
+
+    fn verdicts(rows: Vec<ScanRow>) -> Vec<(&'static str, Verdict)> {
+        let scan = Scan {
+            rows,
+            ..Scan::default()
+        };
+        let range = Range {
+            scan: &scan,
+            metres: 162.5,
+            success: None,
+            energy: None,
+            throughput: None,
+        };
+        let (fleets, hotspots) = range.sizes();
+        let claims = range.claims(&fleets, &hotspots);
+        let judged = claims.iter().map(|claim| (claim.text, claim.verdict(None)));
+        judged.collect()
+    }
+
+    fn of(verdicts: &[(&str, Verdict)], start: &str) -> Verdict {
+        let found = verdicts.iter().find(|(text, _)| text.starts_with(start));
+        found.expect("a claim that begins so").1
+    }
+
+    // 0.71 and 0.75 of 1000 missions have the mean 0.73; 0.5 lies outside Wilson's interval of 97
+    // of 100, [0.915, 0.990].
+    #[test]
+    fn a_missing_cell_leaves_a_claim_open_and_a_wrong_one_refutes_it() {
+        let mut rows = vec![
+            at(PPO, (10, 5), 0.71),
+            at(PPO, (10, 7), 0.75),
+            at(PPO, (15, 5), 0.97),
+        ];
+        let found = verdicts(rows.clone());
+        assert_eq!(of(&found, "0.73"), Verdict::Holds);
+        assert_eq!(of(&found, "0.97"), Verdict::NotJudged);
+        assert_eq!(of(&found, "a constant"), Verdict::NotJudged);
+        rows.push(at(PPO, (15, 7), 0.5));
+        assert_eq!(of(&verdicts(rows), "0.97"), Verdict::Fails);
+    }
+
+    #[test]
+    fn the_constant_density_is_compared_cell_by_cell() {
+        let cells = [(10, 5), (10, 7), (15, 5), (15, 7)];
+        let mut rows: Vec<ScanRow> = cells.map(|cell| at(PPO, cell, 0.9)).to_vec();
+        rows.extend(cells.map(|cell| ScanRow {
+            throughput: 1.0,
+            throughput_low: 0.99,
+            throughput_high: 1.01,
+            ..at(CONSTANT, cell, 0.7)
+        }));
+        let found = verdicts(rows);
+        assert_eq!(of(&found, "a constant"), Verdict::Holds);
+        assert_eq!(of(&found, "with 10"), Verdict::Fails);
+        assert_eq!(of(&found, "with 15"), Verdict::Holds);
+        assert_eq!(of(&found, "normalised"), Verdict::Holds);
+    }
+
+    // 0.4 kWh with ten as with fifteen UAVs: 2/3 of the energy for each.
+    #[test]
+    fn energy_is_compared_for_each_uav() {
+        let rows = vec![at(PPO, (10, 5), 0.9), at(PPO, (15, 5), 0.9)];
+        assert_eq!(of(&verdicts(rows), "energy"), Verdict::Holds);
+    }
+
+    #[test]
+    fn verdicts_are_counted_together() {
+        let text = together(&[Verdict::Holds, Verdict::NotJudged]);
+        assert!(text.contains("None refutes the range"), "{text}");
+        let text = together(&[Verdict::Holds, Verdict::Fails]);
+        assert!(text.contains("not compatible with all"), "{text}");
+    }
+}
