@@ -1978,9 +1978,9 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
                              size_t message_capacity);
 
 /// Builds a baseline by its name. jcas_policy_free ends it. The names are random, greedy, swarm,
-/// teams, sweep, line, frontier, relay, charging and clean, as for `jcas simulate --policy`. Plans
-/// are on the heap: jcas_policy_act allocates in the first step of an episode and in each step that
-/// plans.
+/// teams, sweep, line, frontier, relay, answer, charging and clean, as for `jcas simulate
+/// --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of an episode and
+/// in each step that plans.
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
 /// `plan` follows one plan without feedback. `replan` plans again after each
@@ -1988,7 +1988,8 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
 /// which takes seconds; otherwise the first step of each episode does.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
-/// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
+/// max, adaptive, myopic or a density such as 0.15; NULL means adaptive. A plan has its own
+/// densities.
 /// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
 /// means that the name is unknown, or that the baseline needs positions that the model hides. It
 /// also means that the fleet or the grid is too large for a plan.

@@ -111,13 +111,14 @@ impl MissionOptions {
 /// Options for the policy and its pilot density.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean, plan, replan,
-    /// plan:FILE for a file of `jcas plan`, or the folder of a trained policy
+    /// A script: random, greedy, swarm, teams, sweep, line, frontier, relay, answer, charging,
+    /// clean. A plan: plan, replan, or plan:FILE for a file of `jcas plan`. Or the folder of a
+    /// trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, or adaptive. With adaptive, a baseline
-    /// takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its own
-    /// density
+    /// Pilot density: a number such as 0.15, min, mid, max, adaptive, or myopic. With adaptive, a
+    /// baseline takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its
+    /// own density. With myopic, a baseline takes what promises most in the next step
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }

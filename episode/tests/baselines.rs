@@ -139,7 +139,8 @@ fn only_privileged_baselines_need_positions() {
             | BaselineKind::Sweep
             | BaselineKind::Line
             | BaselineKind::Frontier
-            | BaselineKind::Relay => assert!(built.is_ok()),
+            | BaselineKind::Relay
+            | BaselineKind::Answer => assert!(built.is_ok()),
             _ => assert_eq!(built.err(), Some(PolicyError::Hidden(kind))),
         }
     }
@@ -181,6 +182,7 @@ fn what_is_hidden_is_not_read() {
         BaselineKind::Line,
         BaselineKind::Frontier,
         BaselineKind::Relay,
+        BaselineKind::Answer,
     ] {
         for pilot in PilotMode::ALL {
             assert_eq!(

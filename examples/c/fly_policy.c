@@ -7,7 +7,7 @@
  *   ./a.out policies/fleet/policy.safetensors
  *
  * The argument may also name a baseline: random, greedy, swarm, teams, sweep, line, frontier,
- * relay, charging or clean.
+ * relay, answer, charging or clean.
  *
  * The mission is the first of `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy POLICY`, bit
  * for bit.

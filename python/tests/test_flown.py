@@ -61,6 +61,7 @@ def test_each_mode_flies_its_own_way() -> None:
         "line",
         "frontier",
         "relay",
+        "answer",
         "charging",
         "clean",
     ],

@@ -45,7 +45,7 @@ pub struct Mission {
     config: Map<String, Value>,
     /// Name of a baseline, of a policy that plans or of a shipped policy.
     policy: String,
-    /// Flyer mode: a number, `min`, `mid`, `max` or `adaptive`.
+    /// Flyer mode: a number, `min`, `mid`, `max`, `adaptive` or `myopic`.
     pilot: String,
     /// Seed of the episode.
     seed: u32,

@@ -66,8 +66,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     hotspots: Vec<u32>,
-    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean. The
-    /// default is teams, or every searching baseline where hotspots are hidden
+    /// Policies: random, greedy, swarm, teams, sweep, line, frontier, relay, answer, charging,
+    /// clean. The default is teams, or every searching baseline where hotspots are hidden
     #[arg(
         long,
         value_name = "POLICY,POLICY",
@@ -75,8 +75,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     policy: Vec<String>,
-    /// Pilot densities: numbers such as 0.15, min, mid, max, or adaptive; adaptive uses a trained
-    /// policy's own density
+    /// Pilot densities: numbers such as 0.15, min, mid, max, adaptive, or myopic; adaptive uses a
+    /// trained policy's own density
     #[arg(
         long,
         value_name = "MODE,MODE",
@@ -180,12 +180,14 @@ impl Sweep {
         if !self.policy.is_empty() {
             return Ok(self.policy.clone());
         }
-        if base.resolve()?.target_visibility == TargetVisibility::Known {
+        let config = base.resolve()?;
+        if config.target_visibility == TargetVisibility::Known {
             return Ok(vec![DEFAULT_POLICY.to_owned()]);
         }
         let searchers = BaselineKind::ALL
             .iter()
-            .filter(|kind| !kind.reads_positions());
+            .filter(|kind| !kind.reads_positions())
+            .filter(|kind| config.report_levels > 0 || !kind.reads_reports());
         Ok(searchers.map(|kind| kind.name().to_owned()).collect())
     }
 

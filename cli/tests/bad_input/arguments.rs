@@ -19,14 +19,17 @@ fn unknown_names() {
         INPUT,
         &[
             "policy = clever",
-            "random, greedy, swarm, teams, sweep, line, frontier, relay, charging, clean",
+            "random, greedy, swarm, teams, sweep, line, frontier, relay, answer, charging, clean",
         ],
     );
     refuses(
         folder.path(),
         &["simulate", "--pilot", "most"],
         INPUT,
-        &["pilot = most", "min, mid, max, adaptive, or a density"],
+        &[
+            "pilot = most",
+            "min, mid, max, adaptive, myopic, or a density",
+        ],
     );
     refuses(
         folder.path(),
@@ -51,7 +54,7 @@ fn unknown_names() {
         &[
             "policy = swarm",
             "target_visibility = hidden",
-            "random, sweep, line, frontier, relay",
+            "random, sweep, line, frontier, relay, answer",
         ],
     );
 }

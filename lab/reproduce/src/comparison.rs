@@ -83,7 +83,9 @@ fn scripts(config: &Config) -> Vec<BaselineKind> {
         return crate::flights::BASELINES.to_vec();
     }
     let all = BaselineKind::ALL.into_iter();
-    all.filter(|kind| !kind.reads_positions()).collect()
+    all.filter(|kind| !kind.reads_positions())
+        .filter(|kind| config.report_levels > 0 || !kind.reads_reports())
+        .collect()
 }
 
 /// What is flown at once.

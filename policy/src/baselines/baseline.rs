@@ -4,6 +4,7 @@ use core::fmt::Display;
 
 use jcas_core::{Model, Motion, StateRef, TargetVisibility};
 
+use super::answer::Answer;
 use super::charge::stays_to_charge;
 use super::charging::Charging;
 use super::error::PolicyError;
@@ -52,6 +53,7 @@ impl BaselineKind {
             Self::Line => Way::Line(Line::new(pilot)),
             Self::Frontier => Way::Frontier(Frontier::new(pilot)),
             Self::Relay => Way::Frontier(Frontier::connected(pilot)),
+            Self::Answer => Way::Answer(Answer::new(pilot)),
             Self::Charging => Way::Charging(Charging::greedy(pilot)),
             Self::Clean => Way::Charging(Charging::clean(pilot)),
         };
@@ -85,6 +87,7 @@ enum Way {
     Sweep(Sweep),
     Line(Line),
     Frontier(Frontier),
+    Answer(Answer),
     Charging(Charging),
 }
 
@@ -98,6 +101,7 @@ impl Way {
             Self::Sweep(way) => way,
             Self::Line(way) => way,
             Self::Frontier(way) => way,
+            Self::Answer(way) => way,
             Self::Charging(way) => way,
         }
     }

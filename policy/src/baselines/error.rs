@@ -31,11 +31,12 @@ impl fmt::Display for PolicyError<'_> {
             Self::UnknownPolicy(name) => write!(
                 out,
                 "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, \
-                 frontier, relay, charging, clean"
+                 frontier, relay, answer, charging, clean"
             ),
             Self::UnknownPilot(name) => write!(
                 out,
-                "pilot = {name}: must be one of min, mid, max, adaptive, or a density such as 0.15"
+                "pilot = {name}: must be one of min, mid, max, adaptive, myopic, or a density \
+                 such as 0.15"
             ),
             Self::PilotOutOfRange { density, low, high } => write!(
                 out,
@@ -45,7 +46,7 @@ impl fmt::Display for PolicyError<'_> {
             Self::Hidden(kind) => write!(
                 out,
                 "policy = {kind}: steers by positions that target_visibility = hidden withholds; \
-                 must be one of random, sweep, line, frontier, relay"
+                 must be one of random, sweep, line, frontier, relay, answer"
             ),
         }
     }

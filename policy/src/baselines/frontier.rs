@@ -7,7 +7,7 @@ use jcas_core::{Cell, Model, Motion, StateRef};
 
 use super::memory::{OutOfMemory, filled, push};
 use super::pilot::PilotMode;
-use super::steering::{Steering, can_fly};
+use super::steering::{Steering, can_fly, cell_of};
 
 /// The age of a cell, in steps, that outweighs one step of flight.
 const STEPS_PER_CELL: i64 = 2;
@@ -308,14 +308,6 @@ impl<'m> Reach<'m> {
             }
         }
         reached >= order.len()
-    }
-}
-
-fn cell_of(model: &Model<'_>, index: usize) -> Cell {
-    let width = model.config().grid_width as usize;
-    Cell {
-        x: (index % width) as u32,
-        y: (index / width) as u32,
     }
 }
 

@@ -21,6 +21,8 @@ pub enum BaselineKind {
     Frontier,
     /// [`Frontier::connected`](super::Frontier::connected).
     Relay,
+    /// [`Answer`](super::Answer).
+    Answer,
     /// [`Charging::greedy`](super::Charging::greedy).
     Charging,
     /// [`Charging::clean`](super::Charging::clean).
@@ -29,7 +31,7 @@ pub enum BaselineKind {
 
 impl BaselineKind {
     /// All baselines.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Random,
         Self::Greedy,
         Self::Swarm,
@@ -38,6 +40,7 @@ impl BaselineKind {
         Self::Line,
         Self::Frontier,
         Self::Relay,
+        Self::Answer,
         Self::Charging,
         Self::Clean,
     ];
@@ -54,9 +57,16 @@ impl BaselineKind {
             Self::Line => "line",
             Self::Frontier => "frontier",
             Self::Relay => "relay",
+            Self::Answer => "answer",
             Self::Charging => "charging",
             Self::Clean => "clean",
         }
+    }
+
+    /// Returns whether it steers by reports. Without them it is the same as another baseline.
+    #[must_use]
+    pub fn reads_reports(self) -> bool {
+        self == Self::Answer
     }
 
     /// Returns whether it steers by the positions of hotspots that no UAV knows yet.

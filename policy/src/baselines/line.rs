@@ -65,18 +65,42 @@ impl Line {
             cells: Vec::new(),
         }
     }
-}
 
-impl Steering for Line {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+    /// Forms the lines at the depot for `seers` UAVs that have to see a hotspot in one step.
+    pub(super) fn form(&mut self, model: &Model<'_>, seers: u32) -> Result<(), OutOfMemory> {
         let formation = match self.chosen {
             Some((hash, formation)) if hash == model.config_hash() => formation,
-            _ => choose(model, self.pilot.sensing_density(model))?,
+            _ => choose(model, self.pilot.sensing_density(model), seers)?,
         };
         self.chosen = Some((model.config_hash(), formation));
         self.rows = rows(model, formation)?;
         self.cells = filled(None, model.uav_count())?;
         Ok(())
+    }
+
+    /// Steers the UAVs that are not away. The lines go on without the others.
+    pub(super) fn steer_without(
+        &mut self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        away: impl Fn(usize) -> bool,
+        motions: &mut [Motion],
+    ) {
+        for (uav, cell) in self.cells.iter_mut().enumerate() {
+            *cell = (can_fly(state, uav) && !away(uav)).then(|| state.cell(uav));
+        }
+        for row in &mut self.rows {
+            row.advance(model, &self.cells);
+            for (index, uav) in row.uavs.clone().enumerate() {
+                motions[uav] = toward(state.cell(uav), row.place(model, index));
+            }
+        }
+    }
+}
+
+impl Steering for Line {
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+        self.form(model, model.config().quorum)
     }
 
     fn steer(
@@ -85,15 +109,7 @@ impl Steering for Line {
         state: &StateRef<'_>,
         motions: &mut [Motion],
     ) -> Result<(), OutOfMemory> {
-        for (uav, cell) in self.cells.iter_mut().enumerate() {
-            *cell = can_fly(state, uav).then(|| state.cell(uav));
-        }
-        for row in &mut self.rows {
-            row.advance(model, &self.cells);
-            for (index, uav) in row.uavs.clone().enumerate() {
-                motions[uav] = toward(state.cell(uav), row.place(model, index));
-            }
-        }
+        self.steer_without(model, state, |_| false, motions);
         Ok(())
     }
 }
@@ -185,9 +201,9 @@ impl FlightLine {
     }
 }
 
-/// Returns the formation with the least expected time to confirm all hotspots, and the simplest one
+/// Returns the formation with the least expected time to see all hotspots, and the simplest one
 /// among equals.
-fn choose(model: &Model<'_>, density: f64) -> Result<Formation, OutOfMemory> {
+fn choose(model: &Model<'_>, density: f64, seers: u32) -> Result<Formation, OutOfMemory> {
     let (across, along, _) = extents(model);
     let mut best = Formation {
         lines: 1,
@@ -203,7 +219,7 @@ fn choose(model: &Model<'_>, density: f64) -> Result<Formation, OutOfMemory> {
                     strips,
                     thirds,
                 };
-                let steps = expected_steps(model, density, formation)?;
+                let steps = expected_steps(model, density, seers, formation)?;
                 if steps < least {
                     (best, least) = (formation, steps);
                 }
@@ -213,15 +229,16 @@ fn choose(model: &Model<'_>, density: f64) -> Result<Formation, OutOfMemory> {
     Ok(best)
 }
 
-/// Returns the expected steps until all hotspots are confirmed, each in a random cell, at most
-/// [`STEPS`].
+/// Returns the expected steps until all hotspots are seen, each in a random cell, at most
+/// [`STEPS`]. A hotspot is seen by at least `seers` UAVs in one step; with θ it is confirmed.
 ///
-/// Let Q be the probability that at least θ of the UAVs detect a hotspot in cell c in one step.
-/// After t steps it is unconfirmed with probability m_c(t) = prod (1 - Q). With m the mean over
-/// cells, all n are confirmed with probability (1 - m)^n.
+/// Let Q be the probability that at least `seers` of the UAVs detect a hotspot in cell c in one
+/// step. After t steps it is unseen with probability m_c(t) = prod (1 - Q). With m the mean over
+/// cells, all n are seen with probability (1 - m)^n.
 fn expected_steps(
     model: &Model<'_>,
     density: f64,
+    seers: u32,
     formation: Formation,
 ) -> Result<f64, OutOfMemory> {
     let (config, uavs) = (model.config(), model.uav_count());
@@ -230,7 +247,7 @@ fn expected_steps(
     let sampled = collect(sample(config.grid_width, config.grid_height))?;
     let detection = Detection::new(model, density)?;
     let mut missed = filled(1.0, sampled.len())?;
-    let mut exactly = filled(0.0, config.quorum as usize)?;
+    let mut exactly = filled(0.0, seers as usize)?;
     let mut expected = 0.0;
     for _ in 0..STEPS {
         let mean = missed.iter().sum::<f64>() / missed.len() as f64;
@@ -338,8 +355,8 @@ mod tests {
             uav_count: 6,
             ..Config::default()
         };
-        assert!(choose(&Model::new(strong).unwrap(), 0.3).unwrap().thirds > 0);
-        let flock = choose(&Model::new(weak).unwrap(), 0.3).unwrap();
+        assert!(choose(&Model::new(strong).unwrap(), 0.3, 3).unwrap().thirds > 0);
+        let flock = choose(&Model::new(weak).unwrap(), 0.3, 3).unwrap();
         assert_eq!((flock.lines, flock.thirds), (1, 0));
     }
 

@@ -12,6 +12,7 @@
 //! | `line` | as `sweep` | no |
 //! | `frontier` | as `sweep`; a search map per team (or visited cells), other teams' targets | no |
 //! | `relay` | as `frontier`, and the link budget between teams | no |
+//! | `answer` | as `line`; what each UAV knows of reports | no |
 //! | `charging` | as `teams`, and every UAV's charge | positions |
 //! | `clean` | as `charging`, and the carbon intensity of the next step | positions |
 //!
@@ -26,6 +27,7 @@
 //! rules read the knowledge and the charge of every UAV, which a real fleet would have to exchange.
 //! The baselines are centralised; the learned policies are not.
 
+mod answer;
 mod assignment;
 mod baseline;
 mod charge;
@@ -37,6 +39,7 @@ mod greedy;
 mod kind;
 mod line;
 mod memory;
+mod myopic;
 mod pilot;
 mod quorum;
 mod random;
@@ -46,6 +49,7 @@ mod swarm;
 mod sweep;
 mod teams;
 
+pub use answer::Answer;
 pub use baseline::Baseline;
 pub use charge::stays_to_charge;
 pub use charging::Charging;

@@ -5,6 +5,7 @@ use core::fmt;
 use jcas_core::{Config, Model, StateRef, TargetVisibility};
 
 use super::error::PolicyError;
+use super::myopic;
 
 /// The Manhattan distance in cells of an unconfirmed hotspot within which `adaptive` senses at full
 /// pilot density.
@@ -26,13 +27,22 @@ pub enum PilotMode {
     /// The rule takes the maximum near an unconfirmed hotspot and the minimum elsewhere. With
     /// hidden positions, it takes the maximum while any hotspot is unconfirmed.
     Adaptive,
+    /// The rule takes the density with the most expected detections and neighbours reached in the
+    /// next step, from the cells before the move.
+    Myopic,
     /// The rule always takes this density, clipped to the bounds of the model.
     Held(f64),
 }
 
 impl PilotMode {
     /// All modes that have a name.
-    pub const ALL: [Self; 4] = [Self::Min, Self::Mid, Self::Max, Self::Adaptive];
+    pub const ALL: [Self; 5] = [
+        Self::Min,
+        Self::Mid,
+        Self::Max,
+        Self::Adaptive,
+        Self::Myopic,
+    ];
 
     /// The name of the mode, or the density in decimal digits.
     #[must_use]
@@ -47,6 +57,7 @@ impl PilotMode {
             Self::Mid => Some("mid"),
             Self::Max => Some("max"),
             Self::Adaptive => Some("adaptive"),
+            Self::Myopic => Some("myopic"),
             Self::Held(_) => None,
         }
     }
@@ -82,15 +93,15 @@ impl PilotMode {
         }
     }
 
-    /// The action component u_pilot that is constant throughout an episode. `None` for the adaptive
-    /// mode.
+    /// The action component u_pilot that is constant throughout an episode. `None` for a mode that
+    /// follows the state.
     #[must_use]
     pub fn held(self, config: &Config) -> Option<f32> {
         match self {
             Self::Min => Some(-1.0),
             Self::Mid => Some(0.0),
             Self::Max => Some(1.0),
-            Self::Adaptive => None,
+            Self::Adaptive | Self::Myopic => None,
             Self::Held(density) => Some(action_of(config, density)),
         }
     }
@@ -98,12 +109,10 @@ impl PilotMode {
     /// The action component u_pilot of one UAV, in [-1, 1].
     #[must_use]
     pub fn action(self, model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f32 {
-        let adapted = || {
-            if target_in_range(model, state, uav) {
-                1.0
-            } else {
-                -1.0
-            }
+        let adapted = || match self {
+            Self::Myopic => action_of(model.config(), myopic::density(model, state, uav)),
+            _ if target_in_range(model, state, uav) => 1.0,
+            _ => -1.0,
         };
         self.held(model.config()).unwrap_or_else(adapted)
     }
@@ -118,7 +127,7 @@ impl PilotMode {
         match self {
             Self::Min => low,
             Self::Mid => low + 0.5 * (high - low),
-            Self::Max | Self::Adaptive => high,
+            Self::Max | Self::Adaptive | Self::Myopic => high,
             Self::Held(density) => density.clamp(low, high),
         }
     }

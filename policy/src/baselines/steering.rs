@@ -1,6 +1,6 @@
 //! The steering of baselines, and the UAVs that they can steer.
 
-use jcas_core::{Model, Motion, StateRef};
+use jcas_core::{Cell, Model, Motion, StateRef};
 
 use super::memory::OutOfMemory;
 
@@ -33,4 +33,21 @@ pub trait Steering: Send {
 /// Returns whether a UAV follows its action: it is neither grounded nor returning to base.
 pub(super) fn can_fly(state: &StateRef<'_>, uav: usize) -> bool {
     !state.grounded(uav) && !state.returning(uav)
+}
+
+/// Returns the cell with this row-major index.
+pub(super) fn cell_of(model: &Model<'_>, index: usize) -> Cell {
+    let width = model.config().grid_width as usize;
+    Cell {
+        x: (index % width) as u32,
+        y: (index / width) as u32,
+    }
+}
+
+/// Returns whether a quorum has confirmed a hotspot in the cell, truly or falsely. Every UAV
+/// observes that.
+pub(super) fn settled(state: &StateRef<'_>, index: usize, cell: Cell) -> bool {
+    let mut hotspots = 0..state.hotspot_count();
+    state.falsely_confirmed(index)
+        || hotspots.any(|j| state.confirmed(j) && state.hotspot_cell(j) == cell)
 }
