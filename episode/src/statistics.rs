@@ -10,6 +10,8 @@ use statrs::statistics::{Data, OrderStatistics};
 const RESAMPLES: u32 = 2_000;
 /// Seed of the resampling; it is fixed, so that the same missions always have the same intervals.
 const BOOTSTRAP_SEED: u64 = 0x6a63_6173_2d63_6931;
+/// The quantity that reports for people leave out where it is 0, as without false alarms.
+pub const FALSE_CONFIRMATIONS: &str = "false_confirmations_mean";
 /// Fraction of the distribution on either side of an interval.
 const TAIL: f64 = 0.025;
 
@@ -152,6 +154,8 @@ pub struct Summary {
     pub throughput: Estimate,
     /// Number of confirmed hotspots.
     pub confirmed: Estimate,
+    /// Number of cells without a hotspot that a quorum confirmed; 0 without false alarms.
+    pub false_confirmations: Estimate,
     /// Pilot density, averaged over UAVs and steps.
     pub pilot_density: Estimate,
     /// Undiscounted team reward of a mission.
@@ -176,7 +180,7 @@ impl Summary {
     #[must_use]
     pub fn of(missions: &[Metrics], horizon_steps: u32) -> Self {
         let successes = missions.iter().filter(|metrics| metrics.terminated).count();
-        let rows: Vec<[f64; 7]> = missions
+        let rows: Vec<[f64; 8]> = missions
             .iter()
             .zip(mission_steps(missions, horizon_steps))
             .map(|(metrics, steps)| {
@@ -186,6 +190,7 @@ impl Summary {
                     metrics.co2_kg,
                     metrics.throughput_mean,
                     f64::from(metrics.confirmed),
+                    f64::from(metrics.false_confirmations),
                     metrics.pilot_density_mean,
                     metrics.return_sum,
                 ]
@@ -197,6 +202,7 @@ impl Summary {
             co2_kg,
             throughput,
             confirmed,
+            false_confirmations,
             pilot_density,
             episode_return,
         ] = bootstrap_means(&rows);
@@ -208,6 +214,7 @@ impl Summary {
             co2_kg,
             throughput,
             confirmed,
+            false_confirmations,
             pilot_density,
             episode_return,
         }
@@ -215,7 +222,7 @@ impl Summary {
 
     /// Every quantity, in the order of reports.
     #[must_use]
-    pub fn quantities(&self) -> [Quantity; 8] {
+    pub fn quantities(&self) -> [Quantity; 9] {
         let quantity = |name, title, unit, estimate| Quantity {
             name,
             title,
@@ -234,6 +241,12 @@ impl Summary {
             quantity("co2_kg_mean", "CO2", "kg", self.co2_kg),
             quantity("throughput_mean", "throughput", "", self.throughput),
             quantity("confirmed_mean", "hotspots confirmed", "", self.confirmed),
+            quantity(
+                FALSE_CONFIRMATIONS,
+                "falsely confirmed",
+                "",
+                self.false_confirmations,
+            ),
             quantity(
                 "pilot_density_mean",
                 "pilot density",

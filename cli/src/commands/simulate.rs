@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use jcas_core::{Config, Model};
 use jcas_episode::mission::{self, Campaign};
-use jcas_episode::statistics::Summary;
+use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use serde::Serialize;
 
 use crate::error::{CliError, Outcome};
@@ -150,6 +150,9 @@ impl<'a> Report<'a> {
         );
         for quantity in self.summary.quantities() {
             let estimate = quantity.estimate;
+            if quantity.name == FALSE_CONFIRMATIONS && estimate == Estimate::default() {
+                continue;
+            }
             let digits = decimals(estimate.value);
             text += &format!(
                 "{:20} {:>10.digits$}  [{:.digits$}, {:.digits$}] {}\n",

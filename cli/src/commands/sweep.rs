@@ -7,7 +7,7 @@ use comfy_table::presets::UTF8_FULL_CONDENSED;
 use comfy_table::{CellAlignment, Table};
 use jcas_core::{Model, TargetVisibility};
 use jcas_episode::mission::Campaign;
-use jcas_episode::statistics::{Estimate, Summary};
+use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use jcas_policy::BaselineKind;
 use serde::Serialize;
 
@@ -242,12 +242,19 @@ pub(super) fn text_table(axes: &[Axis], cells: &[SweepCell], store: &Store) -> S
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     let names = columns.iter().map(|&axis| title(&axes[axis].name));
-    table.set_header(names.chain(SHOWN.map(|(_, title, _)| title)));
+    let alarming = |index: usize| {
+        let estimate = store.estimate(index, FALSE_CONFIRMATIONS);
+        estimate.is_some_and(|estimate| estimate != Estimate::default())
+    };
+    let alarms = (0..cells.len()).any(alarming);
+    let falsely = alarms.then_some((FALSE_CONFIRMATIONS, "false", 2));
+    let quantities: Vec<_> = SHOWN.into_iter().chain(falsely).collect();
+    table.set_header(names.chain(quantities.iter().map(|&(_, title, _)| title)));
     for (index, cell) in cells.iter().enumerate() {
         let values = columns.iter().map(|&axis| cell.values[axis].clone());
-        let estimates = SHOWN.map(|(name, _, digits)| match store.estimate(index, name) {
-            Some(estimate) => shown(name, estimate, digits),
-            None => String::new(),
+        let estimates = quantities.iter().map(|&(name, _, digits)| {
+            let estimate = store.estimate(index, name);
+            estimate.map_or_else(String::new, |estimate| shown(name, estimate, digits))
         });
         table.add_row(values.chain(estimates));
     }

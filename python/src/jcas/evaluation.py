@@ -83,6 +83,8 @@ class Report:
             "",
         ]
         for quantity in self.quantities:
+            if quantity.name == "false_confirmations_mean" and quantity.high == 0.0:
+                continue
             digits = _decimals(quantity.value)
             lines.append(
                 f"{quantity.title:20} {quantity.value:>10.{digits}f}  "
@@ -133,6 +135,7 @@ def evaluate(
             metrics["co2_kg"],
             metrics["throughput_mean"],
             metrics["confirmed"],
+            metrics["false_confirmations"],
             metrics["pilot_density_mean"],
             metrics["return_sum"],
         ],
@@ -147,6 +150,7 @@ def evaluate(
         ("co2_kg_mean", "CO2", "kg"),
         ("throughput_mean", "throughput", ""),
         ("confirmed_mean", "hotspots confirmed", ""),
+        ("false_confirmations_mean", "falsely confirmed", ""),
         ("pilot_density_mean", "pilot density", ""),
         ("return_mean", "return", ""),
     )
