@@ -442,6 +442,12 @@ fn output(name: &str, mission: &Mission) -> Result<Values, String> {
         "terminated" => truth(metrics.terminated),
         "truncated" => truth(metrics.truncated),
         "state_hash" => Values::UInt64(vec![mission.hash()]),
+        "reported_count" => {
+            let cells = mission.model().config().cell_count();
+            let reported = |i| (0..cells).filter(move |&cell| state.report_level(i, cell) > 0);
+            Values::UInt32(uavs.map(|i| reported(i).count() as u32).collect())
+        }
+        "false_confirmation_count" => Values::UInt32(vec![metrics.false_confirmations]),
         other => return Err(format!("{other} has no value")),
     })
 }
@@ -475,6 +481,34 @@ mod tests {
         let derived = Config::FIELDS.iter().find(|info| may_be_derived(info.name));
         let derived = derived.expect("a field can be derived").name;
         assert_eq!(set(&mut unit, derived, f64::NAN), Ok(()));
+    }
+
+    /// Five UAVs in one cell raise false alarms in half of the cells around them, so that two of
+    /// them agree on some.
+    #[test]
+    fn reports_and_false_confirmations_are_outputs() {
+        let mut unit = Instance::new(None).expect("an instance");
+        let mut set = |name: &str, values: Values| {
+            assert_eq!(unit.set(reference_of(name), values), Ok(()), "{name}");
+        };
+        set("preset", Values::String(vec!["isac".into()]));
+        set("uav_count", Values::UInt32(vec![5]));
+        set("quorum", Values::UInt32(vec![2]));
+        set("false_alarm_per_cell", Values::Float64(vec![0.5]));
+        let mut mission = Mission::new(&unit.setup).expect("a mission");
+        let counts = |mission: &Mission, name: &str| match output(name, mission) {
+            Ok(Values::UInt32(counts)) => counts,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(counts(&mission, "reported_count"), [0; 5]);
+        assert_eq!(counts(&mission, "false_confirmation_count"), [0]);
+        mission.step(&Inputs::of(5)).expect("a step");
+        assert!(
+            counts(&mission, "reported_count")
+                .iter()
+                .all(|&count| count > 0)
+        );
+        assert!(counts(&mission, "false_confirmation_count")[0] > 0);
     }
 
     #[test]

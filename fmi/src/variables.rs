@@ -109,7 +109,7 @@ type Output = (
 );
 
 /// The outputs.
-pub const OUTPUTS: [Output; 21] = [
+pub const OUTPUTS: [Output; 23] = [
     (
         "cell",
         VariableType::UInt32,
@@ -256,6 +256,20 @@ pub const OUTPUTS: [Output; 21] = [
         &[],
         None,
         "Fingerprint of the kernel's state, the same as through every other interface.",
+    ),
+    (
+        "reported_count",
+        VariableType::UInt32,
+        &[Extent::Uavs],
+        None,
+        "Number of cells of which each UAV knows a report; 0 without report levels.",
+    ),
+    (
+        "false_confirmation_count",
+        VariableType::UInt32,
+        &[],
+        None,
+        "Number of cells without a hotspot that a quorum has confirmed.",
     ),
 ];
 
