@@ -3,7 +3,7 @@
 const MICROJOULES_PER_KWH = 3.6e12;
 const NANOGRAMS_PER_GRAM = 1e9;
 
-function readEpisode({ header, steps, end }) {
+function readEpisode({ header, steps, end, footprint_cells: footprint }) {
   const { config, initial } = header;
   const capacity_uj = config.battery_capacity_kwh * MICROJOULES_PER_KWH;
   const nobody = initial.positions.map(() => []);
@@ -38,7 +38,7 @@ function readEpisode({ header, steps, end }) {
   }));
 
   const episode = {
-    header, end, config, frames,
+    header, end, config, frames, footprint,
     uavCount: initial.positions.length,
     hotspotCount: header.hotspots.length,
     lastStep: frames.length - 1,

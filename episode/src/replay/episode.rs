@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use jcas_core::Cell;
+use jcas_core::{Cell, Config, Model};
 use serde::Serialize;
 
 use crate::trace::{End, Header, Hex, Host, Rewards, Step, Trace, TraceError};
@@ -15,6 +15,9 @@ pub(super) struct Episode<'a> {
     header: Cow<'a, Header>,
     steps: Vec<Frame<'a>>,
     end: &'a End,
+    /// The radius of the cells in which a UAV may raise a false alarm, in cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    footprint_cells: Option<f64>,
 }
 
 /// A step without the fields that the page does not show.
@@ -61,7 +64,9 @@ impl<'a> Episode<'a> {
         if let Some(first) = steps.first_mut() {
             first.moved_hotspots.clear();
         }
+        let footprint_cells = footprint_cells(&started.config);
         Ok(Self {
+            footprint_cells,
             header: started,
             steps,
             end,
@@ -118,6 +123,19 @@ impl<'a> Frame<'a> {
             moved_hotspots: step.host.iter().filter_map(moved_hotspot).collect(),
         }
     }
+}
+
+/// The distance of the farthest cell of a footprint; none without false alarms.
+fn footprint_cells(config: &Config) -> Option<f64> {
+    if config.false_alarm_per_cell == 0.0 {
+        return None;
+    }
+    let model = Model::new(*config).ok()?;
+    let columns = 0..config.grid_width;
+    let offsets = columns.flat_map(|dx| (0..config.grid_height).map(move |dy| (dx, dy)));
+    let inside = offsets.filter(|&(dx, dy)| model.false_alarm_probability(dx, dy) > 0.0);
+    let distances = inside.map(|(dx, dy)| f64::from(dx).hypot(f64::from(dy)));
+    Some(distances.fold(0.0, f64::max))
 }
 
 fn moved_hotspot(call: &Host) -> Option<(usize, Cell)> {

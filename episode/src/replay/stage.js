@@ -49,6 +49,7 @@ function createStage(svg, episode, onSelect) {
   });
   const hotspots = header.hotspots.map(drawHotspot);
   const alarms = element(svg, 'path', { class: 'alarms' });
+  const footprint = element(svg, 'circle', { class: 'footprint', r: 0 });
   const tails = element(svg, 'path', { class: 'tails' });
   const route = element(svg, 'path', { class: 'route' });
   const links = element(svg, 'path', { class: 'links' });
@@ -210,6 +211,16 @@ function createStage(svg, episode, onSelect) {
     return group;
   }
 
+  /** A circle around the cells in which the selected UAV may raise a false alarm. */
+  function drawFootprint(cell) {
+    const shown = cell !== undefined && episode.footprint !== undefined;
+    footprint.setAttribute('r', shown ? (episode.footprint + 0.5) * CELL : 0);
+    if (!shown) return;
+    const [cx, cy] = centre(cell);
+    footprint.setAttribute('cx', cx);
+    footprint.setAttribute('cy', cy);
+  }
+
   function drawUav(id) {
     const group = element(fleet, 'g', { class: 'uav', 'data-uav': id });
     group.addEventListener('click', () => onSelect({ uav: id }));
@@ -359,6 +370,7 @@ function createStage(svg, episode, onSelect) {
     for (const { key, node } of reported) node.style.fillOpacity = 0.16 * (levels.get(key) ?? 0);
     const seen = frame.false_alarms ?? [];
     const raised = selection.uav === undefined ? seen.flat() : seen[selection.uav] ?? [];
+    drawFootprint(frame.positions[selection.uav]);
     alarms.setAttribute('d', raised.map((cell) => cross(cell, 5)).join(''));
     if (frame.hotspots !== placedHotspots) placeHotspots(frame.hotspots);
     hotspots.forEach(({ group, title, known }, id) => {

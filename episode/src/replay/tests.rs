@@ -109,6 +109,7 @@ fn a_mark_inside_a_value_is_left_alone() {
 fn false_alarms_and_reports_are_shown_where_there_are_any() {
     let silent = data_of(&page(&flight()).unwrap());
     assert!(silent["steps"][0].get("reports").is_none());
+    assert!(silent.get("footprint_cells").is_none());
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/reports.jsonl");
     let text = std::fs::read_to_string(path).unwrap();
     let shown = data_of(&page(&text).unwrap());
@@ -116,6 +117,11 @@ fn false_alarms_and_reports_are_shown_where_there_are_any() {
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
+    let cell_m = recorded[0]["config"]["cell_size_m"].as_f64().unwrap();
+    let radius_m = recorded[0]["config"]["sensing_footprint_m"].as_f64();
+    let within = radius_m.map_or(f64::INFINITY, |metres| metres / cell_m);
+    let footprint = shown["footprint_cells"].as_f64().unwrap();
+    assert!(footprint > 0.0 && footprint <= within, "{footprint}");
     for field in ["false_alarms", "falsely_confirmed", "reports"] {
         let last = recorded.len() - 2;
         assert_eq!(
