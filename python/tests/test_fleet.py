@@ -273,3 +273,15 @@ def test_pictures_of_every_member():
     envs.reset(seed=1)
     frames = envs.render()
     assert len(frames) == 2 and frames[0].shape == frames[1].shape and not np.array_equal(*frames)
+
+
+@pytest.mark.heavy
+def test_torchrl_wraps_fleets_that_are_reset_at_once():
+    libs = pytest.importorskip("torchrl.envs")
+    shape = {"num_envs": 2, "uav_count": 3, "horizon_steps": 4}
+    env = libs.GymWrapper(jcas.make_vec(**shape, autoreset_mode="SameStep"))
+    flown = env.rollout(6, break_when_any_done=False)
+    assert env.batch_size == (2,) and flown["action"].shape == (2, 6, 3, 2)
+    assert flown["next", "truncated"][:, :, 0].any(1).all()
+    with pytest.raises(RuntimeError, match="SAME_STEP"):
+        libs.GymWrapper(jcas.make_vec(**shape))
