@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A golden trace on a Cortex-M4 without an operating system, from static memory, under QEMU. Debian's
-# compiler builds `core` from its source, which cargo calls an unstable feature.
+# A golden trace on a Cortex-M4 without an operating system, from static memory, under QEMU.
+# Debian's compiler builds `core` from its source, which cargo calls an unstable feature.
 set -euo pipefail
 
 export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1

@@ -8,7 +8,8 @@ PACKAGES=(
     # ns-3, and two libraries that its pkg-config files name without depending on them
     libns3-dev libgsl-dev libsqlite3-dev
     # AArch64 and wasm32: a Rust compiler with a second target's std and with the source of std
-    rustc-web libstd-rust-web-dev:arm64 rust-web-src gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+    rustc-web libstd-rust-web-dev:arm64 rust-web-src
+    gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
     # s390x and ARMv7
     gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross
     # a microcontroller

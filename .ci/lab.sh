@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The laboratory, a workspace of its own: formatting, clippy, training and reproduction in a release build.
+# The laboratory, a workspace of its own: formatting, clippy, training and reproduction in a
+# release build.
 set -euo pipefail
 
 cd lab

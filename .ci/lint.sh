@@ -8,5 +8,6 @@ for crate in api cortex_m no_std portable; do
 done
 cargo clippy --locked --quiet --workspace --all-targets -- -D warnings
 
-# Columns, long functions and sentences, words, dead files, tables, names of types, subjects of commits.
+# Columns, long functions and sentences, words, dead files, tables, names of types, subjects of
+# commits.
 cargo run --locked --quiet --package xtask -- tidy

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The ns-3 example: ns-3 moves the UAVs and decides who hears whom, and the missions are complete, flown by a
-# baseline and by the shipped policy.
+# The ns-3 example: ns-3 moves the UAVs and decides which of them hear each other. A baseline and
+# the shipped policy fly, and their missions are complete.
 set -euo pipefail
 shopt -s inherit_errexit
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# The library, installed as C people install it and used from an outside folder, shared and static: by
-# cargo-c with its pkg-config file, and by CMake, also as a part of another project.
+# The library, installed as C programmers do it and used from an outside folder, shared and static.
+# cargo-c installs it with its pkg-config file; CMake does it too, also as a part of another project.
 set -euo pipefail
 shopt -s inherit_errexit
 
-# Rust's newest cargo-c wants a newer compiler. Unoptimised it builds in a third of the time; its 345 crates are kept
-# beyond this clone.
+# Rust's newest cargo-c wants a newer compiler. Unoptimised it builds in a third of the time; its
+# 345 crates are kept beyond this clone.
 readonly CARGO_C=0.10.24
 tools=${XDG_CACHE_HOME:-$HOME/.cache}/jcas/cargo-c-$CARGO_C
 if [[ ! -x $tools/bin/cargo-cinstall ]]; then

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# The Python package: built and installed from the clone into an environment of its own, linted, type-checked,
-# tested; then RLlib and sweeps on two Ray nodes, Stable-Baselines3, TorchRL and the notebook.
-# PyTorch and Ray are large (some 5 GB unpacked); uv fetches and unpacks them in under a minute. The registry has
-# PyTorch with CUDA alone, which does not load without CUDA's libraries; its compiler, triton, can stay away.
+# The Python package: built and installed from the clone into an environment of its own, linted,
+# type-checked and tested. RLlib and sweeps on two Ray nodes, Stable-Baselines3, TorchRL and the
+# notebook follow.
+# PyTorch and Ray are large (some 5 GB unpacked); uv fetches and unpacks them in under a minute. The
+# registry has PyTorch with CUDA alone, which does not load without CUDA's libraries; its compiler,
+# triton, can stay away.
 set -euo pipefail
 
 venv=$(realpath -m "${JCAS_VENV:-$CARGO_TARGET_DIR/venv}")
@@ -15,7 +17,8 @@ uv() { "$venv/bin/uv" "$@"; }
 "$python" -m pip install --quiet --disable-pip-version-check ./python
 overrides=$(mktemp)
 echo 'triton; sys_platform == "never"' >"$overrides"
-uv pip install --quiet --python "$python" --override "$overrides" './python[test,rllib,sweep,sb3,torchrl,notebook]'
+uv pip install --quiet --python "$python" --override "$overrides" \
+    './python[test,rllib,sweep,sb3,torchrl,notebook]'
 rm "$overrides"
 
 (
@@ -43,7 +46,8 @@ sed -n '/^```python$/,/^```$/p' python/README.md | sed '/^```/d' >"$work/readme.
 
 "$python" examples/plan_by_forking.py
 "$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
-"$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 --episodes 5
+"$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 \
+    --episodes 5
 "$python" python/run_notebook.py examples/tour.ipynb
 "$python" examples/radar/ofdm_radar.py --frames 100 --ranges-m 60 \
     --out "$work/p_d.csv" --figure "$work/p_d.png"

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The tests of the interface under AddressSanitizer and UndefinedBehaviorSanitizer, under
-# ThreadSanitizer, and under valgrind. The sanitizers watch the Rust code and its std as well: both are
-# built instrumented, from the source that Debian packages, which cargo calls an unstable feature.
+# ThreadSanitizer, and under valgrind. The sanitizers watch the Rust code and its std as well. Both
+# are built instrumented, from the source that Debian packages, which cargo calls an unstable
+# feature.
 set -euo pipefail
 shopt -s inherit_errexit
 

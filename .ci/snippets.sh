@@ -14,7 +14,8 @@ trap 'rm -rf "$outside"' EXIT
 # Writes the fenced blocks of a language in a document to <name>-<number>.<language>.
 snippets() {
     local language=$1 document=$2
-    awk -v fence="\`\`\`$language" -v name="$outside/$(basename "$document" .md)" -v suffix="$language" '
+    local name=$outside/$(basename "$document" .md)
+    awk -v fence="\`\`\`$language" -v name="$name" -v suffix="$language" '
         $0 == fence { inside = 1; file = name "-" ++count "." suffix; printf "" >file; next }
         /^```/ { inside = 0 }
         inside { print >file }' "$document"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Every Rust test in a debug build: overflow checks and debug assertions on. No root, nothing to install.
+# Every Rust test in a debug build: overflow checks and debug assertions on. It needs no root and
+# installs nothing.
 set -euo pipefail
 
 cargo test --locked --workspace

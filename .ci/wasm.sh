@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The golden traces on wasm32, under Node: a 32-bit target; and the playground's kernel. Debian has no ready-made std
-# for it, so it is built from the source that Debian packages, which cargo calls an unstable feature.
+# The golden traces on wasm32, under Node: a 32-bit target; and the playground's kernel. Debian has
+# no ready-made std for it. So it is built from the source that Debian packages, which cargo calls
+# an unstable feature.
 set -euo pipefail
 
 linker=$(rustc --print sysroot)/lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld
