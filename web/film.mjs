@@ -2,7 +2,7 @@
 // image in a document.
 //
 //   cargo xtask web
-//   node web/film.mjs target/web/index.html '{"preset":"search","policy":"line","seed":2,"set":{"uav_count":15,"hotspot_count":7}}' FOLDER [PARTS]
+//   node web/film.mjs target/web/index.html MISSION FOLDER [PARTS]
 //   img2webp -loop 0 -lossy -q 70 -d 120 FOLDER/*.png -o film.webp
 
 import { mkdirSync, writeFileSync } from 'node:fs';
@@ -18,15 +18,33 @@ if (!folder) {
 mkdirSync(folder, { recursive: true });
 const browser = await openBrowser();
 try {
-  const view = await browser.openPage(`${pathToFileURL(resolve(page)).href}#m=${encodeURIComponent(mission)}`);
-  await view.evaluate(`new Promise((done) => { const look = () => (document.querySelector('#hash').textContent ? done() : setTimeout(look, 50)); look(); })`);
-  const { x, y, width, height } = await view.evaluate(`(() => { const { x, y, width, height } = document.querySelector('.stage-card').getBoundingClientRect(); return { x: x + scrollX, y: y + scrollY, width, height }; })()`);
+  const address = pathToFileURL(resolve(page)).href;
+  const view = await browser.openPage(`${address}#m=${encodeURIComponent(mission)}`);
+  await view.evaluate(`new Promise((done) => {
+    const isShown = () => document.querySelector('#hash').textContent;
+    const look = () => (isShown() ? done() : setTimeout(look, 50));
+    look();
+  })`);
+  const card = await view.evaluate(`(() => {
+    const { x, y, width, height } = document.querySelector('.stage-card').getBoundingClientRect();
+    return { x: x + scrollX, y: y + scrollY, width, height };
+  })()`);
   const last = await view.evaluate(`Number(document.querySelector('#scrub').max)`);
   const frames = last * Number(parts);
   for (let frame = 0; frame <= frames; frame += 1) {
-    await view.evaluate(`(() => { const input = document.querySelector('#scrub'); input.step = 'any'; input.value = ${frame / Number(parts)}; input.dispatchEvent(new Event('input')); })()`);
-    const shot = await view.call('Page.captureScreenshot', { format: 'png', captureBeyondViewport: true, clip: { x, y, width, height, scale: 0.75 } });
-    writeFileSync(join(folder, `${String(frame).padStart(4, '0')}.png`), Buffer.from(shot.data, 'base64'));
+    await view.evaluate(`(() => {
+      const input = document.querySelector('#scrub');
+      input.step = 'any';
+      input.value = ${frame / Number(parts)};
+      input.dispatchEvent(new Event('input'));
+    })()`);
+    const shot = await view.call('Page.captureScreenshot', {
+      format: 'png',
+      captureBeyondViewport: true,
+      clip: { ...card, scale: 0.75 },
+    });
+    const name = `${String(frame).padStart(4, '0')}.png`;
+    writeFileSync(join(folder, name), Buffer.from(shot.data, 'base64'));
   }
   console.log(`${frames + 1} pictures in ${folder}`);
 } finally {

@@ -13,7 +13,8 @@ async function inside(code) {
     const start = exports.question(text.length);
     new Uint8Array(exports.memory.buffer, start, text.length).set(text);
     const answer = exports.answer();
-    return JSON.parse(new TextDecoder().decode(new Uint8Array(exports.memory.buffer, answer, exports.answer_length())));
+    const reply = new Uint8Array(exports.memory.buffer, answer, exports.answer_length());
+    return JSON.parse(new TextDecoder().decode(reply));
   };
 }
 

@@ -5,8 +5,22 @@ const ask = await openKernel();
 const about = await ask({ ask: 'about' });
 const MOTIONS = { ArrowUp: 0, ArrowDown: 1, ArrowLeft: 2, ArrowRight: 3, '.': 4 };
 /** Inputs that stand for a field of the configuration. */
-const INPUTS = { uavs: 'uav_count', hotspots: 'hotspot_count', range: 'sensing_range_m', quorum: 'quorum', link: 'link_throughput_min' };
-const START = { preset: 'mission', set: {}, policy: 'teams', pilot: 'adaptive', seed: 1, moved: [], deeds: [] };
+const INPUTS = {
+  uavs: 'uav_count',
+  hotspots: 'hotspot_count',
+  range: 'sensing_range_m',
+  quorum: 'quorum',
+  link: 'link_throughput_min',
+};
+const START = {
+  preset: 'mission',
+  set: {},
+  policy: 'teams',
+  pilot: 'adaptive',
+  seed: 1,
+  moved: [],
+  deeds: [],
+};
 
 let mission = readMission() ?? structuredClone(START);
 let steering = false;
@@ -22,7 +36,12 @@ around.onKey = onMissionKey;
 around.drawn = describeSelection;
 addEventListener('hashchange', () => {
   const asked = readMission();
-  if (asked && JSON.stringify(asked) !== JSON.stringify(mission)) { mission = asked; fly(); } else readAddress();
+  if (asked && JSON.stringify(asked) !== JSON.stringify(mission)) {
+    mission = asked;
+    fly();
+  } else {
+    readAddress();
+  }
 });
 const opening = location.hash;
 await fly(0);
@@ -42,7 +61,8 @@ function readMission() {
 }
 
 function difference() {
-  return Object.fromEntries(Object.entries(mission).filter(([key, value]) => JSON.stringify(value) !== JSON.stringify(START[key])));
+  const differs = ([key, value]) => JSON.stringify(value) !== JSON.stringify(START[key]);
+  return Object.fromEntries(Object.entries(mission).filter(differs));
 }
 
 function valueOf(field) {
@@ -61,13 +81,16 @@ function listen() {
   $('controls').addEventListener('submit', (event) => event.preventDefault());
   for (const [id, field] of Object.entries(INPUTS)) {
     $(id).addEventListener('change', () => {
-      if ($(id).checkValidity()) set(field, $(id).value === '' ? undefined : Number($(id).value));
+      if (!$(id).checkValidity()) return;
+      set(field, $(id).value === '' ? undefined : Number($(id).value));
     });
   }
   $('preset').addEventListener('change', () => change({ preset: $('preset').value }));
   $('policy').addEventListener('change', () => change({ policy: $('policy').value }));
   $('pilot').addEventListener('change', () => change({ pilot: $('pilot').value.trim() }));
-  $('seed').addEventListener('change', () => { if ($('seed').checkValidity()) newSeed(Number($('seed').value)); });
+  $('seed').addEventListener('change', () => {
+    if ($('seed').checkValidity()) newSeed(Number($('seed').value));
+  });
   $('dice').addEventListener('click', () => newSeed(mission.seed + 1));
   $('field').addEventListener('change', describeField);
   $('apply').addEventListener('click', () => set($('field').value, read($('value').value)));
@@ -126,14 +149,17 @@ async function fly(time = player.time) {
 
 function show({ episode: data, radar, plans: planned }, time) {
   const { uav, hotspot } = player.selection;
-  if (uav >= data.header.config.uav_count || hotspot >= data.header.config.hotspot_count) player.selection = {};
+  const { config, core_version: version, config_hash: hash, policy } = data.header;
+  if (uav >= config.uav_count || hotspot >= config.hotspot_count) player.selection = {};
   open(data);
   plans = planned;
   planLines = element($('stage'), 'path', { class: 'planned' });
   $('stage').querySelector('.tails').after(planLines);
-  $('footer').textContent = `jcas ${data.header.core_version}; configuration ${data.header.config_hash}. The address holds the whole mission. Press ? for the keys.`;
-  document.title = `${data.header.policy}, N = ${data.header.config.uav_count}, n = ${data.header.config.hotspot_count}: jcas playground`;
-  drawRadar(radar, data.header.config);
+  $('footer').textContent = `jcas ${version}; configuration ${hash}. `
+    + 'The address holds the whole mission. Press ? for the keys.';
+  const sizes = `N = ${config.uav_count}, n = ${config.hotspot_count}`;
+  document.title = `${policy}, ${sizes}: jcas playground`;
+  drawRadar(radar, config);
   seek(Math.min(time, episode.lastStep));
 }
 
@@ -156,20 +182,29 @@ function showControls() {
 function describeField() {
   const field = about.fields.find(({ name }) => name === $('field').value);
   $('value').value = JSON.stringify(valueOf(field.name)) ?? '';
-  $('field-doc').textContent = `${field.doc} Unit: ${field.unit}; from ${field.low} to ${field.high}.`;
+  const range = `from ${field.low} to ${field.high}`;
+  $('field-doc').textContent = `${field.doc} Unit: ${field.unit}; ${range}.`;
 }
 
 /** Shows the range of one UAV's radar, and why a quorum has to be near. */
 function drawRadar(radar, config) {
   const bar = (share) => `<b style="height:${(76 * share).toFixed(1)}%"></b>`;
-  $('radar').innerHTML = radar.map(({ cells, high, quorum }) => `<i>${bar(high)}${bar(quorum)}<span>${cells}</span></i>`).join('');
-  const percent = (share) => `${share >= 0.095 || share === 0 ? Math.round(100 * share) : (100 * share).toPrecision(1)} %`;
+  const columns = radar.map(({ cells, high, quorum }) => (
+    `<i>${bar(high)}${bar(quorum)}<span>${cells}</span></i>`));
+  $('radar').innerHTML = columns.join('');
+  const rounded = (share) => (share >= 0.095 || share === 0
+    ? Math.round(100 * share)
+    : (100 * share).toPrecision(1));
+  const percent = (share) => `${rounded(share)} %`;
   const [here, next] = radar;
-  const all = config.quorum === 1 ? 'one alone confirms' : `that ${config.quorum} there all do, ${percent(here.quorum)}`;
+  const all = config.quorum === 1
+    ? 'one alone confirms'
+    : `that ${config.quorum} there all do, ${percent(here.quorum)}`;
   const reach = (key) => radar.filter((row) => row[key]).length - 1;
   const text = `Over a hotspot a UAV detects it with ${percent(here.high)} in a step; ${all}.`
     + (next ? ` One cell away it is ${percent(next.high)} and ${percent(next.quorum)}.` : '')
-    + ` Links reach ${reach('link_high')} cells at the greatest pilot density and ${reach('link_low')} at the least.`;
+    + ` Links reach ${reach('link_high')} cells at the greatest pilot density`
+    + ` and ${reach('link_low')} at the least.`;
   $('radar-note').textContent = text;
   $('radar').setAttribute('aria-label', text);
 }
@@ -194,12 +229,15 @@ function describeSelection(t) {
   const { uav } = player.selection;
   drawPlans(t);
   if (steering && uav === undefined) takeControls(false);
-  $('hash').textContent = t > 0 ? episode.frames[t].state_hash : episode.header.initial.state_hash;
+  const state = t > 0 ? episode.frames[t] : episode.header.initial;
+  $('hash').textContent = state.state_hash;
   $('steer').disabled = uav === undefined;
   $('ground').disabled = uav === undefined || t >= episode.lastStep;
   $('deed-note').textContent = steering
     ? `UAV ${uav} is yours: the arrow keys fly it a cell, "." lets it stay.`
-    : uav !== undefined ? `UAV ${uav} is selected.` : 'Select a UAV to steer or ground it; drag a hotspot to move it.';
+    : uav !== undefined
+      ? `UAV ${uav} is selected.`
+      : 'Select a UAV to steer or ground it; drag a hotspot to move it.';
 }
 
 function takeControls(on) {
@@ -216,7 +254,8 @@ function steer(motion) {
   const { uav } = player.selection;
   if (uav === undefined || t > episode.config.horizon_steps) return;
   setPlaying(false);
-  const others = mission.deeds.filter((deed) => deed.do !== 'steer' || deed.uav !== uav || deed.t !== t);
+  const isOther = (deed) => deed.do !== 'steer' || deed.uav !== uav || deed.t !== t;
+  const others = mission.deeds.filter(isOther);
   change({ deeds: [...others, { do: 'steer', t, uav, motion }] }, t);
 }
 
@@ -232,7 +271,8 @@ function undo() {
 }
 
 function onMissionKey(event) {
-  if (/^(INPUT|SELECT|TEXTAREA|SUMMARY)$/.test(event.target.tagName) && event.target.id !== 'scrub') return true;
+  const isTyping = /^(INPUT|SELECT|TEXTAREA|SUMMARY)$/.test(event.target.tagName);
+  if (isTyping && event.target.id !== 'scrub') return true;
   if (event.key === 'n') { newSeed(mission.seed + 1); return true; }
   if (!steering || !(event.key in MOTIONS)) return false;
   event.preventDefault();
@@ -251,21 +291,24 @@ function beginDrag(event) {
   let cell = null;
 
   const cellAt = (pointer) => {
-    const { x, y } = new DOMPoint(pointer.clientX, pointer.clientY).matrixTransform(stage.getScreenCTM().inverse());
+    const toStage = stage.getScreenCTM().inverse();
+    const { x, y } = new DOMPoint(pointer.clientX, pointer.clientY).matrixTransform(toStage);
     const within = (value, count) => Math.min(count - 1, Math.max(0, Math.floor(value / CELL)));
     return [within(x, width), height - 1 - within(y, height)];
   };
   const move = (pointer) => {
     cell = cellAt(pointer);
     group.classList.add('dragged');
-    group.setAttribute('transform', `translate(${(cell[0] + 0.5) * CELL} ${(height - cell[1] - 0.5) * CELL})`);
+    const [x, y] = [(cell[0] + 0.5) * CELL, (height - cell[1] - 0.5) * CELL];
+    group.setAttribute('transform', `translate(${x} ${y})`);
   };
   const drop = () => {
     stage.removeEventListener('pointermove', move);
     if (!cell || `${cell}` === from) { group.classList.remove('dragged'); return; }
-    change({ moved: [...mission.moved.filter(([id]) => id !== hotspot), [hotspot, cell]] }).then(() => {
+    const others = () => mission.moved.filter(([id]) => id !== hotspot);
+    change({ moved: [...others(), [hotspot, cell]] }).then(() => {
       // A move to an occupied cell is refused, and the mission stays as it was.
-      if (!$('problem').hidden) mission = { ...mission, moved: mission.moved.filter(([id]) => id !== hotspot) };
+      if (!$('problem').hidden) mission = { ...mission, moved: others() };
     });
   };
   stage.addEventListener('pointermove', move);

@@ -282,15 +282,17 @@ fn radar(model: &Model<'_>) -> Value {
     let quorum = f64::from(config.quorum);
     let farthest = config.grid_width.min(9);
     let rows = (0..farthest).map(|cells| {
-        let at = |density| model.detection_probability(cells, 0, density);
-        let (low, high) = (at(config.pilot_density_min), at(config.pilot_density_max));
+        let (least, greatest) = (config.pilot_density_min, config.pilot_density_max);
+        let detects = |density| model.detection_probability(cells, 0, density);
+        let links =
+            |density| model.link_throughput(cells, 0, density) >= config.link_throughput_min;
         json!({
             "cells": cells,
-            "low": low,
-            "high": high,
-            "quorum": high.powf(quorum),
-            "link_low": model.link_throughput(cells, 0, config.pilot_density_min) >= config.link_throughput_min,
-            "link_high": model.link_throughput(cells, 0, config.pilot_density_max) >= config.link_throughput_min,
+            "low": detects(least),
+            "high": detects(greatest),
+            "quorum": detects(greatest).powf(quorum),
+            "link_low": links(least),
+            "link_high": links(greatest),
         })
     });
     Value::Array(rows.collect())
