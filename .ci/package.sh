@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The library, installed as C programmers do it and used from an outside folder, shared and static.
-# cargo-c installs it with its pkg-config file; CMake does it too, also as a part of another project.
+# It is installed by cargo-c with its pkg-config file, and by CMake. It is also built by CMake as a
+# part of another project.
 set -euo pipefail
 shopt -s inherit_errexit
 
