@@ -177,8 +177,15 @@ def test_the_shipped_policy_flies_here_as_from_the_command():
     theirs = json.loads(
         subprocess.run(evaluation, check=True, capture_output=True, text=True).stdout
     )
-    for name in ("success_rate", "mission_steps_mean", "energy_kwh_mean", "return_mean"):
+    for name in ("success_rate", "success_rate_low", "success_rate_high"):
         assert ours[name] == pytest.approx(theirs[name], rel=1e-12), name
+    for name in ("mission_steps_mean", "energy_kwh_mean", "return_mean"):
+        assert ours[name] == pytest.approx(theirs[name], rel=1e-12), name
+        # The ends follow from two sets of 2000 resamples, so they differ by a part of the width.
+        width = theirs[f"{name}_high"] - theirs[f"{name}_low"]
+        for end in ("low", "high"):
+            ours_end, theirs_end = ours[f"{name}_{end}"], theirs[f"{name}_{end}"]
+            assert ours_end == pytest.approx(theirs_end, abs=0.1 * width), (name, end)
 
 
 @pytest.mark.parametrize(

@@ -151,6 +151,7 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
 mod tests {
     use super::*;
     use burn_tensor::Device;
+    use jcas_policy::head::Head;
 
     fn of(raw: [f32; 2], outputs: [f32; OUTPUT_LEN]) -> (f32, f32) {
         let outputs = Tensor::<2>::from_data(
@@ -189,6 +190,25 @@ mod tests {
         assert!((log_prob - expected).abs() < 1e-5, "{log_prob} {expected}");
         let expected = (5.0f32).ln() + (1.0f32 / 6.0).ln() + 2.0 * (0.5 + 1.0 / 3.0);
         assert!((entropy - expected).abs() < 1e-5, "{entropy} {expected}");
+    }
+
+    /// The policy crate computes α and β in pinned arithmetic, training in the platform's.
+    #[test]
+    fn training_and_flight_have_the_same_mean_pilot_density() {
+        let inputs = (-12..=12).map(|k| 4.0 * k as f32);
+        for (x, y) in inputs
+            .clone()
+            .flat_map(|x| inputs.clone().map(move |y| (x, y)))
+        {
+            let outputs = [0.0, 0.0, 0.0, 0.0, 0.0, x, y];
+            let (alpha, beta) = concentrations(&outputs);
+            let trained = 2.0 * alpha / (alpha + beta) - 1.0;
+            let [_, flown] = Head::Hybrid.deterministic(&outputs);
+            assert!(
+                (f64::from(flown) - trained).abs() < 1e-6,
+                "{x} {y}: {flown} {trained}"
+            );
+        }
     }
 
     #[test]
