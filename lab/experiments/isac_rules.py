@@ -1,9 +1,8 @@
 """What adapting the pilot density and answering reports are worth in the preset `isac`.
 
-Rules, planners and reports fly blocks of missions that all policies and densities share. An
-interval is Student's over the blocks, and a difference is taken block by block. The maps fly one
-sweep for each field, with the intervals of the command. An interrupted study goes on where it
-ended.
+Rules and planners fly blocks of missions that all policies and densities share. An interval is
+Student's over the blocks, and a difference is taken block by block. The maps fly one sweep for each
+field, with the intervals of the command. An interrupted study goes on where it ended.
 
     python lab/experiments/isac_rules.py --jcas target/release/jcas --runs out/isac \\
         --figure docs/images/isac_rules.webp
@@ -139,20 +138,6 @@ def planners(options):
     return described(tables, names, references)
 
 
-def reports(options):
-    """Returns a row for each policy, fleet and number of report levels."""
-    names = ("policy", "uav_count", "report_levels")
-    tables = flown(
-        options,
-        "reports",
-        5,
-        12,
-        *("--policy", "answer,replan", "--uavs", "10,15", "--hotspots", "7"),
-        *("--set", "report_slots=0", "--vary", "report_levels=0,2"),
-    )
-    return described(tables, names, {"beside_none": lambda key: (*key[:2], "0")})
-
-
 def tabulated(options):
     """Writes the detection curve of `isac` as a table and returns the options that fly it."""
     path = options.runs / "swerling1.csv"
@@ -244,7 +229,6 @@ def main():
     if options.figure:
         draw(options.figure, mapped)
     write("isac_planners.csv", planners(options))
-    write("isac_reports.csv", reports(options))
 
 
 if __name__ == "__main__":
