@@ -19,7 +19,7 @@ export interface About {
 }
 
 /** What a person does at step `t`, counted from 1. */
-export type Deed =
+export type Intervention =
   | { do: 'steer'; t: number; uav: number; motion: number }
   | { do: 'ground'; t: number; uav: number };
 
@@ -32,7 +32,7 @@ export interface Mission {
   config?: Record<string, unknown>;
   /** Hotspots that are elsewhere than drawn: index, then column and row of the cell. */
   moved?: [number, [number, number]][];
-  deeds?: Deed[];
+  interventions?: Intervention[];
 }
 
 export interface Flight {

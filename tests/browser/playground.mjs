@@ -31,7 +31,7 @@ const MISSIONS = [
   {
     policy: 'sweep',
     set: { target_visibility: 'hidden', uav_count: 5 },
-    deeds: [
+    interventions: [
       { do: 'steer', t: 2, uav: 1, motion: 0 },
       { do: 'ground', t: 5, uav: 3 },
     ],
@@ -81,10 +81,11 @@ async function nativeHash(
     pilot = 'adaptive',
     seed = 1,
     moved = [],
-    deeds = [],
+    interventions = [],
   },
 ) {
-  const question = { ask: 'fly', config: { preset, ...set }, policy, pilot, seed, moved, deeds };
+  const config = { preset, ...set };
+  const question = { ask: 'fly', config, policy, pilot, seed, moved, interventions };
   const reply = await fetch(`${base}answer`, { method: 'POST', body: JSON.stringify(question) });
   const answer = await reply.json();
   assert.equal(answer.error, undefined);

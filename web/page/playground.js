@@ -19,7 +19,7 @@ const START = {
   pilot: 'adaptive',
   seed: 1,
   moved: [],
-  deeds: [],
+  interventions: [],
 };
 
 let mission = readMission() ?? structuredClone(START);
@@ -119,7 +119,7 @@ function set(field, value) {
 
 /** Another seed is another mission, in which earlier interventions have no meaning. */
 function newSeed(seed) {
-  change({ seed: seed % 2 ** 32, moved: [], deeds: [] }, 0);
+  change({ seed: seed % 2 ** 32, moved: [], interventions: [] }, 0);
 }
 
 async function change(part, time = player.time) {
@@ -176,7 +176,7 @@ function showControls() {
     item.append(button);
     return item;
   }));
-  $('undo').disabled = !mission.deeds.length && !mission.moved.length;
+  $('undo').disabled = !mission.interventions.length && !mission.moved.length;
 }
 
 function describeField() {
@@ -233,7 +233,7 @@ function describeSelection(t) {
   $('hash').textContent = state.state_hash;
   $('steer').disabled = uav === undefined;
   $('ground').disabled = uav === undefined || t >= episode.lastStep;
-  $('deed-note').textContent = steering
+  $('intervention-note').textContent = steering
     ? `UAV ${uav} is yours: the arrow keys fly it a cell, "." lets it stay.`
     : uav !== undefined
       ? `UAV ${uav} is selected.`
@@ -254,19 +254,20 @@ function steer(motion) {
   const { uav } = player.selection;
   if (uav === undefined || t > episode.config.horizon_steps) return;
   setPlaying(false);
-  const isOther = (deed) => deed.do !== 'steer' || deed.uav !== uav || deed.t !== t;
-  const others = mission.deeds.filter(isOther);
-  change({ deeds: [...others, { do: 'steer', t, uav, motion }] }, t);
+  const isOther = (other) => other.do !== 'steer' || other.uav !== uav || other.t !== t;
+  const others = mission.interventions.filter(isOther);
+  change({ interventions: [...others, { do: 'steer', t, uav, motion }] }, t);
 }
 
 function ground() {
   const { uav } = player.selection;
   const t = Math.floor(player.time) + 1;
-  if (uav !== undefined) change({ deeds: [...mission.deeds, { do: 'ground', t, uav }] });
+  if (uav === undefined) return;
+  change({ interventions: [...mission.interventions, { do: 'ground', t, uav }] });
 }
 
 function undo() {
-  if (mission.deeds.length) change({ deeds: mission.deeds.slice(0, -1) });
+  if (mission.interventions.length) change({ interventions: mission.interventions.slice(0, -1) });
   else change({ moved: mission.moved.slice(0, -1) });
 }
 

@@ -54,13 +54,13 @@ pub struct Mission {
     moved: Vec<(usize, Cell)>,
     /// Interventions during the mission, in any order.
     #[serde(default)]
-    deeds: Vec<Deed>,
+    interventions: Vec<Intervention>,
 }
 
 /// One intervention; `t` is the step that it changes, from 1.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-enum Deed {
+enum Intervention {
     /// The UAV makes this motion in place of its policy's.
     Steer { t: u32, uav: usize, motion: usize },
     /// The UAV's battery is emptied before the step.
@@ -154,16 +154,16 @@ impl Mission {
             if episode.over() {
                 break;
             }
-            let deeds = || self.deeds.iter().filter(|deed| deed.step() == t);
-            for deed in deeds() {
-                deed.change(&mut episode)?;
+            let now = || self.interventions.iter().filter(|given| given.step() == t);
+            for intervention in now() {
+                intervention.change(&mut episode)?;
             }
             episode.ask(pilot.policy(), &mut actions);
             if let Flyer::Planned(planned) = &pilot {
                 lines.record(planned, t - 1);
             }
-            for deed in deeds() {
-                deed.steer(&mut actions);
+            for intervention in now() {
+                intervention.steer(&mut actions);
             }
             episode.step(&actions, &[])?;
         }
@@ -189,29 +189,31 @@ impl Mission {
             if index < count {
                 Ok(())
             } else {
-                Err(format!("deeds: {what} = {index}: must be below {count}"))
+                Err(format!(
+                    "interventions: {what} = {index}: must be below {count}"
+                ))
             }
         };
         for (hotspot, _) in &self.moved {
             below("hotspot", *hotspot, model.hotspot_count())?;
         }
-        for deed in &self.deeds {
-            if deed.step() == 0 {
-                return Err("deeds: t = 0: the first step is 1".to_owned());
+        for intervention in &self.interventions {
+            if intervention.step() == 0 {
+                return Err("interventions: t = 0: the first step is 1".to_owned());
             }
-            match *deed {
-                Deed::Steer { uav, motion, .. } => {
+            match *intervention {
+                Intervention::Steer { uav, motion, .. } => {
                     below("uav", uav, model.uav_count())?;
                     below("motion", motion, Motion::ALL.len())?;
                 }
-                Deed::Ground { uav, .. } => below("uav", uav, model.uav_count())?,
+                Intervention::Ground { uav, .. } => below("uav", uav, model.uav_count())?,
             }
         }
         Ok(())
     }
 }
 
-impl Deed {
+impl Intervention {
     fn step(self) -> u32 {
         match self {
             Self::Steer { t, .. } | Self::Ground { t, .. } => t,
@@ -307,9 +309,10 @@ mod tests {
         serde_json::from_str(&crate::answer(&question.to_string())).unwrap()
     }
 
-    fn mission(deeds: Value) -> Value {
+    fn mission(interventions: Value) -> Value {
         json!({
-            "ask": "fly", "policy": "swarm", "pilot": "max", "seed": 7, "deeds": deeds,
+            "ask": "fly", "policy": "swarm", "pilot": "max", "seed": 7,
+            "interventions": interventions,
             "config": { "uav_count": 6, "hotspot_count": 2, "detection_threshold_db": -23.75 },
         })
     }
@@ -415,12 +418,12 @@ mod tests {
         assert!(with("config", json!({ "uav_count": 401 })).contains("uav_count = 401"));
         assert!(with("config", json!({ "quorum": -1 })).contains("quorum"));
         assert!(with("config", json!({ "target_visibility": "hidden" })).contains("swarm"));
-        let deed = |deed: Value| refused(mission(json!([deed])));
-        assert!(deed(json!({ "do": "steer", "t": 1, "uav": 6, "motion": 0 })).contains("uav = 6"));
+        let given = |intervention: Value| refused(mission(json!([intervention])));
+        assert!(given(json!({ "do": "steer", "t": 1, "uav": 6, "motion": 0 })).contains("uav = 6"));
         assert!(
-            deed(json!({ "do": "steer", "t": 1, "uav": 0, "motion": 5 })).contains("motion = 5")
+            given(json!({ "do": "steer", "t": 1, "uav": 0, "motion": 5 })).contains("motion = 5")
         );
-        assert!(deed(json!({ "do": "ground", "t": 0, "uav": 0 })).contains("t = 0"));
+        assert!(given(json!({ "do": "ground", "t": 0, "uav": 0 })).contains("t = 0"));
         assert!(with("moved", json!([[2, [0, 0]]])).contains("hotspot = 2"));
         assert!(with("moved", json!([[0, [12, 0]]])).contains("12"));
         assert!(refused(json!({ "ask": "sing" })).contains("sing"));
