@@ -1,8 +1,9 @@
 """What adapting the pilot density and answering reports are worth in the preset `isac`.
 
-Rules and planners fly blocks of missions that all policies and densities share. An interval is
-Student's over the blocks, and a difference is taken block by block. The maps fly one sweep for each
-field, with the intervals of the command. An interrupted study goes on where it ended.
+Rules, planners and reports fly blocks of missions that all policies and densities share. An
+interval is Student's over the blocks, and a difference is taken block by block. The maps fly one
+sweep for each field, with the intervals of the command. An interrupted study goes on where it
+ended.
 
     python lab/experiments/isac_rules.py --jcas target/release/jcas --runs out/isac \\
         --figure docs/images/isac_rules.webp
@@ -29,7 +30,7 @@ QUANTITIES = {
     "false_confirmations": "false_confirmations_mean",
 }
 # Quantiles of Student's distribution, 0.975, over the number of blocks.
-STUDENT = {4: 3.182, 5: 2.776}
+STUDENT = {4: 3.182}
 # In the curve `table` a change of the density by 1 dB moves the logit of P_d by κ. This slope is
 # that of `swerling1` at P_d = 0.5, so that κ is the slope times the exponent of the pilot gain.
 LOGIT_PER_DB = 0.30
@@ -138,6 +139,20 @@ def planners(options):
     return described(tables, names, references)
 
 
+def reports(options):
+    """Returns a row for each policy, fleet and number of report levels."""
+    names = ("policy", "uav_count", "report_levels")
+    tables = flown(
+        options,
+        "reports",
+        4,
+        12,
+        *("--policy", "answer,replan", "--uavs", "10,15", "--hotspots", "7"),
+        *("--set", "report_slots=0", "--vary", "report_levels=0,2"),
+    )
+    return described(tables, names, {"beside_none": lambda key: (*key[:2], "0")})
+
+
 def tabulated(options):
     """Writes the detection curve of `isac` as a table and returns the options that fly it."""
     path = options.runs / "swerling1.csv"
@@ -229,6 +244,7 @@ def main():
     if options.figure:
         draw(options.figure, mapped)
     write("isac_planners.csv", planners(options))
+    write("isac_reports.csv", reports(options))
 
 
 if __name__ == "__main__":
