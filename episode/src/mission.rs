@@ -1,4 +1,23 @@
 //! Runs one episode, or many on all cores.
+//!
+//! ```
+//! use jcas_core::{Config, Model};
+//! use jcas_episode::mission::{Campaign, fly};
+//! use jcas_episode::statistics::Summary;
+//! use jcas_policy::{BaselineKind, PilotMode, Policy};
+//! use std::ops::ControlFlow;
+//!
+//! let model = Model::new(Config::default())?;
+//! let make = || -> Box<dyn Policy> {
+//!     Box::new(BaselineKind::Teams.build_privileged(PilotMode::Adaptive))
+//! };
+//! let campaign = Campaign { episodes: 20, seed: 1 };
+//! let missions = fly(&model, campaign, &make, &|| ControlFlow::Continue(()))?;
+//! let summary = Summary::of(&missions, model.config().horizon_steps);
+//! assert_eq!(missions.len(), 20);
+//! assert!(summary.success_rate.low <= summary.success_rate.value);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use core::fmt;
 use std::ops::ControlFlow;

@@ -10,6 +10,30 @@
 //!   again and compares it with the file, byte by byte.
 //!
 //! Nothing here allocates: the caller supplies a state, working memory and a [`Workspace`].
+//!
+//! ```
+//! use jcas_core::{Cell, Model, Scratch};
+//! use jcas_trace::{Arguments, Replay, Workspace, WorkspaceSizes, configuration};
+//!
+//! let trace = std::fs::read_to_string("../tests/golden/charging_to_full.jsonl")?;
+//! let model = Model::new(configuration(&trace).expect("a header"))?;
+//! let mut words = vec![0; model.state_words()];
+//! let mut scratch = vec![0; Scratch::words_for(&model)];
+//! let sizes = WorkspaceSizes::of(&model);
+//! let workspace = Workspace {
+//!     observations: &mut vec![0.0; sizes.observations],
+//!     actions: &mut vec![0.0; sizes.actions],
+//!     arguments: Arguments {
+//!         cells: &mut vec![Cell { x: 0, y: 0 }; sizes.cells],
+//!         charges_uj: &mut vec![0; sizes.uavs],
+//!         throughput: &mut vec![0.0; sizes.uavs],
+//!         matrix: &mut vec![0; sizes.matrix],
+//!     },
+//! };
+//! let mut replay = Replay::new(&model, &mut words, &mut scratch, workspace);
+//! assert!(replay.verify(&trace).is_ok());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 

@@ -16,6 +16,29 @@
 //!
 //! Sums are taken in the order of the inputs. No product is fused with a sum, and exponentials come
 //! from the pinned libm.
+//!
+//! ```
+//! use jcas_core::{Config, Model, Preset, Sim};
+//! use jcas_policy::head::Mode;
+//! use jcas_policy::network::{Flight, Network};
+//!
+//! let bytes = std::fs::read("../policies/paper/policy.safetensors")?;
+//! let mut weights = vec![0.0; Network::read(&bytes)?.weights_len()];
+//! let network = Network::load(&bytes, &mut weights)?;
+//!
+//! let model = Model::new(Config::preset(Preset::Paper))?;
+//! let mut sim = Sim::new(&model);
+//! sim.reset(1);
+//! let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
+//! sim.observe(&mut observations)?;
+//! let mut scratch = vec![0.0; network.scratch_len(&model)];
+//! let mut actions = vec![0.0; model.action_len()];
+//! let flight = Flight { mode: Mode::Sampled, pilot: None };
+//! let state = sim.state();
+//! network.act(&weights, flight, &model, &state, &observations, &mut scratch, &mut actions)?;
+//! sim.step(&actions)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod dense;
 mod error;
