@@ -138,7 +138,7 @@ impl BatchShape {
 }
 
 /// The parts of an open batch.
-struct Open<'a> {
+struct BatchMut<'a> {
     model: &'static Model<'static>,
     states: &'a mut [u64],
     spare: &'a mut [u64],
@@ -324,7 +324,7 @@ impl Batch {
         unsafe { slice::from_raw_parts(self.part(self.parts.words), count) }
     }
 
-    fn parts_mut(&mut self) -> Open<'_> {
+    fn parts_mut(&mut self) -> BatchMut<'_> {
         self.ready = false;
         let model = self.model();
         let (shape, parts) = (self.shape, self.parts);
@@ -337,7 +337,7 @@ impl Batch {
         let taken = unsafe { slice::from_raw_parts(self.part(parts.taken), shape.shares) };
         let (states, rest) = words.split_at_mut(shape.count * model.state_words());
         let (spare, scratch) = rest.split_at_mut(2 * model.state_words());
-        Open {
+        BatchMut {
             model,
             states,
             spare,
@@ -353,7 +353,7 @@ impl Batch {
     }
 
     pub(crate) fn state_mut(&mut self, index: usize) -> Result<&mut [u64], Fault> {
-        let Open { model, states, .. } = self.parts_mut();
+        let BatchMut { model, states, .. } = self.parts_mut();
         let mut states = states.chunks_exact_mut(model.state_words());
         states.nth(index).ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))
     }
@@ -363,7 +363,7 @@ impl Batch {
         &mut self,
         mut visit: impl FnMut(&Model<'_>, usize, &mut [u64], &mut Scratch<'_>) -> Result<(), Error>,
     ) -> Result<(), Fault> {
-        let Open {
+        let BatchMut {
             model,
             states,
             scratch,
@@ -393,7 +393,7 @@ impl Batch {
 
     /// Loads every environment, after a check of all snapshots.
     pub(crate) fn load(&mut self, saved: &[u8]) -> Result<(), Fault> {
-        let Open {
+        let BatchMut {
             model,
             states,
             spare,

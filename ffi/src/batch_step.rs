@@ -8,7 +8,7 @@ use jcas_core::{Error, Metrics, Model, Scratch, observation};
 use crate::batch::jcas_batch;
 use crate::batch_block::{Batch, BatchBlock};
 use crate::batch_buffers::StepBuffers;
-use crate::handle::{self, Open, see};
+use crate::handle::{self, SimMut, see};
 use crate::memory::{
     Buffer, Plain, Record, Words, check_apart, input, output, place, read_record, text_out,
 };
@@ -358,7 +358,7 @@ pub unsafe extern "C" fn jcas_batch_get(
     guard(|| {
         // SAFETY: the caller's promise for `batch`.
         let (batch, _mark) = unsafe { BatchBlock::see(batch.cast()) }?;
-        let copy = |sim: &mut Open<'_>| {
+        let copy = |sim: &mut SimMut<'_>| {
             if batch.model().config_hash() != sim.model.config_hash() {
                 return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
             }

@@ -7,7 +7,7 @@ use jcas_core::config::text::{Excerpt, TextError};
 use jcas_core::{Config, Preset};
 
 use crate::config::jcas_config;
-use crate::memory::{Said, Text, bytes, message, place, read_record, sized_record, text_out};
+use crate::memory::{Message, Text, bytes, message, place, read_record, sized_record, text_out};
 use crate::status::{Fault, JCAS_ERROR_CONFIG, guard, jcas_status};
 
 /// Says why a configuration was refused.
@@ -16,7 +16,7 @@ use crate::status::{Fault, JCAS_ERROR_CONFIG, guard, jcas_status};
 /// As [`message`].
 pub(crate) unsafe fn refuse(error: impl Display, buffer: *mut c_char, capacity: usize) -> Fault {
     // SAFETY: the caller's promises, passed on.
-    unsafe { message(&Said(error), buffer, capacity) };
+    unsafe { message(&Message(error), buffer, capacity) };
     Fault::Status(JCAS_ERROR_CONFIG)
 }
 

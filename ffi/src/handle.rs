@@ -298,7 +298,7 @@ impl ModelBlock {
 }
 
 /// A simulation opened for change, which no other call uses meanwhile.
-pub(crate) struct Open<'a> {
+pub(crate) struct SimMut<'a> {
     _mark: Changing<'a>,
     pub(crate) model: &'a Model<'static>,
     pub(crate) words: &'a mut [u64],
@@ -309,7 +309,7 @@ pub(crate) struct Open<'a> {
 }
 
 /// A simulation opened to read, which no call changes meanwhile.
-pub(crate) struct Seen<'a> {
+pub(crate) struct SimRef<'a> {
     _mark: Reading<'a>,
     pub(crate) model: &'a Model<'static>,
     pub(crate) words: &'a [u64],
@@ -320,7 +320,7 @@ pub(crate) struct Seen<'a> {
 ///
 /// # Safety
 /// The conditions of [`check`] hold, and the simulation is not freed for `'a`.
-pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
+pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<SimMut<'a>, Fault> {
     // SAFETY: the caller's promises, passed on.
     unsafe { check(at) }?;
     // SAFETY: the block is alive, and only its mark is read.
@@ -335,7 +335,7 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
     let words = unsafe { words_after(at, 2 * state + scratch) };
     let (words, rest) = words.split_at_mut(state);
     let (spare, scratch) = rest.split_at_mut(state);
-    Ok(Open {
+    Ok(SimMut {
         _mark: mark,
         model,
         words,
@@ -352,7 +352,7 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<Open<'a>, Fault> {
 /// As [`open`].
 pub(crate) unsafe fn change(
     at: *mut SimBlock,
-    act: impl FnOnce(&mut Open<'_>) -> Result<(), Fault>,
+    act: impl FnOnce(&mut SimMut<'_>) -> Result<(), Fault>,
 ) -> i32 {
     guard(|| {
         // SAFETY: the caller's promises, passed on.
@@ -367,7 +367,7 @@ pub(crate) unsafe fn change(
 ///
 /// # Safety
 /// The conditions of [`check`] hold, and the simulation is not freed for `'a`.
-pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
+pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<SimRef<'a>, Fault> {
     // SAFETY: the caller's promises, passed on.
     unsafe { check(at) }?;
     // SAFETY: the block is alive, and only its mark is read.
@@ -380,7 +380,7 @@ pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<Seen<'a>, Fault> {
     let first = unsafe { at.add(1) };
     // SAFETY: as many as the model's states have.
     let words = unsafe { slice::from_raw_parts(first.cast(), block.state_words) };
-    Ok(Seen {
+    Ok(SimRef {
         _mark: mark,
         model,
         words,
@@ -443,7 +443,7 @@ impl SimBlock {
     }
 }
 
-impl Open<'_> {
+impl SimMut<'_> {
     pub(crate) fn reset(&mut self, seed: u64) -> Result<(), Fault> {
         let mut scratch = Scratch::new(self.model, self.scratch)?;
         self.model.reset(self.words, &mut scratch, seed)?;

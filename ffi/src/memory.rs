@@ -286,9 +286,9 @@ impl Text for str {
 }
 
 /// A displayable value as a reason.
-pub(crate) struct Said<T>(pub(crate) T);
+pub(crate) struct Message<T>(pub(crate) T);
 
-impl<T: Display> Text for Said<T> {
+impl<T: Display> Text for Message<T> {
     fn write_to(&self, out: &mut impl Write) -> fmt::Result {
         write!(out, "{}", self.0)
     }

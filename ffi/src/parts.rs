@@ -8,7 +8,7 @@ use jcas_core::Cell;
 use jcas_core::host::Call;
 
 use crate::config::jcas_cell;
-use crate::handle::{Open, change};
+use crate::handle::{SimMut, change};
 use crate::memory::{input, record};
 use crate::records::jcas_outcome;
 use crate::sim::jcas_sim;
@@ -27,7 +27,7 @@ pub unsafe extern "C" fn jcas_sim_step_begin(
     actions: *const f32,
     action_count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { input(actions, action_count, sim.model.action_len()) }?;
         sim.act(|model, state, _| model.step_begin(state, actions))?;
@@ -51,7 +51,7 @@ pub unsafe extern "C" fn jcas_sim_set_positions(
     cells: *const jcas_cell,
     count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
         let cells = kernel_cells(cells);
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn jcas_sim_set_positions(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> jcas_status {
     let act =
-        |sim: &mut Open<'_>| sim.act(|model, state, scratch| model.step_sense(state, scratch));
+        |sim: &mut SimMut<'_>| sim.act(|model, state, scratch| model.step_sense(state, scratch));
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn jcas_sim_step_sense(sim: *mut jcas_sim) -> jcas_status 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_status {
     let uav = uav as usize;
-    let act = |sim: &mut Open<'_>| sim.own(&Call::Ground { uav });
+    let act = |sim: &mut SimMut<'_>| sim.own(&Call::Ground { uav });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn jcas_sim_ground(sim: *mut jcas_sim, uav: u32) -> jcas_s
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u32) -> jcas_status {
     let hotspot = hotspot as usize;
-    let act = |sim: &mut Open<'_>| sim.own(&Call::ConfirmHotspot { hotspot });
+    let act = |sim: &mut SimMut<'_>| sim.own(&Call::ConfirmHotspot { hotspot });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn jcas_sim_step_sense_with(
     detections: *const u8,
     count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         let expected = sim.model.uav_count() * sim.model.hotspot_count();
         // SAFETY: the caller's promise for `detections`.
         let detections = unsafe { input(detections, count, expected) }?;
@@ -141,7 +141,7 @@ pub unsafe extern "C" fn jcas_sim_step_sense_with(
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_step_communicate(sim: *mut jcas_sim) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         sim.act(|model, state, scratch| model.step_communicate(state, scratch))
     };
     // SAFETY: the caller's promise for `sim`.
@@ -166,7 +166,7 @@ pub unsafe extern "C" fn jcas_sim_step_communicate_with(
     throughput: *const f64,
     throughput_count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         let uavs = sim.model.uav_count();
         // SAFETY: the caller's promise for `links`.
         let links = unsafe { input(links, link_count, uavs * uavs) }?;
@@ -194,7 +194,7 @@ pub unsafe extern "C" fn jcas_sim_step_end(
     sim: *mut jcas_sim,
     outcome: *mut jcas_outcome,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `outcome`.
         let out = unsafe { record(outcome) }?;
         out.put(jcas_outcome::of(
@@ -219,7 +219,7 @@ pub unsafe extern "C" fn jcas_sim_set_hotspots(
     cells: *const jcas_cell,
     count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.hotspot_count()) }?;
         let cells = kernel_cells(cells);
@@ -244,7 +244,7 @@ pub unsafe extern "C" fn jcas_sim_move_hotspot(
     y: u32,
 ) -> jcas_status {
     let (hotspot, cell) = (hotspot as usize, Cell { x, y });
-    let act = |sim: &mut Open<'_>| sim.own(&Call::MoveHotspot { hotspot, cell });
+    let act = |sim: &mut SimMut<'_>| sim.own(&Call::MoveHotspot { hotspot, cell });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -261,7 +261,7 @@ pub unsafe extern "C" fn jcas_sim_set_starts(
     cells: *const jcas_cell,
     count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `cells`.
         let cells = unsafe { input(cells, count, sim.model.uav_count()) }?;
         let cells = kernel_cells(cells);
@@ -286,7 +286,7 @@ pub unsafe extern "C" fn jcas_sim_set_battery(
     charge_uj: u64,
 ) -> jcas_status {
     let uav = uav as usize;
-    let act = |sim: &mut Open<'_>| sim.own(&Call::SetBattery { uav, charge_uj });
+    let act = |sim: &mut SimMut<'_>| sim.own(&Call::SetBattery { uav, charge_uj });
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }
 }
@@ -304,7 +304,7 @@ pub unsafe extern "C" fn jcas_sim_set_batteries(
     charges_uj: *const u64,
     count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `charges_uj`.
         let charges_uj = unsafe { input(charges_uj, count, sim.model.uav_count()) }?;
         sim.own(&Call::SetBatteries { charges_uj })

@@ -13,7 +13,7 @@ use jcas_core::{Cell, Model};
 use crate::config::jcas_cell;
 use crate::handle::model;
 use crate::memory::{
-    Plain, Record, Said, bytes, input, message, output, place, read_record, record, text_out,
+    Message, Plain, Record, bytes, input, message, output, place, read_record, record, text_out,
 };
 use crate::model::jcas_model;
 use crate::parts::kernel_cells;
@@ -102,7 +102,7 @@ unsafe impl Record for jcas_plan_info {}
 /// As [`message`].
 unsafe fn unfit(error: &PlanFileError, buffer: *mut c_char, capacity: usize) -> Fault {
     // SAFETY: the caller's promises, passed on.
-    unsafe { message(&Said(error), buffer, capacity) };
+    unsafe { message(&Message(error), buffer, capacity) };
     Fault::Status(match error {
         PlanFileError::Configuration { .. } => JCAS_ERROR_MODEL_MISMATCH,
         _ => JCAS_ERROR_CORRUPT,
@@ -147,7 +147,7 @@ unsafe fn make(
     };
     let made = made.map_err(|error| {
         // SAFETY: the caller's promise for the message.
-        unsafe { message(&Said(error), buffer, capacity) };
+        unsafe { message(&Message(error), buffer, capacity) };
         Fault::from(error)
     })?;
     let file = PlanFile::new(model, &made, hotspots.map(<[Cell]>::to_vec));

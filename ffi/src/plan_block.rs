@@ -26,7 +26,7 @@ unsafe impl Block for PlanBlock {
 }
 
 /// A plan opened to read, which is not freed meanwhile.
-pub(crate) struct Seen<'a> {
+pub(crate) struct PlanRef<'a> {
     _mark: Reading<'a>,
     pub(crate) file: &'a PlanFile,
     pub(crate) plan: &'a Arc<Plan>,
@@ -58,14 +58,14 @@ impl PlanBlock {
     ///
     /// # Safety
     /// The conditions of [`check`] hold, and the plan is not freed for `'a`.
-    pub(crate) unsafe fn see<'a>(at: *const Self) -> Result<Seen<'a>, Fault> {
+    pub(crate) unsafe fn see<'a>(at: *const Self) -> Result<PlanRef<'a>, Fault> {
         // SAFETY: the caller's promises, passed on.
         unsafe { check(at) }?;
         // SAFETY: the block is alive, and only its mark is read.
         let mark = unsafe { &(*at).in_use }.read()?;
         // SAFETY: no call changes a plan before it is freed.
         let block = unsafe { &*at };
-        Ok(Seen {
+        Ok(PlanRef {
             _mark: mark,
             file: &block.file,
             plan: &block.plan,

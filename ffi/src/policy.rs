@@ -12,7 +12,7 @@ use jcas_plan::PlannedKind;
 use crate::batch::jcas_batch;
 use crate::batch_block::BatchBlock;
 use crate::handle::{Memory, model, see};
-use crate::memory::{Said, bytes, message, output, place, put_layout};
+use crate::memory::{Message, bytes, message, output, place, put_layout};
 use crate::model::jcas_model;
 use crate::policy_block::{PolicyBlock, fault};
 use crate::scripted::Script;
@@ -47,12 +47,12 @@ unsafe fn network(
     let file: &'static [u8] = unsafe { bytes(file, length) }?;
     let network = Network::read(file).map_err(|error| {
         // SAFETY: the caller's promises, passed on.
-        unsafe { message(&Said(error), buffer, capacity) };
+        unsafe { message(&Message(error), buffer, capacity) };
         Fault::Status(JCAS_ERROR_CORRUPT)
     })?;
     network.check(model).map_err(|error| {
         // SAFETY: the caller's promises, passed on.
-        unsafe { message(&Said(&error), buffer, capacity) };
+        unsafe { message(&Message(&error), buffer, capacity) };
         fault(error)
     })?;
     Ok((network, file))
@@ -238,7 +238,7 @@ unsafe fn script(
 ) -> Result<Script, Fault> {
     let refuse = |reason: &dyn Display, fault: Fault| {
         // SAFETY: the caller's promises, passed on.
-        unsafe { message(&Said(reason), buffer, capacity) };
+        unsafe { message(&Message(reason), buffer, capacity) };
         fault
     };
     let argument = |error: PolicyError<'_>| refuse(&error, Fault::Status(JCAS_ERROR_ARGUMENT));

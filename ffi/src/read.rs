@@ -5,13 +5,13 @@ use std::ptr;
 
 use jcas_core::{StateRef, reward};
 
-use crate::handle::{Seen, see};
+use crate::handle::{SimRef, see};
 use crate::memory::{output, record};
 use crate::records::{jcas_episode, jcas_hotspot, jcas_metrics, jcas_uav};
 use crate::sim::jcas_sim;
 use crate::status::{Fault, JCAS_ERROR_STRUCT_SIZE, guard, jcas_status};
 
-impl Seen<'_> {
+impl SimRef<'_> {
     fn state(&self) -> Result<StateRef<'_>, Fault> {
         Ok(self.model.state(self.words)?)
     }
@@ -451,7 +451,7 @@ pub unsafe extern "C" fn jcas_sim_get_reports(
     })
 }
 
-fn has_false_alarms(sim: &Seen<'_>) -> bool {
+fn has_false_alarms(sim: &SimRef<'_>) -> bool {
     sim.model.config().false_alarm_per_cell > 0.0
 }
 

@@ -6,9 +6,9 @@ use jcas_core::header::Phase;
 use jcas_trace::{Problem, Replay, VerifyError, configuration};
 
 use crate::config::jcas_config;
-use crate::handle::{Open, change, model, open};
+use crate::handle::{SimMut, change, model, open};
 use crate::memory::{
-    Plain, Record, Said, bytes, message, output, put_layout, read_record, sized_record,
+    Message, Plain, Record, bytes, message, output, put_layout, read_record, sized_record,
 };
 use crate::model::jcas_model;
 use crate::recording::{Recording, Sink, Workspace};
@@ -95,7 +95,7 @@ pub unsafe extern "C" fn jcas_sim_record(
     seed: u64,
     recorder: *const jcas_recorder,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `recorder`.
         let recorder = unsafe { read_record(recorder) }?;
         let write = recorder.write.ok_or(Fault::Status(JCAS_ERROR_NULL))?;
@@ -129,7 +129,7 @@ pub unsafe extern "C" fn jcas_sim_record(
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_sim_record_end(sim: *mut jcas_sim) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         let state = sim.model.state(sim.words)?;
         let within = [Phase::Moved, Phase::Sensed, Phase::Communicated];
         let parted = (state.header.phase()).is_some_and(|phase| within.contains(&phase));
@@ -300,7 +300,7 @@ unsafe fn text<'a>(
 /// As [`message`].
 unsafe fn say(error: &VerifyError<'_>, buffer: *mut c_char, capacity: usize) -> Fault {
     // SAFETY: the caller's promises, passed on.
-    unsafe { message(&Said(error), buffer, capacity) };
+    unsafe { message(&Message(error), buffer, capacity) };
     Fault::Status(match error.problem {
         Problem::OtherModel => JCAS_ERROR_MODEL_MISMATCH,
         Problem::Differs(_) => JCAS_ERROR_DIFFERENT,

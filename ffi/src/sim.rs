@@ -5,7 +5,7 @@ use std::ffi::{c_char, c_void};
 use jcas_core::Scratch;
 use jcas_core::observation;
 
-use crate::handle::{Memory, Open, SimBlock, change, model, see};
+use crate::handle::{Memory, SimBlock, SimMut, change, model, see};
 use crate::memory::{Words, input, output, place, put_layout, record, text_out};
 use crate::model::jcas_model;
 use crate::records::jcas_outcome;
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn jcas_sim_step(
     action_count: usize,
     outcome: *mut jcas_outcome,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `actions`.
         let actions = unsafe { input(actions, action_count, sim.model.action_len()) }?;
         // SAFETY: the caller's promise for `outcome`.
@@ -185,7 +185,7 @@ pub unsafe extern "C" fn jcas_sim_observe(
     observations: *mut f32,
     count: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         let expected = sim.model.uav_count() * sim.model.observation_len();
         // SAFETY: the caller's promise for `observations`.
         let out = unsafe { output(observations, count, expected) }?;

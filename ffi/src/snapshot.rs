@@ -5,7 +5,7 @@ use std::ptr;
 
 use jcas_core::{Error, hash};
 
-use crate::handle::{Open, change, see};
+use crate::handle::{SimMut, change, see};
 use crate::memory::{bytes, output, place};
 use crate::sim::jcas_sim;
 use crate::status::{Fault, JCAS_OK, guard, jcas_status};
@@ -45,7 +45,7 @@ pub unsafe extern "C" fn jcas_sim_load(
     snapshot: *const c_void,
     size: usize,
 ) -> jcas_status {
-    let act = |sim: &mut Open<'_>| {
+    let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `snapshot`.
         let saved = unsafe { bytes(snapshot.cast(), size) }?;
         sim.model.load(saved, sim.words, sim.spare)?;
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn jcas_sim_fork(from: *const jcas_sim, to: *mut jcas_sim)
         if ptr::eq(from, to) {
             return Ok(());
         }
-        let copy = |target: &mut Open<'_>| {
+        let copy = |target: &mut SimMut<'_>| {
             if source.model.config_hash() != target.model.config_hash() {
                 return Err(Error::ModelMismatch.into());
             }
