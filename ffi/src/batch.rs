@@ -4,9 +4,10 @@ use std::ffi::c_void;
 
 use crate::batch_block::{BatchBlock, BatchShape};
 use crate::batch_job::Runner;
-use crate::handle::{Memory, model};
+use crate::handle::Memory;
 use crate::memory::{Plain, Record, place, put_layout, read_record};
 use crate::model::jcas_model;
+use crate::model_block::model;
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_OK, guard, jcas_status};
 
 /// M environments of one model, with their working memory and optional worker threads. One thread

@@ -15,8 +15,9 @@ use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Metrics, Model, Scratch, action, hash};
 
 use crate::batch_job::{BatchJob, Runner, check_ready};
-use crate::handle::{Block, Kind, Memory, ModelBlock, check};
+use crate::handle::{Block, Kind, Memory, check};
 use crate::in_use::{Changing, InUse, Reading};
+use crate::model_block::ModelBlock;
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RESOURCES};
 use crate::sync::AtomicBool;
 use crate::thread_pool::{Thread, ThreadPool, join, processors, start};

@@ -8,12 +8,12 @@ use jcas_core::{Error, Metrics, Model, Scratch, observation};
 use crate::batch::jcas_batch;
 use crate::batch_block::{Batch, BatchBlock};
 use crate::batch_buffers::StepBuffers;
-use crate::handle::{self, SimMut, see};
 use crate::memory::{
     Buffer, Plain, Record, Words, check_apart, input, output, place, read_record, text_out,
 };
 use crate::records::jcas_metrics;
 use crate::sim::jcas_sim;
+use crate::sim_block::{self, SimMut, see};
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_MODEL_MISMATCH, JCAS_OK, guard, jcas_status,
 };
@@ -366,7 +366,7 @@ pub unsafe extern "C" fn jcas_batch_get(
             Ok(())
         };
         // SAFETY: the caller's promise for `sim`.
-        match unsafe { handle::change(sim.cast(), copy) } {
+        match unsafe { sim_block::change(sim.cast(), copy) } {
             JCAS_OK => Ok(()),
             status => Err(Fault::Status(status)),
         }

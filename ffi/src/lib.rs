@@ -46,6 +46,7 @@ mod batch_job;
 mod handle;
 mod in_use;
 mod memory;
+mod model_block;
 #[cfg(all(test, loom))]
 mod model_check;
 mod plan_block;
@@ -54,6 +55,7 @@ mod policy_block;
 mod proofs;
 mod recording;
 mod scripted;
+mod sim_block;
 mod sync;
 mod thread_pool;
 

@@ -7,8 +7,9 @@ use jcas_core::Config;
 
 use crate::config::jcas_config;
 use crate::config_text::legal;
-use crate::handle::{Memory, ModelBlock, model};
+use crate::handle::Memory;
 use crate::memory::{output, place, put_layout, record, sized_record};
+use crate::model_block::{ModelBlock, model};
 use crate::records::{
     JCAS_OBSERVATION_FIELDS, jcas_model_info, jcas_observation_field, jcas_radio,
 };

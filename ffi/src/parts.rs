@@ -8,10 +8,10 @@ use jcas_core::Cell;
 use jcas_core::host::Call;
 
 use crate::config::jcas_cell;
-use crate::handle::{SimMut, change};
 use crate::memory::{input, record};
 use crate::records::jcas_outcome;
 use crate::sim::jcas_sim;
+use crate::sim_block::{SimMut, change};
 use crate::status::jcas_status;
 
 /// Part 1 of a step: actions, return to base, move. Next: jcas_sim_set_positions (optional), then

@@ -11,11 +11,11 @@ use ::jcas_plan::{
 use jcas_core::{Cell, Model};
 
 use crate::config::jcas_cell;
-use crate::handle::model;
 use crate::memory::{
     Message, Plain, Record, bytes, input, message, output, place, read_record, record, text_out,
 };
 use crate::model::jcas_model;
+use crate::model_block::model;
 use crate::parts::kernel_cells;
 use crate::plan_block::PlanBlock;
 use crate::policy::jcas_policy;

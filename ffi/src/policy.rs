@@ -11,12 +11,14 @@ use jcas_plan::PlannedKind;
 
 use crate::batch::jcas_batch;
 use crate::batch_block::BatchBlock;
-use crate::handle::{Memory, model, see};
+use crate::handle::Memory;
 use crate::memory::{Message, bytes, message, output, place, put_layout};
 use crate::model::jcas_model;
+use crate::model_block::model;
 use crate::policy_block::{PolicyBlock, fault};
 use crate::scripted::Script;
 use crate::sim::jcas_sim;
+use crate::sim_block::see;
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_NULL, JCAS_OK, guard, jcas_status,
 };

@@ -11,8 +11,9 @@ use jcas_core::{Model, Scratch, StateRef, observation};
 use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
 use jcas_simd::InstructionSet;
 
-use crate::handle::{Block, Kind, Memory, ModelBlock, block_layout, check, words_after};
+use crate::handle::{Block, Kind, Memory, block_layout, check, words_after};
 use crate::in_use::{Changing, InUse};
+use crate::model_block::ModelBlock;
 use crate::scripted::{Script, Scripted};
 use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
 

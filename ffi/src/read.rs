@@ -5,10 +5,10 @@ use std::ptr;
 
 use jcas_core::{StateRef, reward};
 
-use crate::handle::{SimRef, see};
 use crate::memory::{output, record};
 use crate::records::{jcas_episode, jcas_hotspot, jcas_metrics, jcas_uav};
 use crate::sim::jcas_sim;
+use crate::sim_block::{SimRef, see};
 use crate::status::{Fault, JCAS_ERROR_STRUCT_SIZE, guard, jcas_status};
 
 impl SimRef<'_> {

@@ -6,13 +6,14 @@ use jcas_core::header::Phase;
 use jcas_trace::{Problem, Replay, VerifyError, configuration};
 
 use crate::config::jcas_config;
-use crate::handle::{SimMut, change, model, open};
 use crate::memory::{
     Message, Plain, Record, bytes, message, output, put_layout, read_record, sized_record,
 };
 use crate::model::jcas_model;
+use crate::model_block::model;
 use crate::recording::{Recording, Sink, Workspace};
 use crate::sim::jcas_sim;
+use crate::sim_block::{SimMut, change, open};
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_DIFFERENT, JCAS_ERROR_INTERNAL,
     JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NULL, JCAS_ERROR_OUT_OF_ORDER, guard, jcas_status,

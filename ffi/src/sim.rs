@@ -5,10 +5,12 @@ use std::ffi::{c_char, c_void};
 use jcas_core::Scratch;
 use jcas_core::observation;
 
-use crate::handle::{Memory, SimBlock, SimMut, change, model, see};
+use crate::handle::Memory;
 use crate::memory::{Words, input, output, place, put_layout, record, text_out};
 use crate::model::jcas_model;
+use crate::model_block::model;
 use crate::records::jcas_outcome;
+use crate::sim_block::{SimBlock, SimMut, change, see};
 use crate::status::{JCAS_OK, guard, jcas_status};
 
 /// One state of a model, with its working memory. One thread at a time may use it, except that

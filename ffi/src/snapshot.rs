@@ -5,9 +5,9 @@ use std::ptr;
 
 use jcas_core::{Error, hash};
 
-use crate::handle::{SimMut, change, see};
 use crate::memory::{bytes, output, place};
 use crate::sim::jcas_sim;
+use crate::sim_block::{SimMut, change, see};
 use crate::status::{Fault, JCAS_OK, guard, jcas_status};
 
 /// Saves a simulation as bytes that are portable across platforms.

@@ -6,9 +6,10 @@ use std::ptr::null_mut;
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::handle::{SimBlock, check};
+use crate::handle::check;
 use crate::memory::{message, output, record, text_out};
 use crate::records::jcas_outcome;
+use crate::sim_block::SimBlock;
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_HANDLE, JCAS_ERROR_LENGTH, JCAS_ERROR_NULL,
     JCAS_ERROR_STRUCT_SIZE, JCAS_OK, jcas_status_string,
