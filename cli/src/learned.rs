@@ -77,6 +77,12 @@ pub fn factory(
     let mut stored = open(folder, model)?;
     let pilot = PilotMode::named(pilot)?;
     pilot.check(model.config())?;
+    if pilot == PilotMode::Myopic {
+        return Err(CliError::input(
+            "pilot = myopic: a rule of baselines; for a trained policy it must be one of min, mid, \
+             max, adaptive, or a density such as 0.15",
+        ));
+    }
     if let Some(action) = pilot.held(model.config()) {
         stored = stored.holding(action);
     }
