@@ -161,8 +161,8 @@ fn text(scope: &Scope, learned: bool) -> String {
             fifth of its range or the reserve is spent. Then it fills up. The intensity is drawn \
             anew in each step, so that only the step in which a UAV begins to charge can be \
             chosen. With a swap that is all of the charge, with the paper's charger one step of \
-            about sixty. And who goes home early goes more often and ends the mission with a \
-            fuller battery. So cleaner energy need not mean less carbon.{ours}",
+            about sixty. And a UAV that goes home early goes more often and ends the mission with \
+            a fuller battery. So cleaner energy need not mean less carbon.{ours}",
         config.horizon_steps, scope.episodes, config.battery_capacity_kwh
     )
 }
@@ -193,7 +193,8 @@ fn panels(scope: &Scope, table: &Table, quantity: Quantity) -> Panels {
     Panels {
         title: format!("{} over fleet size, endurance", capital(quantity.title())),
         note: format!(
-            "{HOTSPOTS} hotspots, {} missions a point; a mission without success counts with its horizon, 1000 steps.",
+            "{HOTSPOTS} hotspots, {} missions a point; a mission without success counts with its \
+             horizon, 1000 steps.",
             scope.episodes
         ),
         columns: 2,

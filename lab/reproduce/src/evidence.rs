@@ -268,7 +268,8 @@ impl<'a> Evidence<'a> {
     }
 
     /// The density of one policy over distances. A mission's mean lies between the least and the
-    /// highest density, so that its standard deviation is at most half their difference (Popoviciu).
+    /// highest density, so that its standard deviation is at most half their difference
+    /// (Popoviciu).
     fn approach(&self) -> Measurement {
         let unknown = Measurement {
             effects: Vec::new(),

@@ -1,5 +1,5 @@
-//! The chapter on one sensing range for all numbers of the paper, with informing paid once. They are
-//! success over fleets and hotspots, energy, throughput and the constant pilot density.
+//! The chapter on one sensing range for all numbers of the paper, with informing paid once. They
+//! are success over fleets and hotspots, energy, throughput and the constant pilot density.
 
 use crate::cell_means::{between_seeds, of_trainings};
 use crate::chapter::{Block, Chapter};
@@ -59,8 +59,9 @@ pub fn chapter(results: &Results) -> Option<Chapter> {
         .map(|claim| claim.verdict(range.success))
         .collect();
     blocks.push(Block::Text(format!(
-        "The paper's sentences beside these cells, by the rule of the chapter on its claims. A \
-            sentence of which cells are missing can fail; it is not judged otherwise. {}",
+        "The paper's sentences are judged by these rows of \
+            [inform_once.csv](results/inform_once.csv), with the rule of the chapter on its \
+            claims. A sentence of which cells are missing can fail; it is not judged otherwise. {}",
         together(&verdicts)
     )));
     let judged = claims.iter().zip(&verdicts);

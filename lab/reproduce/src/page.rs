@@ -117,17 +117,18 @@ impl Results<'_> {
                 judged.verdict.text().to_owned(),
             ]
         });
+        let mut blocks = vec![
+            Block::Text(format!(
+                "{JUDGED} {}{}\n\n{FITTED}",
+                cell_means::told(&self.table),
+                claims::by_chance(&judged)
+            )),
+            Block::table("The paper's claims", CLAIMS_HEAD, rows.collect()),
+        ];
+        blocks.extend(self.trained());
         Chapter {
             heading: "The paper's claims".to_owned(),
-            blocks: vec![
-                Block::Text(format!(
-                    "{JUDGED} {}{}\n\n{FITTED}",
-                    cell_means::told(&self.table),
-                    claims::by_chance(&judged)
-                )),
-                Block::table("The paper's claims", CLAIMS_HEAD, rows.collect()),
-                Block::Text(self.trained()),
-            ],
+            blocks,
         }
     }
 
@@ -173,55 +174,57 @@ impl Results<'_> {
     }
 
     /// Which cells were trained with the paper's settings, with how many seeds.
-    fn trained(&self) -> String {
+    fn trained(&self) -> [Block; 2] {
+        let pilots = self.scope.paper_pilots.iter();
+        let pilots: Vec<_> = pilots.map(|&pilot| pilot_name(pilot)).collect();
+        let mut rows = Vec::new();
+        for learner in self.scope.learners() {
+            for pilot in &pilots {
+                let query = Query::new("grid", Preset::Paper.name(), (learner.name, pilot));
+                let mut row = vec![format!("{}, {pilot} pilot", learner.title)];
+                for &uavs in &self.scope.fleets {
+                    let trained = self.scope.hotspots.iter().filter_map(|&hotspots| {
+                        let seeds = query.uavs(uavs).hotspots(hotspots).rows(&self.table).len();
+                        match seeds {
+                            0 => None,
+                            1 => Some(hotspots.to_string()),
+                            _ => Some(format!("{hotspots} ({seeds})")),
+                        }
+                    });
+                    row.push(trained.collect::<Vec<_>>().join(", "));
+                }
+                rows.push(row);
+            }
+        }
+        let mut head = vec!["training".to_owned()];
+        head.extend(
+            self.scope
+                .fleets
+                .iter()
+                .map(|uavs| format!("n at N = {uavs}")),
+        );
         let shortened = self.scope.shortened();
         let but = shortened.as_deref().map_or(String::new(), |shortened| {
             format!(", but with {shortened}, which shows that it runs and not what it comes to")
         });
         let mut text = format!(
-            "These of {} cells (N × n, seeds where there are several) were trained with the \
-                paper's settings{but}.\n\n",
+            "Of {} cells those of this table were trained with the paper's settings{but}. The \
+                number of seeds is in brackets where there are several.",
             self.scope.cells().len()
         );
-        let learners = self.scope.learners();
-        let parts: Vec<String> = learners
-            .iter()
-            .flat_map(|learner| {
-                let pilots = self.scope.paper_pilots.iter();
-                pilots.map(move |&pilot| (learner, pilot_name(pilot)))
-            })
-            .map(|(learner, pilot)| {
-                let query = Query::new("grid", Preset::Paper.name(), (learner.name, pilot));
-                let cells = self
-                    .scope
-                    .cells()
-                    .into_iter()
-                    .filter_map(|(uavs, hotspots)| {
-                        let seeds = query.uavs(uavs).hotspots(hotspots).rows(&self.table).len();
-                        match seeds {
-                            0 => None,
-                            1 => Some(format!("{uavs} × {hotspots}")),
-                            _ => Some(format!("{uavs} × {hotspots} ({seeds})")),
-                        }
-                    });
-                let cells: Vec<String> = cells.collect();
-                let cells = if cells.is_empty() {
-                    "none".to_owned()
-                } else {
-                    cells.join(", ")
-                };
-                format!(
-                    "- {}, {pilot} pilot: {cells}.\n",
-                    text::capital(learner.title)
-                )
-            })
-            .collect();
-        text += &parts.concat();
         let unasked = claims::unasked(self.scope);
         if !unasked.is_empty() {
-            text += &format!("\nNot asked of such trainings: {}.", unasked.join("; "));
+            text += &format!(" Not asked of such trainings: {}.", unasked.join("; "));
         }
-        text
+        let caption = "Cells that were trained with the paper's settings".to_owned();
+        [
+            Block::Text(text),
+            Block::Table {
+                caption,
+                head,
+                rows,
+            },
+        ]
     }
 
     fn summary(&self) -> String {

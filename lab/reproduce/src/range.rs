@@ -324,12 +324,12 @@ impl Study {
             "The paper gives two success rates, {} at N = {} and {} at N = {}, each an average of \
                 {} missions. It does not give the threshold of its radar, which it calls derived. \
                 We take the threshold to be the sensing SNR at a **sensing range**. Each policy \
-                flies at ranges from {} to {} cells, with everything else as the paper has it ({} \
-                missions for each N, n and range, mean over n). Who learns is trained anew at each \
-                range. Which one range makes both rates the most likely? The likelihood is \
-                binomial, with straight lines between the logits of neighbouring ranges. The \
-                interval is that of the likelihood ratio. The deviance, on one degree of freedom, \
-                says what one range leaves unexplained.\n",
+                flies at ranges from {} to {} cells, with everything else as the paper has it. \
+                Each rate is a mean over n, with {} missions for each N, n and range. A policy \
+                that learns is trained anew at each range. Which one range makes both rates the \
+                most likely? The likelihood is binomial, with straight lines between the logits \
+                of neighbouring ranges. The interval is that of the likelihood ratio. The \
+                deviance, on one degree of freedom, says what one range leaves unexplained.\n",
             PAPER[0].rate,
             PAPER[0].uavs,
             PAPER[1].rate,
@@ -348,7 +348,8 @@ impl Study {
             make up for each other. So a fit shows that a policy in such a world is compatible \
             with the numbers, not that it made them. The simulated rates of scripts are taken as \
             known.\n\n A policy that is trained has the noise of two trainings as well, the \
-            paper's and ours. It may shift each rate by a normal variable with the standard deviation of both.\n";
+            paper's and ours. It may shift each rate by a normal variable with the standard \
+            deviation of both.\n";
         text
     }
 }

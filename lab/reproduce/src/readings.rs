@@ -258,7 +258,7 @@ fn compatible(scan: &Scan, spread: Option<Spread>) -> String {
             sentence(None)
         );
         if flown == PPO && spread.is_some() {
-            text += &format!("; {} with the spread between trainings", sentence(spread));
+            text += &format!(". With the spread between trainings: {}", sentence(spread));
         }
         text += ".\n";
     }

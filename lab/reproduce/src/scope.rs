@@ -162,7 +162,8 @@ pub fn variations() -> Vec<Variation> {
         ),
         variation(
             "detection_theory",
-            "a threshold of 13.1 dB, from the probabilities of detection and false alarm, for a range of 150 m",
+            "a threshold of 13.1 dB, from the probabilities of detection and false alarm, for a \
+             range of 150 m",
             |config, _| config.sensing_range_m = None,
         ),
         variation(

@@ -407,7 +407,8 @@ pub(crate) mod testing {
         ];
         let columns = quantities.map(|name| format!("{name},{name}_low,{name}_high,"));
         let mut text = format!(
-            "experiment,preset,uavs,hotspots,policy,pilot,seed,x,config_hash,episodes,{}pilot_density\n",
+            "experiment,preset,uavs,hotspots,policy,pilot,seed,x,config_hash,episodes,\
+             {}pilot_density\n",
             columns.concat()
         );
         for (uavs, hotspots, seed) in rows {
