@@ -1,7 +1,7 @@
 //! A mission on a microcontroller: no operating system, no allocator, all memory static.
 //!
-//! The program flies the golden trace `fifteen_uavs` and compares the fingerprints of every state
-//! and of all observations. It prints what it found, and the memory that it took, by semihosting.
+//! The program verifies the golden trace `fifteen_uavs`, byte by byte. It prints the memory that it
+//! took by semihosting.
 #![no_std]
 #![no_main]
 
@@ -13,37 +13,31 @@ use core::panic::PanicInfo;
 use cortex_m as _;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use jcas_core::{Config, Error, Model, Preset, Scratch, hash, observation};
+use jcas_core::{Cell, Error, Model, Scratch, hash};
+use jcas_trace::{Arguments, Replay, Workspace, WorkspaceSizes, configuration};
 
+const TRACE: &str = include_str!("../../golden/fifteen_uavs.jsonl");
 /// Number of words of the tables of the model, of the state and of its working memory together.
 const WORDS: usize = 4096;
 /// Number of observed reals of the fleet.
 const REALS: usize = 2048;
 const UAVS: usize = 15;
 
-/// All memory that the kernel works in.
+/// All memory that the kernel and the trace work in.
 struct Memory {
     words: [u64; WORDS],
     observations: [f32; REALS],
-}
-
-/// Fingerprints of a state and of its observations.
-#[derive(PartialEq)]
-struct Hashes {
-    observations: u64,
-    state: u64,
-}
-
-/// A step of the trace.
-struct Step {
     actions: [f32; 2 * UAVS],
-    hashes: Hashes,
+    cells: [Cell; UAVS],
+    charges_uj: [u64; UAVS],
+    throughput: [f64; UAVS],
+    matrix: [u8; UAVS * UAVS],
 }
-
-include!(concat!(env!("OUT_DIR"), "/golden.rs"));
 
 /// What a mission took.
 struct Flown {
+    steps: u32,
+    state_hash: u64,
     table_words: usize,
     state_words: usize,
     scratch_words: usize,
@@ -55,11 +49,19 @@ fn main() -> ! {
     static mut MEMORY: Memory = Memory {
         words: [0; WORDS],
         observations: [0.0; REALS],
+        actions: [0.0; 2 * UAVS],
+        cells: [Cell { x: 0, y: 0 }; UAVS],
+        charges_uj: [0; UAVS],
+        throughput: [0.0; UAVS],
+        matrix: [0; UAVS * UAVS],
     };
     match fly(MEMORY) {
         Ok(flown) => {
-            let last = &STEPS[STEPS.len() - 1].hashes;
-            hprintln!("{} steps, state hash {:#018x}", STEPS.len(), last.state);
+            hprintln!(
+                "{} steps, state hash {:#018x}",
+                flown.steps,
+                flown.state_hash
+            );
             report(&flown);
             debug::exit(debug::EXIT_SUCCESS);
         }
@@ -71,43 +73,36 @@ fn main() -> ! {
     unreachable!("the debugger has ended the program")
 }
 
-/// Flies the trace and returns the memory that it took.
+/// Flies the trace, compares each of its lines, and returns the memory that it took.
 fn fly(memory: &mut Memory) -> Result<Flown, Error> {
-    let config = Config {
-        uav_count: UAVS as u32,
-        hotspot_count: 5,
-        ..Config::preset(Preset::Paper)
-    };
+    let config = configuration(TRACE).expect("a header");
     let table_words = Model::table_words(&config)?;
     let (tables, rest) = memory.words.split_at_mut(table_words);
     let model = Model::new_in(config, tables)?;
-    assert_eq!(model.config_hash(), CONFIG_HASH, "another configuration");
     let (words, rest) = rest.split_at_mut(model.state_words());
     let scratch_words = Scratch::words_for(&model);
-    let mut scratch = Scratch::new(&model, &mut rest[..scratch_words])?;
-    let observed = UAVS * model.observation_len();
-    let observations = &mut memory.observations[..observed];
-
-    let mut compare = |t, words: &[u64], scratch: &mut _, expected: &Hashes| {
-        observation::observe(&model, &model.state(words)?, scratch, observations)?;
-        let found = Hashes {
-            observations: hash::reals(observations),
-            state: hash::words(words),
-        };
-        assert!(found == *expected, "step {t} differs from the trace");
-        Ok::<_, Error>(())
+    let sizes = WorkspaceSizes::of(&model);
+    let workspace = Workspace {
+        observations: &mut memory.observations[..sizes.observations],
+        actions: &mut memory.actions[..sizes.actions],
+        arguments: Arguments {
+            cells: &mut memory.cells[..sizes.cells],
+            charges_uj: &mut memory.charges_uj[..sizes.uavs],
+            throughput: &mut memory.throughput[..sizes.uavs],
+            matrix: &mut memory.matrix[..sizes.matrix],
+        },
     };
-    model.reset(words, &mut scratch, SEED)?;
-    compare(0, words, &mut scratch, &INITIAL)?;
-    for (t, step) in STEPS.iter().enumerate() {
-        model.step(&mut model.state_mut(words)?, &mut scratch, &step.actions)?;
-        compare(t + 1, words, &mut scratch, &step.hashes)?;
+    let scratch = &mut rest[..scratch_words];
+    if let Err(error) = Replay::new(&model, words, scratch, workspace).verify(TRACE) {
+        panic!("{error}");
     }
     Ok(Flown {
+        steps: model.state(words)?.t(),
+        state_hash: hash::words(words),
         table_words,
         state_words: words.len(),
         scratch_words,
-        observed,
+        observed: sizes.observations,
     })
 }
 
@@ -117,7 +112,7 @@ fn report(flown: &Flown) {
     let [tables, state, scratch] = words.map(|count| count * size_of::<u64>());
     let observations = flown.observed * size_of::<f32>();
     hprintln!(
-        "static memory: {} bytes (tables {}, state {}, scratch {}, observations {})",
+        "static memory of the kernel: {} bytes (tables {}, state {}, scratch {}, observations {})",
         tables + state + scratch + observations,
         tables,
         state,
@@ -132,7 +127,7 @@ fn report(flown: &Flown) {
     hprintln!(
         "flash: {} bytes, {} of them the trace",
         memory::flash_used(),
-        size_of_val(STEPS)
+        TRACE.len()
     );
 }
 
