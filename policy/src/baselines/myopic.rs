@@ -24,14 +24,24 @@ pub(super) fn density(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f6
     );
     let step = (high - low) / (LEVELS - 1) as f64;
     let densities: [f64; LEVELS] = core::array::from_fn(|level| low + step * level as f64);
-    let mut worth = densities.map(|density| reached(model, state, uav, density) as f64);
     let here = state.cell(uav);
-    add_detections(model, state, uav, |cell, chance| {
-        let (dx, dy) = (cell.x.abs_diff(here.x), cell.y.abs_diff(here.y));
-        if model.detection_probability(dx, dy, high) >= LEAST_PROBABILITY {
-            for (worth, density) in worth.iter_mut().zip(densities) {
-                *worth += chance * model.detection_probability(dx, dy, density);
-            }
+    let mut worth = [0.0; LEVELS];
+    let different = (0..model.uav_count()).filter(|&other| knows_otherwise(state, uav, other));
+    for other in different {
+        let (dx, dy) = offset(here, state.cell(other));
+        for (worth, density) in worth.iter_mut().zip(densities) {
+            let throughput = model.link_throughput(dx, dy, density);
+            *worth += f64::from(u8::from(throughput >= model.config().link_throughput_min));
+        }
+    }
+    let seen = |cell: Cell| {
+        let (dx, dy) = offset(here, cell);
+        model.detection_probability(dx, dy, high) >= LEAST_PROBABILITY
+    };
+    add_detections(model, state, uav, seen, |cell, chance| {
+        let (dx, dy) = offset(here, cell);
+        for (worth, density) in worth.iter_mut().zip(densities) {
+            *worth += chance * model.detection_probability(dx, dy, density);
         }
     });
     let mut best = 0;
@@ -43,11 +53,13 @@ pub(super) fn density(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f6
     densities[best]
 }
 
-/// Calls `add` with each cell that may hold an unconfirmed hotspot, and with the chance of that.
+/// Calls `add` with each cell within reach that may hold an unconfirmed hotspot, and with the
+/// chance of that. `seen` says whether a cell is within reach.
 fn add_detections(
     model: &Model<'_>,
     state: &StateRef<'_>,
     uav: usize,
+    seen: impl Fn(Cell) -> bool,
     mut add: impl FnMut(Cell, f64),
 ) {
     let config = model.config();
@@ -56,15 +68,23 @@ fn add_detections(
         return;
     }
     if config.target_visibility == TargetVisibility::Known {
-        for j in (0..model.hotspot_count()).filter(|&j| !state.confirmed(j)) {
-            add(state.hotspot_cell(j), 1.0);
+        let unconfirmed = (0..model.hotspot_count()).filter(|&j| !state.confirmed(j));
+        for cell in unconfirmed
+            .map(|j| state.hotspot_cell(j))
+            .filter(|&cell| seen(cell))
+        {
+            add(cell, 1.0);
         }
         return;
     }
     let open = (0..config.cell_count()).filter(|&index| !state.searched(uav, index));
     let share = left as f64 / open.count().max(left) as f64;
     for index in 0..config.cell_count() {
-        let (cell, level) = (cell_of(model, index), state.report_level(uav, index));
+        let cell = cell_of(model, index);
+        if !seen(cell) {
+            continue;
+        }
+        let level = state.report_level(uav, index);
         if (level > 0 || !state.searched(uav, index)) && !settled(state, index, cell) {
             add(cell, chance(share, level, config.false_alarm_per_cell));
         }
@@ -87,21 +107,15 @@ fn chance(prior: f64, level: u32, false_alarm: f64) -> f64 {
     }
 }
 
-/// Returns the number of UAVs that hear this one at a pilot density and know something else.
-fn reached(model: &Model<'_>, state: &StateRef<'_>, uav: usize, density: f64) -> usize {
-    let here = state.cell(uav);
-    let others = (0..model.uav_count()).filter(|&other| other != uav);
-    others
-        .filter(|&other| {
-            let there = state.cell(other);
-            let (dx, dy) = (here.x.abs_diff(there.x), here.y.abs_diff(there.y));
-            let heard =
-                model.link_throughput(dx, dy, density) >= model.config().link_throughput_min;
-            let differ = state.knowledge_of(uav) != state.knowledge_of(other)
-                || state.reports_of(uav) != state.reports_of(other);
-            heard && differ
-        })
-        .count()
+/// Returns whether another UAV knows other hotspots or reports.
+fn knows_otherwise(state: &StateRef<'_>, uav: usize, other: usize) -> bool {
+    other != uav
+        && (state.knowledge_of(uav) != state.knowledge_of(other)
+            || state.reports_of(uav) != state.reports_of(other))
+}
+
+fn offset(a: Cell, b: Cell) -> (u32, u32) {
+    (a.x.abs_diff(b.x), a.y.abs_diff(b.y))
 }
 
 #[cfg(test)]
