@@ -445,8 +445,7 @@ fn endurance(config: &Config) -> Measurement {
 
 /// A value with its interval.
 fn told(effect: &Effect, digits: usize) -> String {
-    let Estimate { value, low, high } = effect.interval(CONFIDENCE);
-    format!("{value:.digits$} [{low:.digits$}, {high:.digits$}]")
+    crate::text::told(&effect.interval(CONFIDENCE), digits)
 }
 
 /// The same with signs, for differences.

@@ -8,6 +8,7 @@ use crate::results::Results;
 use crate::scan::{self, Flown, PPO, RANDOM, READINGS, Scan, ScanRow, success_interval};
 use crate::statistics::{CONFIDENCE, Measured, Spread, combination};
 use crate::table::Quantity;
+use crate::text::told;
 use crate::verdict::{Effect, Region, Verdict, verdict};
 use jcas_core::Preset;
 use jcas_episode::statistics::Estimate;
@@ -263,11 +264,6 @@ impl<'r> Range<'r> {
 
     fn claims(&self, fleets: &[u32], hotspots: &[u32]) -> Vec<Claim> {
         let success = |cell| self.success(cell, PPO);
-        let of_all = |cells: Vec<(u32, u32)>, of: &dyn Fn((u32, u32)) -> Option<Effect>| {
-            let effects: Vec<Effect> = cells.iter().filter_map(|&cell| of(cell)).collect();
-            let complete = effects.len() == cells.len();
-            (effects, complete)
-        };
         let [
             Published {
                 uavs: ten,
@@ -287,7 +283,7 @@ impl<'r> Range<'r> {
             region: Region::AnotherTraining(low),
             complete: mean.is_some_and(|(_, complete)| complete),
         }];
-        let (effects, complete) = of_all(pairs(&[fifteen], hotspots), &|cell| {
+        let (effects, complete) = effects_of(pairs(&[fifteen], hotspots), &|cell| {
             success(cell).map(Effect::Plain)
         });
         claims.push(Claim {
@@ -296,7 +292,7 @@ impl<'r> Range<'r> {
             region: Region::AnotherTraining(high),
             complete,
         });
-        let (effects, complete) = of_all(pairs(fleets, hotspots), &|cell| {
+        let (effects, complete) = effects_of(pairs(fleets, hotspots), &|cell| {
             self.throughput(cell, PPO).map(Effect::Plain)
         });
         claims.push(Claim {
@@ -326,12 +322,7 @@ impl<'r> Range<'r> {
     }
 
     fn constant(&self, fleets: &[u32; 2], hotspots: &[u32]) -> Vec<Claim> {
-        let judged = |cells: &[(u32, u32)], of: &dyn Fn((u32, u32)) -> Option<Effect>| {
-            let effects: Vec<Effect> = cells.iter().filter_map(|&cell| of(cell)).collect();
-            let complete = effects.len() == cells.len();
-            (effects, complete)
-        };
-        let gaps = |uavs: u32| judged(&pairs(&[uavs], hotspots), &|cell| self.gap(cell));
+        let gaps = |uavs: u32| effects_of(pairs(&[uavs], hotspots), &|cell| self.gap(cell));
         let (at_ten, all_at_ten) = gaps(fleets[0]);
         let (at_fifteen, all_at_fifteen) = gaps(fleets[1]);
         let greatest = at_fifteen.iter().filter_map(|effect| match effect {
@@ -339,9 +330,8 @@ impl<'r> Range<'r> {
             _ => None,
         });
         let greatest: Vec<Measured> = greatest.collect();
-        let (ratios, all_ratios) = judged(&pairs(fleets, hotspots), &|cell| {
-            self.throughput_ratio(cell)
-        });
+        let (ratios, all_ratios) =
+            effects_of(pairs(fleets, hotspots), &|cell| self.throughput_ratio(cell));
         vec![
             Claim {
                 text: "with 10 UAVs, adaptive and constant pilot within about 5 points",
@@ -381,10 +371,11 @@ impl Claim {
     }
 
     fn row(&self, verdict: Verdict) -> [String; 3] {
-        let intervals = self
-            .effects
-            .iter()
-            .map(|effect| effect.interval(CONFIDENCE));
+        let is_rate = matches!(self.region, Region::AnotherTraining(_));
+        let intervals = self.effects.iter().map(|effect| {
+            let e = effect.interval(CONFIDENCE);
+            if is_rate { within_rates(e) } else { e }
+        });
         let mut intervals: Vec<Estimate> = intervals.collect();
         if intervals.len() > LISTED_MAX {
             intervals.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -434,6 +425,16 @@ fn cells_at(scan: &Scan, metres: f64) -> BTreeSet<(u32, u32)> {
     rows.map(|row| (row.uavs, row.hotspots)).collect()
 }
 
+/// The effects of the cells that have been flown, and whether these are all.
+fn effects_of(
+    cells: Vec<(u32, u32)>,
+    of: &dyn Fn((u32, u32)) -> Option<Effect>,
+) -> (Vec<Effect>, bool) {
+    let effects: Vec<Effect> = cells.iter().filter_map(|&cell| of(cell)).collect();
+    let complete = effects.len() == cells.len();
+    (effects, complete)
+}
+
 fn pairs(fleets: &[u32], hotspots: &[u32]) -> Vec<(u32, u32)> {
     let of = |&uavs: &u32| hotspots.iter().map(move |&n| (uavs, n));
     fleets.iter().flat_map(of).collect()
@@ -445,13 +446,6 @@ fn within_rates(e: Estimate) -> Estimate {
         high: e.high.min(1.0),
         ..e
     }
-}
-
-fn told(e: &Estimate, digits: usize) -> String {
-    format!(
-        "{:.digits$} [{:.digits$}, {:.digits$}]",
-        e.value, e.low, e.high
-    )
 }
 
 #[cfg(test)]

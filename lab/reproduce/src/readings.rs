@@ -9,6 +9,7 @@ use crate::results::Results;
 use crate::scan::{self, Flown, HOTSPOTS, PLANNERS, PPO, RANDOM, READINGS, Scan, ScanRow, TEAMS};
 use crate::statistics::Spread;
 use crate::table::{Quantity, Query};
+use crate::text::told;
 use crate::verdict::one_training;
 use jcas_core::Preset;
 use jcas_episode::statistics::Estimate;
@@ -216,13 +217,6 @@ fn introduction(results: &Results, spread: Option<Spread>) -> String {
 
 fn ends(e: &Estimate) -> String {
     format!("[{:.2}, {:.2}]", e.low, e.high)
-}
-
-fn told(e: &Estimate, digits: usize) -> String {
-    format!(
-        "{:.digits$} [{:.digits$}, {:.digits$}]",
-        e.value, e.low, e.high
-    )
 }
 
 /// Which ranges have both numbers within intervals, in a sentence for each policy.

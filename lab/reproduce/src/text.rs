@@ -1,5 +1,13 @@
 //! Small helpers of pages.
 
+use jcas_episode::statistics::Estimate;
+
+/// A value with its interval.
+pub(crate) fn told(e: &Estimate, digits: usize) -> String {
+    let Estimate { value, low, high } = e;
+    format!("{value:.digits$} [{low:.digits$}, {high:.digits$}]")
+}
+
 /// With a capital first letter.
 pub(crate) fn capital(text: &str) -> String {
     let mut characters = text.chars();
