@@ -10,6 +10,7 @@ confirmation costs 7, so the loss of return beside a cost of 0 counts them.
 
 import argparse
 import csv
+import itertools
 import subprocess
 from pathlib import Path
 
@@ -89,7 +90,8 @@ def quorums(options):
 def write(name, rows):
     """Writes a table into the folder of results."""
     with open(RESULTS / name, "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+        columns = list(dict.fromkeys(itertools.chain.from_iterable(rows)))
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
 

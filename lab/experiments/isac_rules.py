@@ -11,11 +11,12 @@ ended.
 
 import argparse
 import csv
-import itertools
+import math
 import subprocess
 from pathlib import Path
 
-RESULTS = Path(__file__).parent.parent / "results"
+from isac import write
+
 FLEETS = "5,10,15,20"
 HOTSPOTS = "3,7,11"
 DENSITIES = ("0.01", "0.03", "0.1", "0.2", "0.3", "adaptive", "myopic")
@@ -157,7 +158,9 @@ def tabulated(options):
     """Writes the detection curve of `isac` as a table and returns the options that fly it."""
     path = options.runs / "swerling1.csv"
     odds = [["range_m", "p_d"]]
-    snr_at_150_m, false_alarm = 18.93, 1e-6
+    false_alarm = 1e-6
+    # P_d = false_alarm^(1/(1 + snr)) is 0.5 at 150 m.
+    snr_at_150_m = math.log(false_alarm) / math.log(0.5) - 1
     for metres in range(10, 641, 10):
         snr = snr_at_150_m * (150 / metres) ** 4
         odds.append([metres, min(false_alarm ** (1 / (1 + snr)), 0.999999)])
@@ -193,15 +196,6 @@ def maps(options):
                 row |= {f"{of}_{end}": round(float(cell[f"{name}_{end}"]), 4) for end in ENDS}
             rows.append(row)
     return rows
-
-
-def write(name, rows):
-    """Writes a table into the folder of results."""
-    with open(RESULTS / name, "w", newline="") as file:
-        columns = list(dict.fromkeys(itertools.chain.from_iterable(rows)))
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def draw(path, rows):
