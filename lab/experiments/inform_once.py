@@ -2,10 +2,10 @@
 
 Each row of the table is one policy in one cell: a random walk, or PPO with the paper's settings.
 The script can be stopped at any time. It goes on where the table ends, and an unfinished training
-resumes from its checkpoint.
+resumes from its checkpoint. With `--jobs` several cells run at once, each on one thread.
 
     python lab/experiments/inform_once.py --jcas target/release/jcas \\
-        --lab lab/target/release/jcas-lab --runs out/inform_once
+        --lab lab/target/release/jcas-lab --runs out/inform_once --jobs 2
 """
 
 import argparse
@@ -13,9 +13,12 @@ import csv
 import json
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Lock
 
 TABLE = Path(__file__).parent.parent / "results" / "inform_once.csv"
+TABLE_LOCK = Lock()
 EPISODES = 1000
 KEY = ("reading", "range_m", "uavs", "hotspots", "pilot", "seed", "policy")
 QUANTITIES = {
@@ -57,9 +60,12 @@ def cells():
         yield ("once", 162.5, uavs, 5, "0.3", 0, "ppo")
         for hotspots in (3, 5, 7, 9, 11):
             yield ("once", 162.5, uavs, hotspots, "mid", 0, "random")
-    for uavs in (10, 15):
-        for hotspots in (3, 7, 9, 11):
-            yield ("once", 162.5, uavs, hotspots, "0.3", 0, "ppo")
+    for seed in (0, 1, 2):
+        for fleets in ((10, 15), (5, 20)):
+            for pilot in ("adaptive", "0.3"):
+                for uavs in fleets:
+                    for hotspots in (3, 5, 7, 9, 11):
+                        yield ("once", 162.5, uavs, hotspots, pilot, seed, "ppo")
 
 
 def finished(path):
@@ -98,12 +104,13 @@ def run(options, cell, path):
     for name, field in QUANTITIES.items():
         for end in ("", "_low", "_high"):
             row[name + end] = report[field + end]
-    new = not path.exists()
-    with path.open("a", newline="") as table:
-        writer = csv.DictWriter(table, FIELDS, lineterminator="\n")
-        if new:
-            writer.writeheader()
-        writer.writerow(row)
+    with TABLE_LOCK:
+        new = not path.exists()
+        with path.open("a", newline="") as table:
+            writer = csv.DictWriter(table, FIELDS, lineterminator="\n")
+            if new:
+                writer.writeheader()
+            writer.writerow(row)
 
 
 def main():
@@ -112,10 +119,13 @@ def main():
     parser.add_argument("--jcas", required=True, help="path of the command jcas")
     parser.add_argument("--lab", required=True, help="path of the command jcas-lab")
     parser.add_argument("--runs", required=True, help="folder of the trainings")
+    parser.add_argument("--jobs", type=int, default=1, help="cells that run at once")
     options = parser.parse_args()
-    for cell in cells():
-        if tuple(map(str, cell)) not in finished(TABLE):
-            run(options, cell, TABLE)
+    present = finished(TABLE)
+    missing = [cell for cell in dict.fromkeys(cells()) if tuple(map(str, cell)) not in present]
+    with ThreadPoolExecutor(options.jobs) as pool:
+        for _ in pool.map(lambda cell: run(options, cell, TABLE), missing):
+            pass
 
 
 if __name__ == "__main__":
