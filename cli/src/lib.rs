@@ -16,6 +16,7 @@ pub mod planned;
 mod progress;
 mod radar_table;
 mod serve;
+pub mod shard;
 mod sweep;
 
 pub use commands::Command;

@@ -15,10 +15,10 @@ use super::replay::fly_page;
 use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
+use crate::shard::Shard;
 use crate::sweep::plan::{self, Axis, SweepCell};
-use crate::sweep::shard::Shard;
 use crate::sweep::store::{Frame, Store};
-use crate::sweep::{self, charts};
+use crate::sweep::{self, charts, shard};
 use crate::{files, learned, numbers};
 
 const EXAMPLES: &str = "\
@@ -124,7 +124,7 @@ impl Sweep {
         files::prepare_folder(&self.out)?;
         let frame = Frame::new(&axes, &cells, self.seed, self.episodes);
         let (cells, mut store) = match self.shard {
-            Some(shard) => shard.open(&self.out, cells, frame, self.overwrite)?,
+            Some(part) => shard::open(part, &self.out, cells, frame, self.overwrite)?,
             None => {
                 let table = self.out.join("results.csv");
                 (cells, Store::open(&table, frame, self.overwrite)?)
