@@ -39,7 +39,8 @@ pub enum ModeName {
 /// The missions and the report are those of `jcas simulate` with the same seed. A trained policy
 /// runs with the configuration on its card. Options change single fields of that configuration;
 /// --preset or --config replaces all fields. Standard error lists what the options change. A policy
-/// whose dimensions do not fit is refused.
+/// whose dimensions do not fit is refused. One configuration is flown on the cores of one machine;
+/// `jcas sweep --shard` shares several configurations between machines.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Evaluate {

@@ -1,11 +1,12 @@
 //! The command `jcas-lab`.
 
 mod commands;
+mod manifest;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use commands::{export, reproduce, train};
+use commands::{export, merge, reproduce, train};
 
 /// Keeps the large blocks that training frees and asks for again in every minibatch.
 #[global_allocator]
@@ -29,6 +30,7 @@ enum Command {
     Train(train::Train),
     Export(export::Export),
     Reproduce(reproduce::Reproduce),
+    Merge(merge::Merge),
 }
 
 fn main() -> ExitCode {
@@ -38,5 +40,6 @@ fn main() -> ExitCode {
         Command::Train(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Reproduce(command) => command.run(),
+        Command::Merge(command) => command.run(),
     })
 }

@@ -11,7 +11,6 @@ use jcas_episode::statistics::{Estimate, mission_steps, paired_difference};
 use jcas_plan::{PlannedKind, Problem, Situation, Targets, bound};
 use jcas_policy::{BaselineKind, PilotMode, Policy};
 use jcas_train::error::TrainError;
-use jcas_train::store::{csv_bytes, write_whole};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -55,6 +54,12 @@ impl ComparedRow {
         words.filter_map(|word| word.parse().ok()).collect()
     }
 
+    /// Whether another row is of the same policy in the same cell.
+    pub(crate) fn is_again(&self, other: &ComparedRow) -> bool {
+        let names = |row: &ComparedRow| [&row.preset, &row.policy, &row.pilot].map(String::clone);
+        names(self) == names(other) && (self.uavs, self.hotspots) == (other.uavs, other.hotspots)
+    }
+
     /// Steps beyond those of another policy, mean over the missions that both have flown.
     pub fn over(&self, other: &ComparedRow) -> Estimate {
         paired_difference(&self.steps(), &other.steps())
@@ -69,12 +74,6 @@ impl ComparedRow {
 /// Reads the rows that a folder has.
 pub fn open(out: &Path) -> Result<Vec<ComparedRow>, TrainError> {
     crate::scan::lines(&out.join(COMPARISON))
-}
-
-/// Writes all rows.
-pub(crate) fn write(out: &Path, rows: &[ComparedRow]) -> Result<(), TrainError> {
-    let path = out.join(COMPARISON);
-    write_whole(&path, &csv_bytes(rows, true, &path)?)
 }
 
 /// The scripts that can fly a mission with known hotspots, or with hidden ones.

@@ -4,6 +4,7 @@ use crate::campaign::{CampaignSpec, HELD, OURS, Who, pilot_name};
 use crate::pilot_by_distance;
 use crate::progress_sink::{Progress, ProgressSink};
 use crate::scope::{CONSTANT_PILOT, Learner, Part, Scope, Training, Variation};
+use crate::shard::{Comparisons, Shard, Turns};
 use crate::table::{Key, Table};
 use crate::{comparison, endurance, pilot, range};
 use jcas_core::{Config, Model, Preset};
@@ -41,15 +42,20 @@ struct Flights<'a> {
     table: &'a mut Table,
     narrator: &'a mut dyn ProgressSink,
     given: Vec<Arc<StoredPolicy>>,
+    shard: Option<Shard>,
+    turns: Turns,
 }
 
-/// The parts that are asked for, in an order in which early ones already tell something.
+/// The parts that are asked for, in an order in which early ones already tell something; in a shard
+/// its units only. The caller writes the table.
 pub(crate) fn fly_all(
     scope: &Scope,
     out: &Path,
     table: &mut Table,
+    shard: Option<Shard>,
     narrator: &mut dyn ProgressSink,
-) -> Result<Progress, TrainError> {
+) -> Result<(Progress, Turns), TrainError> {
+    let turns = Turns::new(shard, scope)?;
     let given = scope.given.iter().map(|at| load(at).map(Arc::new));
     let given: Result<_, CardError> = given.collect();
     let mut flights = Flights {
@@ -58,10 +64,11 @@ pub(crate) fn fly_all(
         table,
         narrator,
         given: given?,
+        shard,
+        turns,
     };
-    let progress = flights.all_parts();
-    flights.table.write()?;
-    progress
+    let progress = flights.all_parts()?;
+    Ok((progress, flights.turns))
 }
 
 fn key(
@@ -165,13 +172,17 @@ impl Flights<'_> {
                         named => named.name(),
                     };
                     let key = key(campaign, preset, &config, (kind.name(), &mode), 0);
-                    self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                    if self.turns.next(&key, None) {
+                        self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                    }
                 }
                 Who::Ours { base, held } => {
                     for (seed, policy) in self.given_for(&base).iter().enumerate() {
                         let pilot = held.map_or(pilot_name(None), |_| HELD);
                         let key = key(campaign, preset, &config, (OURS, pilot), seed as u64);
-                        self.ours(&key, config, policy, held)?;
+                        if self.turns.next(&key, None) {
+                            self.ours(&key, config, policy, held)?;
+                        }
                     }
                 }
             }
@@ -181,12 +192,11 @@ impl Flights<'_> {
 
     /// Scripts, plans and our policy in every cell; false if stopped meanwhile.
     fn comparison(&mut self) -> Result<bool, TrainError> {
-        let mut rows = comparison::open(self.out)?;
+        let mut compared = Comparisons::open(self.out, self.shard)?;
         let mut presets = self.scope.presets.clone();
         presets.insert(1, Preset::Search);
         for units in comparison::Unit::PASSES {
             for &preset in &presets {
-                let ours = self.compared(preset)?;
                 for &unit in units {
                     self.narrator
                         .chapter(&format!("comparing in {}: {unit:?}", preset.name()));
@@ -200,15 +210,39 @@ impl Flights<'_> {
                             missions: comparison::MISSIONS.min(self.scope.episodes),
                             densities: &self.scope.pilot_densities.0,
                         };
-                        if !place.is_there(unit, &rows)? {
-                            rows.extend(place.rows(unit, ours.as_deref())?);
-                            comparison::write(self.out, &rows)?;
+                        let here = self.compared_here(&place, unit)?;
+                        if !here || place.is_there(unit, &compared.rows)? {
+                            continue;
                         }
+                        let ours = self.compared(preset)?;
+                        let rows = place.rows(unit, ours.as_deref())?;
+                        compared.add(self.turns.unit(), rows)?;
                     }
                 }
             }
         }
         Ok(true)
+    }
+
+    /// Whether a unit of the comparison is flown here. A policy that this reproduction trains flies
+    /// in the shard that trains it.
+    fn compared_here(
+        &mut self,
+        place: &comparison::ComparedCell,
+        unit: comparison::Unit,
+    ) -> Result<bool, TrainError> {
+        let what = (place.preset, place.config.hash(), unit);
+        if unit != comparison::Unit::Ours {
+            return Ok(self.turns.next(&what, None));
+        }
+        let name = tuned_name(place.preset, None, 0);
+        let is_trained = self.turns.is_trained(&name);
+        let folder = self.folder(&name);
+        if !is_trained && folder.join(CARD).exists() {
+            self.turns.add_policy(&folder)?;
+        }
+        let policy = is_trained.then_some(name.as_str());
+        Ok(self.turns.next(&what, policy))
     }
 
     /// The first of our policies for a preset, given or trained here.
@@ -272,8 +306,8 @@ impl Flights<'_> {
         };
         let missions = fly(&model, campaign, make, &|| ControlFlow::Continue(()))
             .map_err(|error| refused(&error))?;
-        self.table
-            .add(key, &Summary::of(&missions, config.horizon_steps))
+        let summary = Summary::of(&missions, config.horizon_steps);
+        self.table.add(self.turns.unit(), key, &summary)
     }
 
     fn baselines(&mut self) -> Result<bool, TrainError> {
@@ -285,7 +319,11 @@ impl Flights<'_> {
                     for pilot in [PilotMode::Adaptive, PilotMode::Mid, PilotMode::Max] {
                         let flown = (kind.name(), pilot.name());
                         let key = key(GRID, preset, &config, (flown.0, &flown.1), 0);
-                        self.campaign(&key, config, &|| Box::new(kind.build_privileged(pilot)))?;
+                        if self.turns.next(&key, None) {
+                            self.campaign(&key, config, &|| {
+                                Box::new(kind.build_privileged(pilot))
+                            })?;
+                        }
                     }
                 }
             }
@@ -332,15 +370,23 @@ impl Flights<'_> {
             let given = self.given_for(&self.scope.mission(preset, (10, 5)));
             for (seed, policy) in given.iter().enumerate() {
                 for held in [None, Some(CONSTANT_PILOT)] {
-                    self.grid(preset, policy, seed as u64, held)?;
+                    if self.turns.next(&(GRID, preset, seed, held), None) {
+                        self.grid(preset, policy, seed as u64, held)?;
+                    }
                 }
-                self.experiments(preset, policy, seed as u64)?;
+                if self.turns.next(&("experiments", preset, seed), None) {
+                    self.experiments(preset, policy, seed as u64)?;
+                }
             }
             if !given.is_empty() {
                 continue;
             }
             for &seed in &self.scope.seeds {
                 for constant in [None, Some(CONSTANT_PILOT)] {
+                    let name = tuned_name(preset, constant, seed);
+                    if !self.turns.next(&name, Some(&name)) {
+                        continue;
+                    }
                     let Some(policy) = self.tuned(preset, seed, constant)? else {
                         return Ok(false);
                     };
@@ -543,7 +589,8 @@ impl Flights<'_> {
         config: Config,
         key: &Key,
     ) -> Result<bool, TrainError> {
-        if self.is_there(key)? && !self.folder(name).join(CARD).exists() {
+        let here = self.turns.next(&(key, &settings), Some(name));
+        if !here || self.is_there(key)? && !self.folder(name).join(CARD).exists() {
             return Ok(true);
         }
         let Some(policy) = self.trained(name, settings, vec![config])? else {

@@ -29,6 +29,7 @@ pub mod results;
 pub mod scan;
 pub mod scope;
 mod seed_spread;
+pub mod shard;
 pub mod statistics;
 pub mod table;
 mod text;
@@ -56,7 +57,9 @@ pub fn reproduce(
 ) -> Result<Progress, TrainError> {
     std::fs::create_dir_all(out).map_err(TrainError::file(out))?;
     let mut table = Table::open(&out.join(TABLE))?;
-    let progress = flights::fly_all(scope, out, &mut table, narrator)?;
+    let flown = flights::fly_all(scope, out, &mut table, None, narrator);
+    table.write()?;
+    let (progress, _) = flown?;
     narrator.chapter("figures and report");
     curves::gather(scope, out)?;
     let results = Results::open(scope, out)?;

@@ -267,7 +267,9 @@ mod tests {
                 terminated: true,
                 ..Metrics::default()
             };
-            table.add(&key, &Summary::of(&[mission; 10], 100)).unwrap();
+            table
+                .add(0, &key, &Summary::of(&[mission; 10], 100))
+                .unwrap();
         }
         let (text, figure) = regimes(&scope, &table, map).unwrap();
         let [row] = &figure.cells[..] else {

@@ -117,6 +117,11 @@ impl Row {
         }
     }
 
+    /// Whether another row is of the same campaign.
+    pub(crate) fn is_again(&self, other: &Row) -> bool {
+        self.campaign() == other.campaign()
+    }
+
     fn is_of(&self, key: &Key) -> bool {
         let names = [&key.experiment, &key.preset, &key.policy, &key.pilot];
         self.campaign() == (names, [key.uavs, key.hotspots], key.seed, key.x.to_bits())
@@ -208,6 +213,8 @@ const WRITE_INTERVAL: Duration = Duration::from_secs(1);
 pub struct Table {
     path: PathBuf,
     written: Instant,
+    /// In the table of a shard, the unit of each row.
+    units: Option<Vec<u64>>,
     /// In the order in which they were flown.
     pub rows: Vec<Row>,
 }
@@ -222,6 +229,16 @@ impl Table {
                 rows.push(row.map_err(TrainError::format(path))?);
             }
         }
+        Table::new(path, None, rows)
+    }
+
+    /// What is there of a shard already.
+    pub(crate) fn open_shard(path: &Path) -> Result<Table, TrainError> {
+        let (units, rows) = crate::shard::read(path)?.into_iter().unzip();
+        Table::new(path, Some(units), rows)
+    }
+
+    fn new(path: &Path, units: Option<Vec<u64>>, rows: Vec<Row>) -> Result<Table, TrainError> {
         let mut campaigns = HashSet::new();
         for (number, row) in (2..).zip(&rows) {
             if !campaigns.insert(row.campaign()) {
@@ -235,6 +252,7 @@ impl Table {
         Ok(Table {
             path: path.to_owned(),
             written: Instant::now(),
+            units,
             rows,
         })
     }
@@ -244,8 +262,16 @@ impl Table {
         self.rows.iter().find(|row| row.is_of(key))
     }
 
-    /// Adds a campaign.
-    pub fn add(&mut self, key: &Key, summary: &Summary) -> Result<(), TrainError> {
+    /// Adds a campaign of a unit.
+    pub(crate) fn add(
+        &mut self,
+        unit: u64,
+        key: &Key,
+        summary: &Summary,
+    ) -> Result<(), TrainError> {
+        if let Some(units) = &mut self.units {
+            units.push(unit);
+        }
         self.rows.push(Row::new(key, summary));
         if self.written.elapsed() >= WRITE_INTERVAL {
             self.write()?;
@@ -255,7 +281,10 @@ impl Table {
 
     /// Writes the whole table.
     pub fn write(&mut self) -> Result<(), TrainError> {
-        let bytes = csv_bytes(&self.rows, true, &self.path)?;
+        let bytes = match &self.units {
+            None => csv_bytes(&self.rows, true, &self.path)?,
+            Some(units) => crate::shard::bytes(units, &self.rows, &self.path)?,
+        };
         write_whole(&self.path, &bytes)?;
         self.written = Instant::now();
         Ok(())

@@ -2,11 +2,12 @@
 
 use jcas_core::Preset;
 use jcas_reproduce::scope::{CONSTANT_PILOT, Part, Scope, variations};
+use jcas_reproduce::shard::{RowCounts, Shard, fly_shard, merge, outline};
 use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
 use jcas_train::settings::Settings;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 struct Silent {
     chapters: Vec<String>,
@@ -218,4 +219,108 @@ fn a_reproduction_goes_on_where_it_was_stopped_and_draws_everything() {
     other_results_are_refused(&out, &results);
     a_given_policy_is_flown_not_trained(&out);
     std::fs::remove_dir_all(&out).unwrap();
+}
+
+/// Every part at one cell, with two seeds: trainings of both fly the same script beside them. The
+/// paper's training is flown over the sensing range as well.
+fn narrow() -> Scope {
+    Scope {
+        fleets: vec![10],
+        hotspots: vec![1],
+        seeds: vec![0, 1],
+        paper_cells: vec![(10, 1)],
+        variations: variations()[..1].to_vec(),
+        presets: vec![Preset::Mission],
+        ..scope()
+    }
+}
+
+/// Flies a shard to its end, with a stop on the way.
+fn whole_shard(out: &Path, shard: Shard) -> RowCounts {
+    let mut early = narrator(4);
+    let stopped = fly_shard(&narrow(), out, shard, &mut early).unwrap();
+    assert_eq!(stopped, None, "{:?}", early.chapters);
+    let done = fly_shard(&narrow(), out, shard, &mut narrator(usize::MAX));
+    done.unwrap().expect("nothing stops it")
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
+fn merged_shards_have_the_bytes_of_the_single_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let single = folder.path().join("single");
+    reproduce(&narrow(), &single, &mut narrator(usize::MAX)).unwrap();
+    let units = outline(&narrow(), folder.path()).unwrap().units;
+    for count in [2, 3] {
+        let mut shards: Vec<(Shard, PathBuf, RowCounts)> = Vec::new();
+        for number in (1..=count).rev() {
+            let shard = Shard { number, count };
+            let out = folder.path().join(format!("{number}-of-{count}"));
+            std::fs::create_dir(&out).unwrap();
+            let rows = whole_shard(&out, shard);
+            assert!(rows.results > 0 && rows.comparison > 0, "{shard:?}");
+            shards.push((shard, out, rows));
+        }
+        let given: Vec<_> = shards
+            .iter()
+            .map(|(shard, out, rows)| (*shard, out.as_path(), *rows))
+            .collect();
+        let merged = merge(&given, units).unwrap();
+        assert_eq!(merged.len(), 2);
+        for (name, bytes) in merged {
+            let whole = std::fs::read(single.join(name)).unwrap();
+            assert!(bytes == whole, "{name} of {count} shards");
+        }
+        // One shard has each policy, with what only that policy needs.
+        for name in [
+            "approach-s0.csv",
+            "approach-s1.csv",
+            "policies/ppo-10x1-adaptive-s1/policy.safetensors",
+            "policies/learned-mission-constant-s0/policy.safetensors",
+        ] {
+            let found = shards.iter().map(|(_, out, _)| out.join(name));
+            let found: Vec<_> = found.filter(|path| path.exists()).collect();
+            assert_eq!(found.len(), 1, "{name}: {found:?}");
+            let whole = std::fs::read(single.join(name)).unwrap();
+            assert!(std::fs::read(&found[0]).unwrap() == whole, "{name}");
+        }
+    }
+}
+
+/// Shards of scripts alone, for what merging refuses.
+fn scripted(folder: &Path) -> [(Shard, &Path, RowCounts); 2] {
+    let scripts = narrow().parts(vec![Part::Baselines]);
+    [1, 2].map(|number| {
+        let shard = Shard { number, count: 2 };
+        let rows = fly_shard(&scripts, folder, shard, &mut narrator(usize::MAX));
+        (shard, folder, rows.unwrap().unwrap())
+    })
+}
+
+#[test]
+fn what_a_shard_did_not_fly_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let shards = scripted(folder.path());
+    let units = shards.iter().map(|(.., rows)| rows.results).sum::<usize>() as u64;
+    assert!(merge(&shards, units).is_ok());
+    let [table, _] = shards[0].0.tables(folder.path());
+    let text = std::fs::read_to_string(&table).unwrap();
+    let line = text.lines().nth(1).unwrap();
+    let (_, campaign) = line.split_once(',').unwrap();
+    for (changed, told) in [
+        (text.replace(&format!("{line}\n"), ""), "rows: must be"),
+        (text.replace(line, &format!("1,{campaign}")), "which shard"),
+        (text.replace(line, &format!("x,{campaign}")), "unit = x"),
+        (text.replace(line, &format!("999,{campaign}")), "unit = 999"),
+        (text.replace("unit,", "step,"), "first column must be unit"),
+    ] {
+        assert_ne!(changed, text, "{told}");
+        std::fs::write(&table, changed).unwrap();
+        let error = merge(&shards, units).unwrap_err().to_string();
+        assert!(error.contains(told), "{told}: {error}");
+        assert!(
+            error.contains("shard-1-of-2-results.csv") || told == "which shard",
+            "{error}"
+        );
+    }
 }

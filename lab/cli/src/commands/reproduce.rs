@@ -5,14 +5,17 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use jcas_cli::error::{CliError, Outcome};
 use jcas_cli::options::ThreadOptions;
+use jcas_cli::shard::{Manifest, Shard};
 use jcas_cli::{files, interrupt};
 use jcas_reproduce::scope::{Part, Scope};
+use jcas_reproduce::shard::{fly_shard, outline};
 use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
 use jcas_train::settings::Credit;
 
 use super::failed;
+use crate::manifest::{ReproductionManifest, part};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -24,7 +27,10 @@ Examples:
   jcas-lab reproduce --only sensing-range     the sensing range that the paper's two success rates
                                               imply
   jcas-lab reproduce --only comparison,pilot,endurance --policy policies/endurance
-                                          plans beside scripts, adaptive pilots, charging";
+                                          plans beside scripts, adaptive pilots, charging
+  jcas-lab reproduce --seeds 3 --out paper --shard 2/8
+                                          the second of eight machines, whose tables `jcas-lab
+                                          merge` joins";
 
 /// A part that can be done by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -140,6 +146,10 @@ pub struct Reproduce {
     /// Write the page of claims here as well, its pictures into a folder beside it
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
+    /// Do only the i-th of n shards and write only its tables; `jcas-lab merge` joins the shards.
+    /// A training and all that its policy flies belong to one shard
+    #[arg(long, value_name = "i/n", conflicts_with = "page")]
+    shard: Option<Shard>,
     #[command(flatten)]
     threads: ThreadOptions,
 }
@@ -169,6 +179,9 @@ impl Reproduce {
         }
         .with(self.policy.clone());
         files::prepare_folder(&self.out)?;
+        if let Some(shard) = self.shard {
+            return self.run_shard(&scope, shard);
+        }
         let progress = self
             .threads
             .run(|| reproduce(&scope, &self.out, &mut ConsoleProgress))?
@@ -187,6 +200,34 @@ impl Reproduce {
                 report.display()
             ))),
         }
+    }
+
+    /// Computes what a shard lacks. Its manifest is on file before, so that rows of another build
+    /// are not continued.
+    fn run_shard(&self, scope: &Scope, shard: Shard) -> Result<Outcome, CliError> {
+        let outline = outline(scope, &self.out).map_err(failed)?;
+        let mut manifest = ReproductionManifest::new(shard, &outline)?;
+        let path = shard.manifest_path(&self.out);
+        if path.exists() {
+            let origin = "this command; give another --out";
+            ReproductionManifest::read(&path)?.require_same(&path, origin, &manifest)?;
+        } else if let Some(table) = part(shard).tables(&self.out).iter().find(|at| at.exists()) {
+            return Err(CliError::file(table, "has no manifest; give another --out"));
+        }
+        manifest.write(&path)?;
+        let flown = self
+            .threads
+            .run(|| fly_shard(scope, &self.out, part(shard), &mut ConsoleProgress))?
+            .map_err(failed)?;
+        let Some(rows) = flown else {
+            let path = path.display();
+            let what = format!("stopped; {path} is not finished, the same command goes on");
+            return Err(CliError::Interrupted(what));
+        };
+        manifest.rows = Some(rows);
+        manifest.write(&path)?;
+        files::print(&format!("shard {shard}: {}\n", path.display()))?;
+        Ok(Outcome::Done)
     }
 }
 

@@ -1,0 +1,84 @@
+//! What merging must know of a shard of a reproduction. It stands beside the shard's tables.
+
+use core::fmt;
+use std::fs;
+use std::path::Path;
+
+use jcas_cli::error::CliError;
+use jcas_cli::shard::{Build, Manifest, Shard, require_equal};
+use jcas_reproduce::shard::{Outline, RowCounts};
+use serde::{Deserialize, Serialize};
+
+/// Version of the manifest's format.
+const FORMAT: u32 = 1;
+
+/// The manifest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReproductionManifest {
+    format: u32,
+    build: Build,
+    /// Hash of everything that the results follow from.
+    reproduction: String,
+    shard: Shard,
+    /// Number of units of all shards.
+    pub units_in_all: u64,
+    /// What the tables hold at the end; absent before.
+    pub rows: Option<RowCounts>,
+}
+
+impl ReproductionManifest {
+    /// The manifest of a shard that begins.
+    pub fn new(shard: Shard, outline: &Outline) -> Result<Self, CliError> {
+        Ok(Self {
+            format: FORMAT,
+            build: Build::current()?,
+            reproduction: format!("0x{:016x}", outline.fingerprint),
+            shard,
+            units_in_all: outline.units,
+            rows: None,
+        })
+    }
+}
+
+impl Manifest for ReproductionManifest {
+    fn read(path: &Path) -> Result<Self, CliError> {
+        let bytes = fs::read(path).map_err(CliError::io(path))?;
+        let refuse = |what: &dyn fmt::Display| {
+            let what = format!("is no manifest of a reproduction's shard: {what}");
+            CliError::file(path, what)
+        };
+        let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
+        let Self { format, shard, .. } = manifest;
+        if format != FORMAT {
+            return Err(refuse(&format!("format = {format}: must be {FORMAT}")));
+        }
+        if !shard.is_valid() {
+            return Err(refuse(&format!(
+                "shard = {shard}: must be i/n, 1 <= i <= n"
+            )));
+        }
+        Ok(manifest)
+    }
+
+    fn shard(&self) -> Shard {
+        self.shard
+    }
+
+    fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
+        let build = (&self.build, &other.build);
+        require_equal(path, origin, "other build: kernel", build)?;
+        let hashes = (&self.reproduction, &other.reproduction);
+        require_equal(path, origin, "other reproduction: fingerprint", hashes)?;
+        let units = (&self.units_in_all, &other.units_in_all);
+        require_equal(path, origin, "other reproduction: number of units", units)?;
+        let count = (&self.shard.count, &other.shard.count);
+        require_equal(path, origin, "number of shards", count)
+    }
+}
+
+/// The shard as the reproduction knows it.
+pub fn part(shard: Shard) -> jcas_reproduce::shard::Shard {
+    let Shard { number, count } = shard;
+    jcas_reproduce::shard::Shard { number, count }
+}
