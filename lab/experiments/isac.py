@@ -1,8 +1,8 @@
 """The worth of the pilot density and of the quorum in the preset `isac`.
 
-Two sweeps of the policy `line` fly the pilot densities beside those of the preset `search`, and the
-quorum beside the rate of false alarms. An interrupted sweep goes on where it ended. Each false
-confirmation costs 7, so the loss of return beside a cost of 0 counts them.
+Two sweeps of the policy `line` fly the pilot densities beside those of the preset `search`. A third
+sweep flies the quorum beside the rate of false alarms with several policies, where each false
+confirmation costs 7. An interrupted sweep goes on where it ended.
 
     python lab/experiments/isac.py --jcas target/release/jcas --runs out/isac \\
         --figure docs/images/isac.webp
@@ -22,14 +22,14 @@ RATES = ("0.0001", "0.001", "0.01", "0.05")
 COST = 7
 STEPS = "mission_steps_mean"
 QUANTITIES = ("success_rate", STEPS, f"{STEPS}_low", f"{STEPS}_high", "energy_kwh_mean")
-COMMON = ["--policy", "line", "--episodes", "300", "--no-figures"]
+LINE = ["--policy", "line", "--pilot", ",".join(DENSITIES), "--hotspots", ",".join(HOTSPOTS)]
 SWEEPS = {
-    "isac": ["--pilot", ",".join(DENSITIES), "--hotspots", ",".join(HOTSPOTS)],
-    "search": ["--pilot", ",".join(DENSITIES), "--hotspots", ",".join(HOTSPOTS)],
+    "isac": [*LINE, "--episodes", "300"],
+    "search": [*LINE, "--episodes", "300"],
     "quorum": [
-        *("--uavs", "10,20", "--hotspots", "7", "--vary", "quorum=1,2,3,4"),
-        *("--vary", f"false_alarm_per_cell={','.join(RATES)}"),
-        *("--vary", f"reward_false_confirmation=0,{-COST}"),
+        *("--policy", "line,answer,replan", "--uavs", "10,20", "--hotspots", "7"),
+        *("--vary", "quorum=1,2,3,4", "--vary", f"false_alarm_per_cell={','.join(RATES)}"),
+        *("--set", f"reward_false_confirmation={-COST}", "--episodes", "32"),
     ],
 }
 
@@ -38,8 +38,8 @@ def swept(options, name):
     """Flies a sweep and returns its rows."""
     out = options.runs / name
     preset = "search" if name == "search" else "isac"
-    command = [options.jcas, "sweep", "--preset", preset, *COMMON, *SWEEPS[name], "--out", out]
-    subprocess.run(command, check=True)
+    command = [options.jcas, "sweep", "--preset", preset, "--no-figures", *SWEEPS[name]]
+    subprocess.run([*command, "--out", out], check=True)
     with open(out / "results.csv", newline="") as file:
         return list(csv.DictReader(file))
 
@@ -63,27 +63,22 @@ def densities(options):
 
 
 def quorums(options):
-    """Returns a row for each fleet, rate of false alarms and quorum."""
-    names = ("uav_count", "false_alarm_per_cell", "quorum", "reward_false_confirmation")
-    flown = {tuple(float(r[name]) for name in names): r for r in swept(options, "quorum")}
+    """Returns a row for each policy, fleet, rate of false alarms and quorum."""
+    names = {
+        "policy": "policy",
+        "uavs": "uav_count",
+        "false_alarm_per_cell": "false_alarm_per_cell",
+        "quorum": "quorum",
+    }
+    means = ("success_rate", STEPS, "false_confirmations_mean", "return_mean")
     rows = []
-    for uavs in (10, 20):
-        for rate in RATES:
-            for quorum in range(1, 5):
-                free, paid = (flown[uavs, float(rate), quorum, cost] for cost in (0, -COST))
-                lost = float(free["return_mean"]) - float(paid["return_mean"])
-                rows.append(
-                    {
-                        "uavs": uavs,
-                        "false_alarm_per_cell": rate,
-                        "quorum": quorum,
-                        STEPS: round(float(free[STEPS]), 4),
-                        "false_confirmations_mean": round(lost / COST, 4),
-                        "return_mean": round(float(paid["return_mean"]), 4),
-                        "return_mean_low": round(float(paid["return_mean_low"]), 4),
-                        "return_mean_high": round(float(paid["return_mean_high"]), 4),
-                    }
-                )
+    for flown in swept(options, "quorum"):
+        row = {name: flown[column] for name, column in names.items()}
+        for quantity in means:
+            row[quantity] = round(float(flown[quantity]), 4)
+        for end in ("low", "high"):
+            row[f"return_mean_{end}"] = round(float(flown[f"return_mean_{end}"]), 4)
+        rows.append(row)
     return rows
 
 
@@ -112,10 +107,12 @@ def draw(path, by_density, by_quorum):
     left.set(xlabel="pilot density ρ", ylabel="steps of a mission", xscale="log", ylim=0)
     left.set_title("15 UAVs")
     for rate in RATES:
-        rows = [r for r in by_quorum if (r["uavs"], r["false_alarm_per_cell"]) == (10, rate)]
+        at = ("line", "10", float(rate))
+        of = [(r["policy"], r["uavs"], float(r["false_alarm_per_cell"])) for r in by_quorum]
+        rows = [row for row, key in zip(by_quorum, of, strict=True) if key == at]
         ends = ("return_mean_low", "return_mean_high")
         low, high = ([abs(r[end] - r["return_mean"]) for r in rows] for end in ends)
-        x = [r["quorum"] for r in rows]
+        x = [int(r["quorum"]) for r in rows]
         right.errorbar(x, [r["return_mean"] for r in rows], [low, high], marker="o", label=rate)
     right.set(xlabel="quorum θ", ylabel="return of a mission", xticks=range(1, 5), ylim=(80, 150))
     right.set_title("10 UAVs, false alarms a cell and look")

@@ -3,16 +3,22 @@
 Rules, planners and reports fly blocks of missions that all policies and densities share. An
 interval is Student's over the blocks, and a difference is taken block by block. The maps fly one
 sweep for each field, with the intervals of the command. An interrupted study goes on where it
-ended.
+ended: a finished sweep in the folder of `--runs` is read and not flown again. Trained policies fly
+beside the planners if `--learned` names the folder of their runs:
+
+    jcas-lab train --preset isac --train-preset tuned --train-set shaping.detection=60 \\
+        --uavs 5,10,15,20 --hotspots 3,7,11 --steps 409600 --seed SEED --half \\
+        --name learned --out out/learned/SEED
 
     python lab/experiments/isac_rules.py --jcas target/release/jcas --runs out/isac \\
-        --figure docs/images/isac_rules.webp
+        --figure docs/images/isac_rules.webp --jobs 2
 """
 
 import argparse
 import csv
 import math
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from isac import write
@@ -30,8 +36,9 @@ QUANTITIES = {
     "throughput": "throughput_mean",
     "false_confirmations": "false_confirmations_mean",
 }
-# Quantiles of Student's distribution, 0.975, over the number of blocks.
-STUDENT = {4: 3.182}
+BLOCKS = 16
+# Quantile of Student's distribution with 15 degrees of freedom, 0.975.
+STUDENT = 2.131
 # In the curve `table` a change of the density by 1 dB moves the logit of P_d by κ. This slope is
 # that of `swerling1` at P_d = 0.5, so that κ is the slope times the exponent of the pilot gain.
 LOGIT_PER_DB = 0.30
@@ -54,15 +61,18 @@ LABELS = {
 
 def flown(options, name, blocks, episodes, *arguments):
     """Flies the blocks of a sweep and returns the rows of each, in one order."""
-    tables = []
-    for block in range(1, blocks + 1):
+
+    def fly(block):
         out = options.runs / name / str(block)
         command = [options.jcas, "sweep", "--preset", "isac", "--no-figures", "--threads", "1"]
         command += ["--seed", str(block), "--episodes", str(episodes), "--out", out, *arguments]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        if not (out / "results.csv").exists():
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         with open(out / "results.csv", newline="") as file:
-            tables.append(list(csv.DictReader(file)))
-    return tables
+            return list(csv.DictReader(file))
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        return list(pool.map(fly, range(1, blocks + 1)))
 
 
 def interval(values):
@@ -70,7 +80,7 @@ def interval(values):
     count = len(values)
     mean = sum(values) / count
     variance = sum((value - mean) ** 2 for value in values) / (count - 1)
-    return mean, STUDENT[count] * (variance / count) ** 0.5
+    return mean, STUDENT * (variance / count) ** 0.5
 
 
 def blockwise(tables, names, quantity):
@@ -111,7 +121,7 @@ def rules(options):
     tables = flown(
         options,
         "rules",
-        4,
+        BLOCKS,
         20,
         *("--policy", "line,answer", "--pilot", ",".join(DENSITIES)),
         *("--uavs", FLEETS, "--hotspots", HOTSPOTS),
@@ -124,20 +134,58 @@ def rules(options):
 
 
 def planners(options):
-    """Returns a row for each policy and fleet: plans choose their own densities."""
-    names = ("policy", "uav_count")
-    tables = flown(
-        options,
-        "planners",
-        4,
-        8,
-        *("--policy", "line,answer,plan,replan", "--uavs", FLEETS, "--hotspots", "7"),
-    )
+    """Returns a row for each policy and fleet, the mean over the numbers of hotspots.
+
+    Plans choose their own densities.
+    """
     references = {
         "beside_plan": lambda key: ("plan", key[1]),
         "beside_replan": lambda key: ("replan", key[1]),
     }
-    return described(tables, names, references)
+    return described(planners_flown(options), ("policy", "uav_count"), references)
+
+
+def planners_flown(options):
+    """Flies the planners' blocks."""
+    return flown(
+        options,
+        "planners",
+        BLOCKS,
+        8,
+        *("--policy", "line,answer,plan,replan", "--uavs", FLEETS, "--hotspots", HOTSPOTS),
+    )
+
+
+def learned(options):
+    """Returns a row for each trained policy and fleet, and one for all policies of a fleet.
+
+    The planners' blocks stand beside them.
+    """
+    folders = sorted(path for path in options.learned.iterdir() if path.is_dir())
+    flights = [
+        flown(
+            options,
+            f"learned/{folder.name}",
+            BLOCKS,
+            8,
+            *("--policy", folder, "--uavs", FLEETS, "--hotspots", HOTSPOTS),
+        )
+        for folder in folders
+    ]
+    planned = planners_flown(options)
+    rows = []
+    for name, runs in [("all", flights), *((f.name, [r]) for f, r in zip(folders, flights))]:
+        tables = [list(block) for block in planned]
+        for run in runs:
+            for block, table in zip(tables, run, strict=True):
+                block += [row | {"policy": "learned"} for row in table]
+        references = {
+            f"beside_{policy}": lambda key, policy=policy: (policy, key[1])
+            for policy in ("line", "plan", "replan")
+        }
+        described_rows = described(tables, ("policy", "uav_count"), references)
+        rows += [{"seed": name} | row for row in described_rows if row["policy"] == "learned"]
+    return rows
 
 
 def reports(options):
@@ -146,9 +194,9 @@ def reports(options):
     tables = flown(
         options,
         "reports",
-        4,
-        12,
-        *("--policy", "answer,replan", "--uavs", "10,15", "--hotspots", "7"),
+        BLOCKS,
+        8,
+        *("--policy", "answer,replan", "--uavs", FLEETS, "--hotspots", "7"),
         *("--set", "report_slots=0", "--vary", "report_levels=0,2"),
     )
     return described(tables, names, {"beside_none": lambda key: (*key[:2], "0")})
@@ -231,6 +279,8 @@ def main():
     parser.add_argument("--jcas", required=True, help="path of the command jcas")
     parser.add_argument("--runs", required=True, type=Path, help="folder of the sweeps")
     parser.add_argument("--figure", type=Path, help="picture to write, with Matplotlib")
+    parser.add_argument("--learned", type=Path, help="folder of the runs of trained policies")
+    parser.add_argument("--jobs", type=int, default=1, help="blocks that fly at once")
     options = parser.parse_args()
     write("isac_rules.csv", rules(options))
     mapped = maps(options)
@@ -239,6 +289,8 @@ def main():
         draw(options.figure, mapped)
     write("isac_planners.csv", planners(options))
     write("isac_reports.csv", reports(options))
+    if options.learned:
+        write("isac_learned.csv", learned(options))
 
 
 if __name__ == "__main__":
