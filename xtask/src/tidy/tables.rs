@@ -56,7 +56,15 @@ fn numbers(rows: &[&str]) -> usize {
 
 /// Whether a line names a command or links to a page.
 fn has_source(line: &str) -> bool {
-    let commands = ["cargo ", "jcas ", "python", "bash ", "node ", "valgrind "];
+    let commands = [
+        "cargo ",
+        "jcas ",
+        "jcas-lab ",
+        "python",
+        "bash ",
+        "node ",
+        "valgrind ",
+    ];
     let command = commands.iter().any(|command| line.contains(command));
     command && (line.starts_with("$ ") || line.contains('`')) || line.contains("](")
 }
