@@ -231,7 +231,7 @@ impl<'r> Range<'r> {
                 of(PPO),
                 of(CONSTANT),
                 told(&gap.interval(CONFIDENCE), 2),
-                told(&ratio.interval(CONFIDENCE), 2),
+                told(&Effect::LogRatio(ratio).interval(CONFIDENCE), 2),
             ]);
         }
         let head = [
@@ -253,13 +253,13 @@ impl<'r> Range<'r> {
         ])))
     }
 
-    fn throughput_ratio(&self, cell: (u32, u32)) -> Option<Effect> {
+    /// The logarithm of the throughput with the constant density over that with the adaptive one.
+    fn throughput_ratio(&self, cell: (u32, u32)) -> Option<Measured> {
         let (adaptive, constant) = (
             self.throughput(cell, PPO)?,
             self.throughput(cell, CONSTANT)?,
         );
-        let terms = [(1.0, constant.ln()), (-1.0, adaptive.ln())];
-        Some(Effect::LogRatio(combination(terms)))
+        Some(combination([(1.0, constant.ln()), (-1.0, adaptive.ln())]))
     }
 
     fn claims(&self, fleets: &[u32], hotspots: &[u32]) -> Vec<Claim> {
@@ -278,7 +278,8 @@ impl<'r> Range<'r> {
         ] = PAPER;
         let mean = self.mean(ten, hotspots, success);
         let mut claims = vec![Claim {
-            text: "0.73 with 10 UAVs, on average over the target densities",
+            text: "0.73 with 10 UAVs, on average over the target densities \
+                (within what another training may give)",
             effects: mean.iter().map(|(mean, _)| Effect::Plain(*mean)).collect(),
             region: Region::AnotherTraining(low),
             complete: mean.is_some_and(|(_, complete)| complete),
@@ -287,19 +288,21 @@ impl<'r> Range<'r> {
             success(cell).map(Effect::Plain)
         });
         claims.push(Claim {
-            text: "0.97 with 15 UAVs, for each number of hotspots",
+            text: "0.97 with 15 UAVs, for each number of hotspots (the same)",
             effects,
             region: Region::AnotherTraining(high),
             complete,
         });
-        let (effects, complete) = effects_of(pairs(fleets, hotspots), &|cell| {
-            self.throughput(cell, PPO).map(Effect::Plain)
-        });
+        let throughput = |&uavs: &u32| self.mean(uavs, hotspots, |cell| self.throughput(cell, PPO));
+        let means: Vec<_> = fleets.iter().filter_map(throughput).collect();
         claims.push(Claim {
-            text: "normalised throughput above 1",
-            effects,
+            text: "normalised throughput above 1, for each fleet",
+            complete: means.len() == fleets.len() && means.iter().all(|(_, complete)| *complete),
+            effects: means
+                .into_iter()
+                .map(|(mean, _)| Effect::Plain(mean))
+                .collect(),
             region: Region::Above(1.0),
-            complete,
         });
         claims.extend(self.sublinear(fleets, hotspots));
         claims.extend(self.constant(&[ten, fifteen], hotspots));
@@ -330,8 +333,8 @@ impl<'r> Range<'r> {
             _ => None,
         });
         let greatest: Vec<Measured> = greatest.collect();
-        let (ratios, all_ratios) =
-            effects_of(pairs(fleets, hotspots), &|cell| self.throughput_ratio(cell));
+        let ratio = |&uavs: &u32| self.mean(uavs, hotspots, |cell| self.throughput_ratio(cell));
+        let ratios: Vec<_> = fleets.iter().filter_map(ratio).collect();
         vec![
             Claim {
                 text: "with 10 UAVs, adaptive and constant pilot within about 5 points",
@@ -350,10 +353,14 @@ impl<'r> Range<'r> {
                 complete: all_at_fifteen,
             },
             Claim {
-                text: "a constant pilot density lowers the throughput",
-                effects: ratios,
+                text: "a constant pilot density lowers the throughput, for each of both fleets",
+                complete: ratios.len() == fleets.len()
+                    && ratios.iter().all(|(_, complete)| *complete),
+                effects: ratios
+                    .into_iter()
+                    .map(|(mean, _)| Effect::LogRatio(mean))
+                    .collect(),
                 region: Region::Below(1.0),
-                complete: all_ratios,
             },
         ]
     }
@@ -406,10 +413,20 @@ fn together(verdicts: &[Verdict]) -> String {
     } else {
         "The range is compatible with all of them together."
     };
+    let [hold, fail, are] = [
+        counted(holds, "holds", "hold"),
+        counted(fails, "fails", "fail"),
+        counted(open, "is open", "are open"),
+    ];
     format!(
-        "Of {} sentences {holds} hold, {fails} fail, and {open} are open. {whole}",
+        "Of {} sentences {hold}, {fail}, and {are}. {whole}",
         verdicts.len()
     )
+}
+
+/// A number with its verb.
+fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 /// The fleets and numbers of hotspots with which PPO has flown at a range.
