@@ -44,6 +44,11 @@ trap 'rm -rf "$work"' EXIT
 sed -n '/^```python$/,/^```$/p' python/README.md | sed '/^```/d' >"$work/readme.py"
 (cd "$work" && "$python" readme.py && test -s fleet.png)
 
+# The source distribution has every crate that Cargo needs.
+uv build --quiet --sdist --out-dir "$work" python
+tar -xzf "$work"/jcas-*.tar.gz -C "$work"
+cargo metadata --format-version 1 --manifest-path "$work"/jcas-*/kernel/Cargo.toml >/dev/null
+
 "$python" examples/plan_by_forking.py
 "$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
 "$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 \

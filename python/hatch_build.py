@@ -69,7 +69,10 @@ class CargoBuildHook(BuildHookInterface):
         """Add the library's crates with a manifest that names only them."""
         manifest = (workspace / "Cargo.toml").read_text()
         members = ", ".join(f'"{crate}"' for crate in CRATES)
-        manifest = re.sub(r"(?m)^members = .*$", f"members = [{members}]", manifest)
+        lists = r"(?m)^members = \[[^\]]*\]$"
+        manifest, found = re.subn(lists, f"members = [{members}]", manifest)
+        if found != 1:
+            raise RuntimeError(f"{workspace / 'Cargo.toml'}: {found} lists of members, must be 1")
         generated = Path(self.directory) / "kernel-Cargo.toml"
         generated.parent.mkdir(parents=True, exist_ok=True)
         generated.write_text(manifest)

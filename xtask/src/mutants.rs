@@ -196,21 +196,11 @@ fn apply(mutant: &Mutant, text: &str) -> Result<String, String> {
 
 /// The workspace's manifest with only the copied crates as members.
 fn with_members(manifest: &str) -> Result<String, String> {
-    let mut found = false;
-    let mut lines = Vec::new();
-    for line in manifest.lines() {
-        if line.starts_with("members = ") {
-            found = true;
-            lines.push(format!("members = {CRATES:?}"));
-        } else {
-            lines.push(line.to_owned());
-        }
-    }
-    if found {
-        Ok(lines.join("\n") + "\n")
-    } else {
-        Err("Cargo.toml: no line begins with `members = `".to_owned())
-    }
+    manifest
+        .split_once("\nmembers = [")
+        .and_then(|(before, list)| Some((before, list.split_once(']')?.1)))
+        .map(|(before, after)| format!("{before}\nmembers = {CRATES:?}{after}"))
+        .ok_or_else(|| "Cargo.toml: no line begins with `members = [`".to_owned())
 }
 
 /// Copies only the files that have changed, so that Cargo rebuilds only what depends on them.
@@ -264,13 +254,15 @@ mod tests {
 
     #[test]
     fn the_copied_workspace_has_the_copied_members() {
-        let manifest = "[workspace]\nmembers = [\"x\", \"y\"]\n[profile]\n";
-        let copied = with_members(manifest).unwrap();
-        assert_eq!(
-            copied,
-            "[workspace]\nmembers = [\"core\", \"ffi\", \"plan\", \"policy\", \"simd\", \"trace\", \
-             \"verification\"]\n[profile]\n"
-        );
+        for members in ["[\"x\", \"y\"]", "[\n    \"x\",\n    \"y\",\n]"] {
+            let manifest = format!("[workspace]\nmembers = {members}\n[profile]\n");
+            let copied = with_members(&manifest).unwrap();
+            assert_eq!(
+                copied,
+                "[workspace]\nmembers = [\"core\", \"ffi\", \"plan\", \"policy\", \"simd\", \
+                 \"trace\", \"verification\"]\n[profile]\n"
+            );
+        }
         assert!(with_members("[workspace]\n").is_err());
     }
 
