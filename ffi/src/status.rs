@@ -70,7 +70,7 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
         JCAS_ERROR_HANDLE => "a handle is of another kind, closed or moved\0",
         JCAS_ERROR_CONFIG => "the configuration is not legal\0",
         JCAS_ERROR_ARGUMENT => "an argument is outside its range\0",
-        JCAS_ERROR_NAN => "an action component is NaN\0",
+        JCAS_ERROR_NAN => "an action component is NaN, or a network output is not finite\0",
         JCAS_ERROR_MODEL_MISMATCH => "the configurations differ\0",
         JCAS_ERROR_OUT_OF_ORDER => "a part of a step was called out of its order\0",
         JCAS_ERROR_EPISODE_OVER => "the episode has ended: reset before the next step\0",

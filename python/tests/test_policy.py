@@ -69,6 +69,31 @@ def test_policies_that_cannot_be_are_refused():
         jcas.MlpPolicy(policy.layers[::-1])
 
 
+def test_numbers_that_are_not_finite_never_become_actions_in_silence(tmp_path):
+    pytest.importorskip("safetensors")
+    model = jcas.Model(uav_count=4)
+    ones = np.ones(model.observation_len, np.float32)
+    first, last = made(model).layers
+    for value in (np.nan, np.inf):
+        weight = first.weight.copy()
+        weight[2, 3] = value
+        with pytest.raises(jcas.PolicyError, match=r"layers\[0\]\.weight\[2, 3\] = (nan|inf)"):
+            jcas.MlpPolicy([Layer(weight, first.bias), last])
+        with pytest.raises(jcas.PolicyError, match=r"the mean of inputs\[0\] = (nan|inf)"):
+            jcas.MlpPolicy([first, last], inputs=(ones * value, ones))
+    # Weights that are finite, with outputs that are not.
+    huge = np.full_like(last.weight, 3e38)
+    policy = jcas.MlpPolicy([first, Layer(huge, last.bias)])
+    policy.save(tmp_path / "p", "huge", model.config, {})
+    flown = jcas.Policy.load(tmp_path / "p", model)
+    with pytest.raises(jcas.ActionError, match="not finite"):
+        flown.act(jcas.Sim(model, 4))
+    with pytest.raises(jcas.ActionError, match="not finite"):
+        flown.act_batch(jcas.Batch(model, 2))
+    with pytest.raises(jcas.ActionError, match="NaN"):
+        evaluate(lambda rows: np.full((*rows.shape[:-1], 2), np.nan, np.float32), model, episodes=2)
+
+
 def test_wilson_intervals_equal_published_ones():
     # R: prop.test(x, n, correct = FALSE)$conf.int
     assert wilson(5, 10) == pytest.approx((0.5, 0.23659309051256406, 0.7634069094874359))

@@ -20,7 +20,10 @@ class ArgumentError(JcasError, ValueError):
 
 
 class ActionError(JcasError, ValueError):
-    """An action is NaN, has the wrong shape or is missing. The state is unchanged."""
+    """An action is NaN, has the wrong shape or is missing, or a network's output is not finite.
+
+    The state is unchanged.
+    """
 
 
 class EpisodeOverError(JcasError, RuntimeError):

@@ -50,6 +50,9 @@ class MlpPolicy:
             The Beta distribution gives the pilot density.
         inputs: mean and scale that normalise the observations. None stands for no normalisation.
 
+    Raises:
+        PolicyError: the layers do not fit each other or the head, or hold NaN or an infinity.
+
     """
 
     def __init__(
@@ -69,6 +72,11 @@ class MlpPolicy:
             raise PolicyError(
                 f"{widths[-1][1][0]} outputs: a {head} head must have {HEAD_OUTPUTS[head]}"
             )
+        for index, layer in enumerate(layers):
+            for name, array in (("weight", layer.weight), ("bias", layer.bias)):
+                _require_finite(f"layers[{index}].{name}", array)
+        for name, array in zip(("mean", "scale"), inputs or (), strict=False):
+            _require_finite(f"the {name} of inputs", array)
         self.layers = list(layers)
         self.head = head
         self.inputs = inputs
@@ -117,6 +125,15 @@ class MlpPolicy:
         write_whole(target / WEIGHTS, lambda path: save_file(arrays, path))
         text = json.dumps(card, indent=2) + "\n"
         write_whole(target / CARD, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def _require_finite(name: str, array: Array) -> None:
+    """Refuse an array with NaN or an infinity, which a training that diverged leaves behind."""
+    wrong = np.argwhere(~np.isfinite(array))
+    if len(wrong):
+        place = tuple(int(index) for index in wrong[0])
+        shown = ", ".join(map(str, place))
+        raise PolicyError(f"{name}[{shown}] = {array[place]}: must be finite")
 
 
 def trained_on(folder: str | os.PathLike[str]) -> Config:
