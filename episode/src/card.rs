@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use jcas_core::{Config, Model, TargetVisibility};
 use jcas_policy::head::{Head, Mode};
-use jcas_policy::network::{Flight, FlyError};
+use jcas_policy::network::{ActOptions, FlyError};
 use jcas_policy::{Trained, action_of};
 use jcas_simd::InstructionSet;
 use serde::{Deserialize, Serialize};
@@ -145,7 +145,7 @@ pub fn load(folder: &Path) -> Result<StoredPolicy, CardError> {
     let bytes = std::fs::read(&path).map_err(|error| CardError::File(path.clone(), error))?;
     let trained = Trained::read(&card.name, &bytes)
         .map_err(|error| CardError::Format(path, error.to_string()))?
-        .with_product(InstructionSet::best().product());
+        .with_matmul(InstructionSet::best().matmul());
     let pilot = card
         .constant_pilot_density
         .map(|density| action_of(&card.config, density));
@@ -195,7 +195,7 @@ impl StoredPolicy {
     /// Returns the policy ready to act in a mode, by default the card's.
     #[must_use]
     pub fn policy(&self, mode: Option<Mode>) -> Trained {
-        self.trained.clone().with_flight(Flight {
+        self.trained.clone().with_act_options(ActOptions {
             mode: mode.unwrap_or(self.card.mode),
             pilot: self.pilot,
         })

@@ -8,7 +8,7 @@ use std::alloc::Layout;
 use std::slice;
 
 use jcas_core::{Model, Scratch, StateRef, observation};
-use jcas_policy::network::{Flight, FlyError, LINE_LEN, Network, line_offset};
+use jcas_policy::network::{ActOptions, FlyError, LINE_LEN, Network, line_offset};
 use jcas_simd::InstructionSet;
 
 use crate::handle::{Block, Kind, Memory, block_layout, check, words_after};
@@ -43,7 +43,7 @@ enum Pilot {
 #[derive(Clone, Copy)]
 struct Learned {
     network: Network,
-    flight: Flight,
+    options: ActOptions,
     lengths: Lengths,
 }
 
@@ -145,8 +145,8 @@ impl PolicyBlock {
             return Err(Fault::Status(crate::JCAS_ERROR_CORRUPT));
         }
         let pilot = Pilot::Network(Learned {
-            network: network.with_product(InstructionSet::best().product()),
-            flight: network.flight(model.get().config()),
+            network: network.with_matmul(InstructionSet::best().matmul()),
+            options: network.act_options(model.get().config()),
             lengths,
         });
         // SAFETY: the memory has the layout of the block.
@@ -216,7 +216,7 @@ impl PolicyBlock {
     pub(crate) unsafe fn set_mode(at: *mut Self, mode: jcas_policy::head::Mode) {
         // SAFETY: only this call uses the block.
         if let Pilot::Network(learned) = unsafe { &mut (*at).pilot } {
-            learned.flight.mode = mode;
+            learned.options.mode = mode;
         }
     }
 
@@ -286,7 +286,7 @@ fn fly(
         .network
         .act(
             parts.weights,
-            learned.flight,
+            learned.options,
             model,
             state,
             parts.observations,

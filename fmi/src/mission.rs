@@ -240,7 +240,7 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
         trained
             .check(model)
             .map_err(|error| said(error.to_string()))?;
-        let trained = trained.with_product(InstructionSet::best().product());
+        let trained = trained.with_matmul(InstructionSet::best().matmul());
         return Ok(Some(Box::new(trained)));
     }
     if let Some(path) = setup.resource("json") {

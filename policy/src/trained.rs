@@ -5,7 +5,9 @@ use std::sync::Arc;
 use jcas_core::{Model, StateRef};
 
 use crate::Policy;
-use crate::network::{Flight, FlyError, LINE_LEN, LoadError, Network, Note, Product, line_offset};
+use crate::network::{
+    ActOptions, FlyError, LINE_LEN, LoadError, MatmulKernel, Network, PolicyMetadata, line_offset,
+};
 
 /// A trained policy, which runs one episode at a time. Every UAV acts from its own observation. A
 /// clone shares the weights.
@@ -16,7 +18,7 @@ pub struct Trained {
     /// The weights begin at index `first`, which is aligned to a cache line.
     weights: Arc<[f32]>,
     first: usize,
-    flight: Option<Flight>,
+    options: Option<ActOptions>,
     observations: Vec<f32>,
     scratch: Vec<f32>,
 }
@@ -38,7 +40,7 @@ impl Trained {
             network,
             weights,
             first,
-            flight: None,
+            options: None,
             observations: Vec::new(),
             scratch: Vec::new(),
         })
@@ -46,26 +48,26 @@ impl Trained {
 
     /// Replaces the way of acting that the file states.
     #[must_use]
-    pub fn with_flight(self, flight: Flight) -> Self {
+    pub fn with_act_options(self, options: ActOptions) -> Self {
         Self {
-            flight: Some(flight),
+            options: Some(options),
             ..self
         }
     }
 
     /// Replaces the compilation of the innermost loops. The results stay the same.
     #[must_use]
-    pub fn with_product(self, product: Product) -> Self {
+    pub fn with_matmul(self, matmul: MatmulKernel) -> Self {
         Self {
-            network: self.network.with_product(product),
+            network: self.network.with_matmul(matmul),
             ..self
         }
     }
 
     /// The metadata of the file about how the policy acts.
     #[must_use]
-    pub const fn note(&self) -> Note {
-        self.network.note()
+    pub const fn metadata(&self) -> PolicyMetadata {
+        self.network.metadata()
     }
 
     /// Checks that the policy can read the observations of this model.
@@ -117,14 +119,14 @@ impl Policy for Trained {
     /// # Panics
     /// It panics with a model that [`Trained::check`] refuses.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
-        let flight = self
-            .flight
-            .unwrap_or_else(|| self.network.flight(model.config()));
+        let options = self
+            .options
+            .unwrap_or_else(|| self.network.act_options(model.config()));
         self.scratch.resize(self.network.scratch_len(model), 0.0);
         self.network
             .act(
                 &self.weights[self.first..][..self.network.weights_len()],
-                flight,
+                options,
                 model,
                 state,
                 &self.observations,

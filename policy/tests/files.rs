@@ -8,10 +8,10 @@ use proptest::prelude::*;
 const FLEET: &[u8] = include_bytes!("../../policies/fleet/policy.safetensors");
 
 /// Returns a safetensors file of f32 arrays.
-fn file(note: &str, arrays: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
+fn file(metadata: &str, arrays: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
     let mut header = String::from("{");
-    if !note.is_empty() {
-        header += &format!(r#""__metadata__":{{"jcas":"{note}"}},"#);
+    if !metadata.is_empty() {
+        header += &format!(r#""__metadata__":{{"jcas":"{metadata}"}},"#);
     }
     let mut data = Vec::new();
     for (name, shape, values) in arrays {
@@ -31,10 +31,10 @@ fn file(note: &str, arrays: &[(&str, &[usize], Vec<f32>)]) -> Vec<u8> {
 }
 
 /// Returns an MLP of two layers, `fields` → 3 → 4.
-fn small_mlp(note: &str, fields: usize) -> Vec<u8> {
+fn small_mlp(metadata: &str, fields: usize) -> Vec<u8> {
     let weights = (0..3 * fields).map(|k| (k % 5) as f32 - 2.0).collect();
     file(
-        note,
+        metadata,
         &[
             ("0.bias", &[1, 3], vec![0.5, -0.5, 1.0]),
             ("0.weight", &[fields, 3], weights),
@@ -62,8 +62,8 @@ fn model(config: Config) -> Model<'static> {
 fn the_shipped_policy_is_read() {
     let (network, weights) = load(FLEET).unwrap();
     assert_eq!(network.head(), Head::Hybrid);
-    assert_eq!(network.note().mode, Mode::Deterministic);
-    let visibility = network.note().target_visibility;
+    assert_eq!(network.metadata().mode, Mode::Deterministic);
+    let visibility = network.metadata().target_visibility;
     assert_eq!(visibility, Some(TargetVisibility::Known));
     assert!(weights.iter().any(|&weight| weight != 0.0));
     for (uav_count, hotspot_count) in [(1, 1), (5, 3), (20, 11)] {

@@ -3,13 +3,13 @@
 mod mission;
 
 use jcas_policy::head::Mode;
-use jcas_policy::network::Product;
+use jcas_policy::network::MatmulKernel;
 use mission::{MISSIONS, fly};
 
 #[test]
 fn shipped_policies_fly_the_same_missions_everywhere() {
     assert_eq!(
-        MISSIONS.map(|mission| fly(mission, Product::default())),
+        MISSIONS.map(|mission| fly(mission, MatmulKernel::default())),
         MISSIONS
     );
 }
@@ -22,7 +22,7 @@ fn a_sampled_mission_follows_from_its_seed() {
             mode: Mode::Sampled,
             ..MISSIONS[2]
         };
-        fly(mission, Product::default())
+        fly(mission, MatmulKernel::default())
     };
     assert_eq!(of_seed(4), of_seed(4));
     assert_ne!(of_seed(4).hash, of_seed(5).hash);

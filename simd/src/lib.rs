@@ -1,4 +1,4 @@
-//! The batch step of the kernel and the matrix products of policies, compiled for several
+//! The batch step of the kernel and the matrix multiplication of policies, compiled for several
 //! instruction sets. The instruction set is chosen at run time.
 //!
 //! Both have one source and give the same bits on every instruction set; only their speed differs.
@@ -8,7 +8,7 @@
 
 use jcas_core::batch::BatchOut;
 use jcas_core::{Error, Model, Scratch};
-use jcas_policy::network::Product;
+use jcas_policy::network::MatmulKernel;
 
 /// An instruction set that the code is compiled for and that this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,18 +90,18 @@ impl InstructionSet {
         }
     }
 
-    /// Returns the matrix product of a network for this instruction set.
+    /// Returns the matrix multiplication of networks for this instruction set.
     #[must_use]
-    pub fn product(self) -> Product {
+    pub fn matmul(self) -> MatmulKernel {
         match self.0 {
-            Set::Baseline => Product::default(),
+            Set::Baseline => MatmulKernel::default(),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: only `best` and `all` make this variant, and only if the machine has its
             // features.
-            Set::V3 => Product::new(|operands| unsafe { multiply_v3(operands) }),
+            Set::V3 => MatmulKernel::new(|operands| unsafe { multiply_v3(operands) }),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            Set::V4 => Product::new(|operands| unsafe { multiply_v4(operands) }),
+            Set::V4 => MatmulKernel::new(|operands| unsafe { multiply_v4(operands) }),
         }
     }
 }
@@ -125,7 +125,7 @@ fn has_v4() -> bool {
         && is_x86_feature_detected!("avx512vl")
 }
 
-/// Compiles the batch step and the product for an instruction set.
+/// Compiles the batch step and the matrix multiplication for an instruction set.
 #[cfg(target_arch = "x86_64")]
 macro_rules! compile_for {
     ($has:ident, $features:literal, $batch_step:ident, $multiply:ident) => {
@@ -146,8 +146,8 @@ macro_rules! compile_for {
         /// # Safety
         #[doc = concat!("The processor has what [`", stringify!($has), "`] looks for.")]
         #[target_feature(enable = $features)]
-        unsafe fn $multiply(operands: jcas_policy::network::Operands<'_>) {
-            operands.multiply_here::<64>();
+        unsafe fn $multiply(operands: jcas_policy::network::MatmulArgs<'_>) {
+            operands.multiply_inline::<64>();
         }
     };
 }

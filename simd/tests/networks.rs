@@ -116,7 +116,7 @@ fn every_instruction_set_multiplies_as_the_plain_formula() {
                 .map(bits)
                 .collect();
             for set in InstructionSet::all() {
-                let network = network.with_product(set.product());
+                let network = network.with_matmul(set.matmul());
                 let mut scratch = vec![f32::NAN; network.scratch_len(&model)];
                 let mut outputs = vec![f32::NAN; expected.len()];
                 network
@@ -141,7 +141,7 @@ fn bits(x: f32) -> u32 {
 #[test]
 fn the_shipped_policy_flies_the_same_missions_with_every_instruction_set() {
     for set in InstructionSet::all() {
-        let flown = MISSIONS.map(|mission| fly(mission, set.product()));
+        let flown = MISSIONS.map(|mission| fly(mission, set.matmul()));
         assert_eq!(flown, MISSIONS, "{}", set.name());
     }
 }

@@ -13,7 +13,7 @@ use jcas_core::rng::derive_seed;
 use jcas_core::{Config, Model, Sim};
 use jcas_episode::mission::fly_episode;
 use jcas_policy::head::Mode;
-use jcas_policy::network::{Flight, Network};
+use jcas_policy::network::{ActOptions, Network};
 use jcas_policy::{BaselineKind, PilotMode};
 
 const SEED: u64 = 4;
@@ -27,9 +27,9 @@ fn fly_network(model: &Model<'_>, seed: u64, mode: Mode) -> u64 {
     let file = std::fs::read(policy_file()).expect("the shipped policy is there");
     let mut weights = vec![0.0; Network::read(&file).expect("it is whole").weights_len()];
     let network = Network::load(&file, &mut weights).expect("it is whole");
-    let flight = Flight {
+    let options = ActOptions {
         mode,
-        ..network.flight(model.config())
+        ..network.act_options(model.config())
     };
     let mut sim = Sim::new(model);
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
@@ -41,7 +41,7 @@ fn fly_network(model: &Model<'_>, seed: u64, mode: Mode) -> u64 {
         network
             .act(
                 &weights,
-                flight,
+                options,
                 model,
                 &sim.state(),
                 &observations,

@@ -10,7 +10,7 @@ use files::Precision;
 use jcas_core::Model;
 use jcas_policy::Trained;
 use jcas_policy::head::{Head, Mode};
-use jcas_policy::network::Flight;
+use jcas_policy::network::ActOptions;
 use jcas_simd::InstructionSet;
 
 /// An actor: a network with its weights, head and scaling of inputs.
@@ -36,14 +36,14 @@ impl Actor {
         let bytes =
             files::weights(self, Precision::Single, note).expect("arrays of their own length");
         let trained = Trained::read(name, &bytes).expect("an actor's own file");
-        let trained = trained.with_product(InstructionSet::best().product());
-        trained.with_flight(self.flight(mode))
+        let trained = trained.with_matmul(InstructionSet::best().matmul());
+        trained.with_act_options(self.act_options(mode))
     }
 
     /// The acting mode with the actor's held pilot action.
     #[must_use]
-    pub fn flight(&self, mode: Mode) -> Flight {
-        Flight {
+    pub fn act_options(&self, mode: Mode) -> ActOptions {
+        ActOptions {
             mode,
             pilot: self.constant_pilot,
         }

@@ -5,7 +5,7 @@
 //! width of a register changes no result. An input of zero adds nothing to a sum and is left out:
 //! after a ReLU that is half of the inputs or more.
 
-use super::product::Product;
+use super::matmul::MatmulKernel;
 
 /// The number of outputs in one vector. Zeros pad rows of outputs to a multiple of this number.
 pub(crate) const LANES: usize = 16;
@@ -85,18 +85,18 @@ impl Layer {
     /// Computes `outputs` = rows · W + b. The layer reads the first numbers of each row.
     pub(crate) fn apply(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         rows: Rows<'_>,
         outputs: &mut [f32],
     ) {
-        self.apply_from(product, weights, self.bias(weights), rows, outputs);
+        self.apply_from(matmul, weights, self.bias(weights), rows, outputs);
     }
 
     /// Computes `outputs` = rows · W + `start`. `start` is one padded row, or empty for zeros.
     pub(crate) fn apply_from(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         start: &[f32],
         rows: Rows<'_>,
@@ -111,7 +111,7 @@ impl Layer {
             }
         }
         let matrix = &weights[self.weight..self.weight + self.inputs * width];
-        product.add(matrix, self.inputs, rows, outputs);
+        matmul.add(matrix, self.inputs, rows, outputs);
     }
 }
 

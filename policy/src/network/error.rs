@@ -82,7 +82,7 @@ pub enum LoadError {
     /// The number of outputs fits no action head: 4 (gaussian) or 7 (hybrid).
     Outputs(usize),
     /// The entry `jcas` of the metadata is malformed.
-    Note(&'static str),
+    Metadata(&'static str),
     /// The memory for weights has the wrong size.
     Memory {
         /// Elements needed.
@@ -132,7 +132,7 @@ impl fmt::Display for LoadError {
             Self::Outputs(count) => {
                 write!(out, "outputs: {count}, must be 4 (gaussian) or 7 (hybrid)")
             }
-            Self::Note(what) => write!(out, "note: {what}"),
+            Self::Metadata(what) => write!(out, "metadata: {what}"),
             Self::Memory { expected, got } => {
                 write!(out, "memory: {got} elements, must be {expected}")
             }

@@ -60,7 +60,7 @@ pub(crate) struct File<'a> {
     /// The number of arrays in the header.
     pub(crate) count: usize,
     /// The entry `jcas` of the file's metadata; empty where there is none.
-    pub(crate) note: &'a str,
+    pub(crate) metadata: &'a str,
 }
 
 /// Returns the range of an array in `data_len` bytes. It goes from `start` to `end`, and must hold
@@ -107,13 +107,13 @@ impl<'a> File<'a> {
             header,
             data,
             count: 0,
-            note: "",
+            metadata: "",
         };
         let mut used = 0usize;
         let mut entries = Entries::new(file)?;
         while let Some(entry) = entries.next()? {
             match entry {
-                Entry::Note(note) => file.note = note,
+                Entry::Metadata(metadata) => file.metadata = metadata,
                 Entry::Array(array) => {
                     file.count += 1;
                     used = used.saturating_add(array.bytes.len());
@@ -140,7 +140,7 @@ impl<'a> File<'a> {
 }
 
 enum Entry<'a> {
-    Note(&'a str),
+    Metadata(&'a str),
     Array(Array<'a>),
 }
 
@@ -177,7 +177,9 @@ impl<'a> Entries<'a> {
         let name = self.string()?;
         self.expect(b':')?;
         if name == "__metadata__" {
-            return self.metadata().map(|note| Some(Entry::Note(note)));
+            return self
+                .metadata()
+                .map(|metadata| Some(Entry::Metadata(metadata)));
         }
         self.array(name).map(|array| Some(Entry::Array(array)))
     }
@@ -185,17 +187,17 @@ impl<'a> Entries<'a> {
     /// Reads an object of strings and returns the value of `jcas`.
     fn metadata(&mut self) -> Result<&'a str, LoadError> {
         self.expect(b'{')?;
-        let (mut first, mut note) = (true, "");
+        let (mut first, mut metadata) = (true, "");
         while self.follows(first, b'}')? {
             first = false;
             let key = self.string()?;
             self.expect(b':')?;
             let value = self.string()?;
             if key == "jcas" {
-                note = value;
+                metadata = value;
             }
         }
-        Ok(note)
+        Ok(metadata)
     }
 
     fn array(&mut self, name: &'a str) -> Result<Array<'a>, LoadError> {

@@ -2,7 +2,7 @@
 
 use super::dense::Rows;
 use super::layout::{Mlp, Stack};
-use super::product::Product;
+use super::matmul::MatmulKernel;
 
 /// The bound at which normalised inputs are clipped, in standard deviations.
 const CLIP: f32 = 10.0;
@@ -20,7 +20,7 @@ impl Stack {
     /// row.
     pub(crate) fn apply<'s>(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         inputs: &[f32],
         scratch: &'s mut [f32],
@@ -35,7 +35,7 @@ impl Stack {
             } else {
                 Rows::rectified(&from[..rows * width], width)
             };
-            layer.apply(product, weights, inputs, &mut to[..rows * next]);
+            layer.apply(matmul, weights, inputs, &mut to[..rows * next]);
             width = next;
             core::mem::swap(&mut from, &mut to);
         }
@@ -52,7 +52,7 @@ impl Mlp {
     /// Computes the padded outputs for at most [`ROWS`] observations.
     pub(crate) fn outputs<'s>(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         observations: &[f32],
         scratch: &'s mut [f32],
@@ -77,6 +77,6 @@ impl Mlp {
                 }
             }
         }
-        self.stack.apply(product, weights, inputs, scratch)
+        self.stack.apply(matmul, weights, inputs, scratch)
     }
 }

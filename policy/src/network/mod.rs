@@ -20,7 +20,7 @@
 //! ```
 //! use jcas_core::{Config, Model, Preset, Sim};
 //! use jcas_policy::head::Mode;
-//! use jcas_policy::network::{Flight, Network};
+//! use jcas_policy::network::{ActOptions, Network};
 //!
 //! let bytes = std::fs::read("../policies/paper/policy.safetensors")?;
 //! let mut weights = vec![0.0; Network::read(&bytes)?.weights_len()];
@@ -33,9 +33,9 @@
 //! sim.observe(&mut observations)?;
 //! let mut scratch = vec![0.0; network.scratch_len(&model)];
 //! let mut actions = vec![0.0; model.action_len()];
-//! let flight = Flight { mode: Mode::Sampled, pilot: None };
+//! let options = ActOptions { mode: Mode::Sampled, pilot: None };
 //! let state = sim.state();
-//! network.act(&weights, flight, &model, &state, &observations, &mut scratch, &mut actions)?;
+//! network.act(&weights, options, &model, &state, &observations, &mut scratch, &mut actions)?;
 //! sim.step(&actions)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -44,9 +44,9 @@ mod dense;
 mod error;
 mod file;
 mod layout;
+mod matmul;
+mod metadata;
 mod mlp;
-mod note;
-mod product;
 mod set;
 pub mod tours;
 
@@ -57,8 +57,8 @@ pub(crate) use file::{HEADER_MAX, place, split, with_digit};
 
 pub use error::{ArrayName, FlyError, LoadError};
 pub use layout::DEPTH_MAX;
-pub use note::Note;
-pub use product::{Operands, Product};
+pub use matmul::{MatmulArgs, MatmulKernel};
+pub use metadata::PolicyMetadata;
 
 use jcas_core::{Config, Model, StateRef, UavTag};
 
@@ -85,13 +85,13 @@ pub struct Network {
     kind: Kind,
     head: Head,
     weights_len: usize,
-    note: Note,
-    product: Product,
+    metadata: PolicyMetadata,
+    matmul: MatmulKernel,
 }
 
-/// The way a policy acts: the acting mode and the pilot density.
+/// The options of [`Network::act`]: the acting mode and the pilot density.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flight {
+pub struct ActOptions {
     /// The acting mode: it decides how actions follow from the distribution.
     pub mode: Mode,
     /// The action u_pilot that overrides that of the network, in [-1, 1]. `None` keeps that of the
@@ -117,7 +117,7 @@ pub fn pilot_action(config: &Config, density: f64) -> f32 {
 }
 
 /// Returns the sizes of a model's observations, and of the inputs that a policy reads besides.
-fn sizes(model: &Model<'_>, note: Note) -> Sizes {
+fn sizes(model: &Model<'_>, metadata: PolicyMetadata) -> Sizes {
     let config = model.config();
     Sizes {
         observation_len: model.observation_len(),
@@ -128,7 +128,7 @@ fn sizes(model: &Model<'_>, note: Note) -> Sizes {
             config.grid_height.saturating_sub(1),
         ],
         uavs: model.uav_count(),
-        fleet_size: note.fleet_size,
+        fleet_size: metadata.fleet_size,
     }
 }
 
@@ -165,25 +165,27 @@ impl Network {
 
     fn read_into(bytes: &[u8], weights: Option<&mut [f32]>) -> Result<Self, LoadError> {
         let file = File::open(bytes)?;
-        let note = Note::read(file.note)?;
+        let metadata = PolicyMetadata::read(file.metadata)?;
         let (kind, head, weights_len) = layout::read(file, weights)?;
         let reads_size = matches!(&kind, Kind::Set(set) if set.own_fields() > 0);
-        if note.fleet_size && !reads_size {
-            return Err(LoadError::Note("fleet_size: only a set network reads it"));
+        if metadata.fleet_size && !reads_size {
+            return Err(LoadError::Metadata(
+                "fleet_size: only a set network reads it",
+            ));
         }
         Ok(Self {
             kind,
             head,
             weights_len,
-            note,
-            product: Product::default(),
+            metadata,
+            matmul: MatmulKernel::default(),
         })
     }
 
     /// Replaces the compilation of the innermost loops. The results stay the same.
     #[must_use]
-    pub const fn with_product(self, product: Product) -> Self {
-        Self { product, ..self }
+    pub const fn with_matmul(self, matmul: MatmulKernel) -> Self {
+        Self { matmul, ..self }
     }
 
     /// The length of the weights, in numbers.
@@ -200,17 +202,17 @@ impl Network {
 
     /// The metadata of the file about how the policy acts.
     #[must_use]
-    pub const fn note(&self) -> Note {
-        self.note
+    pub const fn metadata(&self) -> PolicyMetadata {
+        self.metadata
     }
 
     /// The way of acting that the file states, for this configuration.
     #[must_use]
-    pub fn flight(&self, config: &Config) -> Flight {
-        Flight {
-            mode: self.note.mode,
+    pub fn act_options(&self, config: &Config) -> ActOptions {
+        ActOptions {
+            mode: self.metadata.mode,
             pilot: self
-                .note
+                .metadata
                 .pilot_density
                 .map(|density| pilot_action(config, density)),
         }
@@ -232,7 +234,7 @@ impl Network {
     /// [`FlyError::Observation`] if the number of fields differs. [`FlyError::Visibility`] if the
     /// policy was trained with the other visibility.
     pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
-        let sizes = sizes(model, self.note);
+        let sizes = sizes(model, self.metadata);
         let of_sets = HOTSPOT_FIELDS * sizes.hotspots + SLOT_FIELDS * sizes.slots;
         let (expected, got) = match &self.kind {
             Kind::Mlp(mlp) => (mlp.stack.inputs(), sizes.observation_len),
@@ -247,7 +249,7 @@ impl Network {
         if expected != got && !(numbers && expected == got + 1) {
             return Err(FlyError::Observation { expected, got });
         }
-        match self.note.target_visibility {
+        match self.metadata.target_visibility {
             Some(visibility) if visibility != model.config().target_visibility => {
                 Err(FlyError::Visibility)
             }
@@ -264,15 +266,15 @@ impl Network {
         mut visit: impl FnMut(usize, &[f32]) -> Result<(), FlyError>,
     ) -> Result<(), FlyError> {
         self.check(model)?;
-        let sizes = sizes(model, self.note);
+        let sizes = sizes(model, self.metadata);
         length("weights", self.weights_len, weights.len())?;
         length("working memory", self.scratch_len(model), scratch.len())?;
         let mut row = 0;
         for observations in observations.chunks(mlp::ROWS * sizes.observation_len) {
             let outputs = match &self.kind {
-                Kind::Mlp(mlp) => mlp.outputs(self.product, weights, observations, scratch),
+                Kind::Mlp(mlp) => mlp.outputs(self.matmul, weights, observations, scratch),
                 Kind::Set(set) => {
-                    set.outputs(self.product, weights, observations, row, sizes, scratch)
+                    set.outputs(self.matmul, weights, observations, row, sizes, scratch)
                 }
             };
             for outputs in outputs.chunks_exact(padded(self.head.outputs())) {
@@ -317,7 +319,7 @@ impl Network {
     pub fn act(
         &self,
         weights: &[f32],
-        flight: Flight,
+        options: ActOptions,
         model: &Model<'_>,
         state: &StateRef<'_>,
         observations: &[f32],
@@ -337,12 +339,12 @@ impl Network {
                 return Err(FlyError::NotFinite { uav: row });
             }
             let uav = row as u32;
-            let [direction, pilot] = match flight.mode {
+            let [direction, pilot] = match options.mode {
                 Mode::Deterministic => self.head.deterministic(outputs),
                 Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
             };
             let action = &mut actions[2 * row..][..2];
-            action.copy_from_slice(&[direction, flight.pilot.unwrap_or(pilot)]);
+            action.copy_from_slice(&[direction, options.pilot.unwrap_or(pilot)]);
             Ok(())
         })
     }

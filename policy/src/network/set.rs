@@ -8,8 +8,8 @@ use jcas_core::observation::index_tag;
 
 use super::dense::{LANES, Layer, Rows, relu};
 use super::layout::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
+use super::matmul::MatmulKernel;
 use super::mlp::ROWS;
-use super::product::Product;
 use super::tours;
 
 /// The divisor of sums over a set.
@@ -101,7 +101,7 @@ impl Set {
     /// `first` of all observations.
     pub(crate) fn outputs<'s>(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         observations: &[f32],
         first: usize,
@@ -114,9 +114,9 @@ impl Set {
         let outs = inputs.chunks_exact_mut(self.trunk.inputs());
         for (index, (row, out)) in observations.zip(outs).enumerate() {
             let tag = index_tag((first + index) % sizes.uavs, sizes.uavs);
-            self.pool(product, weights, row, tag, sizes, out, scratch);
+            self.pool(matmul, weights, row, tag, sizes, out, scratch);
         }
-        self.trunk.apply(product, weights, inputs, scratch)
+        self.trunk.apply(matmul, weights, inputs, scratch)
     }
 
     /// Computes the inputs of the trunk for one observation: attended hotspots, pooled neighbours,
@@ -124,7 +124,7 @@ impl Set {
     #[allow(clippy::too_many_arguments)]
     fn pool(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         row: &[f32],
         tag: f32,
@@ -139,7 +139,7 @@ impl Set {
         let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
         let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
         describe_own(head, tail, tag, sizes, own);
-        self.pool_neighbours(product, weights, slots, neighbours, &mut *scratch);
+        self.pool_neighbours(matmul, weights, slots, neighbours, &mut *scratch);
 
         let context = take(&mut scratch, self.own.inputs);
         context[..own.len()].copy_from_slice(own);
@@ -147,7 +147,7 @@ impl Set {
         let start = take(&mut scratch, self.own.width());
         let rows = Rows::plain(context, self.own.inputs);
         let bias = self.hotspot[0].bias(weights);
-        self.own.apply_from(product, weights, bias, rows, start);
+        self.own.apply_from(matmul, weights, bias, rows, start);
 
         let features = self.hotspot_features(hotspots, slots, sizes, &mut scratch);
         let width = self.embedding_width();
@@ -155,10 +155,10 @@ impl Set {
         let [first, second, third] = &self.hotspot;
         let embeddings = &mut one[..n * first.width()];
         let rows = Rows::plain(features, first.inputs);
-        first.apply_from(product, weights, start, rows, embeddings);
+        first.apply_from(matmul, weights, start, rows, embeddings);
         let next = &mut other[..n * second.width()];
         let rows = Rows::rectified(embeddings, first.width());
-        second.apply(product, weights, rows, next);
+        second.apply(matmul, weights, rows, next);
         relu(next);
         // In this second round every hotspot reads the sum over all hotspots, which the order of a
         // tour depends on.
@@ -169,15 +169,15 @@ impl Set {
         let start = take(&mut scratch, self.others.width());
         let rows = Rows::plain(sums, second.width());
         self.others
-            .apply_from(product, weights, third.bias(weights), rows, start);
+            .apply_from(matmul, weights, third.bias(weights), rows, start);
         let embeddings = &mut one[..n * third.width()];
         let rows = Rows::plain(next, second.width());
-        third.apply_from(product, weights, start, rows, embeddings);
+        third.apply_from(matmul, weights, start, rows, embeddings);
         relu(embeddings);
         let scores = take(&mut scratch, n * self.score.width());
         // The scores' bias is the same for every hotspot, so the softmax over hotspots cancels it.
         let rows = Rows::plain(embeddings, third.width());
-        self.score.apply_from(product, weights, &[], rows, scores);
+        self.score.apply_from(matmul, weights, &[], rows, scores);
         for (head, attended) in attended.chunks_exact_mut(embedded).enumerate() {
             attend(
                 scores,
@@ -214,7 +214,7 @@ impl Set {
     /// Sums the encodings of the neighbours in occupied slots.
     fn pool_neighbours(
         &self,
-        product: Product,
+        matmul: MatmulKernel,
         weights: &[f32],
         slots: &[f32],
         pooled: &mut [f32],
@@ -236,10 +236,10 @@ impl Set {
             }
             let hidden = &mut hidden[..count * first.width()];
             let rows = Rows::plain(&inputs[..count * SLOT_FIELDS], SLOT_FIELDS);
-            first.apply(product, weights, rows, hidden);
+            first.apply(matmul, weights, rows, hidden);
             let encoded = &mut encoded[..count * second.width()];
             let rows = Rows::rectified(hidden, first.width());
-            second.apply(product, weights, rows, encoded);
+            second.apply(matmul, weights, rows, encoded);
             relu(encoded);
             add_up(encoded, second.width(), pooled);
         }

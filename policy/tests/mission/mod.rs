@@ -5,7 +5,7 @@
 use jcas_core::hash::Fnv1a;
 use jcas_core::{Config, Model, Preset, Sim};
 use jcas_policy::head::Mode;
-use jcas_policy::network::{Flight, Network, Product};
+use jcas_policy::network::{ActOptions, MatmulKernel, Network};
 
 const FLEET: &[u8] = include_bytes!("../../../policies/fleet/policy.safetensors");
 const PAPER: &[u8] = include_bytes!("../../../policies/paper/policy.safetensors");
@@ -53,7 +53,7 @@ pub const MISSIONS: [Mission; 4] = [
 ];
 
 /// Runs the episode with this matrix product, and returns it with the end that it reached.
-pub fn fly(mission: Mission, product: Product) -> Mission {
+pub fn fly(mission: Mission, matmul: MatmulKernel) -> Mission {
     let model = Model::new(Config {
         uav_count: mission.uav_count,
         hotspot_count: mission.hotspot_count,
@@ -67,10 +67,10 @@ pub fn fly(mission: Mission, product: Product) -> Mission {
     let layout = Network::read(file).expect("the shipped policy is whole");
     let mut weights = vec![0.0; layout.weights_len()];
     let network = Network::load(file, &mut weights).expect("the shipped policy is whole");
-    let network = network.with_product(product);
-    let flight = Flight {
+    let network = network.with_matmul(matmul);
+    let options = ActOptions {
         mode: mission.mode,
-        ..network.flight(model.config())
+        ..network.act_options(model.config())
     };
     let mut sim = Sim::new(&model);
     sim.reset(mission.seed);
@@ -84,7 +84,7 @@ pub fn fly(mission: Mission, product: Product) -> Mission {
         network
             .act(
                 &weights,
-                flight,
+                options,
                 &model,
                 &state,
                 &observations,

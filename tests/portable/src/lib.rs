@@ -9,7 +9,7 @@ mod wasm;
 mod mission;
 
 use jcas_episode::trace;
-use jcas_policy::network::Product;
+use jcas_policy::network::MatmulKernel;
 
 /// Name and text of each trace in `tests/golden`.
 const GOLDEN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/golden.rs"));
@@ -40,7 +40,7 @@ pub fn verify_all() -> Report {
         report.text.push_str(&line);
     }
     for expected in mission::MISSIONS {
-        let found = mission::fly(expected, Product::default());
+        let found = mission::fly(expected, MatmulKernel::default());
         if found == expected {
             let steps = found.steps;
             report.text += &format!("ok    policy of {:?}: {steps} steps\n", expected.preset);

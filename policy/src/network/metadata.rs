@@ -11,7 +11,7 @@ use crate::head::Mode;
 
 /// The metadata of a policy: how it acts, and what it reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Note {
+pub struct PolicyMetadata {
     /// The acting mode.
     pub mode: Mode,
     /// The visibility that the policy was trained with; `None` if the file does not state it.
@@ -24,7 +24,7 @@ pub struct Note {
     pub fleet_size: bool,
 }
 
-impl Default for Note {
+impl Default for PolicyMetadata {
     fn default() -> Self {
         Self {
             mode: Mode::Deterministic,
@@ -35,26 +35,27 @@ impl Default for Note {
     }
 }
 
-impl Note {
+impl PolicyMetadata {
     pub(crate) fn read(text: &str) -> Result<Self, LoadError> {
-        let mut note = Self::default();
+        let mut metadata = Self::default();
         if text.is_empty() || text == "{}" {
-            return Ok(note);
+            return Ok(metadata);
         }
         for pair in text.split(' ') {
             match pair.split_once('=') {
                 Some(("mode", name)) => {
-                    note.mode = Mode::named(name)
-                        .ok_or(LoadError::Note("mode: must be deterministic or sampled"))?;
+                    metadata.mode = Mode::named(name).ok_or(LoadError::Metadata(
+                        "mode: must be deterministic or sampled",
+                    ))?;
                 }
                 Some(("target_visibility", "known")) => {
-                    note.target_visibility = Some(TargetVisibility::Known);
+                    metadata.target_visibility = Some(TargetVisibility::Known);
                 }
                 Some(("target_visibility", "hidden")) => {
-                    note.target_visibility = Some(TargetVisibility::Hidden);
+                    metadata.target_visibility = Some(TargetVisibility::Hidden);
                 }
                 Some(("target_visibility", _)) => {
-                    return Err(LoadError::Note(
+                    return Err(LoadError::Metadata(
                         "target_visibility: must be known or hidden",
                     ));
                 }
@@ -63,22 +64,22 @@ impl Note {
                         .parse()
                         .ok()
                         .filter(|density: &f64| *density > 0.0 && *density <= 1.0);
-                    note.pilot_density = Some(density.ok_or(LoadError::Note(
+                    metadata.pilot_density = Some(density.ok_or(LoadError::Metadata(
                         "pilot_density: must be above 0 and at most 1",
                     ))?);
                 }
-                Some(("fleet_size", "read")) => note.fleet_size = true,
+                Some(("fleet_size", "read")) => metadata.fleet_size = true,
                 Some(("fleet_size", _)) => {
-                    return Err(LoadError::Note("fleet_size: must be read"));
+                    return Err(LoadError::Metadata("fleet_size: must be read"));
                 }
                 _ => {
-                    return Err(LoadError::Note(
+                    return Err(LoadError::Metadata(
                         "must be of mode=, target_visibility=, pilot_density= and fleet_size=",
                     ));
                 }
             }
         }
-        Ok(note)
+        Ok(metadata)
     }
 }
 
@@ -87,16 +88,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_note_is_read_whole_or_refused() {
-        assert_eq!(Note::read(""), Ok(Note::default()));
-        assert_eq!(Note::read("{}"), Ok(Note::default()));
-        let note =
-            Note::read("mode=sampled target_visibility=hidden pilot_density=0.15 fleet_size=read")
-                .unwrap();
-        assert_eq!(note.mode, Mode::Sampled);
-        assert_eq!(note.target_visibility, Some(TargetVisibility::Hidden));
-        assert_eq!(note.pilot_density, Some(0.15));
-        assert!(note.fleet_size);
+    fn metadata_is_read_completely_or_refused() {
+        assert_eq!(PolicyMetadata::read(""), Ok(PolicyMetadata::default()));
+        assert_eq!(PolicyMetadata::read("{}"), Ok(PolicyMetadata::default()));
+        let metadata = PolicyMetadata::read(
+            "mode=sampled target_visibility=hidden pilot_density=0.15 fleet_size=read",
+        )
+        .unwrap();
+        assert_eq!(metadata.mode, Mode::Sampled);
+        assert_eq!(metadata.target_visibility, Some(TargetVisibility::Hidden));
+        assert_eq!(metadata.pilot_density, Some(0.15));
+        assert!(metadata.fleet_size);
         for wrong in [
             "mode=x",
             "target_visibility=",
@@ -106,7 +108,7 @@ mod tests {
             "x",
             "mode=sampled ",
         ] {
-            assert!(Note::read(wrong).is_err(), "{wrong}");
+            assert!(PolicyMetadata::read(wrong).is_err(), "{wrong}");
         }
     }
 }

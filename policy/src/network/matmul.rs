@@ -14,49 +14,49 @@ const ROWS: usize = 16;
 /// The number of inputs that are tested for zero together, as the bits of one word.
 const WORD: usize = 64;
 
-/// A matrix product compiled for one instruction set. Every compilation takes the same sums in the
-/// same order.
+/// A matrix multiplication compiled for one instruction set. Every compilation takes the same sums
+/// in the same order.
 #[derive(Clone, Copy)]
-pub struct Product(fn(Operands<'_>));
+pub struct MatmulKernel(fn(MatmulArgs<'_>));
 
-/// The operands of a [`Product`], and the sums that it adds to.
-pub struct Operands<'a> {
+/// The operands of a [`MatmulKernel`], and the sums that it adds to.
+pub struct MatmulArgs<'a> {
     matrix: &'a [f32],
     inputs: usize,
     rows: Rows<'a>,
     sums: &'a mut [f32],
 }
 
-/// All products are equal, as all give the same results.
-impl PartialEq for Product {
+/// All kernels are equal, as all give the same results.
+impl PartialEq for MatmulKernel {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl fmt::Debug for Product {
+impl fmt::Debug for MatmulKernel {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str("Product")
+        out.write_str("MatmulKernel")
     }
 }
 
-impl Default for Product {
-    /// The product compiled for the instruction set of the whole program.
+impl Default for MatmulKernel {
+    /// The kernel compiled for the instruction set of the whole program.
     fn default() -> Self {
-        Self(|operands| operands.multiply_here::<32>())
+        Self(|operands| operands.multiply_inline::<32>())
     }
 }
 
-impl Product {
-    /// Makes a product from a function that inlines [`Operands::multiply_here`].
+impl MatmulKernel {
+    /// Makes a kernel from a function that inlines [`MatmulArgs::multiply_inline`].
     #[must_use]
-    pub const fn new(multiply: fn(Operands<'_>)) -> Self {
+    pub const fn new(multiply: fn(MatmulArgs<'_>)) -> Self {
         Self(multiply)
     }
 
     /// Adds rows · W to `sums`, row by row.
     pub(crate) fn add(self, matrix: &[f32], inputs: usize, rows: Rows<'_>, sums: &mut [f32]) {
-        (self.0)(Operands {
+        (self.0)(MatmulArgs {
             matrix,
             inputs,
             rows,
@@ -66,19 +66,19 @@ impl Product {
 }
 
 /// The indices of the nonzero inputs of a row, in ascending order.
-struct Chosen {
+struct NonZeroInputs {
     indices: [u8; DEPTH],
     count: usize,
 }
 
-impl Chosen {
+impl NonZeroInputs {
     const NONE: Self = Self {
         indices: [0; DEPTH],
         count: 0,
     };
 
     #[inline(always)]
-    fn choose(&mut self, inputs: &[f32], counts: impl Fn(f32) -> bool + Copy) {
+    fn select(&mut self, inputs: &[f32], counts: impl Fn(f32) -> bool + Copy) {
         self.count = 0;
         let (words, rest) = inputs.as_chunks::<WORD>();
         for (index, word) in words.iter().enumerate() {
@@ -110,11 +110,11 @@ impl Chosen {
     }
 }
 
-impl Operands<'_> {
+impl MatmulArgs<'_> {
     /// Computes the product, inlined into its caller and thus compiled for the instruction set of
     /// the caller. `WIDE` is the number of outputs with sums in registers, a divisor of 64.
     #[inline(always)]
-    pub fn multiply_here<const WIDE: usize>(self) {
+    pub fn multiply_inline<const WIDE: usize>(self) {
         let Self {
             matrix,
             inputs,
@@ -124,15 +124,15 @@ impl Operands<'_> {
         let width = matrix.len() / inputs;
         let each = rows.values.chunks(ROWS * rows.stride);
         for (values, sums) in each.zip(sums.chunks_mut(ROWS * width)) {
-            let mut chosen = [Chosen::NONE; ROWS];
+            let mut nonzero = [NonZeroInputs::NONE; ROWS];
             for first in (0..inputs).step_by(DEPTH) {
                 let depth = DEPTH.min(inputs - first);
-                for (chosen, row) in chosen.iter_mut().zip(values.chunks_exact(rows.stride)) {
+                for (nonzero, row) in nonzero.iter_mut().zip(values.chunks_exact(rows.stride)) {
                     let row = &row[first..first + depth];
                     if rows.rectified {
-                        chosen.choose(row, |input| input > 0.0);
+                        nonzero.select(row, |input| input > 0.0);
                     } else {
-                        chosen.choose(row, |input| input != 0.0);
+                        nonzero.select(row, |input| input != 0.0);
                     }
                 }
                 let mut from = 0;
@@ -141,14 +141,14 @@ impl Operands<'_> {
                     let weights = &matrix[from * inputs + first * panel..][..depth * panel];
                     let whole = panel == PANEL;
                     for part in (0..panel).step_by(if whole { WIDE } else { LANES }) {
-                        let each = values.chunks_exact(rows.stride).zip(&chosen);
-                        for ((row, chosen), sums) in each.zip(sums.chunks_exact_mut(width)) {
+                        let each = values.chunks_exact(rows.stride).zip(&nonzero);
+                        for ((row, nonzero), sums) in each.zip(sums.chunks_exact_mut(width)) {
                             let (row, sums) =
                                 (&row[first..first + depth], &mut sums[from + part..]);
                             if whole {
-                                add::<WIDE>(row, chosen, &weights[part..], panel, sums);
+                                add::<WIDE>(row, nonzero, &weights[part..], panel, sums);
                             } else {
-                                add::<LANES>(row, chosen, &weights[part..], panel, sums);
+                                add::<LANES>(row, nonzero, &weights[part..], panel, sums);
                             }
                         }
                     }
@@ -159,12 +159,12 @@ impl Operands<'_> {
     }
 }
 
-/// Adds the products of the chosen inputs to the first `N` sums. `stride` is the distance between
+/// Adds the products of the nonzero inputs to the first `N` sums. `stride` is the distance between
 /// the weights of two consecutive inputs.
 #[inline(always)]
 fn add<const N: usize>(
     inputs: &[f32],
-    chosen: &Chosen,
+    nonzero: &NonZeroInputs,
     weights: &[f32],
     stride: usize,
     sums: &mut [f32],
@@ -173,7 +173,7 @@ fn add<const N: usize>(
         return;
     };
     let mut sums = *out;
-    for &index in chosen.indices() {
+    for &index in nonzero.indices() {
         let index = usize::from(index);
         let Some(weights) = weights[index * stride..].first_chunk::<N>() else {
             return;
