@@ -5,7 +5,7 @@ use crate::lanes::{self, Block, at_width, ones};
 use crate::model::Model;
 use crate::motion;
 use crate::state::StateMut;
-use crate::word::stored;
+use crate::word::canonical_bits;
 
 /// One of the five motions, in the order of the action's bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,7 +140,7 @@ fn act_in<const W: usize>(
     let battery = block.load(state.battery);
     let (mut pilot, mut grounded, mut returning) = ([0; W], [0; W], [0; W]);
     for lane in 0..W {
-        pilot[lane] = stored(pilot_density(u_pilot[lane], low, high));
+        pilot[lane] = canonical_bits(pilot_density(u_pilot[lane], low, high));
         grounded[lane] = ones(battery[lane] == 0);
         returning[lane] = ones(battery[lane] < model.energy().rtb_uj) & !grounded[lane];
     }

@@ -36,7 +36,7 @@ use crate::error::Error;
 use crate::header::{self, HeaderRef, Phase};
 use crate::metrics::Metrics;
 use crate::model::Model;
-use crate::observation::{observe, observe_global, observe_here};
+use crate::observation::{observe, observe_global, observe_inline};
 use crate::rng::derive_seed;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
@@ -228,7 +228,7 @@ impl Model<'_> {
         auto_reset: bool,
         out: &mut BatchOut<'_>,
     ) -> Result<(), Error> {
-        self.batch_step_here(states, scratch, actions, auto_reset, out)
+        self.batch_step_inline(states, scratch, actions, auto_reset, out)
     }
 
     /// Does the same as [`Model::batch_step`], compiled into its caller and so for the caller's
@@ -237,7 +237,7 @@ impl Model<'_> {
     /// # Errors
     /// The errors of [`Model::batch_step`].
     #[inline(always)]
-    pub fn batch_step_here(
+    pub fn batch_step_inline(
         &self,
         states: &mut [u64],
         scratch: &mut Scratch<'_>,
@@ -301,7 +301,7 @@ impl Model<'_> {
         out: &mut BatchOut<'_>,
     ) -> Result<(), Error> {
         let mut state = StateMut::split(*self.layout(), words);
-        let outcome = step::whole(self, &mut state, scratch, actions)?;
+        let outcome = step::step_inline(self, &mut state, scratch, actions)?;
         out.rewards[m] = outcome.reward as f32;
         out.terminated[m] = u8::from(outcome.terminated);
         out.truncated[m] = u8::from(outcome.truncated);
@@ -341,7 +341,7 @@ impl Model<'_> {
                 state = StateRef::split(*self.layout(), words);
             }
         }
-        observe_here(
+        observe_inline(
             self,
             &state,
             scratch,

@@ -3,11 +3,11 @@
 
 use crate::bits;
 use crate::config::{ChargeBilling, Config};
-use crate::lanes::real::whole;
+use crate::lanes::real::floor_to_u64;
 use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
 use crate::reward::StepTotals;
-use crate::scratch::Tally;
+use crate::scratch::UavStepScratch;
 use crate::state::StateMut;
 
 /// Microjoules in a kilowatt-hour.
@@ -103,8 +103,8 @@ impl EnergyPlan {
         let travel = did.moved & self.move_uj | !did.moved & self.hover_uj;
         // Both are rounded half up. They are a few kilowatt-hours at most, far below 2^51
         // microjoules.
-        let sense = whole(self.sense_uj_per_density * pilot_density + 0.5);
-        let comm = whole(self.comm_uj as f64 * (1.0 - pilot_density) + 0.5);
+        let sense = floor_to_u64(self.sense_uj_per_density * pilot_density + 0.5);
+        let comm = floor_to_u64(self.comm_uj as f64 * (1.0 - pilot_density) + 0.5);
         let sense = at_most(sense, self.sense_uj) & did.sensing;
         let comm = at_most(comm, self.comm_uj) & did.linked;
         (travel + sense + comm) & did.flies
@@ -130,10 +130,10 @@ pub(crate) struct Activity {
 pub(crate) fn settle_fleet(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    tally: &mut Tally<'_>,
+    per_uav: &mut UavStepScratch<'_>,
     totals: &mut StepTotals,
 ) -> Settled {
-    let settled = at_width!(model, settle_in_blocks(model, state, tally));
+    let settled = at_width!(model, settle_in_blocks(model, state, per_uav));
     totals.spent_uj = settled.spent_uj;
     settled
 }
@@ -153,11 +153,11 @@ pub(crate) struct Settled {
 fn settle_in_blocks<const W: usize>(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    tally: &mut Tally<'_>,
+    per_uav: &mut UavStepScratch<'_>,
 ) -> Settled {
     let mut sums = Settled::default();
     for block in lanes::blocks::<W>(model.uav_count()) {
-        settle_in(model, state, tally, block, &mut sums);
+        settle_in(model, state, per_uav, block, &mut sums);
     }
     sums
 }
@@ -166,7 +166,7 @@ fn settle_in_blocks<const W: usize>(
 fn settle_in<const W: usize>(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    tally: &mut Tally<'_>,
+    per_uav: &mut UavStepScratch<'_>,
     block: Block<W>,
     sums: &mut Settled,
 ) {
@@ -198,8 +198,8 @@ fn settle_in<const W: usize>(
     block.store(&total_spent, state.spent);
     block.store(&total_accepted, state.accepted);
     block.store(&total_shortfall, state.shortfall);
-    block.store(&spent, tally.spent_uj);
-    block.store(&billed, tally.billed_uj);
+    block.store(&spent, per_uav.spent_uj);
+    block.store(&billed, per_uav.billed_uj);
     // A spare lane requests no energy and receives no offer.
     sums.spent_uj += lanes::sum(&spent);
     sums.billed_uj += lanes::sum(&billed);

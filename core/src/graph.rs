@@ -6,7 +6,7 @@ use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
-use crate::word::stored;
+use crate::word::canonical_bits;
 
 /// Largest fleet for which checking every pair is faster than sorting the UAVs into buckets.
 const FEW: usize = 48;
@@ -162,7 +162,7 @@ fn average<const W: usize>(state: &mut StateMut<'_>, sums: &[u64], block: Block<
     for lane in 0..W {
         let load = 1.0 - f64::from_bits(pilot[lane]);
         let degree = links[lane].count_ones();
-        means[lane] = stored(mean_throughput(load, f64::from_bits(sums[lane]), degree));
+        means[lane] = canonical_bits(mean_throughput(load, f64::from_bits(sums[lane]), degree));
     }
     block.store(&means, state.throughput);
 }

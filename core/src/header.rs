@@ -1,7 +1,7 @@
 //! The header of a state: its scalars, one word each.
 
 use crate::reward::{COMPONENTS, KEPT, Rewards};
-use crate::word::stored;
+use crate::word::canonical_bits;
 
 /// Phase of an episode: the part of the step that came last, which decides what may be called next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,17 +116,17 @@ scalar! {
     /// Number of moves between cells in the episode, over all UAVs.
     moves, set_moves, MOVES, u64, word, word;
     /// Mean normalised throughput over the fleet, η̄(t), for the present radio graph.
-    mean_throughput, set_mean_throughput, MEAN_THROUGHPUT, f64, f64::from_bits, stored;
+    mean_throughput, set_mean_throughput, MEAN_THROUGHPUT, f64, f64::from_bits, canonical_bits;
     /// Sum of η̄(t) over the steps.
-    throughput_sum, set_throughput_sum, THROUGHPUT_SUM, f64, f64::from_bits, stored;
+    throughput_sum, set_throughput_sum, THROUGHPUT_SUM, f64, f64::from_bits, canonical_bits;
     /// Sum over the steps of the fleet's mean pilot density.
-    pilot_sum, set_pilot_sum, PILOT_SUM, f64, f64::from_bits, stored;
+    pilot_sum, set_pilot_sum, PILOT_SUM, f64, f64::from_bits, canonical_bits;
     /// Fleet mean of the goal potential, for the distance to hotspots.
-    goal_potential, set_goal_potential, GOAL_POTENTIAL, f64, f64::from_bits, stored;
+    goal_potential, set_goal_potential, GOAL_POTENTIAL, f64, f64::from_bits, canonical_bits;
     /// Fleet mean of the potential for carbon-aware charging.
-    charge_potential, set_charge_potential, CHARGE_POTENTIAL, f64, f64::from_bits, stored;
+    charge_potential, set_charge_potential, CHARGE_POTENTIAL, f64, f64::from_bits, canonical_bits;
     /// Undiscounted return of the episode.
-    return_sum, set_return_sum, RETURN, f64, f64::from_bits, stored;
+    return_sum, set_return_sum, RETURN, f64, f64::from_bits, canonical_bits;
 }
 
 fn phase_of(word: u64) -> Option<Phase> {
@@ -170,7 +170,7 @@ impl HeaderMut<'_> {
 
     pub(crate) fn set_rewards(&mut self, rewards: &Rewards) {
         for index in 0..KEPT {
-            self.0[REWARDS + index] = stored(rewards[index]);
+            self.0[REWARDS + index] = canonical_bits(rewards[index]);
         }
     }
 }

@@ -32,7 +32,7 @@ use crate::header::Phase;
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
-use crate::step::expect;
+use crate::step::require_phase;
 use crate::{alarms, graph, knowledge, potential, reports, sensing};
 
 fn check_len(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
@@ -65,7 +65,7 @@ impl Model<'_> {
     /// # Errors
     /// [`Error::OutOfOrder`], [`Error::Length`], or [`Error::Argument`] for a cell off the grid.
     pub fn set_positions(&self, state: &mut StateMut<'_>, cells: &[Cell]) -> Result<(), Error> {
-        expect(state, Phase::Moved, "set_positions", "step_begin")?;
+        require_phase(state, Phase::Moved, "set_positions", "step_begin")?;
         check_len("positions", self.uav_count(), cells.len())?;
         self.check_cells("positions", cells)?;
         for (word, cell) in state.cells.iter_mut().zip(cells) {
@@ -83,7 +83,7 @@ impl Model<'_> {
     /// # Errors
     /// [`Error::OutOfOrder`], or [`Error::Argument`] if `uav` is not below N.
     pub fn ground(&self, state: &mut StateMut<'_>, uav: usize) -> Result<(), Error> {
-        expect(state, Phase::Moved, "ground", "step_begin")?;
+        require_phase(state, Phase::Moved, "ground", "step_begin")?;
         check_index("uav", uav, self.uav_count(), "below uav_count")?;
         bits::set(state.grounded, uav);
         bits::assign(state.returning, uav, false);
@@ -105,7 +105,7 @@ impl Model<'_> {
         scratch: &mut Scratch<'_>,
         detections: &[u8],
     ) -> Result<(), Error> {
-        expect(state, Phase::Moved, "step_sense_with", "step_begin")?;
+        require_phase(state, Phase::Moved, "step_sense_with", "step_begin")?;
         let expected = self.uav_count() * self.hotspot_count();
         check_len("detections", expected, detections.len())?;
         sensing::look_around(self, state);
@@ -124,7 +124,7 @@ impl Model<'_> {
     /// # Errors
     /// [`Error::OutOfOrder`], or [`Error::Argument`] if `hotspot` is not below n.
     pub fn confirm_hotspot(&self, state: &mut StateMut<'_>, hotspot: usize) -> Result<(), Error> {
-        expect(state, Phase::Moved, "confirm_hotspot", "step_begin")?;
+        require_phase(state, Phase::Moved, "confirm_hotspot", "step_begin")?;
         check_index(
             "hotspot",
             hotspot,
@@ -157,7 +157,7 @@ impl Model<'_> {
         links: &[u8],
         throughput: Option<&[f64]>,
     ) -> Result<(), Error> {
-        expect(state, Phase::Sensed, "step_communicate_with", "step_sense")?;
+        require_phase(state, Phase::Sensed, "step_communicate_with", "step_sense")?;
         let uavs = self.uav_count();
         check_len("links", uavs * uavs, links.len())?;
         for i in 0..uavs {
@@ -256,7 +256,7 @@ impl Model<'_> {
         hotspot: usize,
         cell: Cell,
     ) -> Result<(), Error> {
-        expect(state, Phase::Ready, "move_hotspot", "reset or step_end")?;
+        require_phase(state, Phase::Ready, "move_hotspot", "reset or step_end")?;
         check_index(
             "hotspot",
             hotspot,
@@ -324,7 +324,7 @@ impl Model<'_> {
         uav: usize,
         charge_uj: u64,
     ) -> Result<(), Error> {
-        expect(state, Phase::Ready, "set_battery", "reset or step_end")?;
+        require_phase(state, Phase::Ready, "set_battery", "reset or step_end")?;
         check_index("uav", uav, self.uav_count(), "below uav_count")?;
         self.check_charge(charge_uj)?;
         state.given[uav] = given_after(state.given[uav], state.battery[uav], charge_uj);
@@ -423,7 +423,7 @@ fn check_index(
 }
 
 fn expect_start(state: &StateMut<'_>, called: &'static str) -> Result<(), Error> {
-    expect(state, Phase::Ready, called, "reset")?;
+    require_phase(state, Phase::Ready, called, "reset")?;
     if state.header.t() == 0 {
         Ok(())
     } else {

@@ -81,12 +81,12 @@ pub fn observe(
     scratch: &mut Scratch<'_>,
     out: &mut [f32],
 ) -> Result<(), Error> {
-    observe_here(model, state, scratch, out)
+    observe_inline(model, state, scratch, out)
 }
 
 /// [`observe`], compiled into its caller.
 #[inline(always)]
-pub(crate) fn observe_here(
+pub(crate) fn observe_inline(
     model: &Model<'_>,
     state: &StateRef<'_>,
     scratch: &mut Scratch<'_>,

@@ -5,9 +5,9 @@ use crate::bits;
 use crate::config::Cell;
 use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
-use crate::scratch::{Scratch, Tally};
+use crate::scratch::{Scratch, UavStepScratch};
 use crate::state::StateMut;
-use crate::word::stored;
+use crate::word::canonical_bits;
 
 /// Computes and stores both potentials of each UAV and their means; all are 0 in a terminal state.
 #[inline(always)]
@@ -32,15 +32,19 @@ pub(crate) fn update(
 
 /// Saves the potentials of each UAV from before the step.
 #[inline(always)]
-pub(crate) fn keep(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_>) {
-    at_width!(model, keep_in_blocks(model, state, tally));
+pub(crate) fn save(model: &Model<'_>, state: &StateMut<'_>, per_uav: &mut UavStepScratch<'_>) {
+    at_width!(model, save_in_blocks(model, state, per_uav));
 }
 
 #[inline(always)]
-fn keep_in_blocks<const W: usize>(model: &Model<'_>, state: &StateMut<'_>, tally: &mut Tally<'_>) {
+fn save_in_blocks<const W: usize>(
+    model: &Model<'_>,
+    state: &StateMut<'_>,
+    per_uav: &mut UavStepScratch<'_>,
+) {
     for block in lanes::blocks::<W>(model.uav_count()) {
-        block.store(&block.load(state.goal_potential), tally.goal_before);
-        block.store(&block.load(state.charge_potential), tally.charge_before);
+        block.store(&block.load(state.goal_potential), per_uav.goal_before);
+        block.store(&block.load(state.charge_potential), per_uav.charge_before);
     }
 }
 
@@ -104,7 +108,7 @@ fn goal<const W: usize>(
         let mut potentials = [0; W];
         for lane in 0..W {
             let distance = f64::from(nearest[lane]);
-            potentials[lane] = stored(-(weight * (distance / span + unconfirmed)));
+            potentials[lane] = canonical_bits(-(weight * (distance / span + unconfirmed)));
         }
         let (mut sum, own) = (0, block.mask() as i32);
         for lane in 0..W {
@@ -155,7 +159,7 @@ fn charge<const W: usize>(model: &Model<'_>, state: &mut StateMut<'_>) -> f64 {
         for lane in 0..W {
             let missing = capacity_uj.wrapping_sub(battery[lane]) as f64;
             shares[lane] = missing * (span - f64::from(depots[lane] as i32));
-            potentials[lane] = stored(weight * (shares[lane] / most * g));
+            potentials[lane] = canonical_bits(weight * (shares[lane] / most * g));
         }
         for shares in block.in_order(&shares) {
             for share in shares {

@@ -7,9 +7,9 @@ use crate::carbon;
 use crate::config::{Config, InformPayment};
 use crate::lanes::{self, Block, Lanes, at_width};
 use crate::model::Model;
-use crate::scratch::Tally;
+use crate::scratch::UavStepScratch;
 use crate::state::StateMut;
-use crate::word::stored;
+use crate::word::canonical_bits;
 
 /// Number of components of a reward.
 pub const COMPONENTS: usize = 12;
@@ -199,21 +199,21 @@ pub(crate) struct Billed {
 pub(crate) fn credit(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    tally: &Tally<'_>,
+    per_uav: &UavStepScratch<'_>,
     billed: Billed,
 ) {
-    at_width!(model, credit_in_blocks(model, state, tally, billed));
+    at_width!(model, credit_in_blocks(model, state, per_uav, billed));
 }
 
 #[inline(always)]
 fn credit_in_blocks<const W: usize>(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
-    tally: &Tally<'_>,
+    per_uav: &UavStepScratch<'_>,
     billed: Billed,
 ) {
     for block in lanes::blocks::<W>(model.uav_count()) {
-        let own = own_in(model, state, tally, billed, block);
+        let own = own_in(model, state, per_uav, billed, block);
         let rows = state.own_rewards[block.first * OWN_KEPT..].chunks_exact_mut(OWN_KEPT);
         for (lane, row) in block.lanes().zip(rows) {
             for (value, lanes) in row.iter_mut().zip(&own) {
@@ -231,37 +231,37 @@ fn credit_in_blocks<const W: usize>(
 fn own_in<const W: usize>(
     model: &Model<'_>,
     state: &StateMut<'_>,
-    tally: &Tally<'_>,
+    per_uav: &UavStepScratch<'_>,
     fleet: Billed,
     block: Block<W>,
 ) -> [Lanes<u64, W>; OWN_COMPONENTS] {
     let (plan, uavs) = (model.reward(), model.uav_count() as u64);
-    let (new_cell, revisited) = (block.load(tally.new_cells), block.load(tally.revisits));
-    let (spent_uj, billed_uj) = (block.load(tally.spent_uj), block.load(tally.billed_uj));
+    let (new_cell, revisited) = (block.load(per_uav.new_cells), block.load(per_uav.revisits));
+    let (spent_uj, billed_uj) = (block.load(per_uav.spent_uj), block.load(per_uav.billed_uj));
     let mean = block.load(state.throughput);
     let mut rows = [[0; W]; OWN_COMPONENTS];
     let [coverage, energy, carbon, revisit, throughput, goal, charge] = &mut rows;
     // The compiler vectorises these loops one by one, but not a single loop for all components.
     for lane in 0..W {
         let new_cells = f64::from(new_cell[lane] as u32) * uavs as f64;
-        coverage[lane] = stored(plan.coverage(new_cells));
-        energy[lane] = stored(plan.energy((uavs * spent_uj[lane]) as f64));
+        coverage[lane] = canonical_bits(plan.coverage(new_cells));
+        energy[lane] = canonical_bits(plan.energy((uavs * spent_uj[lane]) as f64));
         let revisits = f64::from(revisited[lane] as u32) * uavs as f64;
-        revisit[lane] = stored(plan.revisit(revisits));
-        throughput[lane] = stored(plan.throughput(f64::from_bits(mean[lane])));
+        revisit[lane] = canonical_bits(plan.revisit(revisits));
+        throughput[lane] = canonical_bits(plan.throughput(f64::from_bits(mean[lane])));
     }
     for lane in 0..W {
         let share_ng = carbon::share_ng(fleet.co2_ng, billed_uj[lane], fleet.billed_uj);
-        carbon[lane] = stored(plan.carbon(uavs as f64 * share_ng));
+        carbon[lane] = canonical_bits(plan.carbon(uavs as f64 * share_ng));
     }
     *goal = gained(
         plan,
-        &block.load(tally.goal_before),
+        &block.load(per_uav.goal_before),
         &block.load(state.goal_potential),
     );
     *charge = gained(
         plan,
-        &block.load(tally.charge_before),
+        &block.load(per_uav.charge_before),
         &block.load(state.charge_potential),
     );
     rows
@@ -277,7 +277,7 @@ fn gained<const W: usize>(
     let mut gained = [0; W];
     for lane in 0..W {
         let (before, after) = (f64::from_bits(before[lane]), f64::from_bits(after[lane]));
-        gained[lane] = stored(plan.shaping(before, after));
+        gained[lane] = canonical_bits(plan.shaping(before, after));
     }
     gained
 }

@@ -23,7 +23,7 @@ impl<'a> Scratch<'a> {
         let longest = model.hotspot_words().max(model.map_words());
         let longest = longest.max(model.layout().reports);
         let consensus = uavs + model.uav_words() + longest;
-        let ending = Tally::WORDS * uavs + hotspots;
+        let ending = UavStepScratch::WORDS * uavs + hotspots;
         let width = lanes::width_of(uavs);
         let pairs = if graph::by_pairs(uavs) {
             uavs + graph::tile(width) * width
@@ -91,8 +91,8 @@ impl<'a> Scratch<'a> {
         (order, unreached, &mut rest[..row_words])
     }
 
-    /// The per-UAV totals of the step, and the remaining memory.
-    pub(crate) fn tally(&mut self, uavs: usize) -> (Tally<'_>, Scratch<'_>) {
+    /// The per-UAV quantities of the step, and the remaining memory.
+    pub(crate) fn per_uav(&mut self, uavs: usize) -> (UavStepScratch<'_>, Scratch<'_>) {
         let (spent_uj, rest) = self.words.split_at_mut(uavs);
         let (billed_uj, rest) = rest.split_at_mut(uavs);
         let (cell_indices, rest) = rest.split_at_mut(uavs);
@@ -100,7 +100,7 @@ impl<'a> Scratch<'a> {
         let (revisits, rest) = rest.split_at_mut(uavs);
         let (goal_before, rest) = rest.split_at_mut(uavs);
         let (charge_before, words) = rest.split_at_mut(uavs);
-        let tally = Tally {
+        let per_uav = UavStepScratch {
             spent_uj,
             billed_uj,
             cell_indices,
@@ -109,7 +109,7 @@ impl<'a> Scratch<'a> {
             goal_before,
             charge_before,
         };
-        (tally, Scratch { words })
+        (per_uav, Scratch { words })
     }
 
     /// Room for a list of at most `count` words.
@@ -118,8 +118,8 @@ impl<'a> Scratch<'a> {
     }
 }
 
-/// Per-UAV totals of a step, from which each UAV's own reward follows. Every slice has N words.
-pub(crate) struct Tally<'a> {
+/// Per-UAV quantities of a step, from which each UAV's own reward follows. Every slice has N words.
+pub(crate) struct UavStepScratch<'a> {
     /// Energy spent, in microjoules.
     pub(crate) spent_uj: &'a mut [u64],
     /// Charging energy billed, in microjoules.
@@ -136,7 +136,7 @@ pub(crate) struct Tally<'a> {
     pub(crate) charge_before: &'a mut [u64],
 }
 
-impl Tally<'_> {
+impl UavStepScratch<'_> {
     /// Words per UAV.
     const WORDS: usize = 7;
 }

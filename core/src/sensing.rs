@@ -53,7 +53,7 @@ pub(crate) fn sense_and_learn(
             at_width!(model, detect_in_blocks(curve, model, state, positives))
         }
     }
-    conclude(model, state, positives);
+    confirm_and_learn(model, state, positives);
 }
 
 /// Does the same as [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV.
@@ -82,12 +82,12 @@ pub(crate) fn learn_from(
             }
         }
     }
-    conclude(model, state, positives);
+    confirm_and_learn(model, state, positives);
 }
 
 /// Confirms hotspots by quorum. A UAV learns the confirmed hotspots that it detected.
 #[inline(always)]
-fn conclude(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
+fn confirm_and_learn(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
     confirm(model, state, positives);
     learn(state.knowledge, state.detected, state.confirmed);
 }

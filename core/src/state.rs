@@ -24,7 +24,7 @@ use crate::layout::Layout;
 use crate::model::Model;
 use crate::reports;
 use crate::reward::{self, OWN, OWN_KEPT, Rewards};
-use crate::word::stored;
+use crate::word::canonical_bits;
 
 /// Declares both views of a state from one list, so that they cannot disagree on the layout.
 macro_rules! state {
@@ -250,22 +250,22 @@ impl StateMut<'_> {
 
     #[inline]
     pub(crate) fn set_pilot_density(&mut self, i: usize, density: f64) {
-        self.pilot[i] = stored(density);
+        self.pilot[i] = canonical_bits(density);
     }
 
     #[inline]
     pub(crate) fn set_throughput(&mut self, i: usize, throughput: f64) {
-        self.throughput[i] = stored(throughput);
+        self.throughput[i] = canonical_bits(throughput);
     }
 
     #[inline]
     pub(crate) fn set_goal_potential(&mut self, i: usize, potential: f64) {
-        self.goal_potential[i] = stored(potential);
+        self.goal_potential[i] = canonical_bits(potential);
     }
 
     #[inline]
     pub(crate) fn set_charge_potential(&mut self, i: usize, potential: f64) {
-        self.charge_potential[i] = stored(potential);
+        self.charge_potential[i] = canonical_bits(potential);
     }
 }
 

@@ -64,7 +64,7 @@ impl Model<'_> {
         scratch: &mut Scratch<'_>,
         actions: &[f32],
     ) -> Result<StepOutcome, Error> {
-        whole(self, state, scratch, actions)
+        step_inline(self, state, scratch, actions)
     }
 
     /// Part 1 of a step: applies the actions, returns UAVs with a low battery to base, and moves.
@@ -117,8 +117,9 @@ impl Model<'_> {
 
 // The parts are compiled into their callers, for the instruction set of the caller.
 
+/// Does the same as [`Model::step`], compiled into its caller.
 #[inline(always)]
-pub(crate) fn whole(
+pub(crate) fn step_inline(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
@@ -132,7 +133,7 @@ pub(crate) fn whole(
 
 #[inline(always)]
 fn begin(model: &Model<'_>, state: &mut StateMut<'_>, actions: &[f32]) -> Result<(), Error> {
-    expect(state, Phase::Ready, "step_begin", "reset or step_end")?;
+    require_phase(state, Phase::Ready, "step_begin", "reset or step_end")?;
     check_actions(model, actions)?;
     let t = state.header.t() + 1;
     state.header.set_t(t);
@@ -147,7 +148,7 @@ fn sense(
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
 ) -> Result<(), Error> {
-    expect(state, Phase::Moved, "step_sense", "step_begin")?;
+    require_phase(state, Phase::Moved, "step_sense", "step_begin")?;
     sensing::look_around(model, state);
     sensing::sense_and_learn(model, state, scratch);
     if model.layout().alarms > 0 {
@@ -164,7 +165,7 @@ fn communicate(
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
 ) -> Result<(), Error> {
-    expect(state, Phase::Sensed, "step_communicate", "step_sense")?;
+    require_phase(state, Phase::Sensed, "step_communicate", "step_sense")?;
     graph::build_graph(model, state, scratch);
     knowledge::communicate(model, state, scratch);
     state.header.set_phase(Phase::Communicated);
@@ -177,7 +178,7 @@ fn end(
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,
 ) -> Result<StepOutcome, Error> {
-    expect(state, Phase::Communicated, "step_end", "step_communicate")?;
+    require_phase(state, Phase::Communicated, "step_end", "step_communicate")?;
     let mut totals = StepTotals {
         goal_potential_before: state.header.goal_potential(),
         charge_potential_before: state.header.charge_potential(),
@@ -185,20 +186,20 @@ fn end(
         newly_false: alarms::newly_false(state),
         ..StepTotals::default()
     };
-    let (mut tally, mut rest) = scratch.tally(model.uav_count());
-    let settled = energy::settle_fleet(model, state, &mut tally, &mut totals);
+    let (mut per_uav, mut rest) = scratch.per_uav(model.uav_count());
+    let settled = energy::settle_fleet(model, state, &mut per_uav, &mut totals);
     let billed_uj = settled.billed_uj;
     let co2_ng = carbon::emit(model, state, billed_uj, &mut totals);
     metrics::add_step(state, &settled);
-    coverage::cover(model, state, &mut tally, &mut totals);
+    coverage::update(model, state, &mut per_uav, &mut totals);
     knowledge::count(model, state, &mut totals);
-    potential::keep(model, state, &mut tally);
-    finish(model, state, &mut rest, &mut totals);
+    potential::save(model, state, &mut per_uav);
+    decide_end(model, state, &mut rest, &mut totals);
 
     let rewards = model.reward().components(&totals);
     let reward = reward::total(&rewards);
     state.header.set_rewards(&rewards);
-    reward::credit(model, state, &tally, Billed { co2_ng, billed_uj });
+    reward::credit(model, state, &per_uav, Billed { co2_ng, billed_uj });
     let return_sum = state.header.return_sum() + reward;
     state.header.set_return_sum(return_sum);
     let phase = state.header.phase();
@@ -212,7 +213,7 @@ fn end(
 
 /// Refuses a call that comes out of order.
 #[inline(always)]
-pub(crate) fn expect(
+pub(crate) fn require_phase(
     state: &StateMut<'_>,
     phase: Phase,
     called: &'static str,
@@ -240,7 +241,7 @@ fn check_actions(model: &Model<'_>, actions: &[f32]) -> Result<(), Error> {
 
 /// Decides whether the episode ends, and computes the potentials of the new state.
 #[inline(always)]
-fn finish(
+fn decide_end(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
     scratch: &mut Scratch<'_>,

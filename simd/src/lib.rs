@@ -140,7 +140,7 @@ macro_rules! compile_for {
             auto_reset: bool,
             out: &mut BatchOut<'_>,
         ) -> Result<(), Error> {
-            model.batch_step_here(states, scratch, actions, auto_reset, out)
+            model.batch_step_inline(states, scratch, actions, auto_reset, out)
         }
 
         /// # Safety

@@ -16,7 +16,7 @@
 use jcas_core::batch::BatchOut;
 use jcas_core::{Model, Scratch};
 use jcas_simd::InstructionSet;
-use jcas_verification::machine::{Tally, play};
+use jcas_verification::machine::{Counts, play};
 use jcas_verification::mission;
 use jcas_verification::sampling::{self, Dice};
 use jcas_verification::specification::draws::derive_seed;
@@ -78,14 +78,14 @@ fn main() -> Outcome {
 }
 
 fn fly_round(seed: u64, progress: &mut Soak) -> Outcome {
-    let mut tally = fly_missions(seed)?;
-    tally.add(&play_sequences(seed)?);
-    progress.compared += tally.compared;
-    progress.compared_from_eight += tally.compared_from_eight;
-    progress.agent_steps += tally.agent_steps;
-    let due = tally.compared * STEPS_PER_COMPARED;
+    let mut counts = fly_missions(seed)?;
+    counts.add(&play_sequences(seed)?);
+    progress.compared += counts.compared;
+    progress.compared_from_eight += counts.compared_from_eight;
+    progress.agent_steps += counts.agent_steps;
+    let due = counts.compared * STEPS_PER_COMPARED;
     let others: Vec<InstructionSet> = InstructionSet::all().skip(1).collect();
-    let (mut flown, mut batch) = (tally.agent_steps, 0);
+    let (mut flown, mut batch) = (counts.agent_steps, 0);
     while flown < due {
         let (before, seed) = (flown, derive_seed(seed, batch));
         let sets = 1.max(others.len() as u64);
@@ -98,8 +98,8 @@ fn fly_round(seed: u64, progress: &mut Soak) -> Outcome {
 }
 
 /// Whole missions beside the specification, observations and all.
-fn fly_missions(seed: u64) -> Result<Tally, String> {
-    let mut tally = Tally::default();
+fn fly_missions(seed: u64) -> Result<Counts, String> {
+    let mut counts = Counts::default();
     let mut dice = Dice::new(seed);
     for mission in 0..MISSIONS {
         let config = if dice.one_in(200) {
@@ -110,15 +110,15 @@ fn fly_missions(seed: u64) -> Result<Tally, String> {
         let pilot = sampling::pilot(&mut dice);
         let uavs = u64::from(config.uav_count);
         mission::fly(&config, pilot, &mut dice, OBSERVED_EVERY, |_, _| {
-            tally.count_compared(uavs);
+            counts.count_compared(uavs);
         })
         .map_err(|why| format!("mission {mission}: {why}"))?;
     }
-    Ok(tally)
+    Ok(counts)
 }
 
 /// Sequences of every public call, beside the specification.
-fn play_sequences(seed: u64) -> Result<Tally, String> {
+fn play_sequences(seed: u64) -> Result<Counts, String> {
     let mut start = [0; 32];
     start[..8].copy_from_slice(&seed.to_le_bytes());
     let config = Config {
@@ -128,15 +128,15 @@ fn play_sequences(seed: u64) -> Result<Tally, String> {
     };
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &start);
     let mut runner = TestRunner::new_with_rng(config, rng);
-    let tally = RefCell::new(Tally::default());
+    let counts = RefCell::new(Counts::default());
     let sequence = (any::<u64>(), prop::collection::vec(any::<u64>(), 0..200));
     let outcome = runner.run(&sequence, |(seed, calls)| {
         let one = play(seed, &calls).map_err(TestCaseError::fail)?;
-        tally.borrow_mut().add(&one);
+        counts.borrow_mut().add(&one);
         Ok(())
     });
     outcome.map_err(|failure| format!("sequences: {failure}"))?;
-    Ok(tally.into_inner())
+    Ok(counts.into_inner())
 }
 
 /// The outputs of a batch on one instruction set.

@@ -82,7 +82,7 @@ enum Call {
 
 /// Counts of a sequence.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct Counts {
     /// Agent-steps: whole steps times UAVs.
     pub agent_steps: u64,
     /// Agent-steps that were compared with the specification.
@@ -95,7 +95,7 @@ pub struct Tally {
     pub refused: [u64; KINDS],
 }
 
-impl Tally {
+impl Counts {
     /// Counts a step that was compared with the specification.
     pub fn count_compared(&mut self, uavs: u64) {
         self.agent_steps += uavs;
@@ -106,7 +106,7 @@ impl Tally {
     }
 
     /// Adds another sequence's.
-    pub fn add(&mut self, other: &Tally) {
+    pub fn add(&mut self, other: &Counts) {
         self.agent_steps += other.agent_steps;
         self.compared += other.compared;
         self.compared_from_eight += other.compared_from_eight;
@@ -138,14 +138,14 @@ struct Machine<'m> {
     start: World,
     shadow: Shadow,
     saved: Option<(Vec<u8>, Shadow)>,
-    tally: Tally,
+    counts: Counts,
 }
 
 /// Plays the calls that `calls` stand for on the model that `seed` stands for.
 ///
 /// # Errors
 /// Returns a description of the first call with a wrong result.
-pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
+pub fn play(seed: u64, calls: &[u64]) -> Result<Counts, String> {
     let mut dice = Dice::new(seed);
     let config = if dice.one_in(500) {
         sampling::large_configuration(&mut dice)
@@ -163,7 +163,7 @@ pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
             host: Host::default(),
         },
         saved: None,
-        tally: Tally::default(),
+        counts: Counts::default(),
         model: &model,
         start: spec.reset(0),
         spec,
@@ -176,7 +176,7 @@ pub fn play(seed: u64, calls: &[u64]) -> Result<Tally, String> {
             .make(call, &mut Dice::new(word))
             .map_err(|why| format!("call {index}, {call:?}: {why}\n{config:?}"))?;
     }
-    Ok(machine.tally)
+    Ok(machine.counts)
 }
 
 impl Machine<'_> {
@@ -225,9 +225,9 @@ impl Machine<'_> {
             Call::Fly => self.fly(dice),
         };
         match done {
-            Ok(()) => self.tally.accepted[call as usize] += 1,
+            Ok(()) => self.counts.accepted[call as usize] += 1,
             Err(Refusal::Refused) => {
-                self.tally.refused[call as usize] += 1;
+                self.counts.refused[call as usize] += 1;
                 if self.words != before {
                     return Err("refused, and the state is another".to_owned());
                 }
@@ -351,10 +351,10 @@ impl Machine<'_> {
         let uavs = self.model.uav_count() as u64;
         let host = std::mem::take(&mut self.shadow.host);
         let Some(world) = &mut self.shadow.world else {
-            self.tally.agent_steps += uavs;
+            self.counts.agent_steps += uavs;
             return Ok(());
         };
-        self.tally.count_compared(uavs);
+        self.counts.count_compared(uavs);
         self.spec.step_with(world, &self.shadow.actions, &host);
         comparison::real("reward", world.rewards.sum(), reward).map_err(Refusal::Wrong)
     }

@@ -3,7 +3,7 @@
 //! Catches a call that leaves an invalid state and a refused call that leaves a trace. Catches a
 //! step whose result depends on the calls before it, and one that differs from the specification.
 
-use jcas_verification::machine::{KINDS, Tally, play};
+use jcas_verification::machine::{Counts, KINDS, play};
 use proptest::prelude::*;
 use std::cell::RefCell;
 
@@ -12,7 +12,7 @@ const SEQUENCES: u32 = 120;
 
 #[test]
 fn random_sequences_keep_every_promise() {
-    let tally = RefCell::new(Tally::default());
+    let counts = RefCell::new(Counts::default());
     let config = ProptestConfig {
         cases: SEQUENCES,
         failure_persistence: None,
@@ -20,18 +20,18 @@ fn random_sequences_keep_every_promise() {
     };
     proptest!(config, |(seed: u64, calls in prop::collection::vec(any::<u64>(), 0..100))| {
         match play(seed, &calls) {
-            Ok(one) => tally.borrow_mut().add(&one),
+            Ok(one) => counts.borrow_mut().add(&one),
             Err(why) => prop_assert!(false, "{}", why),
         }
     });
-    let tally = tally.into_inner();
-    println!("{tally:?}");
+    let counts = counts.into_inner();
+    println!("{counts:?}");
     assert!(
-        tally.agent_steps > 2_000 && tally.compared > 1_000,
-        "{tally:?}"
+        counts.agent_steps > 2_000 && counts.compared > 1_000,
+        "{counts:?}"
     );
     for kind in 0..KINDS {
-        let reached = tally.accepted[kind] + tally.refused[kind];
-        assert!(reached > 100, "calls of kind {kind}: {tally:?}");
+        let reached = counts.accepted[kind] + counts.refused[kind];
+        assert!(reached > 100, "calls of kind {kind}: {counts:?}");
     }
 }

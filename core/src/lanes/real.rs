@@ -31,7 +31,7 @@ fn floor(value: f64) -> f64 {
 
 /// `value as u64`, for a real from 0 to 2^51.
 #[inline(always)]
-pub(crate) fn whole(value: f64) -> u64 {
+pub(crate) fn floor_to_u64(value: f64) -> u64 {
     (floor(value) + WHOLE).to_bits() ^ WHOLE.to_bits()
 }
 
@@ -164,11 +164,11 @@ mod tests {
                 (bits >> 14) as f64 + 0.5,
                 (bits >> 40) as f64 / 3.0,
             ] {
-                assert_eq!(whole(value), value as u64, "{value}");
+                assert_eq!(floor_to_u64(value), value as u64, "{value}");
             }
         }
         for value in [0.0, 0.5, 1.0 - f64::EPSILON / 2.0, 1.0, 1.5, 2.5] {
-            assert_eq!(whole(value), value as u64, "{value}");
+            assert_eq!(floor_to_u64(value), value as u64, "{value}");
         }
     }
 
