@@ -1,29 +1,24 @@
 //! The model: a validated configuration with every constant and table computed from it.
 
+mod tables;
+
 use crate::bits::words_for;
 use crate::carbon::CarbonPlan;
 use crate::config::{Cell, Config, Depots, MAX_DEPOTS};
 use crate::energy::EnergyPlan;
 use crate::error::{ConfigError, Error};
-use crate::lanes::{self, Cells, Lanes, Rows};
 use crate::layout::Layout;
 use crate::observation::added::added_len;
-use crate::radar::curve::{self, AnyCurve};
+use crate::radar::curve::AnyCurve;
 use crate::reward::RewardPlan;
 use crate::search::Disc;
-use crate::{alarms, footprint, link, motion, radar};
+use crate::{alarms, footprint, link, radar};
+
+use tables::{Tables, Words};
 
 #[cfg(any(kani, test))]
 #[path = "proofs/any_model.rs"]
 pub(crate) mod any_model;
-
-/// The memory of a model's tables: the caller's, or with the feature `alloc` the model's own.
-#[derive(Clone, Debug)]
-enum Words<'m> {
-    Borrowed(&'m [u64]),
-    #[cfg(feature = "alloc")]
-    Owned(alloc::vec::Vec<u64>),
-}
 
 /// An immutable model, which any number of threads and states can share.
 ///
@@ -56,31 +51,6 @@ pub struct Model<'m> {
     tables: Words<'m>,
 }
 
-/// The position at which each table begins, in words.
-struct Tables {
-    link: usize,
-    depot: usize,
-    offset_x: usize,
-    offset_y: usize,
-    end: usize,
-}
-
-impl Tables {
-    /// The radar table comes first; the link and depot tables have the same length.
-    const fn of(width: u32, height: u32) -> Self {
-        let cells = width as usize * height as usize;
-        let offset_x = 3 * cells;
-        let offset_y = offset_x + 2 * width as usize - 1;
-        Self {
-            link: cells,
-            depot: 2 * cells,
-            offset_x,
-            offset_y,
-            end: offset_y + 2 * height as usize - 1,
-        }
-    }
-}
-
 impl Model<'static> {
     /// Validates the configuration and builds its model in memory that it allocates.
     ///
@@ -89,109 +59,8 @@ impl Model<'static> {
     #[cfg(feature = "alloc")]
     pub fn new(config: Config) -> Result<Self, Error> {
         let mut words = alloc::vec![0; Self::table_words(&config)?];
-        let parts = Parts::fill(&config, &mut words);
-        Ok(parts.model(config, Words::Owned(words)))
-    }
-}
-
-/// A table over the absolute offset between two cells.
-#[derive(Clone, Copy)]
-pub(crate) struct OffsetTable<'t> {
-    width: u32,
-    /// Number of entries; the words after them belong to other tables.
-    len: usize,
-    values: &'t [u64],
-}
-
-impl OffsetTable<'_> {
-    /// The value for two cells of the grid.
-    #[inline(always)]
-    pub(crate) fn between(self, a: Cell, b: Cell) -> f64 {
-        let offset = a.y.abs_diff(b.y) * self.width + a.x.abs_diff(b.x);
-        f64::from_bits(self.values[offset as usize])
-    }
-
-    /// The values for the cells of a block and one cell.
-    #[inline(always)]
-    pub(crate) fn gather<const W: usize>(self, rows: &Rows<W>, to: Cell) -> Lanes<f64, W> {
-        let mut values = [0; W];
-        self.gather_into(rows, to, &mut values);
-        values.map(f64::from_bits)
-    }
-
-    /// Writes the values of [`Self::gather`] as bits of f64.
-    #[inline(always)]
-    pub(crate) fn gather_into<const W: usize>(
-        self,
-        rows: &Rows<W>,
-        to: Cell,
-        values: &mut Lanes<u64, W>,
-    ) {
-        rows.gather(self.values, self.len, to, self.width, values);
-    }
-}
-
-/// Constants that follow from the tables.
-struct Parts {
-    reach_cells: u32,
-}
-
-impl Parts {
-    fn fill(config: &Config, words: &mut [u64]) -> Self {
-        let (width, height) = (config.grid_width, config.grid_height);
-        let tables = Tables::of(width, height);
-        let depots = config.effective_depots();
-        for y in 0..height {
-            for x in 0..width {
-                let index = (y * width + x) as usize;
-                let range_m = radar::range_m(config, x, y);
-                words[index] = curve::tabulated(config, range_m).to_bits();
-                words[tables.link + index] = link::full_throughput(config, range_m).to_bits();
-                let (depot, distance) = motion::nearest(Cell { x, y }, depots.as_slice());
-                words[tables.depot + index] = depot as u64 | u64::from(distance) << 32;
-            }
-        }
-        fill_offsets(&mut words[tables.offset_x..tables.offset_y], width);
-        fill_offsets(&mut words[tables.offset_y..tables.end], height);
-
-        let mut reach_cells = 0;
-        let longest = if width > height { width } else { height };
-        for cells in 1..longest {
-            let throughput = link::full_throughput(config, radar::range_m(config, cells, 0));
-            if (1.0 - config.pilot_density_min) * throughput >= config.link_throughput_min {
-                reach_cells = cells;
-            }
-        }
-        alarms::tabulate(config, &mut words[tables.end..]);
-        Self { reach_cells }
-    }
-
-    fn model(self, config: Config, tables: Words<'_>) -> Model<'_> {
-        let bucket_side = self.reach_cells + 1;
-        Model {
-            hash: config.hash(),
-            depots: config.effective_depots(),
-            sorted_depots: sorted_indices(&config),
-            energy: EnergyPlan::new(&config),
-            carbon: CarbonPlan::new(&config),
-            reward: RewardPlan::new(&config),
-            layout: Layout::of(&config),
-            uavs: config.uav_count as usize,
-            hotspots: config.hotspot_count as usize,
-            width: config.grid_width,
-            height: config.grid_height,
-            curve: AnyCurve::of(&config),
-            threshold_db: radar::detection_threshold_db(&config),
-            reach_cells: self.reach_cells,
-            bucket_side,
-            bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
-            bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
-            disc: Disc::of(&config),
-            footprint: footprint::of(&config),
-            added: added_len(&config),
-            tables,
-            config,
-        }
+        tables::fill(&config, &mut words);
+        Ok(Model::of(config, Words::Owned(words)))
     }
 }
 
@@ -205,20 +74,23 @@ fn sorted_indices(config: &Config) -> [u32; MAX_DEPOTS] {
     sorted
 }
 
+/// Longest distance along an axis at which a link is possible, in cells.
+fn reach_cells(config: &Config) -> u32 {
+    let (width, height) = (config.grid_width, config.grid_height);
+    let mut reach_cells = 0;
+    let longest = if width > height { width } else { height };
+    for cells in 1..longest {
+        let throughput = link::full_throughput(config, radar::range_m(config, cells, 0));
+        if (1.0 - config.pilot_density_min) * throughput >= config.link_throughput_min {
+            reach_cells = cells;
+        }
+    }
+    reach_cells
+}
+
 /// Longest offset along an axis in cells, at least 1.
 const fn span(extent: u32) -> f32 {
     if extent > 1 { (extent - 1) as f32 } else { 1.0 }
-}
-
-/// Writes the offsets -(extent-1)..=(extent-1), divided by (extent - 1), as bits of f32. All are 0
-/// where the grid is one cell wide.
-fn fill_offsets(words: &mut [u64], extent: u32) {
-    let span = f64::from(extent - 1);
-    for (index, word) in words.iter_mut().enumerate() {
-        let offset = index as f64 - span;
-        let normalised = if span > 0.0 { offset / span } else { 0.0 };
-        *word = u64::from((normalised as f32).to_bits());
-    }
 }
 
 impl<'m> Model<'m> {
@@ -247,8 +119,38 @@ impl<'m> Model<'m> {
                 got: words.len(),
             });
         }
-        let parts = Parts::fill(&config, words);
-        Ok(parts.model(config, Words::Borrowed(words)))
+        tables::fill(&config, words);
+        Ok(Self::of(config, Words::Borrowed(words)))
+    }
+
+    /// Derives the constants of a model whose tables are filled.
+    fn of(config: Config, tables: Words<'m>) -> Self {
+        let reach_cells = reach_cells(&config);
+        let bucket_side = reach_cells + 1;
+        Self {
+            hash: config.hash(),
+            depots: config.effective_depots(),
+            sorted_depots: sorted_indices(&config),
+            energy: EnergyPlan::new(&config),
+            carbon: CarbonPlan::new(&config),
+            reward: RewardPlan::new(&config),
+            layout: Layout::of(&config),
+            uavs: config.uav_count as usize,
+            hotspots: config.hotspot_count as usize,
+            width: config.grid_width,
+            height: config.grid_height,
+            curve: AnyCurve::of(&config),
+            threshold_db: radar::detection_threshold_db(&config),
+            reach_cells,
+            bucket_side,
+            bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
+            bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
+            disc: Disc::of(&config),
+            footprint: footprint::of(&config),
+            added: added_len(&config),
+            tables,
+            config,
+        }
     }
 
     /// The configuration of the model.
@@ -375,12 +277,6 @@ impl<'m> Model<'m> {
         self.footprint
     }
 
-    /// The tables of false alarms; no words without them.
-    #[inline]
-    pub(crate) fn alarm_tables(&self) -> &[u64] {
-        &self.words()[Tables::of(self.width, self.height).end..]
-    }
-
     /// Number of reals in the global state: 6 N + 4 n + 4.
     #[inline]
     #[must_use]
@@ -459,15 +355,6 @@ impl<'m> Model<'m> {
     }
 
     #[inline]
-    fn words(&self) -> &[u64] {
-        match &self.tables {
-            Words::Borrowed(words) => words,
-            #[cfg(feature = "alloc")]
-            Words::Owned(words) => words,
-        }
-    }
-
-    #[inline]
     const fn offset(&self, dx: u32, dy: u32) -> Option<usize> {
         if dx < self.width && dy < self.height {
             Some((dy * self.width + dx) as usize)
@@ -486,32 +373,6 @@ impl<'m> Model<'m> {
         self.config.link_throughput_min
     }
 
-    /// The part of the probability of detection that depends on the distance between two cells: the
-    /// value that the detection curve tabulates.
-    #[inline]
-    pub(crate) fn detection_table(&self) -> OffsetTable<'_> {
-        OffsetTable {
-            width: self.width,
-            len: self.cells(),
-            values: self.words(),
-        }
-    }
-
-    /// Normalised throughput between two cells if the waveform carries only data.
-    #[inline]
-    pub(crate) fn full_throughput(&self) -> OffsetTable<'_> {
-        OffsetTable {
-            width: self.width,
-            len: self.cells(),
-            values: &self.words()[self.cells()..],
-        }
-    }
-
-    #[inline]
-    const fn cells(&self) -> usize {
-        self.width as usize * self.height as usize
-    }
-
     /// Row-major index of a cell.
     #[inline]
     pub(crate) const fn cell_index(&self, cell: Cell) -> usize {
@@ -528,41 +389,6 @@ impl<'m> Model<'m> {
     #[inline]
     pub(crate) const fn contains(&self, cell: Cell) -> bool {
         cell.x < self.width && cell.y < self.height
-    }
-
-    /// The depot nearest to a cell, and its Manhattan distance in cells.
-    #[inline]
-    pub(crate) fn nearest_depot(&self, cell: Cell) -> (Cell, u32) {
-        let word = self.words()[2 * self.cells() + self.cell_index(cell)];
-        (
-            self.depots.as_slice()[word as u32 as usize],
-            (word >> 32) as u32,
-        )
-    }
-
-    /// Manhattan distance to the nearest depot, in cells.
-    #[inline]
-    pub(crate) fn depot_distance(&self, cell: Cell) -> u32 {
-        (self.words()[2 * self.cells() + self.cell_index(cell)] >> 32) as u32
-    }
-
-    /// Manhattan distance of each cell of a block to its nearest depot.
-    #[inline(always)]
-    pub(crate) fn depot_distances<const W: usize>(&self, cells: &Cells<W>) -> Lanes<u32, W> {
-        let index = cells.index(self.width);
-        lanes::gather(&self.words()[2 * self.cells()..], self.cells(), &index)
-            .map(|word| (word >> 32) as u32)
-    }
-
-    /// Tables of normalised offsets along x and y, indexed by offset + extent - 1.
-    #[inline]
-    pub(crate) fn offset_tables(&self) -> (&[u64], &[u64]) {
-        let tables = Tables::of(self.width, self.height);
-        let words = self.words();
-        (
-            &words[tables.offset_x..tables.offset_y],
-            &words[tables.offset_y..tables.end],
-        )
     }
 
     #[inline]

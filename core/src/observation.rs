@@ -2,6 +2,8 @@
 
 pub(crate) mod added;
 pub mod fields;
+mod hotspots;
+mod neighbours;
 
 use core::ops::Range;
 
@@ -9,46 +11,13 @@ use crate::bits;
 use crate::config::{Cell, TargetVisibility};
 use crate::error::Error;
 use crate::lanes::neighbours::Ranking;
-use crate::lanes::real::{Divisors, ENTRIES, repeat};
 use crate::lanes::{self, Block, Cells, Lanes, at_width, force_vector};
 use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateRef;
 
-/// Number of hotspots that are written at a time, and entries of each.
-const TARGETS: usize = 8;
-const TARGET: usize = 4;
-
-/// The bits of 1.0 as f32.
-const ONE: u32 = 1.0f32.to_bits();
-
-/// Number of hotspots whose entries are computed together.
-const QUARTET: usize = ENTRIES / TARGET;
-
 /// Number of UAVs whose rows are written at a time.
 const ROWS: usize = 16;
-/// The set of four hotspots.
-const ALL: usize = (1 << QUARTET) - 1;
-
-/// Masks for each set of four hotspots. `KNOWN` has the bits of 1.0 in the entries for knowledge,
-/// and `POSITIONS` has all ones in the entries for positions.
-static KNOWN: [[u32; ENTRIES]; ALL + 1] = entries([0, 0, 0, ONE]);
-static POSITIONS: [[u32; ENTRIES]; ALL + 1] = entries([u32::MAX, u32::MAX, 0, 0]);
-
-const fn entries(bits: [u32; TARGET]) -> [[u32; ENTRIES]; ALL + 1] {
-    let (mut sets, mut set) = ([[0; ENTRIES]; ALL + 1], 0);
-    while set <= ALL {
-        let mut lane = 0;
-        while lane < ENTRIES {
-            if set >> (lane / TARGET) & 1 == 1 {
-                sets[set][lane] = bits[lane % TARGET];
-            }
-            lane += 1;
-        }
-        set += 1;
-    }
-    sets
-}
 
 /// Number of entries about the UAV itself.
 const OWN: usize = 5;
@@ -113,9 +82,9 @@ pub(crate) fn observe_inline(
         };
         let rows = &mut out[first * len..end * len];
         if view.hidden {
-            view.write_targets::<true>(first..end, rows);
+            view.write_hotspots::<true>(first..end, rows);
         } else {
-            view.write_targets::<false>(first..end, rows);
+            view.write_hotspots::<false>(first..end, rows);
         }
         for (i, row) in (first..).zip(rows.chunks_exact_mut(len)) {
             let row = &mut row[view.slots..];
@@ -281,16 +250,6 @@ impl<'v> View<'v> {
         )
     }
 
-    /// The tables of offsets from a cell, which hold 0 at extent - 1.
-    #[inline(always)]
-    fn from(&self, cell: Cell) -> From<'_> {
-        let config = self.model.config();
-        From {
-            x: &self.offset_x[(config.grid_width - 1 - cell.x) as usize..],
-            y: &self.offset_y[(config.grid_height - 1 - cell.y) as usize..],
-        }
-    }
-
     /// x/(W-1), y/(H-1), state of charge, pilot density and η̄_i of each UAV of a block.
     #[inline(always)]
     fn own<const W: usize>(&self, block: Block<W>, cells: &Lanes<u64, W>) -> [Lanes<f32, W>; OWN] {
@@ -341,153 +300,24 @@ impl<'v> View<'v> {
         (connection, to_depot)
     }
 
-    /// Writes (Δx/(W-1), Δy/(H-1), confirmed, known) of each hotspot for every UAV, eight hotspots
-    /// at a time. If fewer than eight are left and the row has room, eight are written, because the
-    /// entries after them are written later.
+    /// The tables of offsets from a cell, which hold 0 at extent - 1.
     #[inline(always)]
-    fn write_targets<const HIDDEN: bool>(&self, uavs: Range<usize>, out: &mut [f32]) {
-        let (len, row_words) = (self.model.observation_len(), self.model.hotspot_words());
-        // (x, y, 0, 0) of each UAV. All are stored before the first is read, because a load that
-        // spans recent stores waits for them.
-        let mut observers = [0.0; ROWS * TARGET];
-        let cells = self.state.cells[uavs.clone()].iter();
-        for (own, &cell) in observers.chunks_exact_mut(TARGET).zip(cells) {
-            own[0] = cell as u32 as i32 as f32;
-            own[1] = (cell >> 32) as i32 as f32;
-        }
-        force_vector(&mut observers);
-        let knowledge = &self.state.knowledge[uavs.start * row_words..uavs.end * row_words];
-        let divisors = Divisors::of([self.spans.0, self.spans.1, 1.0, 1.0]);
-        for (block, words) in self.state.hotspots.chunks(TARGETS).enumerate() {
-            let (word, shift) = (block * TARGETS / 64, block * TARGETS % 64);
-            let targets = targets(words, self.state.confirmed[word] >> shift);
-            let begin = OWN + TARGET * TARGETS * block;
-            let observers = observers.chunks_exact(TARGET);
-            let uavs = observers.zip(knowledge.chunks_exact(row_words));
-            for (row, (own, known)) in out.chunks_exact_mut(len).zip(uavs) {
-                let own = repeat([own[0], own[1], own[2], own[3]]);
-                let known = (known[word] >> shift) as usize;
-                let row = &mut row[begin..];
-                if let Some(room) = row.first_chunk_mut() {
-                    see::<HIDDEN>(&own, &targets, &divisors, known, room);
-                } else {
-                    let mut seen = [0.0; TARGET * TARGETS];
-                    see::<HIDDEN>(&own, &targets, &divisors, known, &mut seen);
-                    for (value, &seen) in row[..TARGET * words.len()].iter_mut().zip(&seen) {
-                        *value = seen;
-                    }
-                }
-            }
+    fn offsets_from(&self, cell: Cell) -> OffsetsFrom<'_> {
+        let config = self.model.config();
+        OffsetsFrom {
+            x: &self.offset_x[(config.grid_width - 1 - cell.x) as usize..],
+            y: &self.offset_y[(config.grid_height - 1 - cell.y) as usize..],
         }
     }
-
-    /// Fills the slots with the nearest neighbours; ties go to the lower index.
-    #[inline(always)]
-    fn write_neighbours(&self, i: usize, keys: &mut [u64], out: &mut [f32]) {
-        let cell = self.state.cell(i);
-        let mut degree = 0;
-        for (word, &set) in self.state.links_of(i).iter().enumerate() {
-            let mut rest = set;
-            while rest != 0 {
-                let k = word * 64 + rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let other = self.state.cell(k);
-                let (dx, dy) = (cell.x.abs_diff(other.x), cell.y.abs_diff(other.y));
-                keys[degree] = u64::from(dx * dx + dy * dy) << INDEX_BITS | k as u64;
-                degree += 1;
-            }
-        }
-        let (from, slots) = (self.from(cell), out.len() / 3);
-        let (filled, empty) = out.split_at_mut(3 * degree.min(slots));
-        empty.fill(0.0);
-        let keys = &mut keys[..degree];
-        nearest_first(keys, slots);
-        for (row, &key) in filled.chunks_exact_mut(3).zip(&*keys) {
-            let other = self.state.cell((key & ((1 << INDEX_BITS) - 1)) as usize);
-            let (dx, dy) = from.to(other);
-            row[0] = 1.0;
-            row[1] = dx;
-            row[2] = dy;
-        }
-    }
-}
-
-/// Entries of eight hotspots, in parts that are computed together.
-const PARTS: usize = TARGETS * TARGET / ENTRIES;
-
-/// Entries of eight hotspots for one UAV. The UAV's place is (x, y, 0, 0), repeated.
-#[inline(always)]
-fn see<const HIDDEN: bool>(
-    own: &[f32; ENTRIES],
-    targets: &[f32; TARGET * TARGETS],
-    divisors: &Divisors,
-    known: usize,
-    seen: &mut [f32; TARGET * TARGETS],
-) {
-    for part in 0..PARTS {
-        let known = (known >> (part * QUARTET)) % (ALL + 1);
-        for lane in 0..ENTRIES {
-            let index = part * ENTRIES + lane;
-            let mut offset = divisors.offset(own[lane], targets[index], lane).to_bits();
-            if HIDDEN {
-                offset &= !POSITIONS[ALL - known][lane];
-            }
-            seen[index] = f32::from_bits(offset | KNOWN[known][lane]);
-        }
-    }
-}
-
-/// (x, y, confirmed, 0) of up to eight hotspots.
-#[inline(always)]
-fn targets(words: &[u64], confirmed: u64) -> [f32; TARGETS * TARGET] {
-    let mut targets = [0.0; TARGETS * TARGET];
-    for (j, (&word, target)) in words
-        .iter()
-        .zip(targets.chunks_exact_mut(TARGET))
-        .enumerate()
-    {
-        let cell = Cell::from_word(word);
-        target[0] = cell.x as i32 as f32;
-        target[1] = cell.y as i32 as f32;
-        target[2] = flag(confirmed >> j & 1 == 1);
-    }
-    force_vector(&mut targets);
-    targets
-}
-
-/// Largest number of keys for which insertion sort is used. It is faster than a general sort there,
-/// because neighbours in one cell are already in order.
-const FEW: usize = 24;
-
-/// Moves the smallest `count` keys to the front, in ascending order.
-#[inline(always)]
-fn nearest_first(keys: &mut [u64], count: usize) {
-    if keys.len() <= FEW {
-        for end in 1..keys.len() {
-            let key = keys[end];
-            let mut slot = end;
-            while slot > 0 && keys[slot - 1] > key {
-                keys[slot] = keys[slot - 1];
-                slot -= 1;
-            }
-            keys[slot] = key;
-        }
-        return;
-    }
-    if count < keys.len() {
-        keys.select_nth_unstable(count);
-    }
-    let nearest = count.min(keys.len());
-    keys[..nearest].sort_unstable();
 }
 
 /// Normalised offsets from a cell.
-struct From<'v> {
+struct OffsetsFrom<'v> {
     x: &'v [u64],
     y: &'v [u64],
 }
 
-impl From<'_> {
+impl OffsetsFrom<'_> {
     /// (Δx/(W-1), Δy/(H-1)).
     #[inline(always)]
     fn to(&self, cell: Cell) -> (f32, f32) {
@@ -497,6 +327,3 @@ impl From<'_> {
         )
     }
 }
-
-/// Bits of a UAV's index in a sorting key; squared distances take the bits above.
-const INDEX_BITS: u32 = 12;

@@ -114,7 +114,7 @@ impl View<'_> {
         let (found, count) = reports::nearest(self.model, self.state, i, slots);
         let (filled, empty) = out.split_at_mut(REPORT * count);
         let levels = self.model.config().report_levels as f32;
-        let from = self.from(self.state.cell(i));
+        let from = self.offsets_from(self.state.cell(i));
         for (row, &there) in filled.chunks_exact_mut(REPORT).zip(&found) {
             let (dx, dy) = from.to(there);
             let level = self.state.report_level(i, self.model.cell_index(there));
