@@ -3,7 +3,6 @@
 use crate::cell_means::{between_seeds, by_hotspots, over_hotspots};
 use crate::claims::{Measure, Reading};
 use crate::curves::Curve;
-use crate::fit::PAPER;
 use crate::results::Results;
 use crate::statistics::{CONFIDENCE, Measured, Spread, combination, line, mean};
 use crate::table::{Quantity, Query};
@@ -11,6 +10,10 @@ use crate::verdict::Effect;
 use jcas_core::{Config, Preset};
 use jcas_episode::statistics::Estimate;
 use std::collections::BTreeMap;
+
+mod pilot;
+#[cfg(test)]
+mod tests;
 
 /// Iterations of the last third of the paper's training.
 const LAST_THIRD: usize = 21;
@@ -185,134 +188,6 @@ impl<'a> Evidence<'a> {
         })
     }
 
-    /// The gap for each number of hotspots, in points; none where neither policy ever succeeds,
-    /// which says nothing about pilots.
-    fn gaps(&self, uavs: u32) -> Option<Cells> {
-        let [adaptive, constant] = self.pilots(Quantity::Success, uavs)?;
-        let succeed = adaptive.values().chain(constant.values());
-        if succeed.map(|cell| cell.value).sum::<f64>() == 0.0 {
-            return None;
-        }
-        let gap = |(n, &cell): (&u32, &Measured)| {
-            (*n, combination([(100.0, cell), (-100.0, constant[n])]))
-        };
-        Some(adaptive.iter().map(gap).collect())
-    }
-
-    fn pilot_gap(&self, uavs: u32) -> Option<Measurement> {
-        let gaps = self.gaps(uavs)?;
-        let effect = Effect::Plain(over_hotspots(&gaps));
-        Some(Measurement {
-            words: signed(&effect) + " points" + &self.over(&gaps) + &gaps_in_words(&gaps),
-            effects: vec![effect],
-        })
-    }
-
-    fn greatest_pilot_gap(&self, uavs: u32) -> Option<Measurement> {
-        let gaps = self.gaps(uavs)?;
-        let effect = Effect::Greatest(gaps.values().copied().collect());
-        Some(Measurement {
-            words: signed(&effect) + " points" + &self.over(&gaps) + &gaps_in_words(&gaps),
-            effects: vec![effect],
-        })
-    }
-
-    fn pilot_gap_slope(&self) -> Option<Measurement> {
-        let fleets: Option<Vec<Cells>> = PAPER.iter().map(|at| self.gaps(at.uavs)).collect();
-        let fleets = in_common(fleets?)?;
-        let numbers: Vec<u32> = fleets[0].keys().copied().collect();
-        let centre = numbers.iter().map(|&n| f64::from(n)).sum::<f64>() / numbers.len() as f64;
-        let offset = |n: u32| f64::from(n) - centre;
-        let width: f64 = numbers.iter().map(|&n| offset(n).powi(2)).sum();
-        if numbers.len() < 3 {
-            return None;
-        }
-        let share = 1.0 / fleets.len() as f64;
-        let terms = fleets.iter().flatten();
-        let slope = combination(terms.map(|(&n, &gap)| (share * offset(n) / width, gap)));
-        let effect = Effect::Plain(slope);
-        Some(Measurement {
-            words: format!("{} points a hotspot", signed(&effect)),
-            effects: vec![effect],
-        })
-    }
-
-    fn pilot_ratio(&self, quantity: Quantity, uavs: u32) -> Option<Measurement> {
-        let both = self.pilots(quantity, uavs)?;
-        let [adaptive, constant] = [&both[0], &both[1]].map(over_hotspots);
-        let effect = ratio(constant, adaptive);
-        let digits = quantity.digits();
-        Some(Measurement {
-            words: format!(
-                "adaptive {:.digits$}, constant {:.digits$}: ratio {}{}",
-                adaptive.value,
-                constant.value,
-                told(&effect, 2),
-                self.over(&both[0])
-            ),
-            effects: vec![effect],
-        })
-    }
-
-    fn pilot_ratios(&self, quantity: Quantity) -> Option<Measurement> {
-        let mut parts = Vec::new();
-        for at in PAPER {
-            let [adaptive, constant] = self.pilots(quantity, at.uavs)?;
-            for (n, &cell) in &adaptive {
-                let effect = ratio(constant[n], cell);
-                let words = format!("{} × {n}: {}", at.uavs, told(&effect, 2));
-                parts.push((effect, words));
-            }
-        }
-        listed(parts.into_iter())
-    }
-
-    /// The density of one policy over distances. A mission's mean lies between the least and the
-    /// highest density, so that its standard deviation is at most half their difference
-    /// (Popoviciu).
-    fn approach(&self) -> Measurement {
-        let unknown = Measurement {
-            effects: Vec::new(),
-            words: "no density over the distance is kept of it".to_owned(),
-        };
-        let Some(flight) = self.results.approach.first() else {
-            return unknown;
-        };
-        if self.reading.policy != crate::campaign::OURS {
-            return unknown;
-        }
-        let config = Config::preset(self.reading.preset);
-        let most = (config.pilot_density_max - config.pilot_density_min) / 2.0;
-        let of = |near: bool| {
-            let bins = flight
-                .bins
-                .iter()
-                .filter(|bin| (bin.distance_cells <= 1) == near);
-            let steps: f64 = bins.clone().map(|bin| bin.uav_steps as f64).sum();
-            let sum: f64 = bins
-                .map(|bin| bin.uav_steps as f64 * bin.pilot_density_mean)
-                .sum();
-            Measured {
-                value: sum / steps,
-                error: most / (flight.missions as f64).sqrt(),
-                freedom: f64::INFINITY,
-            }
-        };
-        let (near, far) = (of(true), of(false));
-        let effect = Effect::Plain(combination([(1.0, near), (-1.0, far)]));
-        Measurement {
-            words: format!(
-                "{:.3} within a cell, {:.3} farther away: {} more, by the widest interval that {} \
-                    missions allow",
-                near.value,
-                far.value,
-                told(&effect, 3),
-                flight.missions
-            ),
-            effects: vec![effect],
-        }
-    }
-
     /// Trainings of the reading's policy with the paper's number of iterations or more.
     fn trainings(&self) -> impl Iterator<Item = &Curve> {
         let curves = self.results.curves.iter();
@@ -392,10 +267,6 @@ fn of_several(cells: &Cells, told: impl Fn(Measured) -> String) -> String {
     }
 }
 
-fn gaps_in_words(gaps: &Cells) -> String {
-    of_several(gaps, |gap| signed(&Effect::Plain(gap)))
-}
-
 fn ratio(above: Measured, below: Measured) -> Effect {
     Effect::LogRatio(combination([(1.0, above.ln()), (-1.0, below.ln())]))
 }
@@ -453,78 +324,4 @@ fn signed(effect: &Effect) -> String {
     let Estimate { value, low, high } = effect.interval(CONFIDENCE);
     let digits = if value.abs() < 1.0 { 2 } else { 1 };
     format!("{value:+.digits$} [{low:+.digits$}, {high:+.digits$}]")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::verdict::{Region, Verdict, verdict};
-    use jcas_core::rng::{self, Purpose};
-    use std::f64::consts::TAU;
-
-    fn exact(value: f64) -> Measured {
-        Measured {
-            value,
-            error: 1.0,
-            freedom: f64::INFINITY,
-        }
-    }
-
-    // numpy.diff([94.3, 83.2, 76.5, 69.5], 2) is [4.4, -0.3]. Its mean is (-94.3 + 83.2 + 76.5 …)
-    // by weights (1, -1, -1, 1)/2, so that unit errors make 1.
-    #[test]
-    fn saturation_is_the_mean_of_second_differences() {
-        let second = second_difference(&[94.3, 83.2, 76.5, 69.5].map(exact));
-        assert!((second.value - 2.05).abs() < 1e-9, "{second:?}");
-        assert!((second.error - 1.0).abs() < 1e-9, "{second:?}");
-        let three = second_difference(&[9.0, 5.0, 4.0].map(exact));
-        assert!((three.value - 3.0).abs() < 1e-9);
-        assert!((three.error - 6f64.sqrt()).abs() < 1e-9);
-    }
-
-    // scipy 1.17.1: y = [k + (-1)**(k + 41) for k in range(21)].
-    // The line is r = stats.linregress(range(21), y).
-    // The value is r.slope * 21 over the root of the sum of squared residuals over 19.
-    #[test]
-    fn a_late_change_is_in_units_of_the_scatter() {
-        let noise = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let rising: Vec<f64> = (0..62).map(|k| k as f64 + noise(k)).collect();
-        let change = late_change(&rising).unwrap();
-        assert!((change - 19.997_670_318_860_102).abs() < 1e-9, "{change}");
-        assert!(late_change(&rising[..50]).is_none());
-    }
-
-    /// The rule's two error rates for curves that are perfectly flat but for noise.
-    #[test]
-    fn flat_trainings_pass_and_hardly_ever_fail() {
-        let region = Region::Between(-1.0, 1.0).ends(None);
-        let mut told = [0, 0];
-        for set in 0..400u32 {
-            let curve = |training: u32| {
-                let value = |k: u32| {
-                    let words = rng::block(5, set, training, k, Purpose::Policy);
-                    let uniform = |word: u32| (f64::from(word) + 0.5) / 4_294_967_296.0;
-                    (-2.0 * uniform(words[0]).ln()).sqrt() * (TAU * uniform(words[1])).cos()
-                };
-                late_change(&(0..62).map(value).collect::<Vec<f64>>()).unwrap()
-            };
-            let changes: Vec<f64> = (0..20).map(curve).collect();
-            match verdict(&[Effect::Plain(mean(&changes).unwrap())], region) {
-                Verdict::Holds => told[0] += 1,
-                Verdict::Fails => told[1] += 1,
-                _ => {}
-            }
-        }
-        assert!(told[0] >= 396 && told[1] == 0, "{told:?}");
-    }
-
-    // 0.20 kWh over 8e-4 + 2e-4 + 5e-5 kWh.
-    #[test]
-    fn the_battery_lasts_longer_than_the_horizon() {
-        let measured = endurance(&Config::preset(Preset::Paper));
-        let [Effect::Plain(steps)] = measured.effects[..] else {
-            panic!("one number");
-        };
-        assert!((steps.value - 0.20 / 0.00105).abs() < 1e-9);
-    }
 }

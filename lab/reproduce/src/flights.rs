@@ -1,25 +1,26 @@
 //! Training and flying what the table lacks.
 
 use crate::campaign::{CampaignSpec, HELD, OURS, Who, pilot_name};
-use crate::pilot_by_distance;
 use crate::progress_sink::{Progress, ProgressSink};
-use crate::scope::{CONSTANT_PILOT, Learner, Part, Scope, Training, Variation};
+use crate::scope::{Part, Scope};
 use crate::shard::{Comparisons, Shard, Turns};
 use crate::table::{Key, Table};
 use crate::{comparison, endurance, pilot, range};
 use jcas_core::{Config, Model, Preset};
-use jcas_episode::card::{CARD, Card, CardError, EVALUATION_SEED, StoredPolicy, load};
+use jcas_episode::card::{CARD, CardError, EVALUATION_SEED, StoredPolicy, load};
 use jcas_episode::mission::{Campaign, fly};
 use jcas_episode::statistics::Summary;
 use jcas_policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_train::error::TrainError;
-use jcas_train::policy::files::Precision;
-use jcas_train::run::{RunOutcome, RunSpec, Start};
-use jcas_train::settings::Settings;
-use jcas_train::store::write_whole;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+mod mission;
+mod trainings;
+
+pub(crate) use trainings::paper_name;
+use trainings::tuned_name;
 
 /// The baselines that stand beside learned policies; the other searchers have nothing to search
 /// here.
@@ -92,24 +93,6 @@ fn key(
 }
 
 const GRID: (&str, f64) = ("grid", 0.0);
-
-/// The folder of a training with the paper's settings in the preset `paper`.
-pub(crate) fn paper_name(
-    learner: &str,
-    (uavs, hotspots): (u32, u32),
-    constant: Option<f64>,
-    seed: u64,
-) -> String {
-    format!(
-        "{learner}-{uavs}x{hotspots}-{}-s{seed}",
-        pilot_name(constant)
-    )
-}
-
-/// The folder of a training with our settings.
-fn tuned_name(preset: Preset, constant: Option<f64>, seed: u64) -> String {
-    format!("learned-{}-{}-s{seed}", preset.name(), pilot_name(constant))
-}
 
 impl Flights<'_> {
     fn all_parts(&mut self) -> Result<Progress, TrainError> {
@@ -331,142 +314,6 @@ impl Flights<'_> {
         Ok(true)
     }
 
-    /// The paper's training over the sensing range; false if stopped meanwhile.
-    fn trained_ranges(&mut self) -> Result<bool, TrainError> {
-        let (ranges, trained) = self.scope.trained_ranges.clone();
-        for &cells in &ranges {
-            for &cell in &trained {
-                for &seed in &self.scope.seeds {
-                    for learner in self.scope.trained() {
-                        let config = self.scope.ranged(cells, cell);
-                        // The range of the preset is a cell of the grid.
-                        let name = if config == self.scope.mission(Preset::Paper, cell) {
-                            paper_name(learner.name, cell, None, seed)
-                        } else {
-                            let (uavs, hotspots) = cell;
-                            format!("{}-{uavs}x{hotspots}-{cells}cells-s{seed}", learner.name)
-                        };
-                        let campaign = (range::EXPERIMENT, cells);
-                        let flown = (learner.name, pilot_name(None));
-                        let key = key(campaign, Preset::Paper, &config, flown, seed);
-                        let settings = Settings {
-                            seed,
-                            ..learner.settings.clone()
-                        };
-                        if !self.trained_and_flown(&name, settings, config, &key)? {
-                            return Ok(false);
-                        }
-                    }
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    /// Our settings: one policy for the whole grid of each preset, the one that is given or one
-    /// that is trained; false if stopped meanwhile.
-    fn all_tuned(&mut self) -> Result<bool, TrainError> {
-        for &preset in &self.scope.presets {
-            let given = self.given_for(&self.scope.mission(preset, (10, 5)));
-            for (seed, policy) in given.iter().enumerate() {
-                for held in [None, Some(CONSTANT_PILOT)] {
-                    if self.turns.next(&(GRID, preset, seed, held), None) {
-                        self.grid(preset, policy, seed as u64, held)?;
-                    }
-                }
-                if self.turns.next(&("experiments", preset, seed), None) {
-                    self.experiments(preset, policy, seed as u64)?;
-                }
-            }
-            if !given.is_empty() {
-                continue;
-            }
-            for &seed in &self.scope.seeds {
-                for constant in [None, Some(CONSTANT_PILOT)] {
-                    let name = tuned_name(preset, constant, seed);
-                    if !self.turns.next(&name, Some(&name)) {
-                        continue;
-                    }
-                    let Some(policy) = self.tuned(preset, seed, constant)? else {
-                        return Ok(false);
-                    };
-                    self.grid(preset, &policy, seed, constant)?;
-                    if constant.is_none() {
-                        self.experiments(preset, &policy, seed)?;
-                    }
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    /// What is flown in the preset `mission` alone.
-    fn experiments(
-        &mut self,
-        preset: Preset,
-        policy: &StoredPolicy,
-        seed: u64,
-    ) -> Result<(), TrainError> {
-        if preset != Preset::Mission {
-            return Ok(());
-        }
-        self.trade_off(policy, seed)?;
-        self.batteries(policy, seed)?;
-        self.approach(policy, seed)
-    }
-
-    /// A policy with our settings for the whole grid; none if stopped meanwhile.
-    fn tuned(
-        &mut self,
-        preset: Preset,
-        seed: u64,
-        constant: Option<f64>,
-    ) -> Result<Option<StoredPolicy>, TrainError> {
-        let name = tuned_name(preset, constant, seed);
-        let settings = Settings {
-            seed,
-            constant_pilot: constant,
-            ..self.scope.tuned.clone()
-        };
-        let cells = self.scope.cells();
-        let configs = cells.iter().map(|&cell| self.scope.mission(preset, cell));
-        self.trained(&name, settings, configs.collect())
-    }
-
-    /// The policy of a finished run, trained to the end if it is not there.
-    fn trained(
-        &mut self,
-        name: &str,
-        settings: Settings,
-        configs: Vec<Config>,
-    ) -> Result<Option<StoredPolicy>, TrainError> {
-        let out = self.folder(name);
-        if !out.join(CARD).exists() {
-            self.narrator.chapter(&format!("training {name}"));
-            let precision = Precision::Single;
-            let plan = RunSpec {
-                settings: settings.clone(),
-                configs: configs.clone(),
-                out: out.clone(),
-                name: name.to_owned(),
-                precision,
-                device: "cpu".to_owned(),
-            };
-            let narrator: &mut dyn ProgressSink = self.narrator;
-            if matches!(plan.train(&Start::Resume, narrator)?, RunOutcome::Stopped) {
-                return Ok(None);
-            }
-        }
-        let policy = load(&out)?;
-        if !is_of(&policy.card, &settings, &configs) {
-            return Err(TrainError::Setting(format!(
-                "{}: was trained with other settings or on other missions; give another folder",
-                out.display()
-            )));
-        }
-        Ok(Some(policy))
-    }
-
     fn grid(
         &mut self,
         preset: Preset,
@@ -483,156 +330,6 @@ impl Flights<'_> {
         }
         Ok(())
     }
-
-    /// Success against throughput: the motions of the learned policy and of `teams`, the pilot
-    /// density held.
-    fn trade_off(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
-        self.narrator.chapter("sensing against communication");
-        let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
-        for &density in &self.scope.densities {
-            let key_of = |policy, seed| {
-                let campaign = ("density", density);
-                key(campaign, Preset::Mission, &config, (policy, HELD), seed)
-            };
-            self.ours(&key_of(OURS, seed), config, policy, Some(density))?;
-            let key = key_of("teams", 0);
-            let pilot = PilotMode::Held(density);
-            self.campaign(&key, config, &|| {
-                Box::new(BaselineKind::Teams.build_privileged(pilot))
-            })?;
-        }
-        Ok(())
-    }
-
-    fn batteries(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
-        self.narrator.chapter("small batteries");
-        for &share in &self.scope.renewable_shares {
-            let config = self.scope.small_battery(share);
-            let key_of = |policy, seed| {
-                let campaign = ("battery", share);
-                key(
-                    campaign,
-                    Preset::Mission,
-                    &config,
-                    (policy, "adaptive"),
-                    seed,
-                )
-            };
-            self.ours(&key_of(OURS, seed), config, policy, None)?;
-            let teams = key_of("teams", 0);
-            self.campaign(&teams, config, &|| {
-                Box::new(BaselineKind::Teams.build_privileged(PilotMode::Adaptive))
-            })?;
-        }
-        Ok(())
-    }
-
-    /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
-    fn approach(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
-        let path = self.out.join(pilot_by_distance::table(seed));
-        if path.exists() || self.stopped() {
-            return Ok(());
-        }
-        let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
-        let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
-        let bins =
-            pilot_by_distance::observe(&model, policy, pilot_by_distance::missions(self.scope))
-                .map_err(|error| TrainError::Setting(error.to_string()))?;
-        let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
-        for (distance, (count, sum)) in bins.iter().enumerate() {
-            if *count > 0 {
-                text += &format!("{distance},{count},{:.6}\n", sum / *count as f64);
-            }
-        }
-        write_whole(&path, text.as_bytes())
-    }
-
-    /// The paper's settings in every cell, with every credit; false if stopped meanwhile.
-    fn paper(&mut self) -> Result<bool, TrainError> {
-        for training in self.scope.trainings() {
-            for learner in self.scope.trained() {
-                if !self.paper_cell(&learner, training)? {
-                    return Ok(false);
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    fn paper_cell(
-        &mut self,
-        learner: &Learner,
-        Training {
-            cell,
-            constant,
-            seed,
-        }: Training,
-    ) -> Result<bool, TrainError> {
-        let name = paper_name(learner.name, cell, constant, seed);
-        let settings = Settings {
-            seed,
-            constant_pilot: constant,
-            ..learner.settings.clone()
-        };
-        let config = self.scope.mission(Preset::Paper, cell);
-        let flown = (learner.name, pilot_name(constant));
-        let key = key(GRID, Preset::Paper, &config, flown, seed);
-        self.trained_and_flown(&name, settings, config, &key)
-    }
-
-    /// One policy for one mission; false if stopped meanwhile. What the table has from elsewhere,
-    /// without the policy, is not trained again.
-    fn trained_and_flown(
-        &mut self,
-        name: &str,
-        settings: Settings,
-        config: Config,
-        key: &Key,
-    ) -> Result<bool, TrainError> {
-        let here = self.turns.next(&(key, &settings), Some(name));
-        if !here || self.is_there(key)? && !self.folder(name).join(CARD).exists() {
-            return Ok(true);
-        }
-        let Some(policy) = self.trained(name, settings, vec![config])? else {
-            return Ok(false);
-        };
-        self.campaign(key, config, &|| Box::new(policy.policy(None)))?;
-        Ok(true)
-    }
-
-    /// The paper's settings with one thing changed at a time; false if stopped meanwhile.
-    fn variations(&mut self) -> Result<bool, TrainError> {
-        let Some(cell) = self.scope.variation_cell() else {
-            return Ok(true);
-        };
-        for variation in &self.scope.variations {
-            for &seed in &self.scope.seeds {
-                if !self.variation(variation, cell, seed)? {
-                    return Ok(false);
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    fn variation(
-        &mut self,
-        variation: &Variation,
-        cell: (u32, u32),
-        seed: u64,
-    ) -> Result<bool, TrainError> {
-        let mut config = self.scope.mission(Preset::Paper, cell);
-        let mut settings = Settings {
-            seed,
-            ..self.scope.paper.clone()
-        };
-        (variation.apply)(&mut config, &mut settings);
-        let name = format!("ppo-{}x{}-{}-s{seed}", cell.0, cell.1, variation.name);
-        let campaign = ("variation", 0.0);
-        let flown = (variation.name, pilot_name(None));
-        let key = key(campaign, Preset::Paper, &config, flown, seed);
-        self.trained_and_flown(&name, settings, config, &key)
-    }
 }
 
 /// A mission with the numbers of UAVs and hotspots of another, and with its tags. Without tags in
@@ -644,13 +341,4 @@ fn sized_as(config: &Config, other: &Config) -> Config {
         uav_tag: other.uav_tag,
         ..*config
     }
-}
-
-/// Whether a policy was trained with these settings and on these missions at least.
-fn is_of(card: &Card, settings: &Settings, configs: &[Config]) -> bool {
-    Settings::of_card(card).as_ref() == Some(settings)
-        && configs.iter().all(|config| {
-            let cell = (config.uav_count, config.hotspot_count);
-            sized_as(config, &card.config) == card.config && card.trained_on.contains(&cell)
-        })
 }

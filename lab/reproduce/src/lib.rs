@@ -26,6 +26,7 @@ pub mod range;
 pub mod readings;
 mod regimes;
 pub mod results;
+mod returns;
 pub mod scan;
 pub mod scope;
 mod seed_spread;
@@ -33,6 +34,7 @@ pub mod shard;
 pub mod statistics;
 pub mod table;
 mod text;
+pub mod variation;
 pub mod verdict;
 
 use jcas_train::error::TrainError;

@@ -9,6 +9,7 @@ use crate::fit::PAPER;
 use crate::range::Study;
 use crate::readings::{self, FITTED};
 use crate::results::Results;
+use crate::returns;
 use crate::table::{Quantity, Query, mean, numbers_of_hotspots};
 use crate::{TABLE, cell_means, comparison_page, endurance, one_range, pilot, seed_spread, text};
 use jcas_core::Preset;
@@ -318,7 +319,7 @@ impl Results<'_> {
         let of_table = all
             .into_iter()
             .filter_map(|chapter| chapter(self.scope, &self.table));
-        let of_scan = [one_range::chapter(self), readings::chapter(self)];
+        let of_scan = [one_range::chapter(self), returns::chapter(self)];
         of_scan.into_iter().flatten().chain(of_table)
     }
 

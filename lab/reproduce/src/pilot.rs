@@ -17,33 +17,33 @@ use jcas_policy::BaselineKind;
 const EXPERIMENT: &str = "pilot";
 
 /// A mission and a script that flies it.
-struct World {
+struct Case {
     title: &'static str,
     preset: Preset,
     kind: BaselineKind,
     hotspots: u32,
 }
 
-const WORLDS: [World; 4] = [
-    World {
+const CASES: [Case; 4] = [
+    Case {
         title: "`line` in `search`",
         preset: Preset::Search,
         kind: BaselineKind::Line,
         hotspots: 7,
     },
-    World {
+    Case {
         title: "`greedy` in `paper`",
         preset: Preset::Paper,
         kind: BaselineKind::Greedy,
         hotspots: 7,
     },
-    World {
+    Case {
         title: "`swarm` in `paper`",
         preset: Preset::Paper,
         kind: BaselineKind::Swarm,
         hotspots: 7,
     },
-    World {
+    Case {
         title: "`swarm` in `mission`",
         preset: Preset::Mission,
         kind: BaselineKind::Swarm,
@@ -51,14 +51,14 @@ const WORLDS: [World; 4] = [
     },
 ];
 
-/// The worlds at every fleet with fine densities, then the maps of regimes with coarse ones.
+/// The cases at every fleet with fine densities, then the maps of regimes with coarse ones.
 pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
     let (fine, _) = &scope.pilot_densities;
     let mut flights = Vec::new();
-    for world in &WORLDS {
+    for case in &CASES {
         for &uavs in &scope.fleets {
-            let config = scope.mission(world.preset, (uavs, world.hotspots));
-            flights.extend(scripted(EXPERIMENT, world.preset, config, world.kind, fine));
+            let config = scope.mission(case.preset, (uavs, case.hotspots));
+            flights.extend(scripted(EXPERIMENT, case.preset, config, case.kind, fine));
             let held = fine.iter().map(|&rho| (rho, Some(rho)));
             flights.extend(
                 [(0.0, None)]
@@ -66,7 +66,7 @@ pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
                     .chain(held)
                     .map(|(x, held)| CampaignSpec {
                         experiment: (EXPERIMENT.to_owned(), x),
-                        preset: world.preset,
+                        preset: case.preset,
                         config,
                         who: Who::Ours { base: config, held },
                     }),
@@ -77,9 +77,9 @@ pub(crate) fn flights(scope: &Scope) -> Vec<CampaignSpec> {
     flights
 }
 
-/// Heads of the table of worlds.
+/// Heads of the table of cases.
 const HEAD: [&str; 8] = [
-    "world",
+    "script and preset",
     "N",
     "adaptive: success, steps",
     "against",
@@ -107,23 +107,23 @@ fn row(title: &str, worth: &PilotComparison, name: &str, constant: &Row) -> [Str
     ]
 }
 
-/// The policies of a world: its script, then ours if it has one.
-fn flyers(world: &World) -> [(String, &'static str); 2] {
+/// The policies of a case: its script, then ours if it has one.
+fn flyers(case: &Case) -> [(String, &'static str); 2] {
     [
-        (world.title.to_owned(), world.kind.name()),
-        (format!("ours in `{}`", world.preset.name()), OURS),
+        (case.title.to_owned(), case.kind.name()),
+        (format!("ours in `{}`", case.preset.name()), OURS),
     ]
 }
 
-fn worlds(scope: &Scope, table: &Table) -> Vec<(String, Vec<PilotComparison>)> {
+fn cases(scope: &Scope, table: &Table) -> Vec<(String, Vec<PilotComparison>)> {
     let mut found: Vec<(String, Vec<PilotComparison>)> = Vec::new();
-    for world in &WORLDS {
-        for (title, policy) in flyers(world) {
+    for case in &CASES {
+        for (title, policy) in flyers(case) {
             let worths: Vec<PilotComparison> = scope
                 .fleets
                 .iter()
                 .filter_map(|&uavs| {
-                    PilotComparison::of(table, EXPERIMENT, world.preset, policy, Some(uavs))
+                    PilotComparison::of(table, EXPERIMENT, case.preset, policy, Some(uavs))
                 })
                 .collect();
             if !worths.is_empty() && found.iter().all(|(other, _)| *other != title) {
@@ -136,12 +136,12 @@ fn worlds(scope: &Scope, table: &Table) -> Vec<(String, Vec<PilotComparison>)> {
 
 /// The chapter as far as the table has it; none without a row.
 pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
-    let worlds = worlds(scope, table);
-    if worlds.is_empty() {
+    let cases = cases(scope, table);
+    if cases.is_empty() {
         return None;
     }
     let mut rows = Vec::new();
-    for (title, worths) in &worlds {
+    for (title, worths) in &cases {
         for worth in worths {
             rows.push(row(title, worth, "best constant", worth.best()));
             if let Some(papers) = worth.papers() {
@@ -151,7 +151,7 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
     }
     let mut blocks = vec![
         Block::Text(reason(scope)),
-        Block::Text(format!("{}\n\n{FITTED}", verdict(&worlds))),
+        Block::Text(format!("{}\n\n{FITTED}", verdict(&cases))),
         Block::table("Adaptive against constant pilot density", HEAD, rows),
     ];
     for (quantity, name) in [
@@ -159,7 +159,7 @@ pub fn chapter(scope: &Scope, table: &Table) -> Option<Chapter> {
         (Quantity::Energy, "pilot_energy"),
         (Quantity::Throughput, "pilot_throughput"),
     ] {
-        let figure = panels(scope, &worlds, quantity);
+        let figure = panels(scope, &cases, quantity);
         blocks.push(Block::figure(name, &figure.title.clone(), figure));
     }
     blocks.extend(regimes::blocks(scope, table));
@@ -199,14 +199,14 @@ fn link_cells(config: &Config, density: f64) -> f64 {
     10f64.powf((at_a_metre_db - snr_db) / (10.0 * config.path_loss_exponent)) / config.cell_size_m
 }
 
-/// What the worlds come to, in a sentence each.
-fn verdict(worlds: &[(String, Vec<PilotComparison>)]) -> String {
+/// What the cases come to, in a sentence each.
+fn verdict(cases: &[(String, Vec<PilotComparison>)]) -> String {
     let mut text =
         "Adaptive is full density within a cell of an unconfirmed hotspot (hidden ones: \
         until all are confirmed) and the least elsewhere; of ours, its own. The best constant has \
         the shortest missions and, of those within its interval, the most throughput.\n\n"
             .to_owned();
-    for (title, worths) in worlds {
+    for (title, worths) in cases {
         let times: Vec<f64> = worths
             .iter()
             .map(|worth| worth.above(worth.best(), Quantity::Steps))
@@ -253,8 +253,8 @@ fn span(values: impl Iterator<Item = f64>) -> String {
     }
 }
 
-/// A quantity over the density that is held, against adaptive, a panel for each world.
-fn panels(scope: &Scope, worlds: &[(String, Vec<PilotComparison>)], quantity: Quantity) -> Panels {
+/// A quantity over the density that is held, against adaptive, a panel for each case.
+fn panels(scope: &Scope, cases: &[(String, Vec<PilotComparison>)], quantity: Quantity) -> Panels {
     let panel = |(title, worths): &(String, Vec<PilotComparison>)| {
         let mut figure = Figure::new(
             title.replace('`', ""),
@@ -284,7 +284,7 @@ fn panels(scope: &Scope, worlds: &[(String, Vec<PilotComparison>)], quantity: Qu
             scope.episodes
         ),
         columns: 2,
-        figures: worlds.iter().map(panel).collect(),
+        figures: cases.iter().map(panel).collect(),
     }
 }
 

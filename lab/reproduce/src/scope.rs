@@ -2,10 +2,13 @@
 
 use crate::fit;
 use crate::text::list;
-use jcas_core::{Config, InformPayment, Preset as World};
-use jcas_policy::head::Head;
-use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
+use crate::variation::{Variation, uav_credit, variations};
+use jcas_core::{Config, Preset};
+use jcas_train::settings::{Credit, Preset as TrainingPreset, Settings};
 use std::path::PathBuf;
+
+#[cfg(test)]
+mod tests;
 
 /// Size of a reproduction.
 #[derive(Clone, Debug)]
@@ -13,7 +16,7 @@ pub struct Scope {
     /// Name in reports: `full` or `quick`.
     pub name: &'static str,
     /// Presets in which the grid is flown and our settings are trained.
-    pub presets: Vec<World>,
+    pub presets: Vec<Preset>,
     /// Fleet sizes N.
     pub fleets: Vec<u32>,
     /// Numbers of hotspots n.
@@ -43,7 +46,7 @@ pub struct Scope {
     pub ranges: Vec<f64>,
     /// Those of them at which the paper's training is tried as well, for these cells (N, n).
     pub trained_ranges: (Vec<f64>, Vec<(u32, u32)>),
-    /// Pilot densities of the study of adaptive pilots: fine for single worlds, coarse for maps of
+    /// Pilot densities of the study of adaptive pilots: fine for single presets, coarse for maps of
     /// regimes, which are left out without any.
     pub pilot_densities: (Vec<f64>, Vec<f64>),
     /// Whether those maps are flown whole, or at their corners only.
@@ -121,77 +124,13 @@ impl Learner {
     /// Title in reports, which says so if the training was shorter than the paper's.
     pub fn as_trained(&self) -> String {
         let iterations = self.settings.iterations();
-        let whole = Settings::preset(Preset::Paper).iterations();
+        let whole = Settings::preset(TrainingPreset::Paper).iterations();
         if iterations < whole {
             format!("{} ({iterations} of {whole} iterations)", self.title)
         } else {
             self.title.to_owned()
         }
     }
-}
-
-/// One change of the paper's model or of its training.
-#[derive(Clone, Debug)]
-pub struct Variation {
-    /// Name in files.
-    pub name: &'static str,
-    /// What is changed, and what it tests.
-    pub tests: &'static str,
-    /// The change.
-    pub apply: fn(&mut Config, &mut Settings),
-}
-
-/// Changes that could explain what PPO learns under the paper's equations.
-pub fn variations() -> Vec<Variation> {
-    let variation = |name, tests, apply| Variation { name, tests, apply };
-    vec![
-        variation(
-            "inform_once",
-            "an informed hotspot pays once, not at every step: finishing late no longer pays more",
-            |config, _| config.inform_payment = InformPayment::Once,
-        ),
-        variation(
-            "no_throughput_reward",
-            "no reward for throughput, which pays for stalling as well",
-            |config, _| config.reward_throughput = 0.0,
-        ),
-        variation(
-            "discount_099",
-            "γ = 0.99: a far reward counts",
-            |_, settings| settings.discount = 0.99,
-        ),
-        variation(
-            "detection_theory",
-            "a threshold of 13.1 dB, from the probabilities of detection and false alarm, for a \
-             range of 150 m",
-            |config, _| config.sensing_range_m = None,
-        ),
-        variation(
-            "uav_credit",
-            "each UAV is judged by its own reward, not by the team's",
-            |_, settings| uav_credit(settings),
-        ),
-        variation(
-            "uav_credit_inform_once",
-            "the same, and an informed hotspot pays once",
-            |config, settings| {
-                uav_credit(settings);
-                config.inform_payment = InformPayment::Once;
-            },
-        ),
-        variation(
-            "hybrid_head",
-            "categorical motion and Beta pilot density, not five bins of a normal variable",
-            |_, settings| settings.head = Head::Hybrid,
-        ),
-    ]
-}
-
-fn uav_credit(settings: &mut Settings) {
-    settings.credit = Credit::Uav;
-    settings.critic_input = CriticInput::StateAndUav;
-    // Its rows are UAVs now, as the actor's.
-    settings.critic_minibatch_rows = settings.minibatch_rows;
 }
 
 /// Pilot density of the paper's constant model.
@@ -213,11 +152,11 @@ impl Scope {
         let hotspots = vec![3, 5, 7, 9, 11];
         Scope {
             name: "full",
-            presets: vec![World::Paper, World::Mission],
+            presets: vec![Preset::Paper, Preset::Mission],
             seeds: (0..seeds).collect(),
             episodes: 1000,
-            tuned: Settings::preset(Preset::Tuned),
-            paper: Settings::preset(Preset::Paper),
+            tuned: Settings::preset(TrainingPreset::Tuned),
+            paper: Settings::preset(TrainingPreset::Paper),
             paper_cells: grid(&fleets, &hotspots),
             paper_pilots: vec![None, Some(CONSTANT_PILOT)],
             paper_credit: None,
@@ -263,7 +202,7 @@ impl Scope {
         };
         Scope {
             name: "quick",
-            presets: vec![World::Paper],
+            presets: vec![Preset::Paper],
             episodes: 40,
             paper_cells: grid(&full.fleets, &[7]),
             paper_pilots: vec![None],
@@ -298,7 +237,7 @@ impl Scope {
 
     /// How much of the paper's training its learners are given; none where it is all.
     pub fn shortened(&self) -> Option<String> {
-        let whole = Settings::preset(Preset::Paper);
+        let whole = Settings::preset(TrainingPreset::Paper);
         (self.paper != whole).then(|| {
             format!(
                 "{} of the paper's {} iterations, hidden layers of {:?} in place of {:?}",
@@ -389,7 +328,7 @@ impl Scope {
     }
 
     /// The mission of a cell in a preset.
-    pub fn mission(&self, preset: World, (uavs, hotspots): (u32, u32)) -> Config {
+    pub fn mission(&self, preset: Preset, (uavs, hotspots): (u32, u32)) -> Config {
         Config {
             uav_count: uavs,
             hotspot_count: hotspots,
@@ -399,7 +338,7 @@ impl Scope {
 
     /// The mission of a cell in the preset `paper` with another sensing range.
     pub fn ranged(&self, cells: f64, cell: (u32, u32)) -> Config {
-        let base = self.mission(World::Paper, cell);
+        let base = self.mission(Preset::Paper, cell);
         Config {
             sensing_range_m: Some(cells * base.cell_size_m),
             ..base
@@ -417,7 +356,7 @@ impl Scope {
             battery_capacity_kwh: 0.03,
             rtb_threshold_kwh: 0.01,
             renewable_share,
-            ..self.mission(World::Mission, (10, 5))
+            ..self.mission(Preset::Mission, (10, 5))
         }
     }
 
@@ -432,80 +371,5 @@ impl Scope {
     /// The cell of the trade-off and of the approach: N = 10 with the most hotspots.
     pub fn hard_cell(&self) -> (u32, u32) {
         (10, self.hotspots.last().copied().unwrap_or(11))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_trainings_that_tell_most_come_first() {
-        let trainings = Scope::full(2).trainings();
-        assert_eq!(trainings.len(), 2 * 20 * 2);
-        let first: Vec<_> = trainings
-            .iter()
-            .map(|training| (training.cell, training.constant.is_some()))
-            .take(9)
-            .collect();
-        let expected = [
-            ((10, 5), false),
-            ((15, 5), false),
-            ((5, 5), false),
-            ((20, 5), false),
-            ((10, 5), true),
-            ((15, 5), true),
-            ((5, 5), true),
-            ((20, 5), true),
-            ((10, 3), false),
-        ];
-        assert_eq!(first, expected);
-        assert_eq!((trainings[0].seed, trainings[79].seed), (0, 1));
-    }
-
-    #[test]
-    fn a_range_is_the_mission_of_the_paper_with_another_range() {
-        let scope = Scope::full(1);
-        assert_eq!(
-            scope.ranged(3.0, (10, 5)),
-            scope.mission(World::Paper, (10, 5))
-        );
-        assert_eq!(scope.ranged(2.0, (10, 5)).sensing_range_m, Some(100.0));
-    }
-
-    #[test]
-    fn the_two_readings_differ_in_credit_alone() {
-        let [team, own] = Scope::full(1).learners().try_into().unwrap();
-        let mut expected = team.settings.clone();
-        uav_credit(&mut expected);
-        assert_eq!(own.settings, expected);
-        assert_ne!(own.settings, team.settings);
-    }
-
-    #[test]
-    fn with_one_credit_that_is_trained_and_both_are_shown() {
-        for (only, names) in [
-            (None, vec!["ppo", "ppo-uav"]),
-            (Some(Credit::Team), vec!["ppo"]),
-            (Some(Credit::Uav), vec!["ppo-uav"]),
-        ] {
-            let scope = Scope {
-                paper_credit: only,
-                ..Scope::full(1)
-            };
-            let trained: Vec<_> = scope.trained().iter().map(|who| who.name).collect();
-            assert_eq!(trained, names);
-            assert_eq!(scope.learners().len(), 2);
-        }
-    }
-
-    #[test]
-    fn a_training_that_is_cut_short_says_so() {
-        let named = |scope: Scope| scope.learners()[0].as_trained();
-        assert_eq!(named(Scope::full(1)), "the paper's PPO, credit of the team");
-        assert_eq!(
-            named(Scope::quick(1)),
-            "the paper's PPO, credit of the team (7 of 62 iterations)"
-        );
     }
 }

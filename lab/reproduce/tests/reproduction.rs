@@ -1,8 +1,9 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
 use jcas_core::Preset;
-use jcas_reproduce::scope::{CONSTANT_PILOT, Part, Scope, variations};
+use jcas_reproduce::scope::{CONSTANT_PILOT, Part, Scope};
 use jcas_reproduce::shard::{RowCounts, Shard, fly_shard, merge, outline};
+use jcas_reproduce::variation::variations;
 use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
@@ -76,7 +77,7 @@ fn everything_is_written(out: &Path, results: &str, compared: &str) {
     let learners = scope().learners().len();
     // Each cell and preset has fifteen baselines and two learned policies. Densities, batteries,
     // the paper's cells and variations follow. Each range and cell has two scripts and a few
-    // trainings. Pilots fly in four worlds, and three scripts charge with two chargers.
+    // trainings. Pilot densities are flown in four cases. Three scripts charge with two chargers.
     let paper = 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners;
     let beyond = 4 * 2 * 3 + 3 * 2;
     assert_eq!(results.lines().count(), 1 + paper + beyond);

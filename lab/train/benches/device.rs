@@ -8,7 +8,7 @@
 //! it reports that and succeeds.
 
 use burn_tensor::Device;
-use jcas_core::{Config, Preset as World};
+use jcas_core::Config;
 use jcas_train::device;
 use jcas_train::network::values;
 use jcas_train::policy::files::Precision;
@@ -58,7 +58,7 @@ fn measure(name: &str, on: &Device, steps: usize) {
     }
 }
 
-/// N = 10, n = 5 in the paper's world.
+/// N = 10, n = 5 in the preset `paper`.
 fn plan(preset: Preset, device: &str, steps: usize) -> RunSpec {
     RunSpec {
         settings: Settings {
@@ -69,7 +69,7 @@ fn plan(preset: Preset, device: &str, steps: usize) -> RunSpec {
         configs: vec![Config {
             uav_count: 10,
             hotspot_count: 5,
-            ..Config::preset(World::Paper)
+            ..Config::preset(jcas_core::Preset::Paper)
         }],
         out: std::env::temp_dir(),
         name: "device".into(),

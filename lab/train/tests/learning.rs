@@ -145,7 +145,7 @@ fn credit_for_each_uav_learns_faster_than_the_team_s() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn fleets_learn_missions_from_nothing() {
-    use jcas_core::{Config, Preset as World};
+    use jcas_core::Config;
     use jcas_train::policy::files::Precision;
     use jcas_train::run::RunSpec;
     use jcas_train::settings::NetworkKind;
@@ -168,7 +168,7 @@ fn fleets_learn_missions_from_nothing() {
                 hotspot_count: 4,
                 horizon_steps: 40,
                 detection_threshold_db: Some(-23.8),
-                ..Config::preset(World::Paper)
+                ..Config::preset(jcas_core::Preset::Paper)
             }],
             out: std::env::temp_dir(),
             name: "from nothing".into(),
