@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use crate::instance::{Instance, Values};
+use crate::instance::Instance;
+use crate::values::Values;
 use crate::variables::{Causality, Extent, Variable, VariableType, all, reference};
 
 /// Returns the instantiation token. Instantiation refuses an importer that has read another

@@ -3,7 +3,7 @@
 use std::ffi::{CStr, CString, c_char};
 
 use crate::handle::{Handle, Status, call, read, write};
-use crate::instance::Values;
+use crate::values::Values;
 
 /// Gets variables of one type into one array.
 unsafe fn get<T: Clone>(

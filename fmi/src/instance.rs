@@ -1,6 +1,9 @@
 //! The life cycle of an instance: parameters, initialization, steps, and the values of its
 //! variables.
 
+#[cfg(test)]
+mod tests;
+
 use std::path::PathBuf;
 
 use jcas_core::Config;
@@ -10,6 +13,7 @@ use serde_json::Value;
 
 use crate::mission::{Inputs, Mission};
 use crate::setup::Setup;
+use crate::values::{Values, field_values, output};
 use crate::variables::{Causality, Extent, Variable, VariableType, all, reference};
 
 /// The state of an instance in the state machine of the standard.
@@ -25,38 +29,6 @@ pub enum Mode {
     Step,
     /// Values may be read.
     Terminated,
-}
-
-/// The values of one or more variables of one type, in one array.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// 32-bit floats.
-    Float32(Vec<f32>),
-    /// 64-bit floats.
-    Float64(Vec<f64>),
-    /// 32-bit unsigned integers.
-    UInt32(Vec<u32>),
-    /// 64-bit unsigned integers.
-    UInt64(Vec<u64>),
-    /// Truth values.
-    Boolean(Vec<bool>),
-    /// Texts.
-    String(Vec<String>),
-}
-
-impl Values {
-    /// Their type.
-    #[must_use]
-    pub const fn kind(&self) -> VariableType {
-        match self {
-            Self::Float32(_) => VariableType::Float32,
-            Self::Float64(_) => VariableType::Float64,
-            Self::UInt32(_) => VariableType::UInt32,
-            Self::UInt64(_) => VariableType::UInt64,
-            Self::Boolean(_) => VariableType::Boolean,
-            Self::String(_) => VariableType::String,
-        }
-    }
 }
 
 /// Tolerance for the rounding of an importer's clock, as a fraction of a step.
@@ -379,149 +351,9 @@ fn field_name(vr: u32) -> Option<&'static str> {
     jcas_core::Config::FIELDS.get(index).map(|info| info.name)
 }
 
-fn field_values(kind: VariableType, value: &Value) -> Result<Values, String> {
-    Ok(match kind {
-        VariableType::Float64 => Values::Float64(vec![value.as_f64().unwrap_or(f64::NAN)]),
-        VariableType::UInt32 => Values::UInt32(vec![
-            u32::try_from(value.as_u64().unwrap_or(0))
-                .map_err(|_| format!("{value} does not fit"))?,
-        ]),
-        _ => Values::String(vec![
-            value
-                .as_str()
-                .map_or_else(|| value.to_string(), str::to_owned),
-        ]),
-    })
-}
-
-/// Returns the value of an output.
-fn output(name: &str, mission: &Mission) -> Result<Values, String> {
-    let state = mission.state()?;
-    let (uavs, hotspots) = (0..state.uav_count(), 0..state.hotspot_count());
-    let real = |value: f64| Values::Float64(vec![value]);
-    let truth = |value: bool| Values::Boolean(vec![value]);
-    let metrics = state.metrics();
-    Ok(match name {
-        "cell" => Values::UInt32(
-            uavs.flat_map(|i| [state.cell(i).x, state.cell(i).y])
-                .collect(),
-        ),
-        "battery_kwh" => Values::Float64(
-            uavs.map(|i| state.battery_uj(i) as f64 / jcas_core::energy::MICROJOULES_PER_KWH)
-                .collect(),
-        ),
-        "pilot_density" => Values::Float64(uavs.map(|i| state.pilot_density(i)).collect()),
-        "throughput" => Values::Float64(uavs.map(|i| state.throughput(i)).collect()),
-        "grounded" => Values::Boolean(uavs.map(|i| state.grounded(i)).collect()),
-        "knowledge" => Values::Boolean(
-            uavs.flat_map(|i| hotspots.clone().map(move |j| (i, j)))
-                .map(|(i, j)| state.knows(i, j))
-                .collect(),
-        ),
-        "link" => Values::Boolean(
-            uavs.clone()
-                .flat_map(|i| uavs.clone().map(move |k| (i, k)))
-                .map(|(i, k)| state.linked(i, k))
-                .collect(),
-        ),
-        "hotspot_cell" => Values::UInt32(
-            hotspots
-                .flat_map(|j| [state.hotspot_cell(j).x, state.hotspot_cell(j).y])
-                .collect(),
-        ),
-        "confirmed" => Values::Boolean(hotspots.map(|j| state.confirmed(j)).collect()),
-        "informed" => Values::Boolean(hotspots.map(|j| state.informed(j)).collect()),
-        "confirmed_count" => Values::UInt32(vec![metrics.confirmed]),
-        "informed_count" => Values::UInt32(vec![metrics.informed]),
-        "mean_throughput" => real(state.mean_throughput()),
-        "energy_kwh" => real(metrics.energy_kwh),
-        "co2_kg" => real(metrics.co2_kg),
-        "carbon_intensity" => real(state.carbon_intensity_mg_per_kwh() as f64 / 1e6),
-        "reward" => real(mission.reward),
-        "return_sum" => real(metrics.return_sum),
-        "terminated" => truth(metrics.terminated),
-        "truncated" => truth(metrics.truncated),
-        "state_hash" => Values::UInt64(vec![mission.hash()]),
-        "reported_count" => {
-            let cells = mission.model().config().cell_count();
-            let reported = |i| (0..cells).filter(move |&cell| state.report_level(i, cell) > 0);
-            Values::UInt32(uavs.map(|i| reported(i).count() as u32).collect())
-        }
-        "false_confirmation_count" => Values::UInt32(vec![metrics.false_confirmations]),
-        other => return Err(format!("{other} has no value")),
-    })
-}
-
 /// Whether a field of the configuration can be derived from others.
 fn may_be_derived(name: &str) -> bool {
     let config = Config::default();
     let mut fields = Config::FIELDS.iter().zip(config.values());
     fields.any(|(info, value)| info.name == name && matches!(value, FieldValue::Optional(_)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn reference_of(name: &str) -> u32 {
-        let variables = all();
-        let variable = variables.iter().find(|variable| variable.name == name);
-        variable.expect("a field is a variable").reference
-    }
-
-    #[test]
-    fn nan_means_derived_only_where_a_field_can_be() {
-        let mut unit = Instance::new(None).expect("an instance");
-        let set = |unit: &mut Instance, name: &str, value: f64| {
-            unit.set(reference_of(name), Values::Float64(vec![value]))
-        };
-        assert_eq!(set(&mut unit, "cell_size_m", 40.0), Ok(()));
-        let refused = set(&mut unit, "cell_size_m", f64::NAN);
-        assert_eq!(refused, Err("cell_size_m = NaN: must be a number".into()));
-        let derived = Config::FIELDS.iter().find(|info| may_be_derived(info.name));
-        let derived = derived.expect("a field can be derived").name;
-        assert_eq!(set(&mut unit, derived, f64::NAN), Ok(()));
-    }
-
-    /// Five UAVs in one cell raise false alarms in half of the cells around them, so that two of
-    /// them agree on some.
-    #[test]
-    fn reports_and_false_confirmations_are_outputs() {
-        let mut unit = Instance::new(None).expect("an instance");
-        let mut set = |name: &str, values: Values| {
-            assert_eq!(unit.set(reference_of(name), values), Ok(()), "{name}");
-        };
-        set("preset", Values::String(vec!["isac".into()]));
-        set("uav_count", Values::UInt32(vec![5]));
-        set("quorum", Values::UInt32(vec![2]));
-        set("false_alarm_per_cell", Values::Float64(vec![0.5]));
-        let mut mission = Mission::new(&unit.setup).expect("a mission");
-        let counts = |mission: &Mission, name: &str| match output(name, mission) {
-            Ok(Values::UInt32(counts)) => counts,
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(counts(&mission, "reported_count"), [0; 5]);
-        assert_eq!(counts(&mission, "false_confirmation_count"), [0]);
-        mission.step(&Inputs::of(5)).expect("a step");
-        assert!(
-            counts(&mission, "reported_count")
-                .iter()
-                .all(|&count| count > 0)
-        );
-        assert!(counts(&mission, "false_confirmation_count")[0] > 0);
-    }
-
-    #[test]
-    fn a_detection_table_is_a_text_in_json() {
-        let mut unit = Instance::new(None).expect("an instance");
-        let mut set = |name: &str, text: &str| {
-            unit.set(reference_of(name), Values::String(vec![text.to_owned()]))
-        };
-        assert_eq!(set("detection_curve", "table"), Ok(()));
-        assert_eq!(set("detection_table", "[[20, 0.9], [80, 0.2]]"), Ok(()));
-        assert!(set("detection_table", "[[20, 0.9").is_err());
-        let config = unit.setup.config().expect("a legal configuration");
-        let points = config.detection_table.as_slice();
-        assert_eq!(points, [(20.0, 0.9).into(), (80.0, 0.2).into()]);
-    }
 }

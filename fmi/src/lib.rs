@@ -4,6 +4,7 @@
 //! - [`variables`] is the table of variables, which the description and every get and set use.
 //! - [`description`] writes that table as `modelDescription.xml`.
 //! - [`setup`] has the parameters, and [`mission`] has the episode that runs with them.
+//! - [`values`] has the values of variables and of outputs.
 //! - [`instance`] is the life cycle of an instance, from instantiation to termination.
 //! - [`handle`] is an instance behind the importer's pointer.
 //! - [`interface`] (instances and steps), [`exchange`] (variables), [`states`] and [`refused`]
@@ -28,4 +29,5 @@ pub mod refused;
 pub mod setup;
 #[allow(unsafe_code, non_snake_case, clippy::not_unsafe_ptr_arg_deref)]
 pub mod states;
+pub mod values;
 pub mod variables;

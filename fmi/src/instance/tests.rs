@@ -1,0 +1,65 @@
+//! Fields, outputs and texts of an instance.
+
+use super::*;
+
+fn reference_of(name: &str) -> u32 {
+    let variables = all();
+    let variable = variables.iter().find(|variable| variable.name == name);
+    variable.expect("a field is a variable").reference
+}
+
+#[test]
+fn nan_means_derived_only_where_a_field_can_be() {
+    let mut unit = Instance::new(None).expect("an instance");
+    let set = |unit: &mut Instance, name: &str, value: f64| {
+        unit.set(reference_of(name), Values::Float64(vec![value]))
+    };
+    assert_eq!(set(&mut unit, "cell_size_m", 40.0), Ok(()));
+    let refused = set(&mut unit, "cell_size_m", f64::NAN);
+    assert_eq!(refused, Err("cell_size_m = NaN: must be a number".into()));
+    let derived = Config::FIELDS.iter().find(|info| may_be_derived(info.name));
+    let derived = derived.expect("a field can be derived").name;
+    assert_eq!(set(&mut unit, derived, f64::NAN), Ok(()));
+}
+
+/// Five UAVs in one cell raise false alarms in half of the cells around them, so that two of
+/// them agree on some.
+#[test]
+fn reports_and_false_confirmations_are_outputs() {
+    let mut unit = Instance::new(None).expect("an instance");
+    let mut set = |name: &str, values: Values| {
+        assert_eq!(unit.set(reference_of(name), values), Ok(()), "{name}");
+    };
+    set("preset", Values::String(vec!["isac".into()]));
+    set("uav_count", Values::UInt32(vec![5]));
+    set("quorum", Values::UInt32(vec![2]));
+    set("false_alarm_per_cell", Values::Float64(vec![0.5]));
+    let mut mission = Mission::new(&unit.setup).expect("a mission");
+    let counts = |mission: &Mission, name: &str| match output(name, mission) {
+        Ok(Values::UInt32(counts)) => counts,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(counts(&mission, "reported_count"), [0; 5]);
+    assert_eq!(counts(&mission, "false_confirmation_count"), [0]);
+    mission.step(&Inputs::of(5)).expect("a step");
+    assert!(
+        counts(&mission, "reported_count")
+            .iter()
+            .all(|&count| count > 0)
+    );
+    assert!(counts(&mission, "false_confirmation_count")[0] > 0);
+}
+
+#[test]
+fn a_detection_table_is_a_text_in_json() {
+    let mut unit = Instance::new(None).expect("an instance");
+    let mut set = |name: &str, text: &str| {
+        unit.set(reference_of(name), Values::String(vec![text.to_owned()]))
+    };
+    assert_eq!(set("detection_curve", "table"), Ok(()));
+    assert_eq!(set("detection_table", "[[20, 0.9], [80, 0.2]]"), Ok(()));
+    assert!(set("detection_table", "[[20, 0.9").is_err());
+    let config = unit.setup.config().expect("a legal configuration");
+    let points = config.detection_table.as_slice();
+    assert_eq!(points, [(20.0, 0.9).into(), (80.0, 0.2).into()]);
+}
