@@ -59,6 +59,7 @@ def c_reference(into: Path) -> None:
     """Writes the C reference by Doxygen."""
     settings = (SITE / "Doxyfile").read_text()
     settings += f'INPUT = "{ROOT / "include" / "jcas.h"}"\nOUTPUT_DIRECTORY = "{into}"\n'
+    settings += f'HTML_EXTRA_STYLESHEET = "{SITE / "assets" / "c_reference.css"}"\n'
     subprocess.run(["doxygen", "-"], input=settings, text=True, check=True)
 
 

@@ -16,8 +16,9 @@ if (!folder) {
   process.exit(2);
 }
 const PAGES = [
-  'index', 'docs/cookbook', 'docs/model', 'docs/trust', 'lab/results', 'reference/python',
-  'reference/c', 'reference/rust', 'reference/rust/jcas_core/index',
+  'index', 'docs/c', 'python/index', 'docs/campaigns', 'docs/cookbook', 'docs/model', 'docs/trust',
+  'lab/results', 'reference/python', 'reference/c', 'reference/c/group__model',
+  'reference/c/structjcas__config', 'reference/rust', 'reference/rust/jcas_core/index',
 ];
 /** The width of a common phone, in CSS pixels. */
 const PHONE = { width: 390, height: 844, deviceScaleFactor: 2, mobile: true };
