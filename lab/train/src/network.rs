@@ -33,9 +33,6 @@ pub enum Architecture {
         /// Whether it also reads the number of UAVs, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
-        /// Whether it also reads how well each hotspot begins a tour, computed from the rest.
-        #[serde(default, skip_serializing_if = "is_false")]
-        tours: bool,
     },
     /// Shared encoders over UAVs and hotspots of the global state, with one output: the value.
     SetCritic {
@@ -60,12 +57,8 @@ fn is_false(flag: &bool) -> bool {
     !*flag
 }
 
-fn actor(added: usize, fleet_size: bool, tours: bool) -> set::Actor {
-    set::Actor {
-        added,
-        fleet_size,
-        tours,
-    }
+fn actor(added: usize, fleet_size: bool) -> set::Actor {
+    set::Actor { added, fleet_size }
 }
 
 fn critic(of_uav: bool, added: usize) -> set::Critic {
@@ -116,8 +109,7 @@ impl Network {
                 outputs,
                 added,
                 fleet_size,
-                tours,
-            } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size, *tours)),
+            } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size)),
             Architecture::SetCritic {
                 hidden,
                 of_uav,
@@ -178,11 +170,8 @@ impl Network {
         match &self.architecture {
             Architecture::Mlp { .. } => inputs.to_vec(),
             Architecture::SetActor {
-                added,
-                fleet_size,
-                tours,
-                ..
-            } => set::observed(inputs, shape, actor(*added, *fleet_size, *tours)),
+                added, fleet_size, ..
+            } => set::observed(inputs, shape, actor(*added, *fleet_size)),
             Architecture::SetCritic { of_uav, added, .. } => {
                 set::overseen(inputs, shape, critic(*of_uav, *added))
             }
@@ -194,14 +183,8 @@ impl Network {
         match &self.architecture {
             Architecture::Mlp { sizes } => sizes[0],
             Architecture::SetActor {
-                added,
-                fleet_size,
-                tours,
-                ..
-            } => actor(*added, *fleet_size, *tours)
-                .widths(shape)
-                .iter()
-                .sum(),
+                added, fleet_size, ..
+            } => actor(*added, *fleet_size).widths(shape).iter().sum(),
             Architecture::SetCritic { of_uav, added, .. } => {
                 critic(*of_uav, *added).widths(shape).iter().sum()
             }
@@ -216,16 +199,8 @@ impl Network {
                 mlp::forward(weights, inputs)
             }
             Architecture::SetActor {
-                added,
-                fleet_size,
-                tours,
-                ..
-            } => set::actor(
-                weights,
-                &features,
-                actor(*added, *fleet_size, *tours),
-                shape,
-            ),
+                added, fleet_size, ..
+            } => set::actor(weights, &features, actor(*added, *fleet_size), shape),
             Architecture::SetCritic { of_uav, added, .. } => {
                 set::critic(weights, &features, critic(*of_uav, *added), shape)
             }

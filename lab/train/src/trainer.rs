@@ -88,7 +88,6 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 outputs,
                 added: set::added(shape),
                 fleet_size: fleets,
-                tours: false,
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),

@@ -17,7 +17,7 @@ pub(crate) const OWN_FIRST: usize = 5;
 pub(crate) const HOTSPOT_FIELDS: usize = 4;
 pub(crate) const SLOT_FIELDS: usize = 3;
 /// The number of features of a hotspot: its fields, the distance, two nearnesses, and the UAVs at
-/// and around it. A network may also read its rating as the first stop of a tour.
+/// and around it.
 pub(crate) const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
 /// The maximum number of attention heads.
 pub(crate) const HEADS_MAX: usize = 16;
@@ -68,11 +68,6 @@ pub(crate) struct Set {
 }
 
 impl Set {
-    /// Whether the network reads ratings of hotspots as the first stop of a tour.
-    pub(crate) fn tours(&self) -> bool {
-        self.hotspot[0].inputs > HOTSPOT_FEATURES
-    }
-
     /// Returns the number of fields that belong to neither a hotspot nor a neighbour.
     pub(crate) fn own_fields(&self) -> usize {
         self.own.inputs - self.neighbour[1].outputs
@@ -236,10 +231,7 @@ impl<'f> Reader<'f, '_> {
             self.layer("neighbour", Some(1), [encode.outputs, 0])?,
         ];
         let pooled = neighbour[1].outputs;
-        let first_name = name("hotspot", Some(0), "weight");
-        let features = self.file.find(first_name)?.map(|array| array.shape[0]);
-        let tours = usize::from(features == Some(HOTSPOT_FEATURES + 1));
-        let first = self.layer("hotspot", Some(0), [HOTSPOT_FEATURES + tours, 0])?;
+        let first = self.layer("hotspot", Some(0), [HOTSPOT_FEATURES, 0])?;
         let own_name = name("hotspot", None, "own");
         let own = self.matrix(own_name, [0, first.outputs])?;
         if own.inputs <= pooled + OWN_FIRST {

@@ -48,7 +48,6 @@ mod matmul;
 mod metadata;
 mod mlp;
 mod set;
-pub mod tours;
 
 #[cfg(any(kani, test))]
 pub(crate) use dense::Layer;

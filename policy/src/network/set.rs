@@ -2,7 +2,7 @@
 //!
 //! The same weights work for any number of hotspots and neighbours. Some features are computed
 //! rather than learnt: the nearness of a hotspot in cells, and the numbers of UAVs at and around
-//! it. A network may also read which hotspots a tour should begin with.
+//! it.
 
 use jcas_core::observation::index_tag;
 
@@ -10,7 +10,6 @@ use super::dense::{LANES, Layer, Rows, relu};
 use super::layout::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
 use super::matmul::MatmulKernel;
 use super::mlp::ROWS;
-use super::tours;
 
 /// The divisor of sums over a set.
 const CROWD: f32 = 8.0;
@@ -87,9 +86,7 @@ impl Set {
         let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
         let context =
             self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
-        let tours = if self.tours() { 2 } else { 0 };
-        let features = self.hotspot[0].inputs;
-        let each = features + tours + 2 * self.embedding_width() + self.score.width();
+        let each = HOTSPOT_FEATURES + 2 * self.embedding_width() + self.score.width();
         slots
             + context
             + hotspots * each
@@ -149,7 +146,8 @@ impl Set {
         let bias = self.hotspot[0].bias(weights);
         self.own.apply_from(matmul, weights, bias, rows, start);
 
-        let features = self.hotspot_features(hotspots, slots, sizes, &mut scratch);
+        let features = take(&mut scratch, n * HOTSPOT_FEATURES);
+        describe(hotspots, slots, sizes, features);
         let width = self.embedding_width();
         let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
         let [first, second, third] = &self.hotspot;
@@ -190,27 +188,6 @@ impl Set {
         }
     }
 
-    /// Computes what the network reads of each hotspot.
-    fn hotspot_features<'s>(
-        &self,
-        hotspots: &[f32],
-        slots: &[f32],
-        sizes: Sizes,
-        scratch: &mut &'s mut [f32],
-    ) -> &'s [f32] {
-        let (n, read) = (sizes.hotspots, self.hotspot[0].inputs);
-        let features = take(scratch, n * read);
-        describe(hotspots, slots, sizes, read, features);
-        if self.tours() {
-            let (rated, left) = (take(scratch, n), take(scratch, n));
-            tours::rate(hotspots, sizes.cells.map(|cells| cells as f32), rated, left);
-            for (features, rated) in features.chunks_exact_mut(read).zip(rated) {
-                features[HOTSPOT_FEATURES] = *rated;
-            }
-        }
-        features
-    }
-
     /// Sums the encodings of the neighbours in occupied slots.
     fn pool_neighbours(
         &self,
@@ -247,13 +224,13 @@ impl Set {
     }
 }
 
-/// Writes `read` features for each hotspot. The first ones are those of the observation, the
-/// distance, and the numbers of UAVs around it.
-fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, read: usize, features: &mut [f32]) {
+/// Writes the features of each hotspot: its fields, the distance, two nearnesses, and the numbers
+/// of UAVs at and around it.
+fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32]) {
     let cells = sizes.cells.map(|cells| cells as f32);
     // A grid of one column has no distance along x, and a divisor of 1 avoids a division by zero.
     let far_scale = if cells[0] > 0.0 { 2.0 * cells[0] } else { 1.0 };
-    let each = features.chunks_exact_mut(read);
+    let each = features.chunks_exact_mut(HOTSPOT_FEATURES);
     for (hotspot, out) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(each) {
         let far = distance(hotspot[0], hotspot[1], cells);
         let (mut at, mut around) = (0.0, 0.0);

@@ -41,10 +41,16 @@ pub const MISSIONS: [Mission; 4] = [
         1,
         Mode::Deterministic,
         53,
-        17_905_844_174_162_449_130,
+        5_362_212_974_326_572_308,
     ),
-    mission((15, 7), 1, Mode::Sampled, 53, 13_029_458_474_818_902_870),
-    mission((10, 3), 2, Mode::Deterministic, 21, 113_254_547_297_590_025),
+    mission((15, 7), 1, Mode::Sampled, 53, 17_737_320_634_244_567_336),
+    mission(
+        (10, 3),
+        2,
+        Mode::Deterministic,
+        21,
+        16_527_540_953_429_267_805,
+    ),
     // This policy reads a tag, which the runtime gives.
     Mission {
         preset: Preset::Paper,

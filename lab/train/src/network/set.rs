@@ -3,8 +3,7 @@
 //! The output does not depend on the order of hotspots and neighbours, and their number is free. So
 //! one set of weights serves any fleet and any number of hotspots. Some features are computed,
 //! because learning them would take one layer or several. These are the distance of a hotspot in
-//! cells and the UAVs at and around it. Some shipped policies also read which hotspots
-//! can begin a tour.
+//! cells and the UAVs at and around it.
 
 mod features;
 
@@ -48,19 +47,12 @@ pub(super) struct Actor {
     pub added: usize,
     /// The number of UAVs too, which no observation shows.
     pub fleet_size: bool,
-    /// And about hotspots, how they are rated as beginnings of a tour.
-    pub tours: bool,
 }
 
 impl Actor {
     /// Fields that are of no hotspot and of no other UAV.
     fn own(self) -> usize {
         OWN + self.added + usize::from(self.fleet_size)
-    }
-
-    /// Fields of each hotspot.
-    fn hotspot(self) -> usize {
-        HOTSPOT_FEATURES + usize::from(self.tours)
     }
 
     /// Widths of the parts of a row of features: the UAV itself, neighbour slots with whether they
@@ -70,7 +62,7 @@ impl Actor {
             self.own(),
             (SLOT_FIELDS + 1) * shape.neighbour_slots,
             1,
-            self.hotspot() * shape.hotspots,
+            HOTSPOT_FEATURES * shape.hotspots,
         ]
     }
 }
@@ -149,7 +141,7 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Sh
     let mut shapes = Vec::new();
     layer(&mut shapes, "neighbour.0", SLOT_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "neighbour.1", UAV_WIDTH, UAV_WIDTH);
-    layer(&mut shapes, "hotspot.0", actor.hotspot(), HOTSPOT_WIDTH);
+    layer(&mut shapes, "hotspot.0", HOTSPOT_FEATURES, HOTSPOT_WIDTH);
     shapes.push(("hotspot.own".into(), own + UAV_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "hotspot.1", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
     layer(&mut shapes, "hotspot.2", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
@@ -250,7 +242,7 @@ pub(super) fn actor(
     };
 
     let context = Tensor::cat(vec![own.clone(), neighbours.clone()], 1);
-    let hotspots = matrix(hotspots, actor.hotspot(), &device);
+    let hotspots = matrix(hotspots, HOTSPOT_FEATURES, &device);
     let embedded = relu(weights.with_context(hotspots, context));
     let embedded = relu(weights.linear(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
@@ -382,7 +374,6 @@ mod tests {
                 outputs: 7,
                 added,
                 fleet_size: agents > 1,
-                tours: agents > 2,
             });
             let critic = |of_uav| {
                 let hidden = vec![16];
@@ -435,7 +426,6 @@ mod tests {
             outputs: 7,
             added: 0,
             fleet_size: false,
-            tours: true,
         };
         let shape = shape(4, 3);
         let row = observation(&shape, &mut crate::random::stream(9, 1));
@@ -482,7 +472,6 @@ mod tests {
             outputs: 7,
             added: 0,
             fleet_size: false,
-            tours: true,
         };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);

@@ -47,9 +47,9 @@ pub fn encode(actor: &Actor, shape: &Shape) -> Vec<u8> {
         })
         .collect();
     let outputs = match &actor.network.architecture {
-        Architecture::SetActor {
-            fleet_size, tours, ..
-        } => set::actor(&mut graph, &weights, hidden, *fleet_size, *tours, shape),
+        Architecture::SetActor { fleet_size, .. } => {
+            set::actor(&mut graph, &weights, hidden, *fleet_size, shape)
+        }
         _ => mlp(&mut graph, &weights, hidden),
     };
     let actions = actions(&mut graph, actor, &outputs);

@@ -5,7 +5,6 @@
 
 use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS};
 use crate::environment::Shape;
-use jcas_policy::network::tours;
 
 /// 1 at distance 0, falling evenly to 0 at `reach` cells.
 fn nearness(distance: f32, reach: f32) -> f32 {
@@ -25,7 +24,6 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
     let count = rows.len() / length;
     let cells = shape.position_cells();
     let mut out = Vec::with_capacity(count * actor.widths(shape).iter().sum::<usize>());
-    let (mut rated, mut left) = (vec![0.0; n], vec![0.0; n]);
     for row in rows.chunks_exact(length) {
         let (head, rest) = row.split_at(OWN_FIRST);
         let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * n);
@@ -43,10 +41,7 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
             taken += present;
         }
         out.push(k as f32 - taken);
-        if actor.tours {
-            tours::rate(hotspots, cells, &mut rated, &mut left);
-        }
-        for (hotspot, rated) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(&rated) {
+        for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
             let far = distance(hotspot[0], hotspot[1], cells);
             let (mut at, mut around) = (0.0, 0.0);
             for slot in slots.chunks_exact(SLOT_FIELDS) {
@@ -62,9 +57,6 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
                 at / CROWD,
                 around / CROWD,
             ]);
-            if actor.tours {
-                out.push(*rated);
-            }
         }
     }
     out

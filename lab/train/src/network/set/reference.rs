@@ -3,7 +3,6 @@
 use super::{COMMON, CROWD, HEADS, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS, UAV_WIDTH};
 use crate::environment::Shape;
 use crate::network::{Architecture, Network, Param};
-use std::cmp::Ordering;
 
 /// Blocks of a network in their order.
 struct Blocks<'a> {
@@ -73,63 +72,13 @@ fn near(distance: f32, reach: f32) -> f32 {
     (1.0 - distance / reach).max(0.0)
 }
 
-/// Whole cells between two positions.
-fn cells_apart(a: [f32; 2], b: [f32; 2], shape: &Shape) -> i64 {
-    apart(a, b, shape).round() as i64
-}
-
-/// Cells of the tour that goes from hotspot to hotspot, always to the nearest of those left.
-fn tour(from: [f32; 2], mut left: Vec<[f32; 2]>, shape: &Shape) -> i64 {
-    let nearest = (0..left.len()).min_by(|&i, &j| {
-        let [way, other] = [i, j].map(|i| cells_apart(from, left[i], shape));
-        way.cmp(&other).then(in_order(left[i], left[j]))
-    });
-    let Some(nearest) = nearest else {
-        return 0;
-    };
-    let next = left.remove(nearest);
-    cells_apart(from, next, shape) + tour(next, left, shape)
-}
-
-/// From left to right, and then upwards.
-fn in_order(a: [f32; 2], b: [f32; 2]) -> Ordering {
-    a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
-}
-
-/// 1 for the hotspot that the shortest tour begins with; two fifths less for the others, and a
-/// fifth for each cell more.
-fn rated<'a>(hotspots: impl Iterator<Item = &'a [f32]>, shape: &Shape) -> Vec<f32> {
-    let hotspots: Vec<&[f32]> = hotspots.collect();
-    let open = |i: usize| hotspots[i][2] == 0.0;
-    let place = |i: usize| [hotspots[i][0], hotspots[i][1]];
-    let length = |first: usize| {
-        let others = (0..hotspots.len()).filter(|&i| open(i) && i != first);
-        let others = others.map(place).collect();
-        cells_apart([0.0; 2], place(first), shape) + tour(place(first), others, shape)
-    };
-    let all = 0..hotspots.len();
-    let best = all.clone().filter(|&i| open(i)).min_by(|&i, &j| {
-        let in_order = in_order(place(i), place(j));
-        length(i).cmp(&length(j)).then(in_order)
-    });
-    all.map(|i| match best {
-        Some(best) if i == best => 1.0,
-        Some(best) if open(i) => (3 - (length(i) - length(best))).max(0) as f32 / 5.0,
-        _ => 0.0,
-    })
-    .collect()
-}
-
 /// The actor's outputs for one observation.
 pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
     let mut blocks = Blocks::of(network, parameters);
     let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
     let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
     let mut own = [&row[..OWN_FIRST], &row[tail_first..]].concat();
-    let Architecture::SetActor {
-        fleet_size, tours, ..
-    } = network.architecture
-    else {
+    let Architecture::SetActor { fleet_size, .. } = network.architecture else {
         panic!("an actor over sets");
     };
     if fleet_size {
@@ -147,8 +96,7 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
         .collect();
     let neighbours = pool(UAV_WIDTH, &neighbours);
 
-    let rated = rated(hotspots(), shape);
-    let features = |(hotspot, rated): (&[f32], &f32)| {
+    let features = |hotspot: &[f32]| {
         let place = [hotspot[0], hotspot[1]];
         let count = |reach: f32| -> f32 {
             let each = present().map(|slot| near(apart(place, [slot[1], slot[2]], shape), reach));
@@ -162,14 +110,12 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
             count(1.0),
             count(4.0),
         ];
-        let rated = if tours { vec![*rated] } else { vec![] };
-        [hotspot, &derived, &rated].concat()
+        [hotspot, &derived].concat()
     };
     let (first, context) = (blocks.linear(), blocks.product());
     let context = context(&[&own[..], &neighbours].concat());
     let (second, third, others) = (blocks.linear(), blocks.linear(), blocks.product());
     let embedded: Vec<_> = hotspots()
-        .zip(&rated)
         .map(|hotspot| relu(&plus(&first(&features(hotspot)), &context)))
         .map(|x| relu(&second(&x)))
         .collect();

@@ -285,50 +285,14 @@ impl Graph {
         )
     }
 
-    /// Least along an axis, which stays with length 1.
-    pub(super) fn least(&mut self, value: &Value, axis: i64) -> Value {
-        let axes = Attribute {
-            name: "axes".to_owned(),
-            i: None,
-            ints: vec![axis],
-            kind: ATTRIBUTE_INTS,
-        };
-        self.node("ReduceMin", &[value], vec![axes])
-    }
-
-    /// 1 where two values are equal, else 0.
-    pub(super) fn equal(&mut self, a: &Value, b: &Value) -> Value {
-        let equal = self.binary("Equal", a, b);
-        self.number(&equal)
-    }
-
-    /// 1 where the first is less than the second, else 0.
-    pub(super) fn less(&mut self, a: &Value, b: &Value) -> Value {
-        let less = self.binary("Less", a, b);
-        self.number(&less)
-    }
-
-    fn number(&mut self, value: &Value) -> Value {
-        self.op("Cast", &[value], &[("to", i64::from(FLOAT))])
-    }
-
     pub(super) fn concat(&mut self, values: &[&Value], axis: i64) -> Value {
         self.op("Concat", values, &[("axis", axis)])
     }
 
     /// Index of the first largest column, as f32, rows × 1.
     pub(super) fn arg_max(&mut self, matrix: &Value) -> Value {
-        self.index("ArgMax", matrix, 1)
-    }
-
-    /// Index of the first least along an axis, as f32; the axis stays with length 1.
-    pub(super) fn arg_min(&mut self, value: &Value, axis: i64) -> Value {
-        self.index("ArgMin", value, axis)
-    }
-
-    fn index(&mut self, op_type: &str, value: &Value, axis: i64) -> Value {
-        let index = self.op(op_type, &[value], &[("axis", axis), ("keepdims", 1)]);
-        self.number(&index)
+        let index = self.op("ArgMax", &[matrix], &[("axis", 1), ("keepdims", 1)]);
+        self.op("Cast", &[&index], &[("to", i64::from(FLOAT))])
     }
 
     pub(super) fn encode(self) -> Vec<u8> {

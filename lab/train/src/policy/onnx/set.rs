@@ -8,10 +8,6 @@ use crate::environment::Shape;
 use crate::network::set::{
     CROWD, HEADS, HOTSPOT_FIELDS, HOTSPOT_WIDTH, OWN_FIRST, SLOT_FIELDS, UAV_WIDTH,
 };
-use jcas_policy::network::tours;
-
-/// Longer than any tour.
-const OFF: f32 = 1e6;
 
 struct Builder<'a> {
     graph: &'a mut Graph,
@@ -67,89 +63,6 @@ impl Builder<'_> {
         let dy = self.graph.op("Abs", &[dy], &[]);
         let (dx, dy) = (self.scaled(&dx, x_cells), self.scaled(&dy, y_cells));
         self.graph.binary("Add", &dx, &dy)
-    }
-
-    /// 1 for the least along the last axis, else 0; of several that are, for the one of the lowest
-    /// rank.
-    fn least_of(&mut self, values: &Value, rank: &Value, hotspot: &Value) -> Value {
-        let least = self.graph.least(values, 2);
-        let is_least = self.graph.equal(values, &least);
-        let more = self.off_where_not(&is_least);
-        let rank = self.graph.binary("Add", rank, &more);
-        let index = self.graph.arg_min(&rank, 2);
-        self.graph.equal(&index, hotspot)
-    }
-
-    /// [`OFF`] where a flag is 0.
-    fn off_where_not(&mut self, flag: &Value) -> Value {
-        let not = self.not(flag);
-        self.scaled(&not, OFF)
-    }
-
-    fn not(&mut self, flag: &Value) -> Value {
-        let one = self.graph.constant(&[], &[1.0]);
-        self.graph.binary("Sub", &one, flag)
-    }
-
-    /// How many hotspots come before each, from left to right and then upwards: rows × 1 × hotspot.
-    fn ranks(&mut self, dx: &Value, dy: &Value) -> Value {
-        let zero = self.graph.constant(&[], &[0.0]);
-        let left = self.graph.less(&zero, dx);
-        let same = self.graph.equal(dx, &zero);
-        let below = self.graph.less(&zero, dy);
-        let below = self.graph.binary("Mul", &same, &below);
-        let before = self.graph.binary("Add", &left, &below);
-        let rank = self.graph.sum(&before, 2, true);
-        self.graph.swap(&rank)
-    }
-
-    /// `tours::rate` of all hotspots at once: rows × hotspots × 1. Tours are taken one stop after
-    /// the other, rows × first × hotspot.
-    fn tours(&mut self, hotspots: &Value, far: &Value, n: usize, shape: &Shape) -> Value {
-        let (x, y) = (self.field(hotspots, 0), self.field(hotspots, 1));
-        let (others_x, others_y) = (self.graph.swap(&x), self.graph.swap(&y));
-        let dx = self.graph.binary("Sub", &x, &others_x);
-        let dy = self.graph.binary("Sub", &y, &others_y);
-        let rank = self.ranks(&dx, &dy);
-        let apart = self.distance(&dx, &dy, shape);
-        let apart = self.graph.op("Round", &[&apart], &[]);
-
-        let zero = self.graph.constant(&[], &[0.0]);
-        let confirmed = self.field(hotspots, 2);
-        let open = self.graph.equal(&confirmed, &zero);
-        let open = self.graph.swap(&open);
-
-        let indices: Vec<f32> = (0..n).map(|hotspot| hotspot as f32).collect();
-        let first = self.graph.constant(&[1, n, 1], &indices);
-        let hotspot = self.graph.constant(&[1, 1, n], &indices);
-        let mut at = self.graph.equal(&first, &hotspot);
-        let others = self.not(&at);
-        let mut left = self.graph.binary("Mul", &others, &open);
-        let mut length = self.graph.op("Round", &[far], &[]);
-        for _ in 0..tours::STOPS.min(n - 1) {
-            let ways = self.graph.binary("MatMul", &at, &apart);
-            let seen = self.off_where_not(&left);
-            let to_left = self.graph.binary("Add", &ways, &seen);
-            at = self.least_of(&to_left, &rank, &hotspot);
-            // Nothing where none is left.
-            let next = self.graph.binary("Mul", &at, &left);
-            let way = self.graph.binary("Mul", &next, &ways);
-            let way = self.graph.sum(&way, 2, true);
-            length = self.graph.binary("Add", &length, &way);
-            left = self.graph.binary("Sub", &left, &next);
-        }
-        let length = self.graph.swap(&length);
-        let confirmed = self.off_where_not(&open);
-        let length = self.graph.binary("Add", &length, &confirmed);
-        let best = self.least_of(&length, &rank, &hotspot);
-        let shortest = self.graph.least(&length, 2);
-        let behind = self.graph.binary("Sub", &length, &shortest);
-        let not_best = self.not(&best);
-        let margin = self.scaled(&not_best, tours::MARGIN as f32);
-        let behind = self.graph.binary("Add", &behind, &margin);
-        let rated = self.nearness(&behind, tours::REACH as f32);
-        let rated = self.graph.binary("Mul", &rated, &open);
-        self.graph.swap(&rated)
     }
 
     fn nearness(&mut self, distance: &Value, reach: f32) -> Value {
@@ -216,7 +129,6 @@ pub(super) fn actor(
     weights: &[Value],
     input: Value,
     fleet_size: bool,
-    tours: bool,
     shape: &Shape,
 ) -> Value {
     let mut b = Builder {
@@ -248,9 +160,7 @@ pub(super) fn actor(
     let [x_cells, _] = shape.position_cells();
     let far = b.scaled(&distance, 1.0 / (2.0 * x_cells));
     let (here, near) = (b.nearness(&distance, 1.0), b.nearness(&distance, 4.0));
-    let mut features = vec![&hotspots, &far, &here, &near, &at, &around];
-    let rated = tours.then(|| b.tours(&hotspots, &distance, n, shape));
-    features.extend(&rated);
+    let features = [&hotspots, &far, &here, &near, &at, &around];
     let features = b.graph.concat(&features, 2);
     let context = b.graph.concat(&[&own, &neighbours], 1);
     let embedded = b.linear(&features);
