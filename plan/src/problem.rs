@@ -75,6 +75,8 @@ pub struct Problem<'m> {
     pub(crate) model: &'m Model<'m>,
     pub(crate) odds: Odds,
     pub(crate) draws: Vec<Hidden>,
+    /// The cells of the hotspots whose prior is one cell.
+    pub(crate) known: Vec<Cell>,
     pub(crate) situation: Situation,
     pub(crate) steps_left: u32,
     pub(crate) steps: usize,
@@ -119,10 +121,13 @@ impl<'m> Problem<'m> {
         let steps = STEPS_MAX.min(steps_left as usize);
         let (draws, sites) = draws(targets, config.grid_width);
         check_sizes(model, sites.len(), steps)?;
+        let known = draws.iter().filter(|draw| draw.cells == 1);
+        let known = known.map(|draw| sites[draw.sites.start]).collect();
         Ok(Self {
             model,
             odds: Odds::new(model, sites),
             draws,
+            known,
             situation,
             steps_left,
             steps,

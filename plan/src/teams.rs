@@ -29,7 +29,7 @@ struct Team {
 /// Returns tours of one to several teams, with several hover times, sensing at a level. It is empty
 /// if no hotspot is known.
 pub(crate) fn tours(problem: &Problem<'_>, level: u8) -> Vec<Paths> {
-    let known = known_cells(problem);
+    let known = &problem.known;
     if known.is_empty() {
         return Vec::new();
     }
@@ -39,17 +39,10 @@ pub(crate) fn tours(problem: &Problem<'_>, level: u8) -> Vec<Paths> {
     let mut tours = Vec::new();
     for teams in 1..=most {
         for hover in HOVERS {
-            tours.push(tour(problem, &known, teams, hover, level));
+            tours.push(tour(problem, known, teams, hover, level));
         }
     }
     tours
-}
-
-/// Returns the cells of hotspots with a prior of one cell.
-fn known_cells(problem: &Problem<'_>) -> Vec<Cell> {
-    let sites = problem.odds.sites();
-    let known = problem.draws.iter().filter(|draw| draw.cells == 1);
-    known.map(|draw| sites[draw.sites.start]).collect()
 }
 
 /// Makes one tour. The team that is free first takes the hotspot that it reaches first. When none

@@ -29,11 +29,9 @@ const BATCH: u64 = 256;
 const NEGLIGIBLE: f64 = 1e-3;
 /// Steps evaluated beyond that one.
 const MARGIN: usize = 4;
-/// The temperature at the start and at the end, in steps.
-const HOT: f64 = 0.25;
-/// The temperature at the start where the fleet stays together. Its plans are renewed at nearly
-/// every step, each from a good plan, which heat would undo.
-const WARM: f64 = 0.03;
+/// The temperature at the start and at the end, in steps. Most plans begin with a good plan, which
+/// more heat would undo.
+const HOT: f64 = 0.03;
 const COLD: f64 = 0.0025;
 /// The least gain in expected steps that counts as a gain.
 const RESOLUTION: f64 = 1e-9;
@@ -161,11 +159,10 @@ impl<'p, 'm> Annealer<'p, 'm> {
     ) -> (Paths, bool) {
         let mut best = (self.value, self.paths.clone());
         let movers = self.problem.movers.as_slice();
-        let hot = if self.problem.together { WARM } else { HOT };
         let mut tried = 0;
         while tried < iterations && !movers.is_empty() {
             let share = tried as f64 / iterations as f64;
-            let temperature = hot * libm::pow(COLD / hot, share);
+            let temperature = HOT * libm::pow(COLD / HOT, share);
             let uav = movers[self.draws.below(movers.len())];
             self.take_turn(uav);
             let batch = BATCH.min(iterations - tried);

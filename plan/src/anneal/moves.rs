@@ -38,10 +38,11 @@ impl Annealer<'_, '_> {
         }
         let step = 1 + self.draws.below(window);
         let proposed = match self.draws.below(16) {
-            0..=4 => self.swap_motions(step),
-            5..=8 => self.shift(step),
-            9..=11 => self.shift_in_time(step),
-            12..=13 => self.detour(step),
+            0..=3 => self.swap_motions(step),
+            4..=6 => self.shift(step),
+            7..=9 => self.shift_in_time(step),
+            10..=11 => self.detour(step),
+            12..=13 => self.follow(step),
             _ => self.change_level(step),
         };
         proposed && self.is_legal()
@@ -169,25 +170,31 @@ impl Annealer<'_, '_> {
         self.joins()
     }
 
+    /// Draws a cell within a few cells of another.
+    fn around(&mut self, here: Cell, reach: usize) -> Cell {
+        let config = self.problem.model.config();
+        let side = 2 * reach + 1;
+        let mut draw = |at: u32| i64::from(at) - reach as i64 + self.draws.below(side) as i64;
+        let (x, y) = (draw(here.x), draw(here.y));
+        Cell {
+            x: within(x, config.grid_width),
+            y: within(y, config.grid_height),
+        }
+    }
+
     /// Detours by way of a random cell, then flies straight to the first cell of the old path in
-    /// reach.
+    /// reach. The random cell is near a known hotspot or near the old path.
     fn detour(&mut self, first: usize) -> bool {
-        let config = *self.problem.model.config();
-        let reach = 2 + self.draws.below(6) as i64;
-        let here = self.at(first);
-        let side = 2 * reach as usize + 1;
-        let via = Cell {
-            x: within(
-                i64::from(here.x) - reach + self.draws.below(side) as i64,
-                config.grid_width,
-            ),
-            y: within(
-                i64::from(here.y) - reach + self.draws.below(side) as i64,
-                config.grid_height,
-            ),
+        let known = self.problem.known.len();
+        let (via, wait) = if known > 0 && self.draws.below(2) == 0 {
+            let hotspot = self.problem.known[self.draws.below(known)];
+            let reach = self.draws.below(3);
+            (self.around(hotspot, reach), self.draws.below(8))
+        } else {
+            let reach = 2 + self.draws.below(6);
+            (self.around(self.at(first), reach), self.draws.below(3))
         };
         let steps = self.problem.steps;
-        let wait = self.draws.below(3);
         let start = self.at(first - 1);
         let arrival = first - 1 + start.manhattan(via) as usize + wait;
         // This is the first step from which the old path is in reach.
@@ -205,6 +212,48 @@ impl Annealer<'_, '_> {
             let target = if step <= arrival { via } else { self.at(last) };
             cell = nearer(cell, target, turn);
             self.moved.cells[step] = self.problem.odds.index(cell);
+        }
+        self.joins()
+    }
+
+    /// Flies straight to where another UAV will be and follows it, to the end or for some steps. It
+    /// then flies back to its old path.
+    fn follow(&mut self, first: usize) -> bool {
+        let uavs = self.paths.uav_count();
+        if uavs < 2 {
+            return false;
+        }
+        let leader = (self.uav + 1 + self.draws.below(uavs - 1)) % uavs;
+        let (steps, start) = (self.problem.steps, self.at(first - 1));
+        let there = |step: usize| self.problem.odds.cell(self.paths.cell(leader, step));
+        let in_reach = |step: &usize| start.manhattan(there(*step)) as usize <= step - first + 1;
+        let Some(meeting) = (first..=steps).find(in_reach) else {
+            return false;
+        };
+        let target = there(meeting);
+        let turn = self.draws.below(2) == 0;
+        let leave = if self.draws.below(2) == 0 {
+            steps
+        } else {
+            self.later(meeting)
+        };
+        let left = self.problem.odds.cell(self.paths.cell(leader, leave));
+        let back = |step: &usize| left.manhattan(self.at(*step)) as usize <= step - leave;
+        let last = (leave..steps).find(back).unwrap_or(steps);
+        self.copy(first, last);
+        let mut cell = start;
+        for step in first..=last {
+            cell = if step < meeting {
+                nearer(cell, target, turn)
+            } else if step <= leave {
+                self.problem.odds.cell(self.paths.cell(leader, step))
+            } else {
+                nearer(cell, self.at(last), turn)
+            };
+            self.moved.cells[step] = self.problem.odds.index(cell);
+            if step >= meeting && step <= leave {
+                self.moved.levels[step] = self.paths.level(leader, step);
+            }
         }
         self.joins()
     }
