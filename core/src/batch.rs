@@ -37,87 +37,114 @@ use crate::header::{self, HeaderRef, Phase};
 use crate::metrics::Metrics;
 use crate::model::Model;
 use crate::observation::{observe, observe_global, observe_inline};
+use crate::reward::COMPONENTS;
 use crate::rng::derive_seed;
 use crate::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::{action, step};
 
-/// Output buffers of a batch step for M environments.
-///
-/// Shapes are row-major with the environment first; an empty slice omits an optional output.
-#[derive(Debug, Default)]
-pub struct BatchOut<'a> {
-    /// Observations, `[M][N][observation_len]`; see [`crate::observation::observe`].
-    pub observations: &'a mut [f32],
-    /// Global states, `[M][global_len]`; optional.
-    pub global: &'a mut [f32],
-    /// The team's reward of the step, `[M]`.
-    pub rewards: &'a mut [f32],
-    /// Components of the team's reward, `[M][12]`, in the order of [`crate::reward::NAMES`];
-    /// optional.
-    pub components: &'a mut [f64],
-    /// 1 where the step terminated the episode, else 0; `[M]`.
-    pub terminated: &'a mut [u8],
-    /// 1 where the step truncated the episode at the horizon, else 0; `[M]`.
-    pub truncated: &'a mut [u8],
-    /// Last observations of the episodes that were reset, `[M][N][observation_len]`; optional.
-    /// Other rows do not change.
-    pub final_observations: &'a mut [f32],
-    /// Last global states of the episodes that were reset, `[M][global_len]`; optional. Other rows
-    /// do not change.
-    pub final_global: &'a mut [f32],
-    /// Summaries of the episodes that ended, `[M]`; optional. Other entries do not change.
-    pub final_metrics: &'a mut [Metrics],
-    /// Each UAV's own reward, `[M][N]`; optional. The mean over the fleet is the team's reward.
-    pub uav_rewards: &'a mut [f32],
-    /// Components of each UAV's own reward, `[M][N][12]`; optional.
-    pub uav_components: &'a mut [f64],
-}
+/// Declares the outputs of a batch step once. Each has a name, a type, and a number of elements for
+/// one environment; an optional one may be omitted.
+macro_rules! batch_outputs {
+    ($d:tt |$model:ident| $(
+        $(#[doc = $doc:literal])+
+        $rule:ident $name:ident: [$type:ty; $len:expr];
+    )+) => {
+        /// Output buffers of a batch step for M environments.
+        ///
+        /// Shapes are row-major with the environment first; an empty slice omits an optional
+        /// output.
+        #[derive(Debug, Default)]
+        pub struct BatchOut<'a> {
+            $( $(#[doc = $doc])+ pub $name: &'a mut [$type], )+
+        }
 
-impl BatchOut<'_> {
-    fn check(&self, model: &Model<'_>, count: usize) -> Result<(), Error> {
-        let observations = count * model.uav_count() * model.observation_len();
-        let global = count * model.global_len();
-        let uavs = count * model.uav_count();
-        let lengths = [
-            ("observations", self.observations.len(), observations, false),
-            ("global", self.global.len(), global, true),
-            ("rewards", self.rewards.len(), count, false),
-            (
-                "components",
-                self.components.len(),
-                count * crate::reward::COMPONENTS,
-                true,
-            ),
-            ("terminated", self.terminated.len(), count, false),
-            ("truncated", self.truncated.len(), count, false),
-            (
-                "final_observations",
-                self.final_observations.len(),
-                observations,
-                true,
-            ),
-            ("final_global", self.final_global.len(), global, true),
-            ("final_metrics", self.final_metrics.len(), count, true),
-            ("uav_rewards", self.uav_rewards.len(), uavs, true),
-            (
-                "uav_components",
-                self.uav_components.len(),
-                uavs * crate::reward::COMPONENTS,
-                true,
-            ),
-        ];
-        for (what, got, expected, optional) in lengths {
-            if got != expected && !(optional && got == 0) {
-                return Err(Error::Length {
-                    what,
-                    expected,
-                    got,
-                });
+        /// The number of elements of each output of a batch step for one environment.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub struct BatchLens {
+            $(
+                #[doc = concat!("Elements of [`BatchOut::", stringify!($name), "`].")]
+                pub $name: usize,
+            )+
+        }
+
+        impl BatchLens {
+            /// The numbers for environments of a model.
+            #[inline]
+            #[must_use]
+            pub const fn of($model: &Model<'_>) -> Self {
+                Self { $( $name: $len, )+ }
             }
         }
-        Ok(())
-    }
+
+        /// Passes the name and the type of each output of a batch step to another macro.
+        #[macro_export]
+        macro_rules! for_each_batch_output {
+            ($d each:ident) => {
+                $d each! { $( $name: $type; )+ }
+            };
+        }
+
+        impl BatchOut<'_> {
+            /// Checks the length of each buffer, for `count` environments.
+            fn check(&self, lens: &BatchLens, count: usize) -> Result<(), Error> {
+                $(
+                    let omitted = is_optional!($rule) && self.$name.is_empty();
+                    if !omitted && self.$name.len() != count * lens.$name {
+                        return Err(Error::Length {
+                            what: stringify!($name),
+                            expected: count * lens.$name,
+                            got: self.$name.len(),
+                        });
+                    }
+                )+
+                Ok(())
+            }
+
+            /// The buffers of environment `m`.
+            #[inline(always)]
+            fn environment(&mut self, m: usize, lens: &BatchLens) -> BatchOut<'_> {
+                BatchOut { $( $name: part(self.$name, m, lens.$name), )+ }
+            }
+        }
+    };
+}
+
+macro_rules! is_optional {
+    (required) => {
+        false
+    };
+    (optional) => {
+        true
+    };
+}
+
+batch_outputs! { $ |model|
+    /// Observations, `[M][N][observation_len]`; see [`crate::observation::observe`].
+    required observations: [f32; model.uav_count() * model.observation_len()];
+    /// The team's reward of the step, `[M]`.
+    required rewards: [f32; 1];
+    /// 1 where the step terminated the episode, else 0; `[M]`.
+    required terminated: [u8; 1];
+    /// 1 where the step truncated the episode at the horizon, else 0; `[M]`.
+    required truncated: [u8; 1];
+    /// Global states, `[M][global_len]`; optional.
+    optional global: [f32; model.global_len()];
+    /// Components of the team's reward, `[M][12]`, in the order of [`crate::reward::NAMES`];
+    /// optional.
+    optional components: [f64; COMPONENTS];
+    /// Last observations of the episodes that were reset, `[M][N][observation_len]`; optional.
+    /// Other rows do not change.
+    optional final_observations: [f32; model.uav_count() * model.observation_len()];
+    /// Last global states of the episodes that were reset, `[M][global_len]`; optional. Other rows
+    /// do not change.
+    optional final_global: [f32; model.global_len()];
+    /// Summaries of the episodes that ended, `[M]`; optional. Other entries do not change.
+    optional final_metrics: [Metrics; 1];
+    /// Each UAV's own reward, `[M][N]`; optional. The mean over the fleet is the team's reward.
+    optional uav_rewards: [f32; model.uav_count()];
+    /// Components of each UAV's own reward, `[M][N][12]`; optional.
+    optional uav_components: [f64; model.uav_count() * COMPONENTS];
 }
 
 /// The part of a buffer that belongs to environment `m`; empty if the buffer is empty.
@@ -245,12 +272,14 @@ impl Model<'_> {
         auto_reset: bool,
         out: &mut BatchOut<'_>,
     ) -> Result<(), Error> {
-        let count = self.batch_len(states)?;
-        out.check(self, count)?;
+        let (count, lens) = (self.batch_len(states)?, BatchLens::of(self));
+        out.check(&lens, count)?;
         self.check_batch(states, actions, count)?;
-        for (m, words) in states.chunks_exact_mut(self.state_words()).enumerate() {
-            let own_actions = &actions[m * self.action_len()..(m + 1) * self.action_len()];
-            self.step_one(words, scratch, own_actions, auto_reset, m, out)?;
+        let actions = actions.chunks_exact(self.action_len());
+        let environments = states.chunks_exact_mut(self.state_words()).zip(actions);
+        for (m, (words, actions)) in environments.enumerate() {
+            let out = out.environment(m, &lens);
+            self.step_one(words, scratch, actions, auto_reset, out)?;
         }
         Ok(())
     }
@@ -290,6 +319,7 @@ impl Model<'_> {
         Ok(())
     }
 
+    /// Steps one environment, whose outputs are `out`.
     #[inline(always)]
     fn step_one(
         &self,
@@ -297,58 +327,42 @@ impl Model<'_> {
         scratch: &mut Scratch<'_>,
         actions: &[f32],
         auto_reset: bool,
-        m: usize,
-        out: &mut BatchOut<'_>,
+        out: BatchOut<'_>,
     ) -> Result<(), Error> {
         let mut state = StateMut::split(*self.layout(), words);
         let outcome = step::step_inline(self, &mut state, scratch, actions)?;
-        out.rewards[m] = outcome.reward as f32;
-        out.terminated[m] = u8::from(outcome.terminated);
-        out.truncated[m] = u8::from(outcome.truncated);
-        let observation_len = self.uav_count() * self.observation_len();
+        out.rewards[0] = outcome.reward as f32;
+        out.terminated[0] = u8::from(outcome.terminated);
+        out.truncated[0] = u8::from(outcome.truncated);
         let mut state = state.as_ref();
         if !out.components.is_empty() {
-            part(out.components, m, crate::reward::COMPONENTS).copy_from_slice(&state.rewards());
+            out.components.copy_from_slice(&state.rewards());
         }
         if !out.uav_rewards.is_empty() {
-            let own = part(out.uav_rewards, m, self.uav_count());
-            state.write_uav_rewards(own);
+            state.write_uav_rewards(out.uav_rewards);
         }
-        if !out.uav_components.is_empty() {
-            let own = part(
-                out.uav_components,
-                m,
-                self.uav_count() * crate::reward::COMPONENTS,
-            );
-            for (i, row) in own.chunks_exact_mut(crate::reward::COMPONENTS).enumerate() {
-                row.copy_from_slice(&state.uav_rewards(i));
-            }
+        for (i, row) in out.uav_components.chunks_exact_mut(COMPONENTS).enumerate() {
+            row.copy_from_slice(&state.uav_rewards(i));
         }
         if outcome.terminated || outcome.truncated {
             if !out.final_metrics.is_empty() {
-                out.final_metrics[m] = state.metrics();
+                out.final_metrics[0] = state.metrics();
             }
             if auto_reset {
                 if !out.final_observations.is_empty() {
-                    let kept = part(out.final_observations, m, observation_len);
-                    observe(self, &state, scratch, kept)?;
+                    observe(self, &state, scratch, out.final_observations)?;
                 }
                 if !out.final_global.is_empty() {
-                    observe_global(self, &state, part(out.final_global, m, self.global_len()))?;
+                    observe_global(self, &state, out.final_global)?;
                 }
                 let next = derive_seed(state.seed(), 0);
                 self.reset(words, scratch, next)?;
                 state = StateRef::split(*self.layout(), words);
             }
         }
-        observe_inline(
-            self,
-            &state,
-            scratch,
-            part(out.observations, m, observation_len),
-        )?;
+        observe_inline(self, &state, scratch, out.observations)?;
         if !out.global.is_empty() {
-            observe_global(self, &state, part(out.global, m, self.global_len()))?;
+            observe_global(self, &state, out.global)?;
         }
         Ok(())
     }

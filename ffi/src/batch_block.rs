@@ -80,7 +80,6 @@ pub(crate) struct Sizes {
     pub(crate) actions: usize,
     pub(crate) observations: usize,
     pub(crate) global: usize,
-    pub(crate) uavs: usize,
     pub(crate) snapshots: usize,
 }
 
@@ -314,7 +313,6 @@ impl Batch {
             actions: count * model.action_len(),
             observations: count * model.uav_count() * model.observation_len(),
             global: count * model.global_len(),
-            uavs: count * model.uav_count(),
             snapshots: count * model.save_len(),
         }
     }

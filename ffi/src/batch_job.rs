@@ -5,9 +5,9 @@ use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::slice;
 
-use jcas_core::batch::BatchOut;
+use jcas_core::batch::{BatchLens, BatchOut};
 use jcas_core::header::Phase;
-use jcas_core::{Error, Model, Scratch, reward};
+use jcas_core::{Error, Metrics, Model, Scratch};
 use jcas_simd::InstructionSet;
 
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_INTERNAL};
@@ -126,6 +126,33 @@ impl<'a> Shares<'a> {
     }
 }
 
+/// Declares the start of each output of a batch step.
+macro_rules! outputs {
+    ($( $name:ident: $type:ty; )+) => {
+        /// The start of each output of a batch step.
+        struct Outputs {
+            $( $name: Begin<$type>, )+
+        }
+
+        impl Outputs {
+            fn of(out: BatchOut<'_>) -> Self {
+                Self { $( $name: Begin::of(out.$name), )+ }
+            }
+
+            /// Returns the buffers of the environments `range`.
+            ///
+            /// # Safety
+            /// As [`Begin::part`] for each buffer.
+            unsafe fn part<'a>(&self, range: &Range, lens: &BatchLens) -> BatchOut<'a> {
+                // SAFETY: the caller's promise.
+                unsafe { BatchOut { $( $name: self.$name.part(range, lens.$name), )+ } }
+            }
+        }
+    };
+}
+
+jcas_core::for_each_batch_output!(outputs);
+
 /// One step of a batch, with all buffers that it reads and writes.
 pub(crate) struct BatchJob<'a> {
     model: &'a Model<'a>,
@@ -134,16 +161,7 @@ pub(crate) struct BatchJob<'a> {
     states: Begin<u64>,
     scratch: Begin<u64>,
     actions: &'a [f32],
-    observations: Begin<f32>,
-    global: Begin<f32>,
-    rewards: Begin<f32>,
-    components: Begin<f64>,
-    terminated: Begin<u8>,
-    truncated: Begin<u8>,
-    final_observations: Begin<f32>,
-    final_global: Begin<f32>,
-    final_metrics: Begin<jcas_core::Metrics>,
-    uav_rewards: Begin<f32>,
+    out: Outputs,
     shares: Shares<'a>,
     buffers: PhantomData<&'a mut [u64]>,
 }
@@ -165,16 +183,7 @@ impl<'a> BatchJob<'a> {
             states: Begin::of(states),
             scratch: Begin::of(scratch),
             actions,
-            observations: Begin::of(out.observations),
-            global: Begin::of(out.global),
-            rewards: Begin::of(out.rewards),
-            components: Begin::of(out.components),
-            terminated: Begin::of(out.terminated),
-            truncated: Begin::of(out.truncated),
-            final_observations: Begin::of(out.final_observations),
-            final_global: Begin::of(out.final_global),
-            final_metrics: Begin::of(out.final_metrics),
-            uav_rewards: Begin::of(out.uav_rewards),
+            out: Outputs::of(out),
             shares: Shares::new(taken),
             buffers: PhantomData,
         }
@@ -221,7 +230,6 @@ impl<'a> BatchJob<'a> {
             begin: index,
             end: index + 1,
         };
-        let observed = model.uav_count() * model.observation_len();
         let action_len = model.action_len();
         let actions = &self.actions[range.begin * action_len..range.end * action_len];
         // SAFETY: lengths were checked against the model, and only one thread takes a share.
@@ -229,19 +237,7 @@ impl<'a> BatchJob<'a> {
             (
                 self.states.part(&range, model.state_words()),
                 self.scratch.part(&own, Scratch::words_for(model)),
-                BatchOut {
-                    observations: self.observations.part(&range, observed),
-                    global: self.global.part(&range, model.global_len()),
-                    rewards: self.rewards.part(&range, 1),
-                    components: self.components.part(&range, reward::COMPONENTS),
-                    terminated: self.terminated.part(&range, 1),
-                    truncated: self.truncated.part(&range, 1),
-                    final_observations: self.final_observations.part(&range, observed),
-                    final_global: self.final_global.part(&range, model.global_len()),
-                    final_metrics: self.final_metrics.part(&range, 1),
-                    uav_rewards: self.uav_rewards.part(&range, model.uav_count()),
-                    uav_components: &mut [],
-                },
+                self.out.part(&range, &BatchLens::of(model)),
             )
         };
         let mut scratch = Scratch::new(model, scratch)?;

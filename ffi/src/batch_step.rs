@@ -3,6 +3,7 @@
 
 use std::ffi::{c_char, c_void};
 
+use jcas_core::batch::BatchLens;
 use jcas_core::{Error, Metrics, Model, Scratch, observation};
 
 use crate::batch::jcas_batch;
@@ -217,7 +218,8 @@ pub unsafe extern "C" fn jcas_batch_step(
         };
         // SAFETY: the caller's promise for `out`.
         let out = unsafe { read_record(out) }?;
-        let buffers = StepBuffers::check(&out, (actions, action_count), batch.sizes())?;
+        let lens = BatchLens::of(batch.model());
+        let buffers = StepBuffers::check(&out, (actions, action_count), batch.sizes(), &lens)?;
         // SAFETY: the caller's promise for each buffer.
         let (actions, out, metrics) = unsafe { buffers.open() };
         let wanted = !metrics.is_empty();
