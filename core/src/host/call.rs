@@ -6,13 +6,14 @@ use crate::model::Model;
 use crate::scratch::Scratch;
 use crate::state::StateMut;
 
-/// Declares the calls once: the enum, the name of each, and the list of names.
+/// Declares the calls once: the enum, the name of each, the list of names, and which calls come
+/// within a step.
 macro_rules! calls {
     ($(
         $(#[doc = $doc:literal])+
         $name:ident {
             $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty ),+ $(,)?
-        } = $kind:literal,
+        } = $kind:literal, within_step: $within:literal,
     )+) => {
         /// A call by which a host simulator replaces a part of the model. See the method of
         /// [`Model`] that has the same name for units, ranges and errors.
@@ -32,6 +33,15 @@ macro_rules! calls {
                     $( Self::$name { .. } => $kind, )+
                 }
             }
+
+            /// Whether the call comes between two parts of a step. The other calls come between two
+            /// steps.
+            #[must_use]
+            pub const fn within_step(&self) -> bool {
+                match self {
+                    $( Self::$name { .. } => $within, )+
+                }
+            }
         }
     };
 }
@@ -41,78 +51,61 @@ calls! {
     SetStarts {
         /// One cell for each UAV.
         cells: &'a [Cell],
-    } = "set_starts",
+    } = "set_starts", within_step: false,
     /// [`Model::set_hotspots`].
     SetHotspots {
         /// One cell for each hotspot.
         cells: &'a [Cell],
-    } = "set_hotspots",
+    } = "set_hotspots", within_step: false,
     /// [`Model::set_batteries`].
     SetBatteries {
         /// The charge of each UAV in microjoules.
         charges_uj: &'a [u64],
-    } = "set_batteries",
+    } = "set_batteries", within_step: false,
     /// [`Model::set_battery`].
     SetBattery {
         /// Index of the UAV.
         uav: usize,
         /// Its charge in microjoules.
         charge_uj: u64,
-    } = "set_battery",
+    } = "set_battery", within_step: false,
     /// [`Model::move_hotspot`].
     MoveHotspot {
         /// Index of the hotspot.
         hotspot: usize,
         /// Its new cell.
         cell: Cell,
-    } = "move_hotspot",
+    } = "move_hotspot", within_step: false,
     /// [`Model::set_positions`].
     SetPositions {
         /// One cell for each UAV.
         cells: &'a [Cell],
-    } = "set_positions",
+    } = "set_positions", within_step: true,
     /// [`Model::ground`].
     Ground {
         /// Index of the UAV.
         uav: usize,
-    } = "ground",
+    } = "ground", within_step: true,
     /// [`Model::confirm_hotspot`].
     ConfirmHotspot {
         /// Index of the hotspot.
         hotspot: usize,
-    } = "confirm_hotspot",
+    } = "confirm_hotspot", within_step: true,
     /// [`Model::step_sense_with`].
     StepSenseWith {
         /// N rows of n bytes; 0: no detection.
         detections: &'a [u8],
-    } = "step_sense_with",
+    } = "step_sense_with", within_step: true,
     /// [`Model::step_communicate_with`].
     StepCommunicateWith {
         /// N rows of N bytes; 0: no link.
         links: &'a [u8],
         /// The mean normalised throughput of each UAV, where the host measured it.
         throughput: Option<&'a [f64]>,
-    } = "step_communicate_with",
+    } = "step_communicate_with", within_step: true,
 }
 
 impl Call<'_> {
-    /// Whether the call comes between two parts of a step. The other calls come between two steps.
-    #[must_use]
-    pub const fn within_step(&self) -> bool {
-        match self {
-            Self::SetStarts { .. }
-            | Self::SetHotspots { .. }
-            | Self::SetBatteries { .. }
-            | Self::SetBattery { .. }
-            | Self::MoveHotspot { .. } => false,
-            Self::SetPositions { .. }
-            | Self::Ground { .. }
-            | Self::ConfirmHotspot { .. }
-            | Self::StepSenseWith { .. }
-            | Self::StepCommunicateWith { .. } => true,
-        }
-    }
-
     /// Applies the call to a state.
     ///
     /// # Errors
