@@ -81,7 +81,7 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
         JCAS_ERROR_INTERNAL => "a fault of the library itself\0",
         JCAS_ERROR_FORKED => "the threads of the batch are in the parent process\0",
         JCAS_ERROR_SINK => "the sink has not taken all of the trace\0",
-        JCAS_ERROR_DIFFERENT => "flown again, the trace is not what its file says\0",
+        JCAS_ERROR_DIFFERENT => "this library does not reproduce the trace\0",
         JCAS_ERROR_BUSY => "another call is using the object\0",
         _ => "not a status of jcas\0",
     };
