@@ -2,7 +2,8 @@
 #
 #     vcpkg install jcas --overlay-ports=packaging/vcpkg
 #
-# Not tried: vcpkg has not read this file yet. `.ci/package.sh` tries the CMake project.
+# vcpkg's scripts of August 2026 have built the triplets x64-linux and x64-linux-dynamic, and a
+# CMake project has used both. Not tried: the program vcpkg, which picks ports and checks packages.
 set(VCPKG_BUILD_TYPE release)
 get_filename_component(clone "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
 vcpkg_cmake_configure(SOURCE_PATH "${clone}")
@@ -12,5 +13,7 @@ vcpkg_fixup_pkgconfig()
 if(VCPKG_LIBRARY_LINKAGE STREQUAL "static")
     file(GLOB shared "${CURRENT_PACKAGES_DIR}/lib/libjcas.so*")
     file(REMOVE ${shared})
+else()
+    file(REMOVE "${CURRENT_PACKAGES_DIR}/lib/libjcas.a")
 endif()
 vcpkg_install_copyright(FILE_LIST "${clone}/LICENSE-MIT" "${clone}/LICENSE-APACHE")
