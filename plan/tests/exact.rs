@@ -64,8 +64,22 @@ fn is_near(mean: f64, error: f64, expected: f64) {
     );
 }
 
+/// Whether every UAV begins where it is and moves by one cell in a step at most.
+fn can_be_flown(problem: &Problem<'_>, paths: &Paths) -> bool {
+    let odds = problem.odds();
+    (0..paths.uav_count()).all(|uav| {
+        let cells: Vec<Cell> = paths
+            .cells_of(uav)
+            .iter()
+            .map(|&cell| odds.cell(cell))
+            .collect();
+        cells[0] == problem.situation().cells[uav]
+            && cells.windows(2).all(|pair| pair[0].manhattan(pair[1]) <= 1)
+    })
+}
+
 /// A wrong B, D or F of the annealing, or a wrong component, would end in another value than that
-/// of the plain sums.
+/// of the plain sums. A wrong move would leave a trajectory that no UAV can fly.
 #[test]
 fn the_annealing_counts_as_the_plain_sums_do() {
     // The steps are so few that the annealing evaluates all of them.
@@ -79,6 +93,7 @@ fn the_annealing_counts_as_the_plain_sums_do() {
     for targets in [
         Targets::weighted(&model, 3, &vec![1.0; cells]).unwrap(),
         Targets::each_cell(&model, &chances).unwrap(),
+        Targets::known(&model, &[Cell { x: 1, y: 0 }, Cell { x: 4, y: 3 }]).unwrap(),
     ] {
         let problem = Problem::new(&model, &targets, Situation::at_reset(&model)).unwrap();
         let start = starts(&problem).swap_remove(5);
@@ -93,6 +108,7 @@ fn the_annealing_counts_as_the_plain_sums_do() {
             let value = annealer.value();
             assert!((value - plain.steps).abs() < 1e-3, "{value} {plain:?}");
             assert!(bound(&problem) <= plain.steps);
+            assert!(can_be_flown(&problem, annealer.paths()));
         }
         assert!(made > 100, "{made}");
     }
