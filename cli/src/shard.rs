@@ -1,11 +1,12 @@
 //! Parts of a long computation for several machines, and what merging checks of every part.
 
 use core::fmt;
-use core::str::FromStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use jcas_core::hash::Fnv1a;
+use jcas_episode::shard::Shard;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
@@ -13,56 +14,6 @@ use crate::files;
 
 /// Number of missing parts that a message names.
 const MISSING_SHOWN: usize = 20;
-
-/// The i-th of n parts, from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shard {
-    /// i.
-    pub number: usize,
-    /// n.
-    pub count: usize,
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        text.split_once('/')
-            .and_then(|(number, count)| {
-                Some(Self {
-                    number: number.parse().ok()?,
-                    count: count.parse().ok()?,
-                })
-            })
-            .filter(Shard::is_valid)
-            .ok_or_else(|| "must be i/n with 1 <= i <= n, such as 2/8".to_owned())
-    }
-}
-
-impl fmt::Display for Shard {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}/{}", self.number, self.count)
-    }
-}
-
-impl Shard {
-    /// Whether 1 ≤ i ≤ n.
-    #[must_use]
-    pub fn is_valid(&self) -> bool {
-        (1..=self.count).contains(&self.number)
-    }
-
-    /// The indices of its cells: every n-th, since neighbours in the grid cost alike.
-    pub fn cells(&self, cells_in_all: usize) -> impl Iterator<Item = usize> + use<> {
-        (self.number - 1..cells_in_all).step_by(self.count)
-    }
-
-    /// The path of its manifest.
-    #[must_use]
-    pub fn manifest_path(&self, folder: &Path) -> PathBuf {
-        folder.join(format!("shard-{}-of-{}.json", self.number, self.count))
-    }
-}
 
 /// The executable that ran a part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -96,21 +47,55 @@ impl fmt::Display for Build {
 }
 
 /// What the manifests of all computations have in common.
-pub trait Manifest: Serialize + Sized {
-    /// Reads a manifest and checks that it describes the part that it names.
-    ///
-    /// # Errors
-    /// The file cannot be read, or is no such manifest.
-    fn read(path: &Path) -> Result<Self, CliError>;
+pub trait Manifest: Serialize + DeserializeOwned {
+    /// What is computed in parts, such as `sweep`.
+    const COMPUTATION: &'static str;
+    /// Version of the format.
+    const FORMAT: u32;
+
+    /// The version that the manifest states.
+    fn format(&self) -> u32;
 
     /// The part.
     fn shard(&self) -> Shard;
+
+    /// Checks what else the manifest says of its part.
+    ///
+    /// # Errors
+    /// What is wrong.
+    fn check(&self) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Refuses a part of another computation, of another split or by another build.
     ///
     /// # Errors
     /// The field that differs.
     fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError>;
+
+    /// Reads a manifest and checks that it describes the part that it names.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no such manifest.
+    fn read(path: &Path) -> Result<Self, CliError> {
+        let bytes = fs::read(path).map_err(CliError::io(path))?;
+        let refuse = |what: &dyn fmt::Display| {
+            let what = format!("is no manifest of a {}'s shard: {what}", Self::COMPUTATION);
+            CliError::file(path, what)
+        };
+        let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
+        let (format, shard) = (manifest.format(), manifest.shard());
+        if format != Self::FORMAT {
+            let what = format!("format = {format}: must be {}", Self::FORMAT);
+            return Err(refuse(&what));
+        }
+        if !shard.is_valid() {
+            let what = format!("shard = {shard}: must be i/n, 1 <= i <= n");
+            return Err(refuse(&what));
+        }
+        manifest.check().map_err(|what| refuse(&what))?;
+        Ok(manifest)
+    }
 
     /// Writes the manifest.
     ///
@@ -137,6 +122,18 @@ pub fn require_equal<T: PartialEq + fmt::Display>(
         return Ok(());
     }
     let what = format!("{field} = {own}: must be {others}, as in {origin}");
+    Err(CliError::file(path, what))
+}
+
+/// Refuses to replace a table with another content, unless that is asked for.
+///
+/// # Errors
+/// The file has another content, or cannot be read.
+pub fn require_replaceable(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), CliError> {
+    if overwrite || !path.exists() || fs::read(path).map_err(CliError::io(path))? == bytes {
+        return Ok(());
+    }
+    let what = "holds another table; give another place, or --overwrite to replace it";
     Err(CliError::file(path, what))
 }
 
@@ -202,40 +199,4 @@ fn require_every_number<M: Manifest>(parts: &[(&PathBuf, M)], out: &Path) -> Res
         missing.join(", "),
         names.join(", ")
     )))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_parts_hold_every_cell_once() {
-        for count in 1..=8 {
-            let parts = (1..=count).map(|number| Shard { number, count });
-            let mut cells: Vec<usize> = parts.flat_map(|part| part.cells(5)).collect();
-            cells.sort_unstable();
-            assert_eq!(cells, [0, 1, 2, 3, 4], "{count}");
-        }
-        let second: Vec<usize> = Shard {
-            number: 2,
-            count: 3,
-        }
-        .cells(8)
-        .collect();
-        assert_eq!(second, [1, 4, 7]);
-    }
-
-    #[test]
-    fn a_part_counts_from_one_to_the_number_of_parts() {
-        assert_eq!(
-            "3/3".parse(),
-            Ok(Shard {
-                number: 3,
-                count: 3
-            })
-        );
-        for text in ["0/3", "4/3", "0/0", "1", "1/", "/2", "-1/2", "1/2/3", "a/b"] {
-            assert!(text.parse::<Shard>().is_err(), "{text}");
-        }
-    }
 }

@@ -4,7 +4,8 @@
 //! - [`mission`]: one episode, or a campaign of many on all cores;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
 //! - [`trace`]: an episode on file, verified bit for bit;
-//! - [`replay`]: a page that plays such an episode.
+//! - [`replay`]: a page that plays such an episode;
+//! - [`shard`]: parts of a long computation for several machines.
 //!
 //! With the feature `parallel` (default) a campaign uses all cores through rayon; results do not
 //! depend on the number of cores. Without it everything runs on one thread, on any target that has
@@ -15,5 +16,6 @@
 pub mod card;
 pub mod mission;
 pub mod replay;
+pub mod shard;
 pub mod statistics;
 pub mod trace;

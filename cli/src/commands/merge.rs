@@ -39,13 +39,7 @@ impl Merge {
     pub fn run(self) -> Result<Outcome, CliError> {
         let merged = self.join(shard::read_all(&self.shards, &self.out)?)?;
         let bytes = merged.bytes()?;
-        if self.out.exists() && !self.overwrite {
-            let earlier = std::fs::read(&self.out).map_err(CliError::io(&self.out))?;
-            if earlier != bytes {
-                let what = "holds another table; give another path, or --overwrite to replace it";
-                return Err(CliError::file(&self.out, what));
-            }
-        }
+        shard::require_replaceable(&self.out, &bytes, self.overwrite)?;
         files::write_bytes(&self.out, &bytes)?;
         files::print(&format!(
             "{}: {} cells of {} shards\n",

@@ -1,22 +1,19 @@
 //! A part of a sweep for another machine, and what merging needs to know about the part.
 
-use core::fmt;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use jcas_core::hash::Fnv1a;
 use jcas_episode::card::{CARD, WEIGHTS};
+use jcas_episode::shard::Shard;
 use serde::{Deserialize, Serialize};
 
 use super::plan::SweepCell;
 use super::store::{Frame, Store};
 use crate::error::CliError;
-use crate::shard::{Build, Manifest, Shard, require_equal};
+use crate::shard::{Build, Manifest, require_equal};
 use crate::{learned, planned};
-
-/// Version of the manifest's format.
-const FORMAT: u32 = 1;
 
 /// Opens the table of a part and returns its cells. The manifest is on file before the first cell
 /// runs, so that rows of another build are not continued.
@@ -79,7 +76,7 @@ impl SweepManifest {
     fn new(shard: Shard, cells: &[SweepCell], frame: &Frame) -> Result<Self, CliError> {
         let key = |cell: usize| frame.keys[cell].clone();
         Ok(Self {
-            format: FORMAT,
+            format: Self::FORMAT,
             build: Build::current()?,
             sweep: fingerprint(cells, frame)?,
             shard,
@@ -93,36 +90,30 @@ impl SweepManifest {
 }
 
 impl Manifest for SweepManifest {
-    fn read(path: &Path) -> Result<Self, CliError> {
-        let bytes = fs::read(path).map_err(CliError::io(path))?;
-        let refuse = |what: &dyn fmt::Display| {
-            CliError::file(path, format!("is no manifest of a shard: {what}"))
-        };
-        let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
-        let Self { format, shard, .. } = manifest;
-        if format != FORMAT {
-            return Err(refuse(&format!("format = {format}: must be {FORMAT}")));
-        }
-        if !shard.is_valid() {
-            return Err(refuse(&format!(
-                "shard = {shard}: must be i/n, 1 <= i <= n"
-            )));
-        }
-        let Frame { columns, keys } = &manifest.frame;
-        let (rows, all) = (keys.len(), manifest.cells_in_all);
-        let own = shard.cells(all).count();
-        if rows != own {
-            let what = format!("it has {rows} keys: must be {own}, shard {shard} of {all} cells");
-            return Err(refuse(&what));
-        }
-        if keys.iter().any(|key| key.len() > columns.len()) {
-            return Err(refuse(&"a key is longer than the columns"));
-        }
-        Ok(manifest)
+    const COMPUTATION: &'static str = "sweep";
+    const FORMAT: u32 = 1;
+
+    fn format(&self) -> u32 {
+        self.format
     }
 
     fn shard(&self) -> Shard {
         self.shard
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let Frame { columns, keys } = &self.frame;
+        let (shard, rows, all) = (self.shard, keys.len(), self.cells_in_all);
+        let own = shard.cells(all).count();
+        if rows != own {
+            return Err(format!(
+                "it has {rows} keys: must be {own}, shard {shard} of {all} cells"
+            ));
+        }
+        if keys.iter().any(|key| key.len() > columns.len()) {
+            return Err("a key is longer than the columns".to_owned());
+        }
+        Ok(())
     }
 
     fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {

@@ -1,16 +1,12 @@
 //! What merging must know of a shard of a reproduction. It stands beside the shard's tables.
 
-use core::fmt;
-use std::fs;
 use std::path::Path;
 
 use jcas_cli::error::CliError;
-use jcas_cli::shard::{Build, Manifest, Shard, require_equal};
+use jcas_cli::shard::{Build, Manifest, require_equal};
+use jcas_episode::shard::Shard;
 use jcas_reproduce::shard::{Outline, RowCounts};
 use serde::{Deserialize, Serialize};
-
-/// Version of the manifest's format.
-const FORMAT: u32 = 1;
 
 /// The manifest.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +27,7 @@ impl ReproductionManifest {
     /// The manifest of a shard that begins.
     pub fn new(shard: Shard, outline: &Outline) -> Result<Self, CliError> {
         Ok(Self {
-            format: FORMAT,
+            format: Self::FORMAT,
             build: Build::current()?,
             reproduction: format!("0x{:016x}", outline.fingerprint),
             shard,
@@ -42,23 +38,11 @@ impl ReproductionManifest {
 }
 
 impl Manifest for ReproductionManifest {
-    fn read(path: &Path) -> Result<Self, CliError> {
-        let bytes = fs::read(path).map_err(CliError::io(path))?;
-        let refuse = |what: &dyn fmt::Display| {
-            let what = format!("is no manifest of a reproduction's shard: {what}");
-            CliError::file(path, what)
-        };
-        let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
-        let Self { format, shard, .. } = manifest;
-        if format != FORMAT {
-            return Err(refuse(&format!("format = {format}: must be {FORMAT}")));
-        }
-        if !shard.is_valid() {
-            return Err(refuse(&format!(
-                "shard = {shard}: must be i/n, 1 <= i <= n"
-            )));
-        }
-        Ok(manifest)
+    const COMPUTATION: &'static str = "reproduction";
+    const FORMAT: u32 = 1;
+
+    fn format(&self) -> u32 {
+        self.format
     }
 
     fn shard(&self) -> Shard {
@@ -75,10 +59,4 @@ impl Manifest for ReproductionManifest {
         let count = (&self.shard.count, &other.shard.count);
         require_equal(path, origin, "number of shards", count)
     }
-}
-
-/// The shard as the reproduction knows it.
-pub fn part(shard: Shard) -> jcas_reproduce::shard::Shard {
-    let Shard { number, count } = shard;
-    jcas_reproduce::shard::Shard { number, count }
 }

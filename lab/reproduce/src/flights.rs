@@ -3,12 +3,13 @@
 use crate::campaign::{CampaignSpec, HELD, OURS, Who, pilot_name};
 use crate::progress_sink::{Progress, ProgressSink};
 use crate::scope::{Part, Scope};
-use crate::shard::{Comparisons, Shard, Turns};
+use crate::shard::{Comparisons, Turns};
 use crate::table::{Key, Table};
 use crate::{comparison, endurance, pilot, range};
 use jcas_core::{Config, Model, Preset};
 use jcas_episode::card::{CARD, CardError, EVALUATION_SEED, StoredPolicy, load};
 use jcas_episode::mission::{Campaign, fly};
+use jcas_episode::shard::Shard;
 use jcas_episode::statistics::Summary;
 use jcas_policy::{BaselineKind, PilotMode, Policy, action_of};
 use jcas_train::error::TrainError;

@@ -13,9 +13,9 @@ use crate::scope::Scope;
 use crate::table::{Row, Table};
 use jcas_core::hash::Fnv1a;
 use jcas_episode::card::{CARD, WEIGHTS};
+use jcas_episode::shard::Shard;
 use jcas_train::error::TrainError;
-use jcas_train::metrics;
-use jcas_train::run::Observer;
+use jcas_train::run::NoObserver;
 use jcas_train::store::{csv_bytes, write_whole};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -25,31 +25,20 @@ use std::path::{Path, PathBuf};
 /// Name of the column of units.
 const UNIT: &str = "unit";
 
-/// The i-th of n parts, from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// i.
-    pub number: usize,
-    /// n.
-    pub count: usize,
+/// A shard without a unit.
+const NOTHING: Shard = Shard {
+    number: 0,
+    count: 1,
+};
+
+/// The path of one of a shard's tables.
+fn path_of(shard: Shard, folder: &Path, table: &str) -> PathBuf {
+    folder.join(format!("{}-{table}", shard.stem()))
 }
 
-impl Shard {
-    /// No unit.
-    const NOTHING: Shard = Shard {
-        number: 0,
-        count: 1,
-    };
-
-    /// The path of one of its tables.
-    fn path(self, folder: &Path, table: &str) -> PathBuf {
-        folder.join(format!("shard-{}-of-{}-{table}", self.number, self.count))
-    }
-
-    /// The paths of its tables of results and of comparisons.
-    pub fn tables(self, folder: &Path) -> [PathBuf; 2] {
-        [TABLE, COMPARISON].map(|table| self.path(folder, table))
-    }
+/// The paths of a shard's tables of results and of comparisons.
+pub fn tables(shard: Shard, folder: &Path) -> [PathBuf; 2] {
+    [TABLE, COMPARISON].map(|table| path_of(shard, folder, table))
 }
 
 /// Decides which units are flown here.
@@ -138,25 +127,10 @@ pub struct Outline {
     pub fingerprint: u64,
 }
 
-struct Silent;
-
-impl Observer for Silent {
-    fn iteration(&mut self, _row: &metrics::Row, _total: u64, _left_s: f64) {}
-
-    fn stop(&mut self) -> bool {
-        false
-    }
-}
-
-impl ProgressSink for Silent {
-    fn chapter(&mut self, _title: &str) {}
-}
-
 /// Goes through all units without flying one.
 pub fn outline(scope: &Scope, out: &Path) -> Result<Outline, TrainError> {
-    let nothing = Shard::NOTHING;
-    let mut table = Table::open_shard(&nothing.path(out, TABLE))?;
-    let (_, turns) = flights::fly_all(scope, out, &mut table, Some(nothing), &mut Silent)?;
+    let mut table = Table::open_shard(&path_of(NOTHING, out, TABLE))?;
+    let (_, turns) = flights::fly_all(scope, out, &mut table, Some(NOTHING), &mut NoObserver)?;
     Ok(Outline {
         units: turns.units(),
         fingerprint: turns.hash.finish(),
@@ -181,7 +155,7 @@ pub fn fly_shard(
     shard: Shard,
     narrator: &mut dyn ProgressSink,
 ) -> Result<Option<RowCounts>, TrainError> {
-    let mut table = Table::open_shard(&shard.path(out, TABLE))?;
+    let mut table = Table::open_shard(&path_of(shard, out, TABLE))?;
     let flown = flights::fly_all(scope, out, &mut table, Some(shard), narrator);
     table.write()?;
     if flown?.0 == Progress::Stopped {
@@ -189,7 +163,7 @@ pub fn fly_shard(
     }
     Ok(Some(RowCounts {
         results: table.rows.len(),
-        comparison: read::<ComparedRow>(&shard.path(out, COMPARISON))?.len(),
+        comparison: read::<ComparedRow>(&path_of(shard, out, COMPARISON))?.len(),
     }))
 }
 
@@ -223,7 +197,7 @@ fn of_all<R: DeserializeOwned + PartialEq>(
     let mut all = Vec::new();
     let mut owners = HashMap::new();
     for (shard, folder, counts) in shards {
-        let path = shard.path(folder, table);
+        let path = path_of(*shard, folder, table);
         let rows = read::<R>(&path)?;
         let wanted = count(counts);
         if rows.len() != wanted {
@@ -321,7 +295,7 @@ impl Comparisons {
                 rows: crate::comparison::open(out)?,
             });
         };
-        let path = shard.path(out, COMPARISON);
+        let path = path_of(shard, out, COMPARISON);
         let (units, rows) = read(&path)?.into_iter().unzip();
         Ok(Comparisons {
             path,

@@ -1,8 +1,9 @@
 //! The reproduction in miniature: every part runs, files appear, nothing is flown twice.
 
 use jcas_core::Preset;
+use jcas_episode::shard::Shard;
 use jcas_reproduce::scope::{CONSTANT_PILOT, Part, Scope};
-use jcas_reproduce::shard::{RowCounts, Shard, fly_shard, merge, outline};
+use jcas_reproduce::shard::{RowCounts, fly_shard, merge, outline, tables};
 use jcas_reproduce::variation::variations;
 use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
@@ -304,7 +305,7 @@ fn what_a_shard_did_not_fly_is_refused() {
     let shards = scripted(folder.path());
     let units = shards.iter().map(|(.., rows)| rows.results).sum::<usize>() as u64;
     assert!(merge(&shards, units).is_ok());
-    let [table, _] = shards[0].0.tables(folder.path());
+    let [table, _] = tables(shards[0].0, folder.path());
     let text = std::fs::read_to_string(&table).unwrap();
     let line = text.lines().nth(1).unwrap();
     let (_, campaign) = line.split_once(',').unwrap();

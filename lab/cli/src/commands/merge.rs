@@ -9,7 +9,7 @@ use jcas_cli::shard::{self, Manifest};
 use jcas_reproduce::shard::merge;
 
 use super::failed;
-use crate::manifest::{ReproductionManifest, part};
+use crate::manifest::ReproductionManifest;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -48,19 +48,15 @@ impl Merge {
                 )
             })?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            parts.push((part(manifest.shard()), folder, rows));
+            parts.push((manifest.shard(), folder, rows));
             units = manifest.units_in_all;
         }
         let mut written = Vec::new();
         for (name, bytes) in merge(&parts, units).map_err(failed)? {
             written.push((self.out.join(name), bytes));
         }
-        for (path, bytes) in written.iter().filter(|(path, _)| path.exists()) {
-            let earlier = std::fs::read(path).map_err(CliError::io(path))?;
-            if earlier != *bytes && !self.overwrite {
-                let what = "holds another table; give another folder, or --overwrite to replace it";
-                return Err(CliError::file(path, what));
-            }
+        for (path, bytes) in &written {
+            shard::require_replaceable(path, bytes, self.overwrite)?;
         }
         files::prepare_folder(&self.out)?;
         for (path, bytes) in &written {

@@ -5,17 +5,18 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use jcas_cli::error::{CliError, Outcome};
 use jcas_cli::options::ThreadOptions;
-use jcas_cli::shard::{Manifest, Shard};
+use jcas_cli::shard::Manifest;
 use jcas_cli::{files, interrupt};
+use jcas_episode::shard::Shard;
 use jcas_reproduce::scope::{Part, Scope};
-use jcas_reproduce::shard::{fly_shard, outline};
+use jcas_reproduce::shard::{fly_shard, outline, tables};
 use jcas_reproduce::{Progress, ProgressSink, publish, reproduce};
 use jcas_train::metrics::Row;
 use jcas_train::run::Observer;
 use jcas_train::settings::Credit;
 
 use super::failed;
-use crate::manifest::{ReproductionManifest, part};
+use crate::manifest::ReproductionManifest;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -211,13 +212,13 @@ impl Reproduce {
         if path.exists() {
             let origin = "this command; give another --out";
             ReproductionManifest::read(&path)?.require_same(&path, origin, &manifest)?;
-        } else if let Some(table) = part(shard).tables(&self.out).iter().find(|at| at.exists()) {
+        } else if let Some(table) = tables(shard, &self.out).iter().find(|at| at.exists()) {
             return Err(CliError::file(table, "has no manifest; give another --out"));
         }
         manifest.write(&path)?;
         let flown = self
             .threads
-            .run(|| fly_shard(scope, &self.out, part(shard), &mut ConsoleProgress))?
+            .run(|| fly_shard(scope, &self.out, shard, &mut ConsoleProgress))?
             .map_err(failed)?;
         let Some(rows) = flown else {
             let path = path.display();
