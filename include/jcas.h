@@ -749,9 +749,9 @@ typedef struct jcas_batch_options {
     void *run_context;
 } jcas_batch_options;
 
-/// The buffers that a batch step writes, for M environments. Each pointer is followed by its number
-/// of elements. Optional buffers may be NULL with a count of 0. No buffer may overlap another
-/// buffer or the actions.
+/// The buffers that a batch step writes, for M environments. Each pointer is followed by its
+/// number of elements. Optional buffers may be NULL with a count of 0. No buffer may overlap
+/// another buffer or the actions.
 typedef struct jcas_batch_out {
     /// sizeof(jcas_batch_out).
     uint32_t struct_size;

@@ -535,19 +535,7 @@ public:
 
     status step(span<const float> actions, bool auto_reset = true)
     {
-        auto out = detail::sized<jcas_batch_out>();
-        out.observations = observations.data(), out.observation_count = observations.size();
-        out.rewards = rewards.data(), out.reward_count = rewards.size();
-        out.terminated = terminated.data(), out.terminated_count = terminated.size();
-        out.truncated = truncated.data(), out.truncated_count = truncated.size();
-        out.global = global.data(), out.global_count = global.size();
-        out.components = components.data(), out.component_count = components.size();
-        out.final_observations = final_observations.data();
-        out.final_observation_count = final_observations.size();
-        out.final_global = final_global.data(), out.final_global_count = final_global.size();
-        out.final_metrics = final_metrics.data(), out.final_metrics_count = final_metrics.size();
-        out.metrics_size = sizeof(jcas_metrics);
-        out.uav_rewards = uav_rewards.data(), out.uav_reward_count = uav_rewards.size();
+        const jcas_batch_out out = buffers();
         return jcas_batch_step(get(), actions.data(), actions.size(), auto_reset ? 1 : 0, &out);
     }
 
@@ -584,22 +572,57 @@ public:
         return jcas_batch_set(get(), index, from.get());
     }
 
+    // Made of jcas_batch_out by ffi/examples/generate_header.rs; do not edit.
     /// The buffers that reset and step write; see jcas_batch_out for their shapes.
-    std::vector<float> observations, global, rewards, final_observations, final_global, uav_rewards;
+    std::vector<float> observations;
+    std::vector<float> rewards;
+    std::vector<std::uint8_t> terminated;
+    std::vector<std::uint8_t> truncated;
+    std::vector<float> global;
     std::vector<double> components;
-    std::vector<std::uint8_t> terminated, truncated;
+    std::vector<float> final_observations;
+    std::vector<float> final_global;
     std::vector<jcas_metrics> final_metrics;
+    std::vector<float> uav_rewards;
 
 private:
+    jcas_batch_out buffers() noexcept
+    {
+        auto out = detail::sized<jcas_batch_out>();
+        out.observations = observations.data();
+        out.observation_count = observations.size();
+        out.rewards = rewards.data();
+        out.reward_count = rewards.size();
+        out.terminated = terminated.data();
+        out.terminated_count = terminated.size();
+        out.truncated = truncated.data();
+        out.truncated_count = truncated.size();
+        out.global = global.data();
+        out.global_count = global.size();
+        out.components = components.data();
+        out.component_count = components.size();
+        out.final_observations = final_observations.data();
+        out.final_observation_count = final_observations.size();
+        out.final_global = final_global.data();
+        out.final_global_count = final_global.size();
+        out.final_metrics = final_metrics.data();
+        out.final_metrics_count = final_metrics.size();
+        out.metrics_size = sizeof(jcas_metrics);
+        out.uav_rewards = uav_rewards.data();
+        out.uav_reward_count = uav_rewards.size();
+        return out;
+    }
+    // The end of what it makes.
+
     struct end {
         void operator()(jcas_batch *handle) const noexcept { jcas_batch_free(handle); }
     };
     batch(jcas_batch *handle, const model &model, std::size_t count)
         : observations(count * model.info().uav_count * model.info().observation_len),
-          global(count * model.info().global_len), rewards(count),
+          rewards(count), terminated(count), truncated(count),
+          global(count * model.info().global_len), components(count * model.info().reward_len),
           final_observations(observations.size()), final_global(global.size()),
-          uav_rewards(count * model.info().uav_count), components(count * model.info().reward_len),
-          terminated(count), truncated(count), final_metrics(count), handle_(handle)
+          final_metrics(count), uav_rewards(count * model.info().uav_count), handle_(handle)
     {
     }
     std::unique_ptr<jcas_batch, end> handle_;

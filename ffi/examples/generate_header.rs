@@ -1,8 +1,9 @@
-//! Writes include/jcas.h from the sources of this crate, and include/jcas_dl.h from that: `cargo
-//! run -p jcas-ffi --example generate_header`. Its test fails if either is stale.
+//! Writes include/jcas.h from the sources of this crate: `cargo run -p jcas-ffi --example
+//! generate_header`. From that it writes include/jcas_dl.h, and the buffers of a batch in
+//! include/jcas.hpp. Its test fails if one of them is stale.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{env, fs, process};
 
 /// The first item of each group of the header, and the group's name and title.
 const GROUPS: [(&str, &str, &str); 16] = [
@@ -34,7 +35,7 @@ const GROUPS: [(&str, &str, &str); 16] = [
 
 fn main() {
     for (path, text) in headers() {
-        let new = path.with_extension("h.new");
+        let new = path.with_extension("new");
         fs::write(&new, text).expect("include/ can be written");
         fs::rename(&new, &path).expect("include/ can be written");
     }
@@ -53,12 +54,15 @@ fn headers_are_what_the_sources_generate() {
 }
 
 /// Returns the path and the expected text of each header.
-fn headers() -> [(PathBuf, String); 2] {
+fn headers() -> [(PathBuf, String); 3] {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = generate(root);
     let types = function_types(&header);
     let include = root.join("../include");
+    let cpp = include.join("jcas.hpp");
+    let wrapper = fs::read_to_string(&cpp).expect("the wrapper is there");
     [
+        (cpp, with_batch_buffers(&wrapper, &header)),
         (include.join("jcas.h"), header),
         (include.join("jcas_dl.h"), types),
     ]
@@ -91,13 +95,55 @@ fn function_types(header: &str) -> String {
     text + "\n#endif\n"
 }
 
+/// Returns the C++ wrapper with a vector for each buffer of jcas_batch_out, and their addresses.
+fn with_batch_buffers(wrapper: &str, header: &str) -> String {
+    let (_, fields) = header
+        .split_once("typedef struct jcas_batch_out {\n")
+        .expect("the struct");
+    let (fields, _) = fields.split_once("} jcas_batch_out;").expect("its end");
+    let mut vectors = String::new();
+    let mut addresses = String::new();
+    let (mut element, mut buffer) = ("", "");
+    for field in fields.lines().filter(|line| !line.contains("///")) {
+        let field = field.trim().trim_end_matches(';');
+        if let Some((kind, name)) = field.split_once(" *") {
+            (element, buffer) = (kind.trim_start_matches("struct "), name);
+            vectors += &format!("    std::vector<{element}> {name};\n");
+            addresses += &format!("        out.{name} = {name}.data();\n");
+        } else if let Some(name) = field.strip_prefix("size_t ") {
+            let value = if name.ends_with("_count") {
+                format!("{buffer}.size()")
+            } else {
+                format!("sizeof({element})")
+            };
+            addresses += &format!("        out.{name} = {value};\n");
+        }
+    }
+    let vectors = vectors.replace("<uint8_t>", "<std::uint8_t>");
+    let begin = "do not edit.\n";
+    let (before, rest) = wrapper.split_once(begin).expect("where the buffers begin");
+    let end = "    // The end of what it makes.";
+    let (_, after) = rest.split_once(end).expect("where they end");
+    format!(
+        "{before}{begin}    \
+         /// The buffers that reset and step write; see jcas_batch_out for their shapes.\n\
+         {vectors}\nprivate:\n    jcas_batch_out buffers() noexcept\n    {{\n        \
+         auto out = detail::sized<jcas_batch_out>();\n{addresses}        return out;\n    }}\n\
+         {end}{after}"
+    )
+}
+
 fn generate(root: &Path) -> String {
     let settings = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("legal settings");
+    let batch_out = env::temp_dir().join(format!("jcas_batch_out_{}.rs", process::id()));
+    fs::write(&batch_out, jcas::BATCH_OUT_SOURCE).expect("the temporary folder can be written");
     let bindings = cbindgen::Builder::new()
+        .with_src(&batch_out)
         .with_crate(root)
         .with_config(settings)
-        .generate()
-        .expect("the crate has a header");
+        .generate();
+    fs::remove_file(batch_out).expect("the file is there");
+    let bindings = bindings.expect("the crate has a header");
     let mut text = Vec::new();
     bindings.write(&mut text);
     let text = String::from_utf8(text).expect("sources are UTF-8");

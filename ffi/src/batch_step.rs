@@ -8,78 +8,14 @@ use jcas_core::{Error, Metrics, Model, Scratch, observation};
 
 use crate::batch::jcas_batch;
 use crate::batch_block::{Batch, BatchBlock};
-use crate::batch_buffers::StepBuffers;
-use crate::memory::{
-    Buffer, Plain, Record, Words, check_apart, input, output, place, read_record, text_out,
-};
+use crate::batch_buffers::{StepBuffers, jcas_batch_out};
+use crate::memory::{Buffer, Words, check_apart, input, output, place, read_record, text_out};
 use crate::records::jcas_metrics;
 use crate::sim::jcas_sim;
 use crate::sim_block::{self, SimMut, see};
 use crate::status::{
     Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_MODEL_MISMATCH, JCAS_OK, guard, jcas_status,
 };
-
-/// The buffers that a batch step writes, for M environments. Each pointer is followed by its number
-/// of elements. Optional buffers may be NULL with a count of 0. No buffer may overlap another
-/// buffer or the actions.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct jcas_batch_out {
-    /// sizeof(jcas_batch_out).
-    pub struct_size: u32,
-    /// Reserved; set it to 0.
-    pub reserved: u32,
-    /// M * uav_count * observation_len: the observation of each UAV. After an automatic reset it is
-    /// the first one of the new episode.
-    pub observations: *mut f32,
-    /// Elements of observations.
-    pub observation_count: usize,
-    /// M: the team reward.
-    pub rewards: *mut f32,
-    /// Elements of rewards.
-    pub reward_count: usize,
-    /// M: 1 where the step ended the episode because every hotspot is informed, else 0.
-    pub terminated: *mut u8,
-    /// Elements of terminated.
-    pub terminated_count: usize,
-    /// M: 1 where the step ended the episode at the horizon, else 0.
-    pub truncated: *mut u8,
-    /// Elements of truncated.
-    pub truncated_count: usize,
-    /// M * global_len: the global state; optional.
-    pub global: *mut f32,
-    /// Elements of global.
-    pub global_count: usize,
-    /// M * reward_len: the components of each reward; optional.
-    pub components: *mut f64,
-    /// Elements of components.
-    pub component_count: usize,
-    /// M * uav_count * observation_len: the last observation of each episode that was reset; other
-    /// rows are not written; optional.
-    pub final_observations: *mut f32,
-    /// Elements of final_observations.
-    pub final_observation_count: usize,
-    /// M * global_len: the last global state of each episode that was reset; other rows are not
-    /// written; optional.
-    pub final_global: *mut f32,
-    /// Elements of final_global.
-    pub final_global_count: usize,
-    /// M: the metrics of each episode that ended; other elements are not written; optional.
-    pub final_metrics: *mut jcas_metrics,
-    /// Elements of final_metrics.
-    pub final_metrics_count: usize,
-    /// sizeof(jcas_metrics), or 0 without final_metrics.
-    pub metrics_size: usize,
-    /// M * uav_count: the reward of each UAV, whose mean over a fleet is the team reward; optional.
-    pub uav_rewards: *mut f32,
-    /// Elements of uav_rewards.
-    pub uav_reward_count: usize,
-}
-
-// SAFETY: every bit pattern is a valid raw pointer, and no pointer is followed unchecked.
-unsafe impl Plain for jcas_batch_out {}
-// SAFETY: `struct_size` comes first.
-unsafe impl Record for jcas_batch_out {}
 
 /// Opens a batch for change, and keeps the reason if the operation is refused.
 ///

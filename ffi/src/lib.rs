@@ -60,6 +60,7 @@ mod sync;
 mod thread_pool;
 
 pub use batch::*;
+pub use batch_buffers::{BATCH_OUT_SOURCE, jcas_batch_out};
 pub use batch_step::*;
 pub use config::*;
 pub use config_text::*;

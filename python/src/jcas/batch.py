@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import weakref
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -123,29 +124,21 @@ class BatchBuffers:
             setattr(self._record, count, array.size)
 
 
+_NAMES = {
+    "components": "reward_components",
+    "global": "global_state",
+    "final_global": "final_global_state",
+}
+"""Names of arrays that differ from those of the C interface."""
+
 _FIELDS = {
-    "observations": ("observations", "observation_count"),
-    "rewards": ("rewards", "reward_count"),
-    "uav_rewards": ("uav_rewards", "uav_reward_count"),
-    "terminated": ("terminated", "terminated_count"),
-    "truncated": ("truncated", "truncated_count"),
-    "reward_components": ("components", "component_count"),
-    "global_state": ("global", "global_count"),
-    "final_observations": ("final_observations", "final_observation_count"),
-    "final_global_state": ("final_global", "final_global_count"),
-    "final_metrics": ("final_metrics", "final_metrics_count"),
+    _NAMES.get(name, name): (name, count)
+    for (name, *_), (count, *_) in pairwise(_abi.jcas_batch_out._fields_)
+    if count.endswith("_count")
 }
 """Arrays, and where their address and length stand in the record."""
 
-_RENEWED = (
-    "observations",
-    "rewards",
-    "uav_rewards",
-    "terminated",
-    "truncated",
-    "reward_components",
-    "global_state",
-)
+_RENEWED = tuple(name for name in _FIELDS if not name.startswith("final_"))
 
 
 class Batch:
