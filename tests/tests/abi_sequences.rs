@@ -12,7 +12,8 @@ use jcas_core::{Cell, Config, Model, Sim, hash};
 use jcas_verification::sampling::{SEAMS, UAVS_MAX};
 use proptest::prelude::*;
 
-/// A call with arguments that may be wrong.
+/// A call with arguments that may be wrong. It owns them, since proptest shortens them, and C has
+/// no counterpart of the kernel's `host::Call`.
 #[derive(Clone, Debug)]
 enum Call {
     Reset(u64),
@@ -21,7 +22,7 @@ enum Call {
     Positions(Vec<(u32, u32)>),
     Sense,
     Communicate,
-    CommunicateOver(Vec<u8>, Option<Vec<f64>>),
+    CommunicateWith(Vec<u8>, Option<Vec<f64>>),
     End,
     Hotspots(Vec<(u32, u32)>),
     Batteries(Vec<u64>),
@@ -117,7 +118,7 @@ fn call(uavs: usize) -> impl Strategy<Value = Call> {
         8 => Just(Call::Sense),
         4 => Just(Call::Communicate),
         6 => (links(uavs), prop::option::of(several(0.0f64..3.0, any::<f64>(), uavs)))
-            .prop_map(|(links, throughput)| Call::CommunicateOver(links, throughput)),
+            .prop_map(|(links, throughput)| Call::CommunicateWith(links, throughput)),
         8 => Just(Call::End),
         1 => cells(HOTSPOTS).prop_map(Call::Hotspots),
         1 => charges(uavs).prop_map(Call::Batteries),
@@ -246,8 +247,8 @@ impl<'m> Pair<'m> {
                 let done = self.kernel.step_communicate().is_ok();
                 (unsafe { jcas_sim_step_communicate(sim) }, done)
             }
-            Call::CommunicateOver(links, throughput) => {
-                self.communicate_over(links, throughput.as_deref())
+            Call::CommunicateWith(links, throughput) => {
+                self.communicate_with(links, throughput.as_deref())
             }
             Call::End => {
                 let mut outcome = empty_outcome();
@@ -296,7 +297,7 @@ impl<'m> Pair<'m> {
         (status, stepped.is_ok())
     }
 
-    fn communicate_over(&mut self, links: &[u8], throughput: Option<&[f64]>) -> (i32, bool) {
+    fn communicate_with(&mut self, links: &[u8], throughput: Option<&[f64]>) -> (i32, bool) {
         let done = self.kernel.step_communicate_with(links, throughput).is_ok();
         let (data, count) =
             throughput.map_or((null(), 0), |values| (values.as_ptr(), values.len()));

@@ -17,46 +17,48 @@ use jcas_core::{Error, Model, Scratch, StateMut};
 mod host;
 
 /// The kinds of calls that a sequence may make.
-const CALLS: [Call; 32] = [
-    Call::Step,
-    Call::Step,
-    Call::Step,
-    Call::Step,
-    Call::Fly,
-    Call::Fly,
-    Call::NextPart,
-    Call::NextPart,
-    Call::NextPart,
-    Call::NextPart,
-    Call::NextPart,
-    Call::NextPart,
-    Call::AnyPart,
-    Call::Reset,
-    Call::Save,
-    Call::Load,
-    Call::LoadDamaged,
-    Call::NotANumber,
-    Call::WrongLength,
-    Call::SetPositions,
-    Call::Ground,
-    Call::ConfirmHotspot,
-    Call::SenseOver,
-    Call::SenseOver,
-    Call::CommunicateOver,
-    Call::CommunicateOver,
-    Call::SetStarts,
-    Call::SetHotspots,
-    Call::SetBatteries,
-    Call::SetBattery,
-    Call::MoveHotspot,
-    Call::MoveHotspot,
+const CALLS: [CallKind; 32] = [
+    CallKind::Step,
+    CallKind::Step,
+    CallKind::Step,
+    CallKind::Step,
+    CallKind::Fly,
+    CallKind::Fly,
+    CallKind::NextPart,
+    CallKind::NextPart,
+    CallKind::NextPart,
+    CallKind::NextPart,
+    CallKind::NextPart,
+    CallKind::NextPart,
+    CallKind::AnyPart,
+    CallKind::Reset,
+    CallKind::Save,
+    CallKind::Load,
+    CallKind::LoadDamaged,
+    CallKind::NotANumber,
+    CallKind::WrongLength,
+    CallKind::SetPositions,
+    CallKind::Ground,
+    CallKind::ConfirmHotspot,
+    CallKind::SenseWith,
+    CallKind::SenseWith,
+    CallKind::CommunicateWith,
+    CallKind::CommunicateWith,
+    CallKind::SetStarts,
+    CallKind::SetHotspots,
+    CallKind::SetBatteries,
+    CallKind::SetBattery,
+    CallKind::MoveHotspot,
+    CallKind::MoveHotspot,
 ];
 
 /// Kinds of calls.
-pub const KINDS: usize = Call::CommunicateOver as usize + 1;
+pub const KINDS: usize = CallKind::CommunicateWith as usize + 1;
 
+/// A kind of call, legal or not. The host's calls among them draw their arguments and make a
+/// [`jcas_core::host::Call`]. The other kinds are no calls of a host.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Call {
+enum CallKind {
     Step,
     NextPart,
     AnyPart,
@@ -69,7 +71,7 @@ enum Call {
     SetPositions,
     Ground,
     ConfirmHotspot,
-    SenseOver,
+    SenseWith,
     SetStarts,
     SetHotspots,
     SetBatteries,
@@ -77,7 +79,7 @@ enum Call {
     MoveHotspot,
     /// Whole steps, and a reset where an episode is over.
     Fly,
-    CommunicateOver,
+    CommunicateWith,
 }
 
 /// Counts of a sequence.
@@ -186,15 +188,15 @@ impl Machine<'_> {
     }
 
     /// Makes a call and judges it.
-    fn make(&mut self, call: Call, dice: &mut Dice) -> Result<(), String> {
+    fn make(&mut self, call: CallKind, dice: &mut Dice) -> Result<(), String> {
         let before = self.words.clone();
         let done = match call {
-            Call::Step => self.step(dice),
-            Call::NextPart => {
+            CallKind::Step => self.step(dice),
+            CallKind::NextPart => {
                 let phase = self.phase();
                 self.part(phase, dice)
             }
-            Call::AnyPart => {
+            CallKind::AnyPart => {
                 let parts = [
                     Phase::Ready,
                     Phase::Moved,
@@ -203,26 +205,26 @@ impl Machine<'_> {
                 ];
                 self.part(parts[dice.integer(0, 3) as usize], dice)
             }
-            Call::Reset => {
+            CallKind::Reset => {
                 self.reset(dice.bits());
                 Ok(())
             }
-            Call::Save => self.save(),
-            Call::Load => self.load(),
-            Call::LoadDamaged => self.load_damaged(dice),
-            Call::NotANumber => self.begin_with_a_nan(dice),
-            Call::WrongLength => self.begin_with_another_length(dice),
-            Call::SetPositions => self.set_positions(dice),
-            Call::Ground => self.ground(dice),
-            Call::ConfirmHotspot => self.confirm_hotspot(dice),
-            Call::SenseOver => self.sense_with(dice),
-            Call::CommunicateOver => self.communicate_with(dice),
-            Call::SetStarts => self.set_starts(dice),
-            Call::SetHotspots => self.set_hotspots(dice),
-            Call::SetBatteries => self.set_batteries(dice),
-            Call::SetBattery => self.set_battery(dice),
-            Call::MoveHotspot => self.move_hotspot(dice),
-            Call::Fly => self.fly(dice),
+            CallKind::Save => self.save(),
+            CallKind::Load => self.load(),
+            CallKind::LoadDamaged => self.load_damaged(dice),
+            CallKind::NotANumber => self.begin_with_a_nan(dice),
+            CallKind::WrongLength => self.begin_with_another_length(dice),
+            CallKind::SetPositions => self.set_positions(dice),
+            CallKind::Ground => self.ground(dice),
+            CallKind::ConfirmHotspot => self.confirm_hotspot(dice),
+            CallKind::SenseWith => self.sense_with(dice),
+            CallKind::CommunicateWith => self.communicate_with(dice),
+            CallKind::SetStarts => self.set_starts(dice),
+            CallKind::SetHotspots => self.set_hotspots(dice),
+            CallKind::SetBatteries => self.set_batteries(dice),
+            CallKind::SetBattery => self.set_battery(dice),
+            CallKind::MoveHotspot => self.move_hotspot(dice),
+            CallKind::Fly => self.fly(dice),
         };
         match done {
             Ok(()) => self.counts.accepted[call as usize] += 1,

@@ -12,9 +12,10 @@ use std::sync::LazyLock;
 
 static MODEL: LazyLock<Model<'static>> = LazyLock::new(small_model);
 
-/// A call, with values that may be out of range.
+/// A call, with values that may be out of range. It owns its lists, since `arbitrary` makes them
+/// from bytes. The kernel's [`Call`] borrows its lists.
 #[derive(Arbitrary, Debug)]
-enum Deed {
+enum Operation {
     Reset(u64),
     Step([f32; 2 * UAVS]),
     Begin([f32; 2 * UAVS]),
@@ -46,29 +47,29 @@ fn id(value: u8) -> usize {
     usize::from(value % 6)
 }
 
-fn perform(sim: &mut Sim<'_>, deed: &Deed) -> bool {
+fn perform(sim: &mut Sim<'_>, operation: &Operation) -> bool {
     let cells = |of: &[(u8, u8)]| of.iter().copied().map(cell).collect::<Vec<_>>();
     let bits = |of: &[bool]| of.iter().map(|bit| u8::from(*bit)).collect::<Vec<_>>();
-    match deed {
-        Deed::Reset(seed) => {
+    match operation {
+        Operation::Reset(seed) => {
             sim.reset(*seed);
             true
         }
-        Deed::Step(actions) => sim.step(actions).is_ok(),
-        Deed::Begin(actions) => sim.step_begin(actions).is_ok(),
-        Deed::Sense => sim.step_sense().is_ok(),
-        Deed::Communicate => sim.step_communicate().is_ok(),
-        Deed::End => sim.step_end().is_ok(),
-        Deed::Starts(at) => sim.set_starts(&cells(at)).is_ok(),
-        Deed::Hotspots(at) => sim.set_hotspots(&cells(at)).is_ok(),
-        Deed::Batteries(charges_uj) => sim.set_batteries(charges_uj).is_ok(),
-        Deed::Battery(uav, charge_uj) => sim.set_battery(id(*uav), *charge_uj).is_ok(),
-        Deed::Move(hotspot, to) => sim.move_hotspot(id(*hotspot), cell(*to)).is_ok(),
-        Deed::Positions(at) => sim.set_positions(&cells(at)).is_ok(),
-        Deed::Ground(uav) => sim.ground(id(*uav)).is_ok(),
-        Deed::Confirm(hotspot) => sim.confirm_hotspot(id(*hotspot)).is_ok(),
-        Deed::SenseWith(detections) => sim.step_sense_with(&bits(detections)).is_ok(),
-        Deed::CommunicateWith(links, throughput) => sim
+        Operation::Step(actions) => sim.step(actions).is_ok(),
+        Operation::Begin(actions) => sim.step_begin(actions).is_ok(),
+        Operation::Sense => sim.step_sense().is_ok(),
+        Operation::Communicate => sim.step_communicate().is_ok(),
+        Operation::End => sim.step_end().is_ok(),
+        Operation::Starts(at) => sim.set_starts(&cells(at)).is_ok(),
+        Operation::Hotspots(at) => sim.set_hotspots(&cells(at)).is_ok(),
+        Operation::Batteries(charges_uj) => sim.set_batteries(charges_uj).is_ok(),
+        Operation::Battery(uav, charge_uj) => sim.set_battery(id(*uav), *charge_uj).is_ok(),
+        Operation::Move(hotspot, to) => sim.move_hotspot(id(*hotspot), cell(*to)).is_ok(),
+        Operation::Positions(at) => sim.set_positions(&cells(at)).is_ok(),
+        Operation::Ground(uav) => sim.ground(id(*uav)).is_ok(),
+        Operation::Confirm(hotspot) => sim.confirm_hotspot(id(*hotspot)).is_ok(),
+        Operation::SenseWith(detections) => sim.step_sense_with(&bits(detections)).is_ok(),
+        Operation::CommunicateWith(links, throughput) => sim
             .apply(&Call::StepCommunicateWith {
                 links: &bits(links),
                 throughput: throughput.as_ref().map(|all| &all[..]),
@@ -83,12 +84,12 @@ fuzz_target!(|data: &[u8]| {
     sim.reset(1);
     let mut spare = vec![0; MODEL.state_words()];
     while !input.is_empty() {
-        let Ok(deed) = Deed::arbitrary(&mut input) else {
+        let Ok(operation) = Operation::arbitrary(&mut input) else {
             return;
         };
         let before = sim.words().to_vec();
-        if !perform(&mut sim, &deed) {
-            assert_eq!(sim.words(), before, "{deed:?} was refused");
+        if !perform(&mut sim, &operation) {
+            assert_eq!(sim.words(), before, "{operation:?} was refused");
         }
         let snapshot = sim.save();
         let mut loaded = before;
