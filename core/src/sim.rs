@@ -62,138 +62,12 @@ impl<'m> Sim<'m> {
         act(self.model, &mut state, &mut scratch)
     }
 
-    /// Runs one whole step; see [`Model::step`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step`].
-    pub fn step(&mut self, actions: &[f32]) -> Result<StepOutcome, Error> {
-        self.with(|model, state, scratch| model.step(state, scratch, actions))
-    }
-
-    /// Runs part 1 of a step; see [`Model::step_begin`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step_begin`].
-    pub fn step_begin(&mut self, actions: &[f32]) -> Result<(), Error> {
-        self.with(|model, state, _| model.step_begin(state, actions))
-    }
-
     /// Applies a call of a host simulator; see [`Call::apply`].
     ///
     /// # Errors
     /// The errors of [`Call::apply`].
     pub fn apply(&mut self, call: &Call<'_>) -> Result<(), Error> {
         self.with(|model, state, scratch| call.apply(model, state, scratch))
-    }
-
-    /// Sets the positions of the UAVs; see [`Model::set_positions`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::set_positions`].
-    pub fn set_positions(&mut self, cells: &[Cell]) -> Result<(), Error> {
-        self.with(|model, state, _| model.set_positions(state, cells))
-    }
-
-    /// Runs part 2 of a step; see [`Model::step_sense`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step_sense`].
-    pub fn step_sense(&mut self) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.step_sense(state, scratch))
-    }
-
-    /// Runs part 3 of a step; see [`Model::step_communicate`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step_communicate`].
-    pub fn step_communicate(&mut self) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.step_communicate(state, scratch))
-    }
-
-    /// Runs part 3 of a step over the host's links; see [`Model::step_communicate_with`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step_communicate_with`].
-    pub fn step_communicate_with(
-        &mut self,
-        links: &[u8],
-        throughput: Option<&[f64]>,
-    ) -> Result<(), Error> {
-        self.with(|model, state, scratch| {
-            model.step_communicate_with(state, scratch, links, throughput)
-        })
-    }
-
-    /// Runs part 4 of a step; see [`Model::step_end`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step_end`].
-    pub fn step_end(&mut self) -> Result<StepOutcome, Error> {
-        self.with(|model, state, scratch| model.step_end(state, scratch))
-    }
-
-    /// Places the hotspots; see [`Model::set_hotspots`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::set_hotspots`].
-    pub fn set_hotspots(&mut self, cells: &[Cell]) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.set_hotspots(state, scratch, cells))
-    }
-
-    /// Sets the initial charge of all batteries; see [`Model::set_batteries`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::set_batteries`].
-    pub fn set_batteries(&mut self, charges_uj: &[u64]) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.set_batteries(state, scratch, charges_uj))
-    }
-
-    /// Keeps a UAV on the ground in this step; see [`Model::ground`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::ground`].
-    pub fn ground(&mut self, uav: usize) -> Result<(), Error> {
-        self.with(|model, state, _| model.ground(state, uav))
-    }
-
-    /// Runs part 2 of a step with the host's detections; see [`Model::step_sense_with`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::step_sense_with`].
-    pub fn step_sense_with(&mut self, detections: &[u8]) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.step_sense_with(state, scratch, detections))
-    }
-
-    /// Confirms a hotspot; see [`Model::confirm_hotspot`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::confirm_hotspot`].
-    pub fn confirm_hotspot(&mut self, hotspot: usize) -> Result<(), Error> {
-        self.with(|model, state, _| model.confirm_hotspot(state, hotspot))
-    }
-
-    /// Moves a hotspot; see [`Model::move_hotspot`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::move_hotspot`].
-    pub fn move_hotspot(&mut self, hotspot: usize, cell: Cell) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.move_hotspot(state, scratch, hotspot, cell))
-    }
-
-    /// Places the UAVs at the start; see [`Model::set_starts`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::set_starts`].
-    pub fn set_starts(&mut self, cells: &[Cell]) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.set_starts(state, scratch, cells))
-    }
-
-    /// Sets the charge of one battery; see [`Model::set_battery`].
-    ///
-    /// # Errors
-    /// The errors of [`Model::set_battery`].
-    pub fn set_battery(&mut self, uav: usize, charge_uj: u64) -> Result<(), Error> {
-        self.with(|model, state, scratch| model.set_battery(state, scratch, uav, charge_uj))
     }
 
     /// Writes the observations of all UAVs; see [`observation::observe`].
@@ -248,5 +122,74 @@ impl<'m> Sim<'m> {
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let mut spare = vec![0; self.words.len()];
         self.model.load(bytes, &mut self.words, &mut spare)
+    }
+}
+
+/// Declares methods that open the state and call the method of [`Model`] that has the same name.
+macro_rules! methods_of_model {
+    (|$model:ident, $state:ident, $scratch:tt| $(
+        $doc:literal, $name:ident($( $argument:ident: $type:ty ),*) -> $ok:ty { $call:expr }
+    )+) => {
+        impl Sim<'_> { $(
+            #[doc = concat!($doc, "; see [`Model::", stringify!($name), "`].")]
+            ///
+            /// # Errors
+            #[doc = concat!("The errors of [`Model::", stringify!($name), "`].")]
+            pub fn $name(&mut self, $( $argument: $type ),*) -> Result<$ok, Error> {
+                self.with(|$model, $state, $scratch| $call)
+            }
+        )+ }
+    };
+}
+
+methods_of_model! { |model, state, scratch|
+    "Runs one whole step", step(actions: &[f32]) -> StepOutcome {
+        model.step(state, scratch, actions)
+    }
+    "Runs part 2 of a step", step_sense() -> () {
+        model.step_sense(state, scratch)
+    }
+    "Runs part 2 of a step with the host's detections", step_sense_with(detections: &[u8]) -> () {
+        model.step_sense_with(state, scratch, detections)
+    }
+    "Runs part 3 of a step", step_communicate() -> () {
+        model.step_communicate(state, scratch)
+    }
+    "Runs part 3 of a step over the host's links",
+    step_communicate_with(links: &[u8], throughput: Option<&[f64]>) -> () {
+        model.step_communicate_with(state, scratch, links, throughput)
+    }
+    "Runs part 4 of a step", step_end() -> StepOutcome {
+        model.step_end(state, scratch)
+    }
+    "Places the hotspots", set_hotspots(cells: &[Cell]) -> () {
+        model.set_hotspots(state, scratch, cells)
+    }
+    "Moves a hotspot", move_hotspot(hotspot: usize, cell: Cell) -> () {
+        model.move_hotspot(state, scratch, hotspot, cell)
+    }
+    "Places the UAVs at the start", set_starts(cells: &[Cell]) -> () {
+        model.set_starts(state, scratch, cells)
+    }
+    "Sets the initial charge of all batteries", set_batteries(charges_uj: &[u64]) -> () {
+        model.set_batteries(state, scratch, charges_uj)
+    }
+    "Sets the charge of one battery", set_battery(uav: usize, charge_uj: u64) -> () {
+        model.set_battery(state, scratch, uav, charge_uj)
+    }
+}
+
+methods_of_model! { |model, state, _|
+    "Runs part 1 of a step", step_begin(actions: &[f32]) -> () {
+        model.step_begin(state, actions)
+    }
+    "Sets the positions of the UAVs", set_positions(cells: &[Cell]) -> () {
+        model.set_positions(state, cells)
+    }
+    "Keeps a UAV on the ground in this step", ground(uav: usize) -> () {
+        model.ground(state, uav)
+    }
+    "Confirms a hotspot", confirm_hotspot(hotspot: usize) -> () {
+        model.confirm_hotspot(state, hotspot)
     }
 }

@@ -227,28 +227,38 @@ impl Model<'_> {
     }
 }
 
+/// Declares the queries that both views of a state have.
+macro_rules! queries_of {
+    ($view:ident) => {
+        impl $view<'_> {
+            /// Cell of UAV `i`.
+            #[inline]
+            #[must_use]
+            pub fn cell(&self, i: usize) -> Cell {
+                Cell::from_word(self.cells[i])
+            }
+
+            /// Cell of hotspot `j`.
+            #[inline]
+            #[must_use]
+            pub fn hotspot_cell(&self, j: usize) -> Cell {
+                Cell::from_word(self.hotspots[j])
+            }
+
+            /// Pilot density of UAV `i`.
+            #[inline]
+            #[must_use]
+            pub fn pilot_density(&self, i: usize) -> f64 {
+                f64::from_bits(self.pilot[i])
+            }
+        }
+    };
+}
+
+queries_of!(StateRef);
+queries_of!(StateMut);
+
 impl StateMut<'_> {
-    /// Cell of UAV `i`.
-    #[inline]
-    #[must_use]
-    pub fn cell(&self, i: usize) -> Cell {
-        Cell::from_word(self.cells[i])
-    }
-
-    /// Cell of hotspot `j`.
-    #[inline]
-    #[must_use]
-    pub fn hotspot_cell(&self, j: usize) -> Cell {
-        Cell::from_word(self.hotspots[j])
-    }
-
-    /// Pilot density of UAV `i`.
-    #[inline]
-    #[must_use]
-    pub fn pilot_density(&self, i: usize) -> f64 {
-        f64::from_bits(self.pilot[i])
-    }
-
     #[inline]
     pub(crate) fn set_pilot_density(&mut self, i: usize, density: f64) {
         self.pilot[i] = canonical_bits(density);

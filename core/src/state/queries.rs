@@ -1,8 +1,7 @@
-//! What may be read from a state: the methods of [`StateRef`].
+//! What may be read from a state: the methods of [`StateRef`] that [`super::StateMut`] lacks.
 
 use super::StateRef;
 use crate::bits;
-use crate::config::Cell;
 use crate::header::Phase;
 use crate::reports;
 use crate::reward::{self, OWN, OWN_KEPT, Rewards};
@@ -42,13 +41,6 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub const fn hotspot_count(&self) -> usize {
         self.layout.hotspots
-    }
-
-    /// Cell of UAV `i`.
-    #[inline]
-    #[must_use]
-    pub fn cell(&self, i: usize) -> Cell {
-        Cell::from_word(self.cells[i])
     }
 
     /// Whether UAV `i` changed its cell in the last step.
@@ -92,13 +84,6 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn shortfall_uj(&self, i: usize) -> u64 {
         self.shortfall[i]
-    }
-
-    /// Pilot density of UAV `i`.
-    #[inline]
-    #[must_use]
-    pub fn pilot_density(&self, i: usize) -> f64 {
-        f64::from_bits(self.pilot[i])
     }
 
     /// Mean normalised throughput η̄_i of UAV `i` toward its neighbours; 0 without neighbours.
@@ -220,13 +205,6 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn new_false_confirmations(&self) -> u32 {
         self.newly_false.first().map_or(0, |&count| count as u32)
-    }
-
-    /// Cell of hotspot `j`.
-    #[inline]
-    #[must_use]
-    pub fn hotspot_cell(&self, j: usize) -> Cell {
-        Cell::from_word(self.hotspots[j])
     }
 
     /// Whether hotspot `j` is confirmed.
