@@ -21,6 +21,8 @@ const WORD: u128 = 8;
 const SITE: u128 = 2 * WORD;
 /// Bytes of a step of a trajectory: its cell's index and its level.
 const STEP: u128 = 5;
+/// Bytes of a change of the routes of teams.
+const CHANGE: u128 = 5 * WORD;
 /// Bytes of a look: its cell and its level.
 const LOOK: u128 = 12;
 /// Bytes of a step of a trajectory on file: cell, pilot density, and the text of both.
@@ -42,6 +44,8 @@ struct Demand {
     /// The distances on the grid, 0 included.
     distances: u128,
     quorum: u128,
+    /// Initial trajectories at one level.
+    formations: u128,
 }
 
 impl Demand {
@@ -61,6 +65,7 @@ impl Demand {
             horizon: u128::from(config.horizon_steps),
             distances: u128::from(config.grid_width + config.grid_height) + 1,
             quorum: u128::from(config.quorum),
+            formations: known.map_or(formation::SWEEPS_MAX, |_| teams::TOURS_MAX) as u128,
         }
     }
 
@@ -78,8 +83,10 @@ impl Demand {
     /// All initial trajectories at once, at two levels, and the ones that gather: `plan.rs`,
     /// `formation.rs`, `teams.rs`, `replan.rs`.
     fn starts(&self) -> u128 {
-        let count = 2 * formation::SWEEPS_MAX.max(teams::TOURS_MAX) as u128 + 5;
-        count * self.uavs * (2 * STEP * self.steps + 128) + self.steps * 512
+        let count = 2 * self.formations + 5;
+        let changes = GROWTH * self.groups * (self.groups + teams::TEAMS_MAX as u128) * CHANGE;
+        let hazards = teams::TEAMS_MAX as u128 * self.uavs.min(self.groups) * self.cells * WORD;
+        count * self.uavs * (2 * STEP * self.steps + 128) + self.steps * 512 + changes + hazards
     }
 
     /// The tables of `anneal/`, and the trajectories that it keeps.

@@ -126,7 +126,7 @@ impl Odds {
         cell.y * self.width + cell.x
     }
 
-    fn offset(&self, a: Cell, b: Cell) -> usize {
+    pub(crate) fn offset(&self, a: Cell, b: Cell) -> usize {
         (a.y.abs_diff(b.y) * self.width + a.x.abs_diff(b.x)) as usize
     }
 

@@ -102,15 +102,12 @@ pub fn tour(
 /// Each senses at the highest pilot density or at the lowest, which links farther.
 #[must_use]
 pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
-    let mut starts = Vec::new();
     let mut levels = vec![0, problem.odds.highest()];
     levels.dedup();
-    for level in levels {
-        let tours = teams::tours(problem, level);
-        if tours.is_empty() {
+    let mut starts = teams::tours(problem, &levels);
+    if starts.is_empty() {
+        for level in levels {
             starts.extend(formation::sweeps(problem, level));
-        } else {
-            starts.extend(tours);
         }
     }
     starts

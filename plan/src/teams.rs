@@ -4,111 +4,341 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
+use jcas_core::motion::{destination, toward};
 
 use crate::formation::Recorder;
+use crate::objective::fewer_than;
 use crate::paths::Paths;
 use crate::problem::Problem;
 
-/// The hover times that are tried, as multiples of the expected time to a quorum.
-const HOVERS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
+/// The hazards after which a team leaves a hotspot. A hazard of h leaves it unconfirmed with
+/// probability exp(-h).
+const ENOUGH: [f64; 4] = [0.3, 0.8, 1.5, 3.0];
+/// The hazard at which routes are compared.
+const COMPARED: f64 = 1.5;
+/// The weight of the mean time of a confirmation, beside the time of the last one.
+const MEAN_WEIGHT: f64 = 0.1;
 /// The maximum number of teams.
-const TEAMS_MAX: usize = 8;
+pub(crate) const TEAMS_MAX: usize = 8;
+/// The maximum number of routes that are compared for a number of teams.
+const COMPARISONS_MAX: usize = 300;
 
-/// The maximum number of tours.
-pub(crate) const TOURS_MAX: usize = TEAMS_MAX * HOVERS.len();
+/// The numbers of teams whose tours are kept.
+const COUNTS_MAX: usize = 3;
 
-/// A team on its tour.
-struct Team {
-    /// The cell where the team is next free, and the step after which it is.
-    cell: Cell,
-    free_at: u32,
-    /// The cells that the team hovers in, each until a step.
-    errands: Vec<(Cell, u32)>,
-}
+/// The maximum number of tours at one level.
+pub(crate) const TOURS_MAX: usize = COUNTS_MAX * ENOUGH.len();
 
-/// Returns tours of one to several teams, with several hover times, sensing at a level. It is empty
-/// if no hotspot is known.
-pub(crate) fn tours(problem: &Problem<'_>, level: u8) -> Vec<Paths> {
-    let known = &problem.known;
-    if known.is_empty() {
+/// Returns tours of one to several teams, with several hover times, sensing at each of some levels.
+/// It is empty if no hotspot is known.
+pub(crate) fn tours(problem: &Problem<'_>, levels: &[u8]) -> Vec<Paths> {
+    let known = problem.known.len();
+    if known == 0 {
         return Vec::new();
     }
     let quorum = problem.model.config().quorum as usize;
     let uavs = problem.situation.cells.len();
-    let most = (uavs / quorum).max(1).min(known.len()).min(TEAMS_MAX);
+    let most = (uavs / quorum).max(1).min(known).min(TEAMS_MAX);
+    let mut fleets: Vec<(f64, Teams<'_, '_>, Routes)> = (1..=most)
+        .map(|count| {
+            let teams = Teams::new(problem, count);
+            let routes = teams.shortened(teams.nearest_first());
+            (teams.time(&routes), teams, routes)
+        })
+        .collect();
+    fleets.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut tours = Vec::new();
-    for teams in 1..=most {
-        for hover in HOVERS {
-            tours.push(tour(problem, known, teams, hover, level));
+    for (_, teams, routes) in fleets.iter().take(COUNTS_MAX) {
+        for &level in levels {
+            for enough in ENOUGH {
+                tours.push(teams.recorded(routes, enough, level));
+            }
         }
     }
     tours
 }
 
-/// Makes one tour. The team that is free first takes the hotspot that it reaches first. When none
-/// is left, all are visited again.
-fn tour(problem: &Problem<'_>, known: &[Cell], teams: usize, hover: f64, level: u8) -> Paths {
-    let uavs = problem.situation.cells.len();
-    let team_of = |uav: usize| uav * teams / uavs;
-    let starts = &problem.situation.cells;
-    let mut fleet: Vec<Team> = (0..teams)
-        .map(|team| Team {
-            cell: starts[(team * uavs).div_ceil(teams)],
-            free_at: 0,
-            errands: Vec::new(),
-        })
-        .collect();
-    let mut open = known.to_vec();
-    let steps = problem.steps as u32;
-    while let Some(free) = (0..teams).min_by_key(|&team| fleet[team].free_at) {
-        if fleet[free].free_at >= steps {
-            break;
-        }
-        if open.is_empty() {
-            open = known.to_vec();
-        }
-        let here = fleet[free].cell;
-        let Some(next) = (0..open.len()).min_by_key(|&index| here.manhattan(open[index])) else {
-            break;
-        };
-        let target = open.swap_remove(next);
-        let members = (0..uavs).filter(|&uav| team_of(uav) == free).count();
-        let wait = libm::round(hover * steps_to_quorum(problem, members)).min(f64::from(steps));
-        // At least one step passes, so that the loop ends.
-        let until = fleet[free].free_at + here.manhattan(target).max(1) + wait as u32;
-        let team = &mut fleet[free];
-        team.errands.push((target, until));
-        team.cell = target;
-        team.free_at = until;
-    }
-    let mut recorder = Recorder::new(problem, level);
-    let mut next = vec![0; teams];
-    for step in 1..=steps {
-        for (team, next) in fleet.iter().zip(&mut next) {
-            while *next + 1 < team.errands.len() && team.errands[*next].1 < step {
-                *next += 1;
-            }
-        }
-        recorder.fly(|uav| fleet[team_of(uav)].errands[next[team_of(uav)]].0);
-    }
-    recorder.finish()
+/// The hotspots of each team, in the order of its visits.
+type Routes = Vec<Vec<usize>>;
+
+/// A fleet in teams of nearly equal size.
+///
+/// Let q be the chance that a quorum of a team detects a hotspot in a look from a cell. It adds
+/// -ln(1 - q) to the hazard of the hotspot.
+struct Teams<'p, 'm> {
+    problem: &'p Problem<'m>,
+    count: usize,
+    /// The cell of each team before the first step.
+    starts: Vec<Cell>,
+    /// What a look of each team adds, by the offset of the hotspot from the team.
+    hazards: Vec<Vec<f64>>,
 }
 
-/// Returns the expected steps until a team in the hotspot's cell has a quorum of positives in one
-/// step.
-fn steps_to_quorum(problem: &Problem<'_>, members: usize) -> f64 {
-    let odds = &problem.odds;
-    let here = Cell::default();
-    let p = odds.detection(odds.highest(), here, here);
-    let quorum = problem.model.config().quorum as usize;
-    let mut exactly = vec![0.0; quorum];
-    exactly[0] = 1.0;
-    for _ in 0..members {
-        for k in (1..quorum).rev() {
-            exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
+impl<'p, 'm> Teams<'p, 'm> {
+    fn new(problem: &'p Problem<'m>, count: usize) -> Self {
+        let uavs = problem.situation.cells.len();
+        let first = |team: usize| (team * uavs).div_ceil(count);
+        let members = (0..count).map(|team| first(team + 1) - first(team));
+        Self {
+            problem,
+            count,
+            starts: (0..count)
+                .map(|team| problem.situation.cells[first(team)])
+                .collect(),
+            hazards: members.map(|members| hazards(problem, members)).collect(),
         }
-        exactly[0] *= 1.0 - p;
     }
-    let chance = 1.0 - exactly.iter().sum::<f64>();
-    1.0 / f64::max(chance, 1e-6)
+
+    /// Returns the team of a UAV.
+    fn of(&self, uav: usize) -> usize {
+        uav * self.count / self.problem.situation.cells.len()
+    }
+
+    /// Returns the routes in which the team that is free first takes the hotspot nearest to it.
+    fn nearest_first(&self) -> Routes {
+        let known = &self.problem.known;
+        let mut routes = vec![Vec::new(); self.count];
+        let mut free: Vec<(f64, Cell)> = self.starts.iter().map(|&cell| (0.0, cell)).collect();
+        let mut open: Vec<usize> = (0..known.len()).collect();
+        while !open.is_empty() {
+            let soonest = (0..self.count).min_by(|&a, &b| free[a].0.total_cmp(&free[b].0));
+            let team = soonest.unwrap_or(0);
+            let (at, here) = free[team];
+            let nearest = (0..open.len()).min_by_key(|&index| here.manhattan(known[open[index]]));
+            let hotspot = open.swap_remove(nearest.unwrap_or(0));
+            let wait = COMPARED / self.hazards[team][0].max(f64::MIN_POSITIVE);
+            free[team] = (
+                at + f64::from(here.manhattan(known[hotspot])) + wait,
+                known[hotspot],
+            );
+            routes[team].push(hotspot);
+        }
+        routes
+    }
+
+    /// Moves hotspots and reverses parts of routes as long as this shortens the time.
+    fn shortened(&self, mut routes: Routes) -> Routes {
+        let mut least = self.time(&routes);
+        let mut left = COMPARISONS_MAX;
+        let mut shorter = true;
+        while shorter {
+            shorter = false;
+            for change in changes(&routes) {
+                if left == 0 {
+                    return routes;
+                }
+                left -= 1;
+                let mut changed = routes.clone();
+                change.apply(&mut changed);
+                let time = self.time(&changed);
+                if time < least {
+                    (routes, least, shorter) = (changed, time, true);
+                    break;
+                }
+            }
+        }
+        routes
+    }
+
+    /// Returns the time of the last confirmation, with a share of the mean time of one.
+    fn time(&self, routes: &Routes) -> f64 {
+        let mut flight = Flight::new(self, COMPARED);
+        let (known, mut sum) = (flight.open as f64, 0.0);
+        for step in 1..=self.problem.steps {
+            sum += step as f64 * flight.step(self, routes) as f64;
+            if flight.open == 0 {
+                return step as f64 + MEAN_WEIGHT * sum / known;
+            }
+        }
+        f64::INFINITY
+    }
+
+    /// Returns the trajectories of routes, which are flown again and again.
+    fn recorded(&self, routes: &Routes, enough: f64, level: u8) -> Paths {
+        let mut recorder = Recorder::new(self.problem, level);
+        let mut flight = Flight::new(self, enough);
+        while !recorder.is_full() {
+            flight.step(self, routes);
+            recorder.fly(|uav| flight.targets[self.of(uav)]);
+            if flight.open == 0 {
+                flight.open_all();
+            }
+        }
+        recorder.finish()
+    }
+}
+
+/// A flight over the hotspots, in which the looks have their expected effect.
+struct Flight {
+    /// The cell of each team, and the cell that it flies to.
+    cells: Vec<Cell>,
+    targets: Vec<Cell>,
+    /// The hazard of each hotspot so far, and the one that is enough.
+    hazards: Vec<f64>,
+    enough: f64,
+    /// Number of hotspots whose hazard is not enough.
+    open: usize,
+}
+
+impl Flight {
+    fn new(teams: &Teams<'_, '_>, enough: f64) -> Self {
+        let known = teams.problem.known.len();
+        Self {
+            cells: teams.starts.clone(),
+            targets: teams.starts.clone(),
+            hazards: vec![0.0; known],
+            enough,
+            open: known,
+        }
+    }
+
+    fn open_all(&mut self) {
+        self.hazards.fill(0.0);
+        self.open = self.hazards.len();
+    }
+
+    /// Flies one step. Returns the number of hotspots whose hazard is now enough.
+    fn step(&mut self, teams: &Teams<'_, '_>, routes: &Routes) -> usize {
+        let (known, config) = (&teams.problem.known, teams.problem.model.config());
+        for (team, route) in routes.iter().enumerate() {
+            let cell = &mut self.cells[team];
+            let next = route
+                .iter()
+                .find(|&&hotspot| self.hazards[hotspot] < self.enough);
+            self.targets[team] = next.map_or(*cell, |&hotspot| known[hotspot]);
+            let motion = toward(*cell, self.targets[team]);
+            *cell = destination(*cell, motion, config.grid_width, config.grid_height);
+        }
+        let before = self.open;
+        for (hazard, &hotspot) in self.hazards.iter_mut().zip(known) {
+            if *hazard >= self.enough {
+                continue;
+            }
+            for (cell, looks) in self.cells.iter().zip(&teams.hazards) {
+                *hazard += looks[teams.problem.odds.offset(*cell, hotspot)];
+            }
+            self.open -= usize::from(*hazard >= self.enough);
+        }
+        before - self.open
+    }
+}
+
+/// A change of routes.
+enum Change {
+    /// Moves a hotspot to a place in a route.
+    Shift {
+        from: (usize, usize),
+        to: (usize, usize),
+    },
+    /// Reverses a part of a route.
+    Reverse {
+        team: usize,
+        first: usize,
+        last: usize,
+    },
+}
+
+impl Change {
+    fn apply(&self, routes: &mut Routes) {
+        match *self {
+            Self::Shift { from, to } => {
+                let hotspot = routes[from.0].remove(from.1);
+                routes[to.0].insert(to.1, hotspot);
+            }
+            Self::Reverse { team, first, last } => routes[team][first..=last].reverse(),
+        }
+    }
+}
+
+/// Returns every change of one hotspot or of one part of a route.
+fn changes(routes: &Routes) -> Vec<Change> {
+    let mut changes = Vec::new();
+    for (team, route) in routes.iter().enumerate() {
+        for first in 0..route.len() {
+            for last in first + 1..route.len() {
+                changes.push(Change::Reverse { team, first, last });
+            }
+            for (other, there) in routes.iter().enumerate() {
+                // In its own route the hotspot leaves one place fewer.
+                for place in 0..there.len() + usize::from(other != team) {
+                    if (other, place) != (team, first) {
+                        let (from, to) = ((team, first), (other, place));
+                        changes.push(Change::Shift { from, to });
+                    }
+                }
+            }
+        }
+    }
+    changes
+}
+
+/// Returns the hazard of a look of a number of UAVs in one cell, by the offset of a hotspot.
+fn hazards(problem: &Problem<'_>, members: usize) -> Vec<f64> {
+    let (odds, config) = (&problem.odds, problem.model.config());
+    let quorum = config.quorum as usize;
+    let offsets =
+        (0..config.grid_height).flat_map(|y| (0..config.grid_width).map(move |x| Cell { x, y }));
+    offsets
+        .map(|offset| {
+            let p = odds.detection(odds.highest(), Cell::default(), offset);
+            let below = fewer_than(quorum, core::iter::repeat_n(p, members));
+            -libm::log(below.max(1e-12))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::println;
+
+    use jcas_core::{Config, Model, Preset, Sim};
+
+    use super::*;
+    use crate::problem::Situation;
+    use crate::targets::Targets;
+
+    /// The best of all orders of one team, by trying each, over the layouts of fifty episodes.
+    #[test]
+    fn one_team_visits_five_hotspots_in_nearly_the_best_order() {
+        let model = Model::new(Config {
+            uav_count: 5,
+            hotspot_count: 5,
+            ..Config::preset(Preset::Paper)
+        })
+        .unwrap();
+        let (mut found, mut greedy, mut best) = (0.0, 0.0, 0.0);
+        for seed in 0..50 {
+            let mut sim = Sim::new(&model);
+            sim.reset(seed);
+            let cells: Vec<Cell> = (0..5).map(|h| sim.state().hotspot_cell(h)).collect();
+            let targets = Targets::known(&model, &cells).unwrap();
+            let problem = Problem::new(&model, &targets, Situation::at_reset(&model)).unwrap();
+            let teams = Teams::new(&problem, 1);
+            let nearest = teams.nearest_first();
+            greedy += teams.time(&nearest);
+            found += teams.time(&teams.shortened(nearest));
+            let times = orders(5).into_iter().map(|order| teams.time(&vec![order]));
+            best += times.fold(f64::INFINITY, f64::min);
+        }
+        println!("{found} found, {greedy} nearest first, {best} best");
+        assert!(best <= found && found < 1.01 * best, "{found} {best}");
+        assert!(found < 0.97 * greedy, "{found} {greedy}");
+    }
+
+    /// Returns all orders of 0 to n - 1.
+    fn orders(n: usize) -> Vec<Vec<usize>> {
+        if n == 0 {
+            return vec![Vec::new()];
+        }
+        let shorter = orders(n - 1);
+        let places = |order: &Vec<usize>| {
+            let order = order.clone();
+            (0..n).map(move |place| {
+                let mut longer = order.clone();
+                longer.insert(place, n - 1);
+                longer
+            })
+        };
+        shorter.iter().flat_map(places).collect()
+    }
 }
