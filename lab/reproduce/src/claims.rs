@@ -73,110 +73,51 @@ const fn claim(
 const ANOTHER: &str = "within what one training and 100 missions of that rate may give";
 
 /// The paper's claims.
-pub const CLAIMS: [Claim; 17] = [
-    claim(
-        "success 0.73 at N = 10",
-        ANOTHER,
-        Measure::At(Quantity::Success, 10),
-        Region::AnotherTraining(0.73),
-    ),
-    claim(
-        "success 0.97 at N = 15",
-        ANOTHER,
-        Measure::At(Quantity::Success, 15),
-        Region::AnotherTraining(0.97),
-    ),
-    claim(
-        "success 0.97 at N = 15 for all target densities",
-        "the same for each n",
-        Measure::OfEachHotspots(Quantity::Success, 15),
-        Region::AnotherTraining(0.97),
-    ),
-    claim(
-        "mission time falls with N and saturates",
-        "the first step down and the mean second difference are above 0",
-        Measure::Saturation(Quantity::Steps),
-        Region::Above(0.0),
-    ),
-    claim(
-        "energy grows less than in proportion to N",
-        "the growth is below that of N",
-        Measure::Growth(Quantity::Energy),
-        Region::Below(1.0),
-    ),
-    claim(
-        "normalised throughput can exceed 1",
-        "above 1 at N = 20",
-        Measure::At(Quantity::Throughput, 20),
-        Region::Above(1.0),
-    ),
-    claim(
-        "enough throughput even for larger teams",
-        "no lower at the largest N than at the smallest",
-        Measure::LastOverFirst(Quantity::Throughput),
-        Region::Above(1.0),
-    ),
-    claim(
-        "adaptive and constant pilot within about 5 points at N = 10",
-        "between -5 and +5 points",
-        Measure::PilotGap(10),
-        Region::Between(-5.0, 5.0),
-    ),
-    claim(
-        "adaptive pilot up to around 10 points better at N = 15",
-        "the greatest over n is between +5 and +15 points",
-        Measure::GreatestPilotGap(15),
-        Region::Between(5.0, 15.0),
-    ),
-    claim(
-        "adaptivity is worth less with more targets",
-        "its worth falls with n",
-        Measure::PilotGapSlope,
-        Region::Below(0.0),
-    ),
-    claim(
-        "constant pilot lowers throughput, N = 10",
-        "the ratio is below 1",
-        Measure::PilotRatio(Quantity::Throughput, 10),
-        Region::Below(1.0),
-    ),
-    claim(
-        "constant pilot lowers throughput, N = 15",
-        "the ratio is below 1",
-        Measure::PilotRatio(Quantity::Throughput, 15),
-        Region::Below(1.0),
-    ),
-    claim(
-        "constant pilot lowers throughput for each n, N = 10 and 15",
-        "each ratio is below 1",
-        Measure::PilotRatioOfEachHotspots(Quantity::Throughput),
-        Region::Below(1.0),
-    ),
-    claim(
-        "pilot density is high on approach and low afterwards",
-        "denser within a cell of an unconfirmed hotspot than farther away",
-        Measure::Approach,
-        Region::Above(0.0),
-    ),
-    claim(
-        "the return is flat after about 40 iterations",
-        "it changes over the last third by less than one iteration scatters",
-        Measure::LateChange,
-        Region::Between(-1.0, 1.0),
-    ),
-    claim(
-        "training takes 4.4 times as long at N = 20 as at N = 5",
-        "within a fifth of 4.4 times",
-        Measure::TimeGrowth,
-        Region::Between(3.5, 5.2),
-    ),
-    claim(
-        "the horizon of 100 steps is the endurance of 0.20 kWh",
-        "within a tenth of 100 steps",
-        Measure::Endurance,
-        Region::Between(90.0, 110.0),
-    ),
-];
+#[rustfmt::skip]
+pub const CLAIMS: [Claim; 17] = {
+    use Measure::*;
+    use Quantity::{Energy, Steps, Success, Throughput};
+    use Region::{Above, AnotherTraining, Below, Between};
+    [
+        claim("success 0.73 at N = 10", ANOTHER, At(Success, 10), AnotherTraining(0.73)),
+        claim("success 0.97 at N = 15", ANOTHER, At(Success, 15), AnotherTraining(0.97)),
+        claim("success 0.97 at N = 15 for all target densities", "the same for each n",
+              OfEachHotspots(Success, 15), AnotherTraining(0.97)),
+        claim("mission time falls with N and saturates",
+              "the first step down and the mean second difference are above 0",
+              Saturation(Steps), Above(0.0)),
+        claim("energy grows less than in proportion to N", "the growth is below that of N",
+              Growth(Energy), Below(1.0)),
+        claim("normalised throughput can exceed 1", "above 1 at N = 20",
+              At(Throughput, 20), Above(1.0)),
+        claim("enough throughput even for larger teams",
+              "no lower at the largest N than at the smallest",
+              LastOverFirst(Throughput), Above(1.0)),
+        claim("adaptive and constant pilot within about 5 points at N = 10",
+              "between -5 and +5 points", PilotGap(10), Between(-5.0, 5.0)),
+        claim("adaptive pilot up to around 10 points better at N = 15",
+              "the greatest over n is between +5 and +15 points",
+              GreatestPilotGap(15), Between(5.0, 15.0)),
+        claim("adaptivity is worth less with more targets", "its worth falls with n",
+              PilotGapSlope, Below(0.0)),
+        claim("constant pilot lowers throughput, N = 10", "the ratio is below 1",
+              PilotRatio(Throughput, 10), Below(1.0)),
+        claim("constant pilot lowers throughput, N = 15", "the ratio is below 1",
+              PilotRatio(Throughput, 15), Below(1.0)),
+        claim("constant pilot lowers throughput for each n, N = 10 and 15", "each ratio is below 1",
+              PilotRatioOfEachHotspots(Throughput), Below(1.0)),
+        claim("pilot density is high on approach and low afterwards",
+              "denser within a cell of an unconfirmed hotspot than farther away",
+              Approach, Above(0.0)),
+        claim("the return is flat after about 40 iterations",
+              "it changes over the last third by less than one iteration scatters",
+              LateChange, Between(-1.0, 1.0)),
+        claim("training takes 4.4 times as long at N = 20 as at N = 5",
+              "within a fifth of 4.4 times", TimeGrowth, Between(3.5, 5.2)),
+        claim("the horizon of 100 steps is the endurance of 0.20 kWh",
+              "within a tenth of 100 steps", Endurance, Between(90.0, 110.0)),
+    ]
+};
 
 /// What is held against the claims.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
