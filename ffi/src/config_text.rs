@@ -81,15 +81,8 @@ pub unsafe extern "C" fn jcas_config_preset(
     };
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {
-        from_text(
-            name,
-            name_length,
-            config,
-            struct_size,
-            message,
-            message_capacity,
-            parse,
-        )
+        let (name, message) = ((name, name_length), (message, message_capacity));
+        from_text(name, (config, struct_size), message, parse)
     })
 }
 
@@ -112,15 +105,8 @@ pub unsafe extern "C" fn jcas_config_from_toml(
 ) -> jcas_status {
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {
-        from_text(
-            text,
-            text_length,
-            config,
-            struct_size,
-            message,
-            message_capacity,
-            Config::from_toml,
-        )
+        let (text, message) = ((text, text_length), (message, message_capacity));
+        from_text(text, (config, struct_size), message, Config::from_toml)
     })
 }
 
@@ -142,15 +128,8 @@ pub unsafe extern "C" fn jcas_config_from_json(
 ) -> jcas_status {
     // SAFETY: the caller's promises, passed on.
     guard(|| unsafe {
-        from_text(
-            text,
-            text_length,
-            config,
-            struct_size,
-            message,
-            message_capacity,
-            Config::from_json,
-        )
+        let (text, message) = ((text, text_length), (message, message_capacity));
+        from_text(text, (config, struct_size), message, Config::from_json)
     })
 }
 
@@ -210,8 +189,9 @@ pub unsafe extern "C" fn jcas_config_to_json(
     guard(|| {
         // SAFETY: the caller's promise for `config`; no message is wanted.
         let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
+        let json = Written(|mut out: &mut dyn Write| config.write_json(&mut out));
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&Json(&config), text, capacity, length) }
+        unsafe { text_out(&json, text, capacity, length) }
     })
 }
 
@@ -232,8 +212,9 @@ pub unsafe extern "C" fn jcas_config_to_toml(
     guard(|| {
         // SAFETY: the caller's promise for `config`; no message is wanted.
         let config = unsafe { legal(config, std::ptr::null_mut(), 0) }?;
+        let toml = Written(|mut out: &mut dyn Write| config.write_toml(&mut out));
         // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&Toml(&config), text, capacity, length) }
+        unsafe { text_out(&toml, text, capacity, length) }
     })
 }
 
@@ -250,23 +231,19 @@ pub unsafe extern "C" fn jcas_config_fields(
     capacity: usize,
     length: *mut usize,
 ) -> jcas_status {
-    guard(|| {
-        // SAFETY: the caller's promises for `text` and `length`.
-        unsafe { text_out(&Fields, text, capacity, length) }
-    })
+    let fields = Written(|mut out: &mut dyn Write| Config::write_fields(&mut out));
+    // SAFETY: the caller's promises for `text` and `length`.
+    guard(|| unsafe { text_out(&fields, text, capacity, length) })
 }
 
-/// Reads a text by `parse` into the caller's record.
+/// Reads a text by `parse` into the caller's record. Each pointer comes with its size.
 ///
 /// # Safety
 /// The promises that each exported function above names.
 unsafe fn from_text(
-    text: *const c_char,
-    text_length: usize,
-    config: *mut jcas_config,
-    struct_size: usize,
-    message: *mut c_char,
-    message_capacity: usize,
+    (text, text_length): (*const c_char, usize),
+    (config, struct_size): (*mut jcas_config, usize),
+    (message, message_capacity): (*mut c_char, usize),
     parse: impl Fn(&str) -> Result<Config, TextError>,
 ) -> Result<(), Fault> {
     // SAFETY: the caller's promises, passed on.
@@ -286,29 +263,11 @@ unsafe fn from_text(
     Err(refused)
 }
 
-/// A configuration as JSON.
-struct Json<'a>(&'a Config);
+/// The text that a function writes.
+struct Written<F>(F);
 
-impl Text for Json<'_> {
+impl<F: Fn(&mut dyn Write) -> fmt::Result> Text for Written<F> {
     fn write_to(&self, out: &mut impl Write) -> fmt::Result {
-        self.0.write_json(out)
-    }
-}
-
-/// A configuration as TOML.
-struct Toml<'a>(&'a Config);
-
-impl Text for Toml<'_> {
-    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
-        self.0.write_toml(out)
-    }
-}
-
-/// The description of every field.
-struct Fields;
-
-impl Text for Fields {
-    fn write_to(&self, out: &mut impl Write) -> fmt::Result {
-        Config::write_fields(out)
+        (self.0)(out)
     }
 }

@@ -49,6 +49,7 @@ mod memory;
 mod model_block;
 #[cfg(all(test, loom))]
 mod model_check;
+mod names;
 mod plan_block;
 mod policy_block;
 #[cfg(any(kani, all(test, not(loom))))]

@@ -1,15 +1,16 @@
 //! Models: built in the caller's memory or in memory of the library, then only read.
 
 use std::ffi::{c_char, c_void};
-use std::ptr;
 
 use jcas_core::Config;
+use jcas_core::observation::fields::FIELD_NAMES;
 
 use crate::config::jcas_config;
 use crate::config_text::legal;
 use crate::handle::Memory;
 use crate::memory::{output, place, put_layout, record, sized_record};
 use crate::model_block::{ModelBlock, model};
+use crate::names::{joined, joined_len, name_at};
 use crate::records::{
     JCAS_OBSERVATION_FIELDS, jcas_model_info, jcas_observation_field, jcas_radio,
 };
@@ -169,36 +170,8 @@ pub unsafe extern "C" fn jcas_model_observation_fields(
 /// Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_observation_field_name(index: u32) -> *const c_char {
-    const NAMES: [&std::ffi::CStr; JCAS_OBSERVATION_FIELDS] = [
-        c"x",
-        c"y",
-        c"soc",
-        c"pilot_density",
-        c"throughput",
-        c"hotspot_dx",
-        c"hotspot_dy",
-        c"hotspot_confirmed",
-        c"hotspot_known",
-        c"neighbour_present",
-        c"neighbour_dx",
-        c"neighbour_dy",
-        c"neighbours",
-        c"carbon_intensity",
-        c"depot_distance",
-        c"confirmed",
-        c"informed",
-        c"time",
-        c"map_window",
-        c"unsearched",
-        c"tag",
-        c"report_window",
-        c"report_dx",
-        c"report_dy",
-        c"report_level",
-    ];
-    NAMES
-        .get(index as usize)
-        .map_or(ptr::null(), |name| name.as_ptr())
+    static NAMES: [u8; joined_len(&FIELD_NAMES)] = joined(&FIELD_NAMES);
+    name_at(&NAMES, index)
 }
 
 /// Writes the configuration of a model.
@@ -274,23 +247,4 @@ unsafe fn build(
     let block = unsafe { ModelBlock::build(config, memory) }?;
     out.put(block.cast());
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_observation_fields_are_the_kernels() {
-        for (index, name) in jcas_core::observation::fields::FIELD_NAMES
-            .iter()
-            .enumerate()
-        {
-            let given = jcas_observation_field_name(index as u32);
-            // SAFETY: the text is a static C string.
-            let given = unsafe { std::ffi::CStr::from_ptr(given) };
-            assert_eq!(given.to_str(), Ok(*name));
-        }
-        assert!(jcas_observation_field_name(JCAS_OBSERVATION_FIELDS as u32).is_null());
-    }
 }

@@ -1,5 +1,6 @@
 //! Policies: trained networks from their files, and the baselines by name.
 
+use std::alloc::Layout;
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt::Display;
 
@@ -111,22 +112,13 @@ pub unsafe extern "C" fn jcas_policy_init(
     message: *mut c_char,
     message_capacity: usize,
 ) -> jcas_status {
-    guard(|| {
-        // SAFETY: the caller's promise for `model`.
-        let model = unsafe { self::model(model.cast()) }?;
-        // SAFETY: the caller's promise for `policy`.
-        let out = unsafe { place(policy) }?;
-        // SAFETY: the caller's promises for `file` and `message`.
-        let (network, file) =
-            unsafe { network(model.get(), file, length, message, message_capacity) }?;
-        let layout = PolicyBlock::layout(model.get(), Some(&network))?;
+    let lent = |layout| {
         // SAFETY: the caller's promise for `memory`.
-        let memory = unsafe { Memory::lent(memory.cast(), size, layout) }?;
-        // SAFETY: checked memory that the caller lends for as long as the policy lives.
-        let block = unsafe { PolicyBlock::build_network(model, &network, file, memory) }?;
-        out.put(block.cast());
-        Ok(())
-    })
+        unsafe { Memory::lent(memory.cast(), size, layout) }
+    };
+    let message = (message, message_capacity);
+    // SAFETY: the caller's promises, passed on.
+    unsafe { build(model, (file, length), policy, message, lent) }
 }
 
 /// Builds a trained policy in memory from the system. jcas_policy_free ends it.
@@ -150,6 +142,23 @@ pub unsafe extern "C" fn jcas_policy_load(
     message: *mut c_char,
     message_capacity: usize,
 ) -> jcas_status {
+    let message = (message, message_capacity);
+    // SAFETY: the caller's promises, passed on.
+    unsafe { build(model, (file, length), policy, message, Memory::allocate) }
+}
+
+/// Builds a trained policy in the memory that `memory` gives for its layout. The file and the
+/// message come with their sizes.
+///
+/// # Safety
+/// The pointers are as for [`jcas_policy_load`]. The memory stays valid until the policy is freed.
+unsafe fn build(
+    model: *const jcas_model,
+    (file, length): (*const u8, usize),
+    policy: *mut *mut jcas_policy,
+    (message, message_capacity): (*mut c_char, usize),
+    memory: impl FnOnce(Layout) -> Result<(*mut u8, Memory), Fault>,
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
@@ -158,8 +167,8 @@ pub unsafe extern "C" fn jcas_policy_load(
         // SAFETY: the caller's promises for `file` and `message`.
         let (network, file) =
             unsafe { network(model.get(), file, length, message, message_capacity) }?;
-        let memory = Memory::allocate(PolicyBlock::layout(model.get(), Some(&network))?)?;
-        // SAFETY: the library allocated this memory with this layout.
+        let memory = memory(PolicyBlock::layout(model.get(), Some(&network))?)?;
+        // SAFETY: the memory has this layout and lives as long as the policy.
         let block = unsafe { PolicyBlock::build_network(model, &network, file, memory) }?;
         out.put(block.cast());
         Ok(())

@@ -1,11 +1,11 @@
 //! Queries that copy each quantity of a state into the caller's buffers.
 
 use std::ffi::c_char;
-use std::ptr;
 
 use jcas_core::{StateRef, reward};
 
 use crate::memory::{output, record};
+use crate::names::{joined, joined_len, name_at};
 use crate::records::{jcas_episode, jcas_hotspot, jcas_metrics, jcas_uav};
 use crate::sim::jcas_sim;
 use crate::sim_block::{SimRef, see};
@@ -138,23 +138,8 @@ pub unsafe extern "C" fn jcas_sim_uav_reward_components(
 /// Threads: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn jcas_reward_name(index: u32) -> *const c_char {
-    const NAMES: [&std::ffi::CStr; reward::COMPONENTS] = [
-        c"detect",
-        c"inform",
-        c"complete",
-        c"coverage",
-        c"energy",
-        c"carbon",
-        c"revisit",
-        c"truncation",
-        c"throughput",
-        c"spread",
-        c"shaping_goal",
-        c"shaping_charge",
-    ];
-    NAMES
-        .get(index as usize)
-        .map_or(ptr::null(), |name| name.as_ptr())
+    static NAMES: [u8; joined_len(&reward::NAMES)] = joined(&reward::NAMES);
+    name_at(&NAMES, index)
 }
 
 /// Writes the state of every UAV.
@@ -468,21 +453,5 @@ fn is_size_of<T>(struct_size: usize) -> Result<(), Fault> {
         Ok(())
     } else {
         Err(Fault::Status(JCAS_ERROR_STRUCT_SIZE))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reward_names_are_the_kernels() {
-        for (index, name) in reward::NAMES.iter().enumerate() {
-            let given = jcas_reward_name(index as u32);
-            // SAFETY: the text is a static C string.
-            let given = unsafe { std::ffi::CStr::from_ptr(given) };
-            assert_eq!(given.to_str(), Ok(*name));
-        }
-        assert!(jcas_reward_name(reward::COMPONENTS as u32).is_null());
     }
 }

@@ -1,5 +1,6 @@
 //! Simulations: lifecycle, whole steps, observations.
 
+use std::alloc::Layout;
 use std::ffi::{c_char, c_void};
 
 use jcas_core::Scratch;
@@ -11,7 +12,7 @@ use crate::model::jcas_model;
 use crate::model_block::model;
 use crate::records::jcas_outcome;
 use crate::sim_block::{SimBlock, SimMut, change, see};
-use crate::status::{JCAS_OK, guard, jcas_status};
+use crate::status::{Fault, JCAS_OK, guard, jcas_status};
 
 /// One state of a model, with its working memory. One thread at a time may use it, except that
 /// functions that take it as const may run concurrently.
@@ -64,18 +65,12 @@ pub unsafe extern "C" fn jcas_sim_init(
     model: *const jcas_model,
     sim: *mut *mut jcas_sim,
 ) -> jcas_status {
-    guard(|| {
-        // SAFETY: the caller's promise for `model`.
-        let model = unsafe { self::model(model.cast()) }?;
-        // SAFETY: the caller's promise for `sim`.
-        let out = unsafe { place(sim) }?;
-        // SAFETY: the caller's promise for `memory`.
-        let memory = unsafe { Memory::lent(memory.cast(), size, SimBlock::layout(model.get())?) }?;
-        // SAFETY: checked memory that the caller lends for as long as the simulation lives.
-        let block = unsafe { SimBlock::build(model, memory) }?;
-        out.put(block.cast());
-        Ok(())
-    })
+    // SAFETY: the caller's promises for `model`, `sim` and `memory`.
+    unsafe {
+        build(model, sim, |layout| {
+            Memory::lent(memory.cast(), size, layout)
+        })
+    }
 }
 
 /// Builds a simulation in memory from the system, at t = 0 of seed 0. jcas_sim_free ends it.
@@ -90,13 +85,27 @@ pub unsafe extern "C" fn jcas_sim_new(
     model: *const jcas_model,
     sim: *mut *mut jcas_sim,
 ) -> jcas_status {
+    // SAFETY: the caller's promises for `model` and `sim`.
+    unsafe { build(model, sim, Memory::allocate) }
+}
+
+/// Builds a simulation in the memory that `memory` gives for its layout.
+///
+/// # Safety
+/// `model` and `sim` are as for [`jcas_sim_init`]. The memory stays valid until the simulation is
+/// freed.
+unsafe fn build(
+    model: *const jcas_model,
+    sim: *mut *mut jcas_sim,
+    memory: impl FnOnce(Layout) -> Result<(*mut u8, Memory), Fault>,
+) -> jcas_status {
     guard(|| {
         // SAFETY: the caller's promise for `model`.
         let model = unsafe { self::model(model.cast()) }?;
         // SAFETY: the caller's promise for `sim`.
         let out = unsafe { place(sim) }?;
-        let memory = Memory::allocate(SimBlock::layout(model.get())?)?;
-        // SAFETY: the library allocated this memory with this layout.
+        let memory = memory(SimBlock::layout(model.get())?)?;
+        // SAFETY: the memory has this layout and lives as long as the simulation.
         let block = unsafe { SimBlock::build(model, memory) }?;
         out.put(block.cast());
         Ok(())
