@@ -2,67 +2,56 @@
 
 use core::fmt;
 
-/// A baseline by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BaselineKind {
+/// Declares the baselines once, each with its name.
+macro_rules! baselines {
+    ($( $(#[$meta:meta])+ $kind:ident = $name:literal, )+) => {
+        /// A baseline by name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum BaselineKind {
+            $( $(#[$meta])+ $kind, )+
+        }
+
+        impl BaselineKind {
+            /// All baselines.
+            pub const ALL: [Self; [$( $name ),+].len()] = [$( Self::$kind ),+];
+
+            /// The name of the baseline.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $( Self::$kind => $name, )+
+                }
+            }
+        }
+    };
+}
+
+baselines! {
     /// [`Random`](super::Random).
-    Random,
+    Random = "random",
     /// [`Greedy`](super::Greedy).
-    Greedy,
+    Greedy = "greedy",
     /// [`Swarm`](super::Swarm).
-    Swarm,
+    Swarm = "swarm",
     /// [`Teams`](super::Teams).
-    Teams,
+    Teams = "teams",
     /// [`Sweep`](super::Sweep).
-    Sweep,
+    Sweep = "sweep",
     /// [`Line`](super::Line).
-    Line,
+    Line = "line",
     /// [`Frontier`](super::Frontier).
-    Frontier,
+    Frontier = "frontier",
     /// [`Frontier::connected`](super::Frontier::connected).
-    Relay,
+    Relay = "relay",
     /// [`Answer`](super::Answer).
-    Answer,
+    Answer = "answer",
     /// [`Charging::greedy`](super::Charging::greedy).
-    Charging,
+    Charging = "charging",
     /// [`Charging::clean`](super::Charging::clean).
-    Clean,
+    Clean = "clean",
 }
 
 impl BaselineKind {
-    /// All baselines.
-    pub const ALL: [Self; 11] = [
-        Self::Random,
-        Self::Greedy,
-        Self::Swarm,
-        Self::Teams,
-        Self::Sweep,
-        Self::Line,
-        Self::Frontier,
-        Self::Relay,
-        Self::Answer,
-        Self::Charging,
-        Self::Clean,
-    ];
-
-    /// The name of the baseline.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Random => "random",
-            Self::Greedy => "greedy",
-            Self::Swarm => "swarm",
-            Self::Teams => "teams",
-            Self::Sweep => "sweep",
-            Self::Line => "line",
-            Self::Frontier => "frontier",
-            Self::Relay => "relay",
-            Self::Answer => "answer",
-            Self::Charging => "charging",
-            Self::Clean => "clean",
-        }
-    }
-
     /// Returns whether it steers by reports. Without them it is the same as another baseline.
     #[must_use]
     pub fn reads_reports(self) -> bool {
