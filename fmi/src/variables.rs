@@ -226,44 +226,21 @@ pub fn all() -> Vec<Variable> {
 
 /// The fields of the configuration but the two sizes, which are structural.
 fn fields() -> Vec<Variable> {
+    use VariableType::{Float64, String as Text, UInt32};
     let config = Config::default();
     let numbered = (reference::FIELDS..).zip(Config::FIELDS.iter().zip(config.values()));
     numbered
         .filter(|(_, (info, _))| !is_size(info.name))
         .map(|(reference, (info, value))| {
-            let number = Some((info.low, info.high));
+            let (number, unit) = (Some((info.low, info.high)), Some(info.unit));
+            let choices = format!(" One of {}.", info.unit);
             let (kind, unit, range, how) = match value {
-                FieldValue::Integer(_) => (VariableType::UInt32, None, number, String::new()),
-                FieldValue::Real(_) => (
-                    VariableType::Float64,
-                    Some(info.unit),
-                    number,
-                    String::new(),
-                ),
-                FieldValue::Optional(_) => (
-                    VariableType::Float64,
-                    Some(info.unit),
-                    None,
-                    " NaN: derived.".to_owned(),
-                ),
-                FieldValue::Choice(..) => (
-                    VariableType::String,
-                    None,
-                    None,
-                    format!(" One of {}.", info.unit),
-                ),
-                FieldValue::Cells(_) => (
-                    VariableType::String,
-                    None,
-                    None,
-                    " A list of [x, y] in JSON.".to_owned(),
-                ),
-                FieldValue::Table(_) => (
-                    VariableType::String,
-                    None,
-                    None,
-                    " A list of [m, P_d] in JSON.".to_owned(),
-                ),
+                FieldValue::Integer(_) => (UInt32, None, number, ""),
+                FieldValue::Real(_) => (Float64, unit, number, ""),
+                FieldValue::Optional(_) => (Float64, unit, None, " NaN: derived."),
+                FieldValue::Choice(..) => (Text, None, None, choices.as_str()),
+                FieldValue::Cells(_) => (Text, None, None, " A list of [x, y] in JSON."),
+                FieldValue::Table(_) => (Text, None, None, " A list of [m, P_d] in JSON."),
             };
             Variable {
                 reference,

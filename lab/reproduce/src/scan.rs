@@ -68,51 +68,30 @@ pub struct ScanRow {
     pub return_high: f64,
 }
 
-impl ScanRow {
-    /// Success with the interval of its missions.
-    pub fn success(&self) -> Estimate {
-        Estimate {
-            value: self.success,
-            low: self.success_low,
-            high: self.success_high,
-        }
-    }
+/// Declares the quantities of a row with the ends of the intervals of its missions.
+macro_rules! estimates {
+    ($( $(#[$meta:meta])+ $quantity:ident, $low:ident, $high:ident; )+) => {
+        impl ScanRow { $(
+            $(#[$meta])+
+            pub fn $quantity(&self) -> Estimate {
+                let (value, low, high) = (self.$quantity, self.$low, self.$high);
+                Estimate { value, low, high }
+            }
+        )+ }
+    };
+}
 
-    /// The undiscounted return with the interval of its missions.
-    pub fn episode_return(&self) -> Estimate {
-        Estimate {
-            value: self.episode_return,
-            low: self.return_low,
-            high: self.return_high,
-        }
-    }
-
-    /// Steps with the interval of its missions.
-    pub fn steps(&self) -> Estimate {
-        Estimate {
-            value: self.steps,
-            low: self.steps_low,
-            high: self.steps_high,
-        }
-    }
-
-    /// Energy of the fleet in a mission in kWh, with the interval of its missions.
-    pub fn energy_kwh(&self) -> Estimate {
-        Estimate {
-            value: self.energy_kwh,
-            low: self.energy_kwh_low,
-            high: self.energy_kwh_high,
-        }
-    }
-
-    /// Normalised throughput with the interval of its missions.
-    pub fn throughput(&self) -> Estimate {
-        Estimate {
-            value: self.throughput,
-            low: self.throughput_low,
-            high: self.throughput_high,
-        }
-    }
+estimates! {
+    /// Share of missions that succeeded.
+    success, success_low, success_high;
+    /// The undiscounted return.
+    episode_return, return_low, return_high;
+    /// Steps.
+    steps, steps_low, steps_high;
+    /// Energy of the fleet in a mission in kWh.
+    energy_kwh, energy_kwh_low, energy_kwh_high;
+    /// Normalised throughput.
+    throughput, throughput_low, throughput_high;
 }
 
 /// One iteration of one training.
