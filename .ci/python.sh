@@ -56,6 +56,8 @@ cargo metadata --format-version 1 --manifest-path "$work"/jcas-*/kernel/Cargo.to
 "$python" python/run_notebook.py examples/tour.ipynb
 "$python" examples/radar/ofdm_radar.py --frames 100 --ranges-m 60 \
     --out "$work/p_d.csv" --figure "$work/p_d.png"
+# Sionna is large and not installed here.
+"$python" examples/radar/sionna_radar.py --help >"$work/sionna_help.txt"
 
 # The FMU, in an importer that is not ours.
 cargo xtask fmu --out "$work/jcas.fmu"

@@ -14,8 +14,9 @@ pilot density see the same noise, so that their differences are not its effect.
 import argparse
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,9 @@ COLUMNS += ("swerling1_cfar", "swerling1", "false_alarms_per_cell")
 LIGHT_M_PER_S = 299_792_458.0
 BATCH_FRAMES = 100
 QPSK = np.exp(0.25j * np.pi * np.arange(1, 8, 2)).astype(np.complex64)
+# Takes a generator and a number of frames. Gives the channel of each element (frames, subcarriers,
+# symbols) in units of the noise's amplitude, and each target's bins of delay and of Doppler.
+Echoes = Callable[[np.random.Generator, int], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -101,25 +105,37 @@ def noise_estimate(power: np.ndarray, radar: Radar) -> np.ndarray:
     return (window(reach) - window(radar.guard_cells)) / radar.training
 
 
-def periodograms(radar: Radar, rng: np.random.Generator, snr: float, density: float, count: int):
+def swerling1_echoes(radar: Radar, snr: float, rng: np.random.Generator, count: int):
+    """Echoes of a Swerling-1 target at random bins. The SNR is that of an element, a ratio."""
+    delay = rng.integers(radar.subcarriers, size=count)
+    doppler = rng.integers(radar.symbols, size=count)
+    offset = radar.straddle * (rng.random((2, count)) - 0.5)
+    echo = math.sqrt(snr) * gaussian(rng, (count,))
+    return channel(radar, echo, delay + offset[0], doppler + offset[1]), delay, doppler
+
+
+def channel(radar: Radar, echo, delay, doppler) -> np.ndarray:
+    """Channel of each element, from the amplitude of an echo and its bins, which may be broken."""
+    over_subcarriers = turns(-delay, radar.subcarriers)
+    over_symbols = turns(doppler, radar.symbols)
+    return (echo[:, None] * over_subcarriers)[:, :, None] * over_symbols[:, None, :]
+
+
+def periodograms(
+    radar: Radar, rng: np.random.Generator, echoes: Echoes, density: float, count: int
+):
     """Periodograms of frames over range and Doppler, in units of the noise.
 
     Returns an array (frames, subcarriers, symbols), and the bins of delay and of Doppler at which
-    each frame has its target. The SNR is that of the target's cell, a ratio.
+    each frame has its target.
     """
     pilots = radar.pilots(density)
     known = np.zeros(radar.elements, dtype=bool)
     known[rng.permutation(radar.elements)[:pilots]] = True
     known = known.reshape(radar.subcarriers, radar.symbols)
     sent = QPSK[rng.integers(4, size=(count, *known.shape), dtype=np.uint8)]
-    delay = rng.integers(radar.subcarriers, size=count)
-    doppler = rng.integers(radar.symbols, size=count)
-    offset = radar.straddle * (rng.random((2, count)) - 0.5)
-    echo = math.sqrt(snr / pilots) * gaussian(rng, (count,))
-    over_subcarriers = turns(-(delay + offset[0]), radar.subcarriers)
-    over_symbols = turns(doppler + offset[1], radar.symbols)
-    channel = (echo[:, None] * over_subcarriers)[:, :, None] * over_symbols[:, None, :]
-    received = channel * sent + gaussian(rng, channel.shape)
+    gains, delay, doppler = echoes(rng, count)
+    received = gains * sent + gaussian(rng, gains.shape)
     quotient = np.where(known, received / sent, np.complex64(0))
     cells = np.fft.ifft(np.fft.fft(quotient, axis=2), axis=1) * radar.subcarriers
     return np.abs(cells) ** 2 / pilots, delay, doppler
@@ -137,11 +153,17 @@ def batches(frames: int) -> Iterator[int]:
 
 
 def detections(radar: Radar, snr: float, density: float, frames: int, seed: int) -> int:
-    """Number of frames in which the radar detects a target of this SNR."""
+    """Number of frames in which the radar detects a Swerling-1 target whose cell has this SNR."""
+    echoes = partial(swerling1_echoes, radar, snr / radar.pilots(density))
+    return detections_of(radar, echoes, density, frames, seed)
+
+
+def detections_of(radar: Radar, echoes: Echoes, density: float, frames: int, seed: int) -> int:
+    """Number of frames in which the radar detects the target of these echoes."""
     rng = np.random.default_rng([seed, radar.pilots(density)])
     detected = 0
     for count in batches(frames):
-        power, delay, doppler = periodograms(radar, rng, snr, density, count)
+        power, delay, doppler = periodograms(radar, rng, echoes, density, count)
         # The range profile at the target's Doppler bin, which is all that its cell is compared to.
         profile = power[np.arange(count), :, doppler]
         over = profile > radar.threshold() * noise_estimate(profile, radar)
@@ -152,27 +174,46 @@ def detections(radar: Radar, snr: float, density: float, frames: int, seed: int)
 def false_alarms(radar: Radar, density: float, frames: int, seed: int) -> int:
     """Number of cells of frames without an echo in which the radar detects one."""
     rng = np.random.default_rng([seed, radar.pilots(density), 1])
+    silence = partial(swerling1_echoes, radar, 0.0)
     alarms = 0
     for count in batches(frames):
-        power, _, _ = periodograms(radar, rng, 0.0, density, count)
+        power, _, _ = periodograms(radar, rng, silence, density, count)
         alarms += int((power > radar.threshold() * noise_estimate(power, radar)).sum())
     return alarms
 
 
 def measure(radar: Radar, ranges_m, densities, frames: int, seed: int) -> Iterator[dict]:
-    """One row for each range and pilot density.
-
-    P_d is (detections + 1/2)/(frames + 1), which is neither 0 nor 1, so that it has a logit.
-    """
+    """One row for each range and pilot density."""
     for density in densities:
         alarms = false_alarms(radar, density, frames, seed) / (frames * radar.elements)
         for range_m in ranges_m:
             snr = radar.element_snr(range_m) * radar.pilots(density)
             detected = detections(radar, snr, density, frames, seed)
-            numbers = (range_m, density, 10 * math.log10(snr), frames, detected)
-            numbers += ((detected + 0.5) / (frames + 1), radar.cfar(snr), radar.swerling1(snr))
-            row = zip(COLUMNS, (*numbers, alarms), strict=True)
-            yield dict(row)
+            yield row_of(radar, range_m, density, snr, frames, detected, alarms)
+
+
+def row_of(radar: Radar, range_m, density, snr, frames: int, detected: int, alarms) -> dict:
+    """A row of the table.
+
+    P_d is (detections + 1/2)/(frames + 1), which is neither 0 nor 1, so that it has a logit.
+    """
+    numbers = (range_m, density, 10 * math.log10(snr), frames, detected)
+    numbers += ((detected + 0.5) / (frames + 1), radar.cfar(snr), radar.swerling1(snr))
+    return dict(zip(COLUMNS, (*numbers, alarms), strict=True))
+
+
+def publish(radar: Radar, rows: Iterator[dict], out: Path, figure: Path | None) -> None:
+    """Prints the rows as they come, and writes the table and the picture."""
+    kept = []
+    for row in rows:
+        kept.append(row)
+        print("  ".join(f"{name} {value:g}" for name, value in row.items()), flush=True)
+    with out.open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: f"{number:.6g}" for name, number in row.items()} for row in kept)
+    if figure:
+        draw(radar, kept, figure)
 
 
 def interval(share: float, frames: int, z: float = 1.96) -> tuple[float, float]:
@@ -243,16 +284,8 @@ def main() -> None:
         noise_dbm=given.noise_dbm,
         straddle=float(given.straddle),
     )
-    rows = []
-    for row in measure(radar, given.ranges_m, given.densities, given.frames, given.seed):
-        rows.append(row)
-        print("  ".join(f"{name} {value:g}" for name, value in row.items()), flush=True)
-    with given.out.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: f"{number:.6g}" for name, number in row.items()} for row in rows)
-    if given.figure:
-        draw(radar, rows, given.figure)
+    rows = measure(radar, given.ranges_m, given.densities, given.frames, given.seed)
+    publish(radar, rows, given.out, given.figure)
 
 
 if __name__ == "__main__":

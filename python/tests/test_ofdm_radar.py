@@ -5,23 +5,26 @@ import dataclasses
 import importlib.util
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 FOLDER = Path(__file__).parents[2] / "examples" / "radar"
 FRAMES = 1500
 
 
-def loaded():
-    spec = importlib.util.spec_from_file_location("ofdm_radar", FOLDER / "ofdm_radar.py")
+def loaded(name):
+    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
-    sys.modules["ofdm_radar"] = module
+    sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
 
 
-ofdm_radar = loaded()
+ofdm_radar = loaded("ofdm_radar")
+sionna_radar = loaded("sionna_radar")  # Imports Sionna only to trace.
 RADAR = ofdm_radar.Radar(subcarriers=128, symbols=32, false_alarm_probability=1e-2)
 
 
@@ -67,10 +70,54 @@ def test_a_target_between_bins_is_detected_less_often():
     assert off_bin < on_bin - 3 * math.sqrt(FRAMES) / 2
 
 
-def test_the_published_table_is_that_of_the_program():
-    with (FOLDER / "p_d.csv").open() as file:
+def test_a_traced_echo_is_looked_for_in_the_cell_nearest_to_it():
+    snr = 10.0
+    amplitude = math.sqrt(snr) * np.exp(1j * np.array([0.3, 2.0]))
+    doppler = np.array([0.05, -0.05])
+
+    def detected(delay):
+        traces = sionna_radar.Traces(amplitude, np.array(delay), doppler)
+        assert traces.snr == pytest.approx(snr)
+        echoes = partial(sionna_radar.traced_echoes, RADAR, traces, "none")
+        _, delay_bins, doppler_bins = echoes(np.random.default_rng(1), 50)
+        assert set(delay_bins) == {20, 35} and set(doppler_bins) == {0}
+        return ofdm_radar.detections_of(RADAR, echoes, 1.0, 200, seed=6)
+
+    # At an SNR of 46 dB in the cell every frame detects, on the bin and beside it.
+    assert detected([20.1, 34.9]) == 200
+    assert detected([20.4, 34.6]) == 200
+
+
+def test_fluctuations_have_mean_power_one():
+    draws = sionna_radar.factors("swerling1", np.random.default_rng(2), 40_000)
+    # The power of a Swerling-1 echo is exponential, so that its standard deviation is 1.
+    assert np.mean(np.abs(draws) ** 2) == pytest.approx(1.0, abs=5 / 200)
+    assert np.std(np.abs(draws) ** 2) == pytest.approx(1.0, abs=0.06)
+    assert np.all(sionna_radar.factors("none", np.random.default_rng(2), 3) == 1)
+
+
+def rows_of(name):
+    with (FOLDER / name).open() as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     assert tuple(rows[0]) == ofdm_radar.COLUMNS
+    return rows
+
+
+def test_sionna_gives_the_radar_equation_and_the_closed_form():
+    radar = ofdm_radar.Radar()
+    for row in rows_of("p_d_sionna.csv"):
+        # The model's equation has a loss of 1 + δ/R for the resolution δ; the tracer has none.
+        resolution_m = ofdm_radar.LIGHT_M_PER_S / (2 * radar.bandwidth_hz)
+        equation = radar.element_snr(row["range_m"]) * radar.pilots(row["pilot_density"])
+        equation *= 1 + resolution_m / row["range_m"]
+        assert row["snr_db"] == pytest.approx(10 * math.log10(equation), abs=2e-3)
+        share = radar.cfar(equation)
+        if row["pilot_density"] == 0.3:
+            assert is_a_sample_of(row["detections"], row["frames"], share)
+
+
+def test_the_published_table_is_that_of_the_program():
+    rows = rows_of("p_d.csv")
     radar = ofdm_radar.Radar()
     for row in rows:
         snr = radar.element_snr(row["range_m"]) * radar.pilots(row["pilot_density"])
