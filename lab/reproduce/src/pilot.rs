@@ -183,7 +183,7 @@ fn reason(scope: &Scope) -> String {
             {:.1} at {low:.2}. Throughput grows with 1 − ρ, and sensing costs energy in proportion \
             to ρ. So with the paper's numbers there is little to sense better for, and the least \
             density is hard to beat. In the preset `isac` a sparse pilot costs range, and adapting \
-            saves up to 17 % of the time (`docs/radar.md`).",
+            saves up to 16 % of the time (`docs/radar.md`).",
         high - low,
         config.comm_load_penalty_db,
         link_cells(&config, high),
