@@ -572,7 +572,7 @@ public:
         return jcas_batch_set(get(), index, from.get());
     }
 
-    // Made of jcas_batch_out by ffi/examples/generate_header.rs; do not edit.
+    // Generated from jcas_batch_out by ffi/examples/generate_header.rs; do not edit.
     /// The buffers that reset and step write; see jcas_batch_out for their shapes.
     std::vector<float> observations;
     std::vector<float> rewards;
@@ -612,7 +612,7 @@ private:
         out.uav_reward_count = uav_rewards.size();
         return out;
     }
-    // The end of what it makes.
+    // End of the generated part.
 
     struct end {
         void operator()(jcas_batch *handle) const noexcept { jcas_batch_free(handle); }

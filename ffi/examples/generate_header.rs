@@ -122,7 +122,7 @@ fn with_batch_buffers(wrapper: &str, header: &str) -> String {
     let vectors = vectors.replace("<uint8_t>", "<std::uint8_t>");
     let begin = "do not edit.\n";
     let (before, rest) = wrapper.split_once(begin).expect("where the buffers begin");
-    let end = "    // The end of what it makes.";
+    let end = "    // End of the generated part.";
     let (_, after) = rest.split_once(end).expect("where they end");
     format!(
         "{before}{begin}    \
