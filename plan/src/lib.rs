@@ -52,6 +52,7 @@ mod planned;
 mod problem;
 mod replan;
 mod rounds;
+mod routes;
 mod targets;
 mod teams;
 

@@ -119,6 +119,13 @@ pub(crate) fn fewer_than(count: usize, chances: impl Iterator<Item = f64>) -> f6
     exactly.iter().sum()
 }
 
+/// Returns the hazard -ln(1 - q) of a look, whose sums over the steps give the chance of a miss.
+///
+/// q is the chance that a quorum of some UAVs detects a hotspot, each with probability p.
+pub(crate) fn hazard(quorum: usize, uavs: usize, p: f64) -> f64 {
+    -libm::log(fewer_than(quorum, core::iter::repeat_n(p, uavs)).max(1e-12))
+}
+
 /// Adds an event to the chances that exactly k events happen, for each k of the slice.
 pub(crate) fn one_more(exactly: &mut [f64], p: f64) {
     for k in (1..exactly.len()).rev() {

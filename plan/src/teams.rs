@@ -7,9 +7,10 @@ use jcas_core::Cell;
 use jcas_core::motion::{destination, toward};
 
 use crate::formation::Recorder;
-use crate::objective::fewer_than;
+use crate::objective::hazard;
 use crate::paths::Paths;
 use crate::problem::Problem;
+use crate::routes::{Routes, changes, nearest_first};
 
 /// The hazards after which a team leaves a hotspot. A hazard of h leaves it unconfirmed with
 /// probability exp(-h).
@@ -22,7 +23,6 @@ const MEAN_WEIGHT: f64 = 0.1;
 pub(crate) const TEAMS_MAX: usize = 8;
 /// The maximum number of routes that are compared for a number of teams.
 const COMPARISONS_MAX: usize = 300;
-
 /// The numbers of teams whose tours are kept.
 const COUNTS_MAX: usize = 3;
 
@@ -58,9 +58,6 @@ pub(crate) fn tours(problem: &Problem<'_>, levels: &[u8]) -> Vec<Paths> {
     tours
 }
 
-/// The hotspots of each team, in the order of its visits.
-type Routes = Vec<Vec<usize>>;
-
 /// A fleet in teams of nearly equal size.
 ///
 /// Let q be the chance that a quorum of a team detects a hotspot in a look from a cell. It adds
@@ -94,26 +91,13 @@ impl<'p, 'm> Teams<'p, 'm> {
         uav * self.count / self.problem.situation.cells.len()
     }
 
-    /// Returns the routes in which the team that is free first takes the hotspot nearest to it.
+    /// Returns routes over all hotspots, which are not shortened yet.
     fn nearest_first(&self) -> Routes {
-        let known = &self.problem.known;
-        let mut routes = vec![Vec::new(); self.count];
-        let mut free: Vec<(f64, Cell)> = self.starts.iter().map(|&cell| (0.0, cell)).collect();
-        let mut open: Vec<usize> = (0..known.len()).collect();
-        while !open.is_empty() {
-            let soonest = (0..self.count).min_by(|&a, &b| free[a].0.total_cmp(&free[b].0));
-            let team = soonest.unwrap_or(0);
-            let (at, here) = free[team];
-            let nearest = (0..open.len()).min_by_key(|&index| here.manhattan(known[open[index]]));
-            let hotspot = open.swap_remove(nearest.unwrap_or(0));
-            let wait = COMPARED / self.hazards[team][0].max(f64::MIN_POSITIVE);
-            free[team] = (
-                at + f64::from(here.manhattan(known[hotspot])) + wait,
-                known[hotspot],
-            );
-            routes[team].push(hotspot);
-        }
-        routes
+        let hazards = self.hazards.iter().map(|looks| looks[0]);
+        let waits = hazards.map(|hazard| COMPARED / hazard.max(f64::MIN_POSITIVE));
+        let all = (0..self.problem.known.len()).collect();
+        let waits: Vec<f64> = waits.collect();
+        nearest_first(&self.starts, &waits, &self.problem.known, all)
     }
 
     /// Moves hotspots and reverses parts of routes as long as this shortens the time.
@@ -223,55 +207,6 @@ impl Flight {
     }
 }
 
-/// A change of routes.
-enum Change {
-    /// Moves a hotspot to a place in a route.
-    Shift {
-        from: (usize, usize),
-        to: (usize, usize),
-    },
-    /// Reverses a part of a route.
-    Reverse {
-        team: usize,
-        first: usize,
-        last: usize,
-    },
-}
-
-impl Change {
-    fn apply(&self, routes: &mut Routes) {
-        match *self {
-            Self::Shift { from, to } => {
-                let hotspot = routes[from.0].remove(from.1);
-                routes[to.0].insert(to.1, hotspot);
-            }
-            Self::Reverse { team, first, last } => routes[team][first..=last].reverse(),
-        }
-    }
-}
-
-/// Returns every change of one hotspot or of one part of a route.
-fn changes(routes: &Routes) -> Vec<Change> {
-    let mut changes = Vec::new();
-    for (team, route) in routes.iter().enumerate() {
-        for first in 0..route.len() {
-            for last in first + 1..route.len() {
-                changes.push(Change::Reverse { team, first, last });
-            }
-            for (other, there) in routes.iter().enumerate() {
-                // In its own route the hotspot leaves one place fewer.
-                for place in 0..there.len() + usize::from(other != team) {
-                    if (other, place) != (team, first) {
-                        let (from, to) = ((team, first), (other, place));
-                        changes.push(Change::Shift { from, to });
-                    }
-                }
-            }
-        }
-    }
-    changes
-}
-
 /// Returns the hazard of a look of a number of UAVs in one cell, by the offset of a hotspot.
 fn hazards(problem: &Problem<'_>, members: usize) -> Vec<f64> {
     let (odds, config) = (&problem.odds, problem.model.config());
@@ -281,8 +216,7 @@ fn hazards(problem: &Problem<'_>, members: usize) -> Vec<f64> {
     offsets
         .map(|offset| {
             let p = odds.detection(odds.highest(), Cell::default(), offset);
-            let below = fewer_than(quorum, core::iter::repeat_n(p, members));
-            -libm::log(below.max(1e-12))
+            hazard(quorum, members, p)
         })
         .collect()
 }

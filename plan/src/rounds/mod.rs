@@ -21,6 +21,7 @@ use crate::formation::Recorder;
 use crate::objective::Expectation;
 use crate::paths::Paths;
 use crate::problem::Problem;
+use crate::routes::nearest_first;
 
 mod race;
 
@@ -166,18 +167,12 @@ fn form(
         })
         .collect();
     let hazard = hazards(problem);
-    let mut free: Vec<(f64, Cell)> = teams.iter().map(|team| (0.0, team.cell)).collect();
-    let mut left = open.to_vec();
-    while !left.is_empty() {
-        let next = (0..count).min_by(|&a, &b| free[a].0.total_cmp(&free[b].0));
-        let Some(team) = next else { break };
-        let nearest = (0..left.len()).min_by_key(|&at| free[team].1.manhattan(hotspots[left[at]]));
-        let Some(nearest) = nearest else { break };
-        let hotspot = left.swap_remove(nearest);
-        let way = f64::from(free[team].1.manhattan(hotspots[hotspot]));
-        let wait = 1.0 / hazard[teams[team].members.len()].max(1e-9);
-        free[team] = (free[team].0 + way + wait, hotspots[hotspot]);
-        teams[team].route.push(hotspot);
+    let wait = |team: &Team| 1.0 / hazard[team.members.len()].max(1e-9);
+    let starts: Vec<Cell> = teams.iter().map(|team| team.cell).collect();
+    let waits: Vec<f64> = teams.iter().map(wait).collect();
+    let routes = nearest_first(&starts, &waits, hotspots, open.to_vec());
+    for (team, route) in teams.iter_mut().zip(routes) {
+        team.route = route;
     }
     for team in &mut teams {
         team.settle(problem, hotspots);

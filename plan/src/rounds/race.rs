@@ -1,6 +1,5 @@
 //! Sampled episodes of rounds, which differ in the waits for a quorum.
 
-use alloc::vec;
 use alloc::vec::Vec;
 
 use jcas_core::Cell;
@@ -8,7 +7,7 @@ use jcas_core::motion::{destination, toward};
 
 use super::{HOTSPOTS_MAX, Rounds, Team};
 use crate::draws::Draws;
-use crate::objective::Expectation;
+use crate::objective::{Expectation, hazard};
 use crate::odds::Odds;
 use crate::problem::Problem;
 
@@ -27,18 +26,8 @@ pub(super) fn hazards(problem: &Problem<'_>) -> Vec<f64> {
     let (odds, here) = (&problem.odds, Cell::default());
     let p = odds.detection(odds.highest(), here, here);
     let quorum = problem.model.config().quorum as usize;
-    let mut exactly = vec![0.0; quorum];
-    exactly[0] = 1.0;
-    let mut hazards = vec![0.0];
-    for _ in 0..problem.situation.cells.len() {
-        for k in (1..quorum).rev() {
-            exactly[k] = exactly[k] * (1.0 - p) + exactly[k - 1] * p;
-        }
-        exactly[0] *= 1.0 - p;
-        let below: f64 = exactly.iter().sum();
-        hazards.push(-libm::log(below.max(1e-12)));
-    }
-    hazards
+    let uavs = problem.situation.cells.len();
+    (0..=uavs).map(|uavs| hazard(quorum, uavs, p)).collect()
 }
 
 /// A team in a sampled episode.
