@@ -153,6 +153,46 @@ impl<'m> Model<'m> {
         }
     }
 
+    /// The configuration of the model.
+    #[must_use]
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// FNV-1a hash of the configuration, which states, snapshots and traces record.
+    #[must_use]
+    pub const fn config_hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// Number of UAVs in the fleet (N), from 1 to 4096.
+    #[inline]
+    #[must_use]
+    pub const fn uav_count(&self) -> usize {
+        self.uavs
+    }
+
+    /// Number of hotspots (n), from 1 to 4096.
+    #[inline]
+    #[must_use]
+    pub const fn hotspot_count(&self) -> usize {
+        self.hotspots
+    }
+
+    /// Number of `u64` words of a set of UAVs, one bit each.
+    #[inline]
+    #[must_use]
+    pub const fn uav_words(&self) -> usize {
+        words_for(self.uavs)
+    }
+
+    /// Number of `u64` words of a set of hotspots, one bit each.
+    #[inline]
+    #[must_use]
+    pub const fn hotspot_words(&self) -> usize {
+        words_for(self.hotspots)
+    }
+
     /// Cells of the depots; the first is the one from which the fleet starts.
     #[must_use]
     pub fn depots(&self) -> &[Cell] {
@@ -162,6 +202,40 @@ impl<'m> Model<'m> {
     /// Row-major indices of the depots in ascending order.
     pub(crate) fn sorted_depots(&self) -> &[u32] {
         &self.sorted_depots[..self.depots.len()]
+    }
+
+    /// Constants of the energy model, in microjoules.
+    #[inline]
+    #[must_use]
+    pub const fn energy(&self) -> &EnergyPlan {
+        &self.energy
+    }
+
+    /// Constants of the carbon model, in milligrams per kilowatt-hour.
+    #[inline]
+    #[must_use]
+    pub const fn carbon(&self) -> &CarbonPlan {
+        &self.carbon
+    }
+
+    /// Weights of the reward.
+    #[inline]
+    #[must_use]
+    pub const fn reward(&self) -> &RewardPlan {
+        &self.reward
+    }
+
+    /// Position of each quantity in a state.
+    #[inline]
+    #[must_use]
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Number of `u64` words of a state.
+    #[must_use]
+    pub const fn state_words(&self) -> usize {
+        self.layout.end
     }
 
     /// Number of neighbours in an observation: min(N - 1, `neighbour_slots`).
@@ -174,6 +248,59 @@ impl<'m> Model<'m> {
         } else {
             self.uavs - 1
         }
+    }
+
+    /// Number of reals in one UAV's observation: 11 + 4 n + 3 · slots, plus the entries that the
+    /// configuration adds.
+    #[inline]
+    #[must_use]
+    pub const fn observation_len(&self) -> usize {
+        11 + 4 * self.hotspots + 3 * self.neighbour_slots() + self.added
+    }
+
+    /// Number of `u64` words of one UAV's search map; 0 without maps.
+    #[inline]
+    #[must_use]
+    pub const fn map_words(&self) -> usize {
+        self.layout.map
+    }
+
+    /// The disc of cells that a UAV searches around its own cell.
+    #[inline]
+    pub(crate) const fn disc(&self) -> Disc {
+        self.disc
+    }
+
+    /// The cells of a UAV's footprint, around its own cell.
+    #[inline]
+    pub(crate) const fn footprint(&self) -> Disc {
+        self.footprint
+    }
+
+    /// Number of reals in the global state: 6 N + 4 n + 4.
+    #[inline]
+    #[must_use]
+    pub const fn global_len(&self) -> usize {
+        6 * self.uavs + 4 * self.hotspots + 4
+    }
+
+    /// Number of reals in the actions of a step: 2 N.
+    #[inline]
+    #[must_use]
+    pub const fn action_len(&self) -> usize {
+        2 * self.uavs
+    }
+
+    /// Longest distance along an axis at which a link is possible, in cells.
+    #[must_use]
+    pub const fn reach_cells(&self) -> u32 {
+        self.reach_cells
+    }
+
+    /// Detection threshold γ_det of the sensing SNR, in dB. Only the logistic curve uses it.
+    #[must_use]
+    pub const fn detection_threshold_db(&self) -> f64 {
+        self.threshold_db
     }
 
     /// Sensing SNR in dB over an offset in cells, without the loss from communication load.
@@ -236,10 +363,26 @@ impl<'m> Model<'m> {
         }
     }
 
+    #[inline]
+    pub(crate) const fn curve(&self) -> &AnyCurve {
+        &self.curve
+    }
+
+    #[inline]
+    pub(crate) const fn link_throughput_min(&self) -> f64 {
+        self.config.link_throughput_min
+    }
+
     /// Row-major index of a cell.
     #[inline]
     pub(crate) const fn cell_index(&self, cell: Cell) -> usize {
         (cell.y * self.width + cell.x) as usize
+    }
+
+    /// The divisors of x and y offsets in an observation: the extent less 1, at least 1.
+    #[inline]
+    pub(crate) const fn offset_spans(&self) -> (f32, f32) {
+        (span(self.width), span(self.height))
     }
 
     /// Whether a cell is on the grid.
@@ -249,76 +392,20 @@ impl<'m> Model<'m> {
     }
 
     #[inline]
+    pub(crate) const fn bucket_columns(&self) -> usize {
+        self.bucket_columns
+    }
+
+    #[inline]
+    pub(crate) const fn bucket_count(&self) -> usize {
+        self.bucket_columns * self.bucket_rows
+    }
+
+    #[inline]
     pub(crate) const fn bucket(&self, cell: Cell) -> usize {
         (cell.y / self.bucket_side) as usize * self.bucket_columns
             + (cell.x / self.bucket_side) as usize
     }
-}
-
-/// Declares methods of a model that are one constant expression.
-macro_rules! constants {
-    ($(
-        $(#[$meta:meta])*
-        $vis:vis $name:ident($self:ident) -> $type:ty = $value:expr;
-    )+) => {
-        impl Model<'_> { $(
-            $(#[$meta])*
-            #[inline]
-            #[must_use]
-            $vis const fn $name(&$self) -> $type {
-                $value
-            }
-        )+ }
-    };
-}
-
-constants! {
-    /// The configuration of the model.
-    pub config(self) -> &Config = &self.config;
-    /// FNV-1a hash of the configuration, which states, snapshots and traces record.
-    pub config_hash(self) -> u64 = self.hash;
-    /// Number of UAVs in the fleet (N), from 1 to 4096.
-    pub uav_count(self) -> usize = self.uavs;
-    /// Number of hotspots (n), from 1 to 4096.
-    pub hotspot_count(self) -> usize = self.hotspots;
-    /// Number of `u64` words of a set of UAVs, one bit each.
-    pub uav_words(self) -> usize = words_for(self.uavs);
-    /// Number of `u64` words of a set of hotspots, one bit each.
-    pub hotspot_words(self) -> usize = words_for(self.hotspots);
-    /// Constants of the energy model, in microjoules.
-    pub energy(self) -> &EnergyPlan = &self.energy;
-    /// Constants of the carbon model, in milligrams per kilowatt-hour.
-    pub carbon(self) -> &CarbonPlan = &self.carbon;
-    /// Weights of the reward.
-    pub reward(self) -> &RewardPlan = &self.reward;
-    /// Position of each quantity in a state.
-    pub layout(self) -> &Layout = &self.layout;
-    /// Number of `u64` words of a state.
-    pub state_words(self) -> usize = self.layout.end;
-    /// Number of reals in one UAV's observation: 11 + 4 n + 3 · slots, plus the entries that the
-    /// configuration adds.
-    pub observation_len(self) -> usize =
-        11 + 4 * self.hotspots + 3 * self.neighbour_slots() + self.added;
-    /// Number of `u64` words of one UAV's search map; 0 without maps.
-    pub map_words(self) -> usize = self.layout.map;
-    /// The disc of cells that a UAV searches around its own cell.
-    pub(crate) disc(self) -> Disc = self.disc;
-    /// The cells of a UAV's footprint, around its own cell.
-    pub(crate) footprint(self) -> Disc = self.footprint;
-    /// Number of reals in the global state: 6 N + 4 n + 4.
-    pub global_len(self) -> usize = 6 * self.uavs + 4 * self.hotspots + 4;
-    /// Number of reals in the actions of a step: 2 N.
-    pub action_len(self) -> usize = 2 * self.uavs;
-    /// Longest distance along an axis at which a link is possible, in cells.
-    pub reach_cells(self) -> u32 = self.reach_cells;
-    /// Detection threshold γ_det of the sensing SNR, in dB. Only the logistic curve uses it.
-    pub detection_threshold_db(self) -> f64 = self.threshold_db;
-    pub(crate) curve(self) -> &AnyCurve = &self.curve;
-    pub(crate) link_throughput_min(self) -> f64 = self.config.link_throughput_min;
-    /// The divisors of x and y offsets in an observation: the extent less 1, at least 1.
-    pub(crate) offset_spans(self) -> (f32, f32) = (span(self.width), span(self.height));
-    pub(crate) bucket_columns(self) -> usize = self.bucket_columns;
-    pub(crate) bucket_count(self) -> usize = self.bucket_columns * self.bucket_rows;
 }
 
 #[cfg(test)]

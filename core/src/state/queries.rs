@@ -6,101 +6,31 @@ use crate::header::Phase;
 use crate::reports;
 use crate::reward::{self, OWN, OWN_KEPT, Rewards};
 
-/// Declares queries with a body of one expression, of the state or of an index in it.
-macro_rules! queries {
-    ($(
-        $(#[$meta:meta])+
-        $name:ident($self:ident $(, $index:ident)?) -> $type:ty = $value:expr;
-    )+) => {
-        impl StateRef<'_> { $(
-            $(#[$meta])+
-            #[must_use]
-            pub fn $name(&$self $(, $index: usize)?) -> $type {
-                $value
-            }
-        )+ }
-    };
-}
-
-queries! {
-    /// Number of steps begun since the reset (t).
-    t(self) -> u32 = self.header.t();
-    /// Seed of the episode.
-    seed(self) -> u64 = self.header.seed();
-    /// Whether the episode terminated: all UAVs know all hotspots.
-    terminated(self) -> bool = self.header.phase() == Some(Phase::Terminated);
-    /// Whether the episode was truncated at the horizon.
-    truncated(self) -> bool = self.header.phase() == Some(Phase::Truncated);
-    /// Whether UAV `i` changed its cell in the last step.
-    #[inline]
-    moved(self, i) -> bool = self.cells[i] != self.previous[i];
-    /// Charge of UAV `i`, in microjoules.
-    battery_uj(self, i) -> u64 = self.battery[i];
-    /// Charge of UAV `i` at the start of the episode, in microjoules.
-    initial_uj(self, i) -> u64 = self.initial[i];
-    /// Energy that UAV `i` accepted from chargers in the episode, in microjoules.
-    accepted_uj(self, i) -> u64 = self.accepted[i];
-    /// Energy that UAV `i` spent in the episode, in microjoules.
-    spent_uj(self, i) -> u64 = self.spent[i];
-    /// Energy that a host added to the battery of UAV `i` less what it removed, in microjoules.
-    given_uj(self, i) -> i64 = self.given[i] as i64;
-    /// Energy that UAV `i` requested and its battery lacked, in microjoules.
-    shortfall_uj(self, i) -> u64 = self.shortfall[i];
-    /// Mean normalised throughput η̄_i of UAV `i` toward its neighbours; 0 without neighbours.
-    #[inline]
-    throughput(self, i) -> f64 = f64::from_bits(self.throughput[i]);
-    /// Mean of η̄_i over the fleet, η̄(t), for the present radio graph.
-    mean_throughput(self) -> f64 = self.header.mean_throughput();
-    /// Whether UAV `i` was grounded in the last step, by an empty battery or by the host.
-    grounded(self, i) -> bool = bits::get(self.grounded, i);
-    /// Whether a low battery sent UAV `i` toward a depot in the last step.
-    returning(self, i) -> bool = bits::get(self.returning, i);
-    /// Whether a quorum of false alarms has confirmed the cell with this row-major index.
-    falsely_confirmed(self, cell_index) -> bool =
-        self.layout.false_cells > 0 && bits::get(self.falsely_confirmed, cell_index);
-    /// Number of falsely confirmed cells.
-    false_confirmation_count(self) -> usize = bits::count(self.falsely_confirmed);
-    /// Number of cells that were falsely confirmed when the fleet last sensed.
-    new_false_confirmations(self) -> u32 =
-        self.newly_false.first().map_or(0, |&count| count as u32);
-    /// Whether hotspot `j` is confirmed.
-    #[inline]
-    confirmed(self, j) -> bool = bits::get(self.confirmed, j);
-    /// Whether all UAVs know hotspot `j`.
-    #[inline]
-    informed(self, j) -> bool = bits::get(self.informed, j);
-    /// Number of confirmed hotspots.
-    confirmed_count(self) -> usize = bits::count(self.confirmed);
-    /// Number of hotspots that all UAVs know.
-    informed_count(self) -> usize = bits::count(self.informed);
-    /// Step, from 1, at which hotspot `j` was confirmed; `None` before.
-    confirmed_at(self, j) -> Option<u32> =
-        (self.confirmed_at[j] != 0).then_some(self.confirmed_at[j] as u32);
-    /// Step, from 1, at which all UAVs knew hotspot `j`; `None` before.
-    informed_at(self, j) -> Option<u32> =
-        (self.informed_at[j] != 0).then_some(self.informed_at[j] as u32);
-    /// Whether any UAV has visited the cell with this row-major index, y · W + x.
-    visited(self, cell_index) -> bool = bits::get(self.visited, cell_index);
-    /// Carbon intensity with which the coming step will be billed, in mg/kWh.
-    carbon_intensity_mg_per_kwh(self) -> u64 = self.header.intensity_mg_per_kwh();
-    /// Carbon intensity with which the last step was billed, in mg/kWh; 0 before the first step.
-    billed_intensity_mg_per_kwh(self) -> u64 = self.header.billed_intensity_mg_per_kwh();
-    /// Carbon emitted in the episode by the fleet, in nanograms.
-    co2_ng(self) -> u64 = self.header.co2_ng();
-    /// Grid energy billed in the episode to the fleet, in microjoules.
-    grid_uj(self) -> u64 = self.header.grid_uj();
-    /// Components of the team's last reward, in the order of [`crate::reward::NAMES`].
-    rewards(self) -> Rewards = self.header.rewards();
-    /// The last reward R_i of UAV `i`. The mean over the fleet is the team's reward R_t.
-    #[inline]
-    uav_reward(self, i) -> f64 = reward::total(&self.uav_rewards(i));
-    /// Shaping potential Φ of UAV `i` for its distance to hotspots.
-    goal_potential(self, i) -> f64 = f64::from_bits(self.goal_potential[i]);
-    /// Shaping potential Φ of UAV `i` for carbon-aware charging.
-    charge_potential(self, i) -> f64 = f64::from_bits(self.charge_potential[i]);
-}
-
 impl<'a> StateRef<'a> {
+    /// Number of steps begun since the reset (t).
+    #[must_use]
+    pub fn t(&self) -> u32 {
+        self.header.t()
+    }
+
+    /// Seed of the episode.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.header.seed()
+    }
+
+    /// Whether the episode terminated: all UAVs know all hotspots.
+    #[must_use]
+    pub fn terminated(&self) -> bool {
+        self.header.phase() == Some(Phase::Terminated)
+    }
+
+    /// Whether the episode was truncated at the horizon.
+    #[must_use]
+    pub fn truncated(&self) -> bool {
+        self.header.phase() == Some(Phase::Truncated)
+    }
+
     /// Number of UAVs (N).
     #[must_use]
     pub const fn uav_count(&self) -> usize {
@@ -111,6 +41,74 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub const fn hotspot_count(&self) -> usize {
         self.layout.hotspots
+    }
+
+    /// Whether UAV `i` changed its cell in the last step.
+    #[inline]
+    #[must_use]
+    pub fn moved(&self, i: usize) -> bool {
+        self.cells[i] != self.previous[i]
+    }
+
+    /// Charge of UAV `i`, in microjoules.
+    #[must_use]
+    pub fn battery_uj(&self, i: usize) -> u64 {
+        self.battery[i]
+    }
+
+    /// Charge of UAV `i` at the start of the episode, in microjoules.
+    #[must_use]
+    pub fn initial_uj(&self, i: usize) -> u64 {
+        self.initial[i]
+    }
+
+    /// Energy that UAV `i` accepted from chargers in the episode, in microjoules.
+    #[must_use]
+    pub fn accepted_uj(&self, i: usize) -> u64 {
+        self.accepted[i]
+    }
+
+    /// Energy that UAV `i` spent in the episode, in microjoules.
+    #[must_use]
+    pub fn spent_uj(&self, i: usize) -> u64 {
+        self.spent[i]
+    }
+
+    /// Energy that a host added to the battery of UAV `i` less what it removed, in microjoules.
+    #[must_use]
+    pub fn given_uj(&self, i: usize) -> i64 {
+        self.given[i] as i64
+    }
+
+    /// Energy that UAV `i` requested and its battery lacked, in microjoules.
+    #[must_use]
+    pub fn shortfall_uj(&self, i: usize) -> u64 {
+        self.shortfall[i]
+    }
+
+    /// Mean normalised throughput η̄_i of UAV `i` toward its neighbours; 0 without neighbours.
+    #[inline]
+    #[must_use]
+    pub fn throughput(&self, i: usize) -> f64 {
+        f64::from_bits(self.throughput[i])
+    }
+
+    /// Mean of η̄_i over the fleet, η̄(t), for the present radio graph.
+    #[must_use]
+    pub fn mean_throughput(&self) -> f64 {
+        self.header.mean_throughput()
+    }
+
+    /// Whether UAV `i` was grounded in the last step, by an empty battery or by the host.
+    #[must_use]
+    pub fn grounded(&self, i: usize) -> bool {
+        bits::get(self.grounded, i)
+    }
+
+    /// Whether a low battery sent UAV `i` toward a depot in the last step.
+    #[must_use]
+    pub fn returning(&self, i: usize) -> bool {
+        bits::get(self.returning, i)
     }
 
     /// Whether UAVs `i` and `k` are neighbours in the radio graph.
@@ -163,9 +161,21 @@ impl<'a> StateRef<'a> {
         raised.map(|&alarm| alarm as usize - 1)
     }
 
+    /// Whether a quorum of false alarms has confirmed the cell with this row-major index.
+    #[must_use]
+    pub fn falsely_confirmed(&self, cell_index: usize) -> bool {
+        self.layout.false_cells > 0 && bits::get(self.falsely_confirmed, cell_index)
+    }
+
     /// Row-major indices of the falsely confirmed cells, in ascending order.
     pub fn falsely_confirmed_cells(&self) -> impl Iterator<Item = usize> + 'a {
         bits::iter(self.falsely_confirmed)
+    }
+
+    /// Number of falsely confirmed cells.
+    #[must_use]
+    pub fn false_confirmation_count(&self) -> usize {
+        bits::count(self.falsely_confirmed)
     }
 
     /// The reports that UAV `i` knows: for each level from 1, a set of row-major indices. There are
@@ -191,6 +201,56 @@ impl<'a> StateRef<'a> {
         reports::level(own, self.layout.false_cells, cell_index)
     }
 
+    /// Number of cells that were falsely confirmed when the fleet last sensed.
+    #[must_use]
+    pub fn new_false_confirmations(&self) -> u32 {
+        self.newly_false.first().map_or(0, |&count| count as u32)
+    }
+
+    /// Whether hotspot `j` is confirmed.
+    #[inline]
+    #[must_use]
+    pub fn confirmed(&self, j: usize) -> bool {
+        bits::get(self.confirmed, j)
+    }
+
+    /// Whether all UAVs know hotspot `j`.
+    #[inline]
+    #[must_use]
+    pub fn informed(&self, j: usize) -> bool {
+        bits::get(self.informed, j)
+    }
+
+    /// Number of confirmed hotspots.
+    #[must_use]
+    pub fn confirmed_count(&self) -> usize {
+        bits::count(self.confirmed)
+    }
+
+    /// Number of hotspots that all UAVs know.
+    #[must_use]
+    pub fn informed_count(&self) -> usize {
+        bits::count(self.informed)
+    }
+
+    /// Step, from 1, at which hotspot `j` was confirmed; `None` before.
+    #[must_use]
+    pub fn confirmed_at(&self, j: usize) -> Option<u32> {
+        (self.confirmed_at[j] != 0).then_some(self.confirmed_at[j] as u32)
+    }
+
+    /// Step, from 1, at which all UAVs knew hotspot `j`; `None` before.
+    #[must_use]
+    pub fn informed_at(&self, j: usize) -> Option<u32> {
+        (self.informed_at[j] != 0).then_some(self.informed_at[j] as u32)
+    }
+
+    /// Whether any UAV has visited the cell with this row-major index, y · W + x.
+    #[must_use]
+    pub fn visited(&self, cell_index: usize) -> bool {
+        bits::get(self.visited, cell_index)
+    }
+
     /// The cells that UAV `i` knows to have been searched, as a set of row-major indices. The set
     /// has no words without search maps.
     #[inline]
@@ -205,6 +265,36 @@ impl<'a> StateRef<'a> {
     #[must_use]
     pub fn searched(&self, i: usize, cell_index: usize) -> bool {
         self.layout.map > 0 && bits::get(self.searched_of(i), cell_index)
+    }
+
+    /// Carbon intensity with which the coming step will be billed, in mg/kWh.
+    #[must_use]
+    pub fn carbon_intensity_mg_per_kwh(&self) -> u64 {
+        self.header.intensity_mg_per_kwh()
+    }
+
+    /// Carbon intensity with which the last step was billed, in mg/kWh; 0 before the first step.
+    #[must_use]
+    pub fn billed_intensity_mg_per_kwh(&self) -> u64 {
+        self.header.billed_intensity_mg_per_kwh()
+    }
+
+    /// Carbon emitted in the episode by the fleet, in nanograms.
+    #[must_use]
+    pub fn co2_ng(&self) -> u64 {
+        self.header.co2_ng()
+    }
+
+    /// Grid energy billed in the episode to the fleet, in microjoules.
+    #[must_use]
+    pub fn grid_uj(&self) -> u64 {
+        self.header.grid_uj()
+    }
+
+    /// Components of the team's last reward, in the order of [`crate::reward::NAMES`].
+    #[must_use]
+    pub fn rewards(&self) -> Rewards {
+        self.header.rewards()
     }
 
     /// Components of the last reward of UAV `i`, in the order of [`crate::reward::NAMES`].
@@ -230,5 +320,24 @@ impl<'a> StateRef<'a> {
             }
             *reward = reward::total(&rewards) as f32;
         }
+    }
+
+    /// The last reward R_i of UAV `i`. The mean over the fleet is the team's reward R_t.
+    #[inline]
+    #[must_use]
+    pub fn uav_reward(&self, i: usize) -> f64 {
+        reward::total(&self.uav_rewards(i))
+    }
+
+    /// Shaping potential Φ of UAV `i` for its distance to hotspots.
+    #[must_use]
+    pub fn goal_potential(&self, i: usize) -> f64 {
+        f64::from_bits(self.goal_potential[i])
+    }
+
+    /// Shaping potential Φ of UAV `i` for carbon-aware charging.
+    #[must_use]
+    pub fn charge_potential(&self, i: usize) -> f64 {
+        f64::from_bits(self.charge_potential[i])
     }
 }
