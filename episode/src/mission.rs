@@ -27,6 +27,8 @@ use jcas_core::{Error, Metrics, Model, Sim};
 
 use jcas_policy::Policy;
 
+use crate::shard::Shard;
+
 /// The seeds of a campaign: which episodes to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Campaign {
@@ -122,6 +124,23 @@ pub fn fly(
     make_policy: &(dyn Fn() -> Box<dyn Policy> + Sync),
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Metrics>, FlightError> {
+    fly_part(model, campaign, Shard::WHOLE, make_policy, progress)
+}
+
+/// Runs the episodes of one part of a campaign, as [`fly`] runs all of them. The metrics are in the
+/// order of [`Shard::cells`].
+///
+/// # Errors
+/// As those of [`fly`].
+pub fn fly_part(
+    model: &Model<'_>,
+    campaign: Campaign,
+    part: Shard,
+    make_policy: &(dyn Fn() -> Box<dyn Policy> + Sync),
+    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Result<Vec<Metrics>, FlightError> {
+    let own = part.cell_count(campaign.episodes as usize);
+    let episode = |place: usize| (part.number - 1 + place * part.count) as u64;
     let worker = || (Sim::new(model), make_policy());
     let one = |(sim, policy): &mut (Sim<'_>, Box<dyn Policy>), episode: u64| {
         let seed = campaign.episode_seed(episode);
@@ -143,17 +162,18 @@ pub fn fly(
         // A policy may plan for long before its first mission. Each thread therefore gets only a
         // few parts, each with one policy.
         let parts = 4 * rayon::current_num_threads();
-        (0..campaign.episodes as usize)
+        (0..own)
             .into_par_iter()
-            .with_min_len(campaign.episodes.div_ceil(parts as u64) as usize)
-            .map(|episode| episode as u64)
+            .with_min_len(own.div_ceil(parts))
+            .map(episode)
             .map_init(worker, one)
             .collect()
     }
     #[cfg(not(feature = "parallel"))]
     {
         let mut worker = worker();
-        (0..campaign.episodes)
+        (0..own)
+            .map(episode)
             .map(|episode| one(&mut worker, episode))
             .collect()
     }

@@ -38,6 +38,12 @@ impl fmt::Display for Shard {
 }
 
 impl Shard {
+    /// The only part.
+    pub const WHOLE: Self = Self {
+        number: 1,
+        count: 1,
+    };
+
     /// Whether 1 ≤ i ≤ n.
     #[must_use]
     pub fn is_valid(&self) -> bool {
@@ -47,6 +53,14 @@ impl Shard {
     /// The indices of its cells: every n-th, since neighbours in the grid cost alike.
     pub fn cells(&self, cells_in_all: usize) -> impl Iterator<Item = usize> + use<> {
         (self.number - 1..cells_in_all).step_by(self.count)
+    }
+
+    /// The number of its cells.
+    #[must_use]
+    pub const fn cell_count(&self, cells_in_all: usize) -> usize {
+        cells_in_all
+            .saturating_sub(self.number - 1)
+            .div_ceil(self.count)
     }
 
     /// The name of its files, without what follows.
@@ -70,7 +84,12 @@ mod tests {
     fn the_parts_hold_every_cell_once() {
         for count in 1..=8 {
             let parts = (1..=count).map(|number| Shard { number, count });
-            let mut cells: Vec<usize> = parts.flat_map(|part| part.cells(5)).collect();
+            let mut cells: Vec<usize> = parts
+                .flat_map(|part| {
+                    assert_eq!(part.cells(5).count(), part.cell_count(5), "{part}");
+                    part.cells(5)
+                })
+                .collect();
             cells.sort_unstable();
             assert_eq!(cells, [0, 1, 2, 3, 4], "{count}");
         }

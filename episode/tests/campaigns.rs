@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use jcas_core::{Config, Error, Model, StateRef};
 use jcas_episode::mission::{self, Campaign, FlightError};
+use jcas_episode::shard::Shard;
 use jcas_episode::statistics::Summary;
 use jcas_episode::trace;
 use jcas_policy::{BaselineKind, PilotMode, Policy};
@@ -37,6 +38,22 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert_eq!(one, with(5));
     let horizon = model.config().horizon_steps;
     assert_eq!(Summary::of(&one, horizon), Summary::of(&with(3), horizon));
+}
+
+#[test]
+fn a_part_flies_its_own_missions_of_the_campaign() {
+    let model = Model::new(Config::default()).unwrap();
+    let campaign = Campaign {
+        episodes: 7,
+        seed: 11,
+    };
+    let whole = mission::fly(&model, campaign, &swarm, GO_ON).unwrap();
+    for part in ["1/3", "3/3", "8/9"] {
+        let part: Shard = part.parse().unwrap();
+        let flown = mission::fly_part(&model, campaign, part, &swarm, GO_ON).unwrap();
+        let own: Vec<_> = part.cells(7).map(|episode| whole[episode]).collect();
+        assert_eq!(flown, own, "{part}");
+    }
 }
 
 #[test]
