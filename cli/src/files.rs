@@ -66,8 +66,13 @@ pub fn print(text: &str) -> Result<(), CliError> {
     }
 }
 
+/// A value as indented JSON, with the end of its last line.
+pub fn json(value: &impl serde::Serialize) -> Result<String, CliError> {
+    let text = serde_json::to_string_pretty(value).map_err(CliError::input)?;
+    Ok(text + "\n")
+}
+
 /// Prints a value as indented JSON.
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(value).map_err(CliError::input)?;
-    print(&format!("{text}\n"))
+    print(&json(value)?)
 }

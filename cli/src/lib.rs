@@ -5,6 +5,7 @@
 mod commands;
 pub mod config_source;
 pub mod error;
+mod evaluation;
 pub mod export;
 pub mod files;
 pub mod idle;

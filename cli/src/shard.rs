@@ -1,16 +1,18 @@
 //! Parts of a long computation for several machines, and what merging checks of every part.
 
 use core::fmt;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use jcas_core::hash::Fnv1a;
+use jcas_episode::card::{CARD, WEIGHTS};
 use jcas_episode::shard::Shard;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
-use crate::files;
+use crate::{files, learned, planned};
 
 /// Number of missing parts that a message names.
 const MISSING_SHOWN: usize = 20;
@@ -48,8 +50,8 @@ impl fmt::Display for Build {
 
 /// What the manifests of all computations have in common.
 pub trait Manifest: Serialize + DeserializeOwned {
-    /// What is computed in parts, such as `sweep`.
-    const COMPUTATION: &'static str;
+    /// What the manifest describes, such as `a sweep's shard`.
+    const DESCRIBES: &'static str;
     /// Version of the format.
     const FORMAT: u32;
 
@@ -80,7 +82,7 @@ pub trait Manifest: Serialize + DeserializeOwned {
     fn read(path: &Path) -> Result<Self, CliError> {
         let bytes = fs::read(path).map_err(CliError::io(path))?;
         let refuse = |what: &dyn fmt::Display| {
-            let what = format!("is no manifest of a {}'s shard: {what}", Self::COMPUTATION);
+            let what = format!("is no manifest of {}: {what}", Self::DESCRIBES);
             CliError::file(path, what)
         };
         let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
@@ -106,6 +108,35 @@ pub trait Manifest: Serialize + DeserializeOwned {
         text.push(b'\n');
         files::write_bytes(path, &text)
     }
+}
+
+/// Hash of the files of trained policies and plans among names of policies; baselines have none.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn hash_of_policies<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<String, CliError> {
+    let mut hash = Fnv1a::new();
+    for name in names.into_iter().collect::<BTreeSet<_>>() {
+        for path in files_of(name) {
+            let bytes = fs::read(&path).map_err(CliError::io(&path))?;
+            hash.write_u64(bytes.len() as u64);
+            hash.write(&bytes);
+        }
+    }
+    Ok(format!("0x{:016x}", hash.finish()))
+}
+
+/// The files that hold a policy.
+fn files_of(policy: &str) -> Vec<PathBuf> {
+    if learned::is_policy(policy) {
+        return [CARD, WEIGHTS]
+            .map(|name| Path::new(policy).join(name))
+            .into();
+    }
+    planned::file_of(policy)
+        .map(Path::to_owned)
+        .into_iter()
+        .collect()
 }
 
 /// Refuses two parts that differ in a field.

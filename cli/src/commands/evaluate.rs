@@ -1,16 +1,18 @@
 //! `jcas evaluate`: runs a policy or baseline on fixed seeds.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jcas_core::Model;
 use jcas_episode::card::EVALUATION_SEED;
 use jcas_episode::mission::Campaign;
+use jcas_episode::shard::Shard;
 use jcas_policy::BaselineKind;
 use jcas_policy::head::Mode;
 
 use super::simulate::{Report, fly};
 use crate::error::{CliError, Outcome};
+use crate::evaluation::{self, Evaluation};
 use crate::idle::Idle;
 use crate::learned;
 use crate::numbers;
@@ -21,7 +23,8 @@ const EXAMPLES: &str = "\
 Examples:
   jcas evaluate run --uavs 10 --hotspots 5
   jcas evaluate run --uavs 10 --hotspots 5 --mode sampled --json
-  jcas evaluate teams --pilot adaptive --uavs 15 --hotspots 7";
+  jcas evaluate teams --pilot adaptive --uavs 15 --hotspots 7
+  jcas evaluate run --episodes 100000 --out parts --shard 2/8";
 
 /// The way in which a learned policy turns its outputs into actions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -39,8 +42,7 @@ pub enum ModeName {
 /// The missions and the report are those of `jcas simulate` with the same seed. A trained policy
 /// runs with the configuration on its card. Options change single fields of that configuration;
 /// --preset or --config replaces all fields. Standard error lists what the options change. A policy
-/// whose dimensions do not fit is refused. One configuration is flown on the cores of one machine;
-/// `jcas sweep --shard` shares several configurations between machines.
+/// whose dimensions do not fit is refused.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Evaluate {
@@ -63,6 +65,15 @@ pub struct Evaluate {
     seed: u64,
     #[command(flatten)]
     threads: ThreadOptions,
+    /// Fly only the i-th of n parts of the missions and write them; `jcas merge` joins the parts
+    #[arg(long, value_name = "i/n")]
+    shard: Option<Shard>,
+    /// Folder for the part
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Replace a part of another evaluation in that folder
+    #[arg(long)]
+    overwrite: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -77,6 +88,10 @@ impl Evaluate {
             let applies = "where POLICY is the folder of a trained policy";
             idle.push(Idle::options(&["mode"], applies));
         }
+        idle.push(match self.shard {
+            None => Idle::options(&["out", "overwrite"], "with --shard"),
+            Some(_) => Idle::options(&["json"], "without --shard"),
+        });
         idle
     }
 
@@ -99,13 +114,20 @@ impl Evaluate {
             episodes: self.episodes,
             seed: self.seed,
         };
-        let summary = self.threads.run_missions(self.episodes, || {
-            fly(&model, campaign, &factory, "missions")
-        })??;
         let who = (
             self.policy.as_str(),
             learned::pilot_rule(&self.policy, &self.pilot),
         );
+        if let Some(shard) = self.shard {
+            let mode = format!("{:?}", self.mode).to_lowercase();
+            let evaluation = Evaluation::new(who, mode, config, campaign)?;
+            let place = (self.out.as_path(), self.overwrite);
+            evaluation::fly_shard(evaluation, shard, &factory, &self.threads, place)?;
+            return Ok(Outcome::Done);
+        }
+        let summary = self.threads.run_missions(self.episodes, || {
+            fly(&model, campaign, &factory, "missions")
+        })??;
         Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)
     }

@@ -7,7 +7,7 @@ mod merge;
 mod plan;
 mod play;
 mod replay;
-mod simulate;
+pub mod simulate;
 mod sweep;
 mod tour;
 mod trace;

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use jcas_core::{Config, Model};
+use jcas_core::{Config, Metrics, Model};
 use jcas_episode::mission::{self, Campaign};
+use jcas_episode::shard::Shard;
 use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use serde::Serialize;
 
@@ -105,13 +106,26 @@ pub fn fly(
     factory: &PolicyFactory,
     what: &str,
 ) -> Result<Summary, CliError> {
-    let bar = progress::bar(campaign.episodes, what);
-    let missions = mission::fly(model, campaign, factory, &|| {
+    let missions = fly_part(model, campaign, Shard::WHOLE, factory, what)?;
+    Ok(Summary::of(&missions, model.config().horizon_steps))
+}
+
+/// Runs a part of a campaign behind a progress bar.
+pub fn fly_part(
+    model: &Model<'_>,
+    campaign: Campaign,
+    part: Shard,
+    factory: &PolicyFactory,
+    what: &str,
+) -> Result<Vec<Metrics>, CliError> {
+    let own = part.cell_count(campaign.episodes as usize);
+    let bar = progress::bar(own as u64, what);
+    let missions = mission::fly_part(model, campaign, part, factory, &|| {
         bar.inc(1);
         interrupt::check()
     });
     bar.finish_and_clear();
-    Ok(Summary::of(&missions?, model.config().horizon_steps))
+    Ok(missions?)
 }
 
 impl<'a> Report<'a> {

@@ -1,19 +1,16 @@
 //! A part of a sweep for another machine, and what merging needs to know about the part.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use jcas_core::hash::Fnv1a;
-use jcas_episode::card::{CARD, WEIGHTS};
 use jcas_episode::shard::Shard;
 use serde::{Deserialize, Serialize};
 
 use super::plan::SweepCell;
 use super::store::{Frame, Store};
 use crate::error::CliError;
-use crate::shard::{Build, Manifest, require_equal};
-use crate::{learned, planned};
+use crate::shard::{Build, Manifest, hash_of_policies, require_equal};
 
 /// Opens the table of a part and returns its cells. The manifest is on file before the first cell
 /// runs, so that rows of another build are not continued.
@@ -90,7 +87,7 @@ impl SweepManifest {
 }
 
 impl Manifest for SweepManifest {
-    const COMPUTATION: &'static str = "sweep";
+    const DESCRIBES: &'static str = "a sweep's shard";
     const FORMAT: u32 = 1;
 
     fn format(&self) -> u32 {
@@ -141,24 +138,7 @@ fn fingerprint(cells: &[SweepCell], frame: &Frame) -> Result<String, CliError> {
     for text in frame.columns.iter().chain(frame.keys.iter().flatten()) {
         add(text.as_bytes());
     }
-    let policies: BTreeSet<&str> = cells.iter().map(|cell| cell.policy.as_str()).collect();
-    for policy in policies {
-        for path in files_of(policy) {
-            add(&fs::read(&path).map_err(CliError::io(&path))?);
-        }
-    }
+    let policies = cells.iter().map(|cell| cell.policy.as_str());
+    add(hash_of_policies(policies)?.as_bytes());
     Ok(format!("0x{:016x}", hash.finish()))
-}
-
-/// The files that hold a policy; a baseline has none.
-fn files_of(policy: &str) -> Vec<PathBuf> {
-    if learned::is_policy(policy) {
-        return [CARD, WEIGHTS]
-            .map(|name| Path::new(policy).join(name))
-            .into();
-    }
-    planned::file_of(policy)
-        .map(Path::to_owned)
-        .into_iter()
-        .collect()
 }

@@ -38,7 +38,7 @@ impl ReproductionManifest {
 }
 
 impl Manifest for ReproductionManifest {
-    const COMPUTATION: &'static str = "reproduction";
+    const DESCRIBES: &'static str = "a reproduction's shard";
     const FORMAT: u32 = 1;
 
     fn format(&self) -> u32 {
