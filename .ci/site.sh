@@ -21,9 +21,10 @@ export PATH=$CARGO_TARGET_DIR/release:$PATH
 mkdir "$work/recipes"
 cd "$work/recipes"
 blocks toml >scenario.toml
+blocks csv >radar.csv
 blocks console | sed 's/^\$ //' >commands.sh
 bash -euo pipefail commands.sh >commands.txt
-test -s flight.html && test -s plan.svg && test -s pilots/replay.html
+test -s flight.html && test -s radar.svg && test -s plan.svg && test -s pilots/replay.html
 tail -n 1 commands.txt
 
 # The environment of the section `python`, or a new one with the package.
