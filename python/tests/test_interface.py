@@ -81,3 +81,11 @@ def test_a_missing_library_says_what_to_do(tmp_path):
     ).stderr
     assert "cannot load the kernel's library" in complaint and "no.so" in complaint
     assert issubclass(jcas.ConfigError, ValueError) and issubclass(jcas.ConfigError, jcas.JcasError)
+
+
+def test_the_readme_names_every_extra_of_users():
+    project = (PYTHON / "pyproject.toml").read_text(encoding="utf-8")
+    table = project.split("[project.optional-dependencies]\n")[1].split("\n[")[0]
+    extras = set(re.findall(r"^(\w+) = \[", table, re.MULTILINE)) - {"test"}
+    named = (PYTHON / "README.md").read_text(encoding="utf-8").split("everything else is an extra:")
+    assert set(re.findall(r"`(\w+)`", named[1].split("\n\n")[0])) == extras
