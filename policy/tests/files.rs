@@ -149,11 +149,11 @@ fn what_does_not_fit_is_refused_by_name() {
 }
 
 #[test]
-fn only_a_set_network_reads_the_size_of_the_fleet() {
-    let refusal = load(&small_mlp("fleet_size=read", 12))
-        .unwrap_err()
-        .to_string();
-    assert!(refusal.contains("only a set network"), "{refusal}");
+fn only_a_set_network_reads_the_size_of_the_fleet_and_choices() {
+    for metadata in ["fleet_size=read", "choices=read"] {
+        let refusal = load(&small_mlp(metadata, 12)).unwrap_err().to_string();
+        assert!(refusal.contains("only a set network"), "{refusal}");
+    }
 }
 
 #[test]

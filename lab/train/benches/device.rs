@@ -44,6 +44,7 @@ fn measure(name: &str, on: &Device, steps: usize) {
         let network = match trainer.settings.network {
             NetworkKind::Mlp => "MLP",
             NetworkKind::Set => "set",
+            NetworkKind::Turns => "set in turn",
         };
         // The first batch also compiles kernels.
         trainer.iterate();

@@ -33,6 +33,9 @@ pub enum Architecture {
         /// Whether it also reads the number of UAVs, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
+        /// Whether UAVs choose one after the other and read the choices of their neighbours.
+        #[serde(default, skip_serializing_if = "is_false")]
+        choices: bool,
     },
     /// Shared encoders over UAVs and hotspots of the global state, with one output: the value.
     SetCritic {
@@ -109,6 +112,7 @@ impl Network {
                 outputs,
                 added,
                 fleet_size,
+                ..
             } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size)),
             Architecture::SetCritic {
                 hidden,
@@ -176,6 +180,14 @@ impl Network {
                 set::overseen(inputs, shape, critic(*of_uav, *added))
             }
         }
+    }
+
+    /// Whether UAVs choose one after the other and read the choices of their neighbours.
+    pub fn reads_choices(&self) -> bool {
+        matches!(
+            self.architecture,
+            Architecture::SetActor { choices: true, .. }
+        )
     }
 
     /// Features of a row.

@@ -32,9 +32,9 @@ impl Actor {
     /// Builds the policy for the inference that every host uses; `name` is its name in reports.
     #[must_use]
     pub fn fly(&self, name: &str, mode: Mode) -> Trained {
-        let note = files::read_besides(&self.network.architecture).trim_start();
-        let bytes =
-            files::weights(self, Precision::Single, note).expect("arrays of their own length");
+        let note = files::read_besides(&self.network.architecture);
+        let bytes = files::weights(self, Precision::Single, note.trim_start())
+            .expect("arrays of their own length");
         let trained = Trained::read(name, &bytes).expect("an actor's own file");
         let trained = trained.with_matmul(InstructionSet::best().matmul());
         trained.with_act_options(self.act_options(mode))

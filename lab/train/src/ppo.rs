@@ -1,5 +1,6 @@
 //! Proximal policy optimisation, one idea a file.
 
+pub mod acting;
 pub mod adam;
 pub mod gae;
 pub mod normalise;

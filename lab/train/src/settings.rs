@@ -106,6 +106,9 @@ pub enum NetworkKind {
     Mlp,
     /// Shared encoders over hotspots and neighbours: one policy for any fleet and any number.
     Set,
+    /// The same, and UAVs choose one after the other: each reads what its neighbours with lower
+    /// indices have chosen.
+    Turns,
 }
 
 /// Whose reward an action is judged by.

@@ -3,9 +3,10 @@
 use crate::device;
 use crate::environment::{Episode, Shape, VectorEnvironment};
 use crate::network::{Architecture, Network, set};
+use crate::ppo::acting::ActingPolicy;
 use crate::ppo::gae::{self, Trajectories};
 use crate::ppo::normalise::Running;
-use crate::ppo::rollout::{ActingPolicy, Rollout, collect};
+use crate::ppo::rollout::{Rollout, collect};
 use crate::ppo::update::{
     ActorObjective, CriticObjective, Learner, MinibatchSettings, Trainable, UpdateStats, evaluate,
 };
@@ -82,12 +83,13 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 sizes: sizes(settings.critic_input.len(shape), &settings.critic_hidden, 1),
             }),
         ),
-        NetworkKind::Set => (
+        NetworkKind::Set | NetworkKind::Turns => (
             Network::new(Architecture::SetActor {
                 hidden: settings.actor_hidden.clone(),
                 outputs,
                 added: set::added(shape),
                 fleet_size: fleets,
+                choices: settings.network == NetworkKind::Turns,
             }),
             Network::new(Architecture::SetCritic {
                 hidden: settings.critic_hidden.clone(),
@@ -123,7 +125,7 @@ impl Trainer {
             // The episodes of a worker have consecutive seeds, so seeds of workers are far apart.
             worker.reset(settings.seed.wrapping_add((index as u64 + 1) << 40));
         }
-        if settings.network == NetworkKind::Set
+        if settings.network != NetworkKind::Mlp
             && workers
                 .iter()
                 .any(|worker| set::added(&worker.shape()) != set::added(&shape))

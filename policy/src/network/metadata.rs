@@ -1,7 +1,7 @@
 //! The metadata of a policy's file about how the policy acts: its entry `jcas`.
 //!
 //! The entry holds pairs `key=value` with one space between them. An example is `mode=sampled
-//! target_visibility=hidden pilot_density=0.15 fleet_size=read`.
+//! target_visibility=hidden pilot_density=0.15 fleet_size=read choices=read`.
 //! Files of other trainers, and older ones (`{}`), state nothing.
 
 use jcas_core::TargetVisibility;
@@ -22,6 +22,9 @@ pub struct PolicyMetadata {
     /// Whether the last own field of a set network is the number of UAVs, which no observation
     /// holds.
     pub fleet_size: bool,
+    /// Whether UAVs choose one after the other, by index. Each reads what its neighbours before it
+    /// have chosen ([`read_choices`](super::choices::read_choices)).
+    pub choices: bool,
 }
 
 impl Default for PolicyMetadata {
@@ -31,6 +34,7 @@ impl Default for PolicyMetadata {
             target_visibility: None,
             pilot_density: None,
             fleet_size: false,
+            choices: false,
         }
     }
 }
@@ -72,9 +76,14 @@ impl PolicyMetadata {
                 Some(("fleet_size", _)) => {
                     return Err(LoadError::Metadata("fleet_size: must be read"));
                 }
+                Some(("choices", "read")) => metadata.choices = true,
+                Some(("choices", _)) => {
+                    return Err(LoadError::Metadata("choices: must be read"));
+                }
                 _ => {
                     return Err(LoadError::Metadata(
-                        "must be of mode=, target_visibility=, pilot_density= and fleet_size=",
+                        "must be of mode=, target_visibility=, pilot_density=, fleet_size= and \
+                         choices=",
                     ));
                 }
             }
@@ -92,19 +101,21 @@ mod tests {
         assert_eq!(PolicyMetadata::read(""), Ok(PolicyMetadata::default()));
         assert_eq!(PolicyMetadata::read("{}"), Ok(PolicyMetadata::default()));
         let metadata = PolicyMetadata::read(
-            "mode=sampled target_visibility=hidden pilot_density=0.15 fleet_size=read",
+            "mode=sampled target_visibility=hidden pilot_density=0.15 fleet_size=read \
+             choices=read",
         )
         .unwrap();
         assert_eq!(metadata.mode, Mode::Sampled);
         assert_eq!(metadata.target_visibility, Some(TargetVisibility::Hidden));
         assert_eq!(metadata.pilot_density, Some(0.15));
-        assert!(metadata.fleet_size);
+        assert!(metadata.fleet_size && metadata.choices);
         for wrong in [
             "mode=x",
             "target_visibility=",
             "pilot_density=NaN",
             "pilot_density=2",
             "fleet_size=20",
+            "choices=1",
             "x",
             "mode=sampled ",
         ] {

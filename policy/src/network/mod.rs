@@ -40,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod choices;
 mod dense;
 mod error;
 mod file;
@@ -62,6 +63,7 @@ pub use metadata::PolicyMetadata;
 use jcas_core::{Config, Model, StateRef, UavTag};
 
 use crate::head::{Draw, Head, Mode};
+use choices::{RowLayout, read_choices};
 use dense::padded;
 use file::File;
 use layout::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
@@ -172,6 +174,11 @@ impl Network {
                 "fleet_size: only a set network reads it",
             ));
         }
+        if metadata.choices && !matches!(&kind, Kind::Set(_)) {
+            return Err(LoadError::Metadata(
+                "choices: only a set network reads them",
+            ));
+        }
         Ok(Self {
             kind,
             head,
@@ -221,9 +228,19 @@ impl Network {
     /// model, in numbers.
     #[must_use]
     pub fn scratch_len(&self, model: &Model<'_>) -> usize {
-        match &self.kind {
-            Kind::Mlp(mlp) => mlp.scratch_len(),
-            Kind::Set(set) => set.scratch_len(model.hotspot_count()),
+        self.row_len(model)
+            + match &self.kind {
+                Kind::Mlp(mlp) => mlp.scratch_len(),
+                Kind::Set(set) => set.scratch_len(model.hotspot_count()),
+            }
+    }
+
+    /// The length of the row that choices are added to.
+    fn row_len(&self, model: &Model<'_>) -> usize {
+        if self.metadata.choices {
+            model.observation_len()
+        } else {
+            0
         }
     }
 
@@ -256,19 +273,28 @@ impl Network {
         }
     }
 
-    fn visit(
+    /// Refuses a model, weights or working memory that the network cannot work with.
+    fn check_all(
         &self,
         weights: &[f32],
         model: &Model<'_>,
+        scratch: &[f32],
+    ) -> Result<(), FlyError> {
+        self.check(model)?;
+        length("weights", self.weights_len, weights.len())?;
+        length("working memory", self.scratch_len(model), scratch.len())
+    }
+
+    /// Visits the outputs for observations, the first of which has the index `row`.
+    fn visit(
+        &self,
+        weights: &[f32],
+        sizes: Sizes,
         observations: &[f32],
+        mut row: usize,
         scratch: &mut [f32],
         mut visit: impl FnMut(usize, &[f32]) -> Result<(), FlyError>,
     ) -> Result<(), FlyError> {
-        self.check(model)?;
-        let sizes = sizes(model, self.metadata);
-        length("weights", self.weights_len, weights.len())?;
-        length("working memory", self.scratch_len(model), scratch.len())?;
-        let mut row = 0;
         for observations in observations.chunks(mlp::ROWS * sizes.observation_len) {
             let outputs = match &self.kind {
                 Kind::Mlp(mlp) => mlp.outputs(self.matmul, weights, observations, scratch),
@@ -301,7 +327,10 @@ impl Network {
         let rows = observations.len() / len;
         length("observations", rows * len, observations.len())?;
         length("outputs", rows * count, out.len())?;
-        self.visit(weights, model, observations, scratch, |row, outputs| {
+        self.check_all(weights, model, scratch)?;
+        let sizes = sizes(model, self.metadata);
+        let scratch = &mut scratch[self.row_len(model)..];
+        self.visit(weights, sizes, observations, 0, scratch, |row, outputs| {
             out[row * count..][..count].copy_from_slice(outputs);
             Ok(())
         })
@@ -309,7 +338,7 @@ impl Network {
 
     /// Writes (u_dir, u_pilot) of each UAV into `actions`. `observations` holds what the UAVs
     /// observe in `state`, one row for each. Draws are a function of the seed and step of the
-    /// state.
+    /// state. With [`PolicyMetadata::choices`] the UAVs choose in the order of their indices.
     ///
     /// # Errors
     /// [`FlyError`] if the model or the length of a buffer does not fit, or if an output is not
@@ -332,19 +361,44 @@ impl Network {
             observations.len(),
         )?;
         length("actions", 2 * uavs, actions.len())?;
+        self.check_all(weights, model, scratch)?;
+        let sizes = sizes(model, self.metadata);
+        let (row, scratch) = scratch.split_at_mut(self.row_len(model));
         let (seed, t) = (state.seed(), state.t());
-        self.visit(weights, model, observations, scratch, |row, outputs| {
+        let choose = |actions: &mut [f32], uav: usize, outputs: &[f32]| {
             if outputs.iter().any(|output| !output.is_finite()) {
-                return Err(FlyError::NotFinite { uav: row });
+                return Err(FlyError::NotFinite { uav });
             }
-            let uav = row as u32;
+            let draw = Draw {
+                seed,
+                t,
+                uav: uav as u32,
+            };
             let [direction, pilot] = match options.mode {
                 Mode::Deterministic => self.head.deterministic(outputs),
-                Mode::Sampled => self.head.sample(outputs, Draw { seed, t, uav }),
+                Mode::Sampled => self.head.sample(outputs, draw),
             };
-            let action = &mut actions[2 * row..][..2];
+            let action = &mut actions[2 * uav..][..2];
             action.copy_from_slice(&[direction, options.pilot.unwrap_or(pilot)]);
             Ok(())
-        })
+        };
+        if !self.metadata.choices {
+            return self.visit(weights, sizes, observations, 0, scratch, |uav, outputs| {
+                choose(actions, uav, outputs)
+            });
+        }
+        let layout = RowLayout {
+            observation_len: sizes.observation_len,
+            hotspots: sizes.hotspots,
+            slots: sizes.slots,
+            cells: sizes.cells.map(|cells| cells as f32),
+        };
+        for uav in 0..uavs {
+            read_choices(layout, observations, actions, uav, row);
+            self.visit(weights, sizes, row, uav, scratch, |uav, outputs| {
+                choose(actions, uav, outputs)
+            })?;
+        }
+        Ok(())
     }
 }

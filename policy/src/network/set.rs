@@ -239,8 +239,8 @@ fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32])
                 continue;
             }
             let apart = distance(hotspot[0] - slot[1], hotspot[1] - slot[2], cells);
-            at += slot[0] * nearness(apart, 1.0);
-            around += slot[0] * nearness(apart, 4.0);
+            at += nearness(apart, 1.0);
+            around += nearness(apart, 4.0);
         }
         out[..HOTSPOT_FIELDS].copy_from_slice(hotspot);
         out[HOTSPOT_FIELDS..HOTSPOT_FEATURES].copy_from_slice(&[

@@ -54,7 +54,7 @@ pub const MISSIONS: [Mission; 4] = [
     // This policy reads a tag, which the runtime gives.
     Mission {
         preset: Preset::Paper,
-        ..mission((10, 11), 1, Mode::Sampled, 11, 10_173_393_478_295_825_555)
+        ..mission((10, 11), 1, Mode::Sampled, 12, 8_420_305_001_317_295_572)
     },
 ];
 

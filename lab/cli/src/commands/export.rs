@@ -40,6 +40,12 @@ impl Export {
     /// Writes the graph.
     pub fn run(self) -> Result<Outcome, CliError> {
         let (card, actor) = policies::load(&self.policy).map_err(failed)?;
+        if actor.network.reads_choices() {
+            return Err(CliError::input(format!(
+                "{}: its UAVs read the choices of their neighbours, and an ONNX graph has no turns",
+                self.policy.display()
+            )));
+        }
         let config = Config {
             uav_count: self.uavs.unwrap_or(card.config.uav_count),
             hotspot_count: self.hotspots.unwrap_or(card.config.hotspot_count),

@@ -35,6 +35,8 @@ pub enum TrainingPreset {
     Mission,
     /// The paper's table
     Paper,
+    /// A step costs one and nothing else counts; for a policy that ends its episodes already
+    Time,
 }
 
 /// Train a policy with PPO and write it as safetensors and a JSON card
@@ -192,6 +194,7 @@ impl Train {
             Some(TrainingPreset::Tuned) => Preset::Tuned,
             Some(TrainingPreset::Mission) => Preset::Mission,
             Some(TrainingPreset::Paper) => Preset::Paper,
+            Some(TrainingPreset::Time) => Preset::Time,
             None => fitting(&self.config.source()?.resolve()?)?,
         };
         let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;

@@ -337,7 +337,7 @@ mod tests {
         let slots = &mut row[first..first + SLOT_FIELDS * shape.neighbour_slots];
         for (index, slot) in slots.chunks_exact_mut(SLOT_FIELDS).enumerate() {
             if index < taken {
-                slot[0] = 1.0;
+                slot[0] = if random.random_bool(0.5) { 1.0 } else { 2.0 };
             } else {
                 slot.fill(0.0);
             }
@@ -374,6 +374,7 @@ mod tests {
                 outputs: 7,
                 added,
                 fleet_size: agents > 1,
+                choices: agents > 2,
             });
             let critic = |of_uav| {
                 let hidden = vec![16];
@@ -426,6 +427,7 @@ mod tests {
             outputs: 7,
             added: 0,
             fleet_size: false,
+            choices: false,
         };
         let shape = shape(4, 3);
         let row = observation(&shape, &mut crate::random::stream(9, 1));
@@ -472,6 +474,7 @@ mod tests {
             outputs: 7,
             added: 0,
             fleet_size: false,
+            choices: false,
         };
         for (agents, hotspots) in [(1, 1), (5, 3), (20, 11)] {
             let shape = shape(agents, hotspots);

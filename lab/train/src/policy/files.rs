@@ -72,13 +72,18 @@ fn note(card: &Card, architecture: &Architecture) -> String {
 }
 
 /// What a network reads that no observation shows, as a part of the note.
-pub(super) fn read_besides(architecture: &Architecture) -> &'static str {
-    match architecture {
-        Architecture::SetActor {
-            fleet_size: true, ..
-        } => " fleet_size=read",
-        _ => "",
-    }
+pub(super) fn read_besides(architecture: &Architecture) -> String {
+    let Architecture::SetActor {
+        fleet_size,
+        choices,
+        ..
+    } = *architecture
+    else {
+        return String::new();
+    };
+    let read = [(fleet_size, " fleet_size=read"), (choices, " choices=read")];
+    let read = read.iter().filter(|(reads, _)| *reads);
+    read.map(|&(_, text)| text).collect()
 }
 
 fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {

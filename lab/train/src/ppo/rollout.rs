@@ -1,11 +1,8 @@
 //! Collection of experience: each worker steps its episodes T times.
 
+use super::acting::ActingPolicy;
 use crate::environment::{Episode, Shape, StepOut, VectorEnvironment};
-use crate::head::LearningHead;
-use crate::network::{Network, values};
 use crate::settings::{Credit, CriticInput};
-use burn_tensor::Device;
-use jcas_policy::head::Head;
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
@@ -63,18 +60,6 @@ pub struct FinalState {
     pub observations: Vec<f32>,
 }
 
-/// The actor as the workers use it: weights on a device without gradients.
-pub struct ActingPolicy<'a> {
-    /// Action head.
-    pub head: Head,
-    /// Actor network.
-    pub network: &'a Network,
-    /// Its parameters.
-    pub parameters: &'a [f32],
-    /// Device of the weights.
-    pub device: &'a Device,
-}
-
 /// Steps every episode of `environment` `steps` times. With `pilot_gains` the rollout also holds
 /// the gain of each pilot density in its step.
 pub fn collect(
@@ -103,18 +88,10 @@ pub fn collect(
         rollout.simulation += started.elapsed();
 
         let started = Instant::now();
-        let observations = &rollout.observations
-            [rows.start * shape.observation_len..rows.end * shape.observation_len];
-        let features = policy.network.features(observations, &shape);
-        rollout.actor_features.extend_from_slice(&features);
-        let outputs = values(policy.network.forward(&weights, features, &shape));
-        let samples = outputs.chunks_exact(policy.head.outputs());
-        for (row, output) in samples.enumerate() {
-            let (raw, log_probs) = policy.head.draw(output, random);
-            let place = rows.start + row;
-            rollout.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
-            rollout.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
-            actions[2 * row..2 * row + 2].copy_from_slice(&policy.head.action(raw));
+        if policy.network.reads_choices() {
+            rollout.choose_in_turn(t, policy, &weights, &mut actions, random);
+        } else {
+            rollout.choose_together(t, policy, &weights, &mut actions, random);
         }
         rollout.inference += started.elapsed();
 

@@ -1,7 +1,8 @@
-//! The three sets of settings that have a name.
+//! The sets of settings that have a name.
 
 use super::{Credit, CriticInput, Curriculum, NetworkKind, Settings, Shaping};
 use crate::ppo::schedule::Schedule;
+use jcas_core::reward::NAMES;
 use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,6 +18,9 @@ pub enum Preset {
     /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot
     /// densities are judged by their own step.
     Mission,
+    /// UAVs that choose in turn, for whom a step costs one and nothing else counts. For a policy
+    /// that ends its episodes already.
+    Time,
 }
 
 impl std::str::FromStr for Preset {
@@ -27,8 +31,9 @@ impl std::str::FromStr for Preset {
             "paper" => Ok(Preset::Paper),
             "tuned" => Ok(Preset::Tuned),
             "mission" => Ok(Preset::Mission),
+            "time" => Ok(Preset::Time),
             _ => Err(format!(
-                "training preset: {name:?} is not one of paper, tuned, mission"
+                "training preset: {name:?} is not one of paper, tuned, mission, time"
             )),
         }
     }
@@ -41,6 +46,7 @@ impl Settings {
             Preset::Paper => Settings::paper(),
             Preset::Tuned => Settings::tuned(),
             Preset::Mission => Settings::mission(),
+            Preset::Time => Settings::time(),
         }
     }
 
@@ -130,6 +136,27 @@ impl Settings {
             }),
             kl_target: Some(0.05),
             ..settings
+        }
+    }
+
+    fn time() -> Settings {
+        let unpaid = NAMES.iter().map(|&name| (name.to_owned(), 0.0));
+        Settings {
+            network: NetworkKind::Turns,
+            environments: 400,
+            workers: 50,
+            batch_steps: 25_600,
+            total_steps: 80 * 25_600,
+            minibatch_rows: 4096,
+            learning_rate: 5e-4,
+            discount: 0.99,
+            credit: Credit::Team,
+            shaping: Shaping {
+                factors: unpaid.collect(),
+                time_penalty: 1.0,
+                ..Shaping::default()
+            },
+            ..Settings::tuned()
         }
     }
 }

@@ -5,7 +5,9 @@ use crate::{config, fleets, plan, settings};
 use burn_tensor::Device;
 use jcas_core::{Config, Model};
 use jcas_episode::card;
+use jcas_policy::Policy;
 use jcas_policy::head::{Head, Mode};
+use jcas_policy::network::choices::{RowLayout, read_choices};
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, onnx, shape_of};
@@ -191,6 +193,49 @@ fn the_set_network_reads_the_size_of_the_fleet() {
         let model = Model::new(config).unwrap();
         stored.check(&model).unwrap();
         same_outputs(&actor, &model);
+    }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// In turns, each UAV acts on its observation with the choices of the UAVs before it, in flight as
+/// in learning.
+#[test]
+fn a_policy_in_turns_reads_the_choices_of_its_neighbours() {
+    let mut plan = plan("turns", settings(NetworkKind::Turns));
+    plan.configs = fleets();
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
+    let (_, actor) = files::load(&plan.out).unwrap();
+    assert!(actor.network.reads_choices());
+    let weights = actor.network.tensors(&actor.parameters, &Device::flex());
+    for config in plan.configs {
+        let model = Model::new(config).unwrap();
+        let shape = shape_of(&model);
+        let layout = RowLayout {
+            observation_len: shape.observation_len,
+            hotspots: shape.hotspots,
+            slots: shape.neighbour_slots,
+            cells: shape.position_cells(),
+        };
+        let rows = observations(&model);
+        let mut policy = actor.fly("p", Mode::Deterministic);
+        let mut flown = vec![0.0; model.action_len()];
+        policy.see(&rows);
+        let sim = jcas_core::Sim::new(&model);
+        policy.act(&model, &sim.state(), &mut flown);
+        let mut learnt = vec![0.0; model.action_len()];
+        let mut row = vec![0.0; shape.observation_len];
+        let mut changed = 0;
+        for uav in 0..shape.agents {
+            read_choices(layout, &rows, &learnt, uav, &mut row);
+            changed += usize::from(row != rows[uav * row.len()..][..row.len()]);
+            let features = actor.network.features(&row, &shape);
+            let outputs = values(actor.network.forward(&weights, features, &shape));
+            learnt[2 * uav..][..2].copy_from_slice(&actor.head.deterministic(&outputs));
+        }
+        assert!(changed > 1, "{changed} UAVs read a choice");
+        for (flown, learnt) in flown.iter().zip(learnt) {
+            assert!((flown - learnt).abs() < 1e-5, "{flown} {learnt}");
+        }
     }
     std::fs::remove_dir_all(&plan.out).unwrap();
 }

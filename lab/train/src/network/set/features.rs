@@ -16,6 +16,11 @@ fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
     dx.abs() * x_cells + dy.abs() * y_cells
 }
 
+/// 1 for a slot with a neighbour, whether it has chosen or not, and 0 for an empty one.
+fn present(slot: &[f32]) -> f32 {
+    f32::from(slot[0] != 0.0)
+}
+
 /// The actor's features of observations (rows × 11 + 4n + 3k + added), laid out as in
 /// [`Actor::widths`].
 pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) -> Vec<f32> {
@@ -35,7 +40,7 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
         }
         let mut taken = 0.0;
         for slot in slots.chunks_exact(SLOT_FIELDS) {
-            let present = slot[0];
+            let present = present(slot);
             out.extend_from_slice(slot);
             out.push(present);
             taken += present;
@@ -46,8 +51,8 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
             let (mut at, mut around) = (0.0, 0.0);
             for slot in slots.chunks_exact(SLOT_FIELDS) {
                 let apart = distance(hotspot[0] - slot[1], hotspot[1] - slot[2], cells);
-                at += slot[0] * nearness(apart, 1.0);
-                around += slot[0] * nearness(apart, 4.0);
+                at += present(slot) * nearness(apart, 1.0);
+                around += present(slot) * nearness(apart, 4.0);
             }
             out.extend_from_slice(hotspot);
             out.extend_from_slice(&[

@@ -87,7 +87,7 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
     let hotspots = || row[OWN_FIRST..slots_first].chunks_exact(HOTSPOT_FIELDS);
     let present = || {
         let slots = row[slots_first..tail_first].chunks_exact(SLOT_FIELDS);
-        slots.filter(|slot| slot[0] == 1.0)
+        slots.filter(|slot| slot[0] > 0.0)
     };
 
     let (first, second) = (blocks.linear(), blocks.linear());
