@@ -156,7 +156,11 @@ fn a_shipped_policy_is_exported_for_the_size_asked_for() {
     let of_card = export(&[]);
     assert!(of_card.len() > 100_000);
     assert_ne!(export(&["--uavs=15", "--hotspots=7"]), of_card);
-    let paper = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/nothing");
-    let refused = lab(folder.path(), &["export", paper]);
+    let nothing = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/nothing");
+    let refused = lab(folder.path(), &["export", nothing]);
     assert_eq!(refused.status.code(), Some(3));
+    let in_turns = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/paper");
+    let refused = lab(folder.path(), &["export", in_turns]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("an ONNX graph has no turns"));
 }
