@@ -60,9 +60,9 @@ def cells():
         yield ("once", 162.5, uavs, 5, "0.3", 0, "ppo")
         for hotspots in (3, 5, 7, 9, 11):
             yield ("once", 162.5, uavs, hotspots, "mid", 0, "random")
-    for seed in (0, 1, 2):
-        for fleets in ((10, 15), (5, 20)):
-            for pilot in ("adaptive", "0.3"):
+    for fleets in ((10, 15), (5, 20)):
+        for pilot in ("adaptive", "0.3"):
+            for seed in (0, 1, 2):
                 for uavs in fleets:
                     for hotspots in (3, 5, 7, 9, 11):
                         yield ("once", 162.5, uavs, hotspots, pilot, seed, "ppo")
