@@ -6,6 +6,7 @@ use jcas_core::{Config, Metrics, Model};
 use jcas_episode::mission::Campaign;
 use jcas_episode::shard::Shard;
 use jcas_episode::statistics::Summary;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::commands::simulate::{Report, fly_part};
@@ -13,7 +14,7 @@ use crate::error::CliError;
 use crate::files;
 use crate::learned::PolicyFactory;
 use crate::options::ThreadOptions;
-use crate::shard::{Build, Manifest, hash_of_policies, require_equal};
+use crate::shard::{Build, Head, Manifest, hash_of_policies, require_equal};
 
 /// What an evaluation flies. Its results follow from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,14 +40,14 @@ impl Evaluation {
     /// A file of the policy cannot be read.
     pub fn new(
         (policy, pilot): (&str, &str),
-        mode: String,
+        mode: &str,
         config: Config,
         campaign: Campaign,
     ) -> Result<Self, CliError> {
         Ok(Self {
             policy: policy.to_owned(),
             pilot: pilot.to_owned(),
-            mode,
+            mode: mode.to_owned(),
             policy_files: hash_of_policies([policy])?,
             episodes: campaign.episodes,
             seed: campaign.seed,
@@ -103,12 +104,12 @@ impl Manifest for EvaluationPart {
     const DESCRIBES: &'static str = "an evaluation's shard";
     const FORMAT: u32 = 1;
 
-    fn format(&self) -> u32 {
-        self.format
-    }
-
-    fn shard(&self) -> Shard {
-        self.shard
+    fn head(&self) -> Head<'_> {
+        Head {
+            format: self.format,
+            build: &self.build,
+            shard: self.shard,
+        }
     }
 
     fn check(&self) -> Result<(), String> {
@@ -122,16 +123,13 @@ impl Manifest for EvaluationPart {
         ))
     }
 
-    fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
-        let build = (&self.build, &other.build);
-        require_equal(path, origin, "other build: kernel", build)?;
+    fn require_same_work(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
         let others = other.evaluation.fields();
         for ((name, own), (_, other)) in self.evaluation.fields().iter().zip(&others) {
             let field = format!("other evaluation: {name}");
             require_equal(path, origin, &field, (own, other))?;
         }
-        let count = (&self.shard.count, &other.shard.count);
-        require_equal(path, origin, "number of shards", count)
+        Ok(())
     }
 }
 
@@ -174,10 +172,12 @@ pub fn fly_shard(
 
 /// Whether a file says that it is a part of an evaluation. `read` checks the rest.
 pub fn is_part(path: &Path) -> bool {
-    let value: Option<serde_json::Value> = std::fs::read(path)
-        .ok()
-        .and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    value.is_some_and(|value| value.get("evaluation").is_some())
+    #[derive(Deserialize)]
+    struct Named {
+        evaluation: Option<IgnoredAny>,
+    }
+    let bytes = std::fs::read(path).unwrap_or_default();
+    serde_json::from_slice(&bytes).is_ok_and(|Named { evaluation }| evaluation.is_some())
 }
 
 /// The report of all parts, with the bytes of `jcas evaluate --json`, and the number of missions.

@@ -48,6 +48,17 @@ impl fmt::Display for Build {
     }
 }
 
+/// The fields that every manifest has.
+#[derive(Clone, Copy, Debug)]
+pub struct Head<'m> {
+    /// The version of the format that the manifest states.
+    pub format: u32,
+    /// The build that computes the part.
+    pub build: &'m Build,
+    /// The part.
+    pub shard: Shard,
+}
+
 /// What the manifests of all computations have in common.
 pub trait Manifest: Serialize + DeserializeOwned {
     /// What the manifest describes, such as `a sweep's shard`.
@@ -55,11 +66,13 @@ pub trait Manifest: Serialize + DeserializeOwned {
     /// Version of the format.
     const FORMAT: u32;
 
-    /// The version that the manifest states.
-    fn format(&self) -> u32;
+    /// The fields that every manifest has.
+    fn head(&self) -> Head<'_>;
 
     /// The part.
-    fn shard(&self) -> Shard;
+    fn shard(&self) -> Shard {
+        self.head().shard
+    }
 
     /// Checks what else the manifest says of its part.
     ///
@@ -73,7 +86,24 @@ pub trait Manifest: Serialize + DeserializeOwned {
     ///
     /// # Errors
     /// The field that differs.
-    fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError>;
+    fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
+        let (own, others) = (self.head(), other.head());
+        require_equal(
+            path,
+            origin,
+            "other build: kernel",
+            (own.build, others.build),
+        )?;
+        self.require_same_work(path, origin, other)?;
+        let count = (&own.shard.count, &others.shard.count);
+        require_equal(path, origin, "number of shards", count)
+    }
+
+    /// Refuses a part of another computation.
+    ///
+    /// # Errors
+    /// The field that differs.
+    fn require_same_work(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError>;
 
     /// Reads a manifest and checks that it describes the part that it names.
     ///
@@ -86,7 +116,7 @@ pub trait Manifest: Serialize + DeserializeOwned {
             CliError::file(path, what)
         };
         let manifest: Self = serde_json::from_slice(&bytes).map_err(|error| refuse(&error))?;
-        let (format, shard) = (manifest.format(), manifest.shard());
+        let Head { format, shard, .. } = manifest.head();
         if format != Self::FORMAT {
             let what = format!("format = {format}: must be {}", Self::FORMAT);
             return Err(refuse(&what));

@@ -139,10 +139,10 @@ pub fn fly_part(
     make_policy: &(dyn Fn() -> Box<dyn Policy> + Sync),
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Metrics>, FlightError> {
-    let own = part.cell_count(campaign.episodes as usize);
-    let episode = |place: usize| (part.number - 1 + place * part.count) as u64;
+    let episodes = part.cells(campaign.episodes as usize);
     let worker = || (Sim::new(model), make_policy());
-    let one = |(sim, policy): &mut (Sim<'_>, Box<dyn Policy>), episode: u64| {
+    let one = |(sim, policy): &mut (Sim<'_>, Box<dyn Policy>), episode: usize| {
+        let episode = episode as u64;
         let seed = campaign.episode_seed(episode);
         let metrics = fly_episode(model, sim, policy.as_mut(), seed).map_err(|error| {
             FlightError::Kernel {
@@ -162,19 +162,17 @@ pub fn fly_part(
         // A policy may plan for long before its first mission. Each thread therefore gets only a
         // few parts, each with one policy.
         let parts = 4 * rayon::current_num_threads();
-        (0..own)
+        let episodes: Vec<usize> = episodes.collect();
+        let least = episodes.len().div_ceil(parts);
+        episodes
             .into_par_iter()
-            .with_min_len(own.div_ceil(parts))
-            .map(episode)
+            .with_min_len(least)
             .map_init(worker, one)
             .collect()
     }
     #[cfg(not(feature = "parallel"))]
     {
         let mut worker = worker();
-        (0..own)
-            .map(episode)
-            .map(|episode| one(&mut worker, episode))
-            .collect()
+        episodes.map(|episode| one(&mut worker, episode)).collect()
     }
 }

@@ -119,7 +119,7 @@ impl Evaluate {
             learned::pilot_rule(&self.policy, &self.pilot),
         );
         if let Some(shard) = self.shard {
-            let mode = format!("{:?}", self.mode).to_lowercase();
+            let mode = mode.map_or("card", Mode::name);
             let evaluation = Evaluation::new(who, mode, config, campaign)?;
             let place = (self.out.as_path(), self.overwrite);
             evaluation::fly_shard(evaluation, shard, &factory, &self.threads, place)?;

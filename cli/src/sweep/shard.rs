@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::SweepCell;
 use super::store::{Frame, Store};
 use crate::error::CliError;
-use crate::shard::{Build, Manifest, hash_of_policies, require_equal};
+use crate::shard::{Build, Head, Manifest, hash_of_policies, require_equal};
 
 /// Opens the table of a part and returns its cells. The manifest is on file before the first cell
 /// runs, so that rows of another build are not continued.
@@ -90,18 +90,18 @@ impl Manifest for SweepManifest {
     const DESCRIBES: &'static str = "a sweep's shard";
     const FORMAT: u32 = 1;
 
-    fn format(&self) -> u32 {
-        self.format
-    }
-
-    fn shard(&self) -> Shard {
-        self.shard
+    fn head(&self) -> Head<'_> {
+        Head {
+            format: self.format,
+            build: &self.build,
+            shard: self.shard,
+        }
     }
 
     fn check(&self) -> Result<(), String> {
         let Frame { columns, keys } = &self.frame;
         let (shard, rows, all) = (self.shard, keys.len(), self.cells_in_all);
-        let own = shard.cells(all).count();
+        let own = shard.cell_count(all);
         if rows != own {
             return Err(format!(
                 "it has {rows} keys: must be {own}, shard {shard} of {all} cells"
@@ -113,17 +113,13 @@ impl Manifest for SweepManifest {
         Ok(())
     }
 
-    fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
-        let build = (&self.build, &other.build);
-        require_equal(path, origin, "other build: kernel", build)?;
+    fn require_same_work(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
         let sweep = (&self.sweep, &other.sweep);
         require_equal(path, origin, "other sweep: fingerprint", sweep)?;
         let cells = (&self.cells_in_all, &other.cells_in_all);
         require_equal(path, origin, "other sweep: number of cells", cells)?;
         let columns = [self, other].map(|part| part.frame.columns.join(","));
-        require_equal(path, origin, "columns", (&columns[0], &columns[1]))?;
-        let count = (&self.shard.count, &other.shard.count);
-        require_equal(path, origin, "number of shards", count)
+        require_equal(path, origin, "columns", (&columns[0], &columns[1]))
     }
 }
 

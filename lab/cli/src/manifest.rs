@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use jcas_cli::error::CliError;
-use jcas_cli::shard::{Build, Manifest, require_equal};
+use jcas_cli::shard::{Build, Head, Manifest, require_equal};
 use jcas_episode::shard::Shard;
 use jcas_reproduce::shard::{Outline, RowCounts};
 use serde::{Deserialize, Serialize};
@@ -41,22 +41,18 @@ impl Manifest for ReproductionManifest {
     const DESCRIBES: &'static str = "a reproduction's shard";
     const FORMAT: u32 = 1;
 
-    fn format(&self) -> u32 {
-        self.format
+    fn head(&self) -> Head<'_> {
+        Head {
+            format: self.format,
+            build: &self.build,
+            shard: self.shard,
+        }
     }
 
-    fn shard(&self) -> Shard {
-        self.shard
-    }
-
-    fn require_same(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
-        let build = (&self.build, &other.build);
-        require_equal(path, origin, "other build: kernel", build)?;
+    fn require_same_work(&self, path: &Path, origin: &str, other: &Self) -> Result<(), CliError> {
         let hashes = (&self.reproduction, &other.reproduction);
         require_equal(path, origin, "other reproduction: fingerprint", hashes)?;
         let units = (&self.units_in_all, &other.units_in_all);
-        require_equal(path, origin, "other reproduction: number of units", units)?;
-        let count = (&self.shard.count, &other.shard.count);
-        require_equal(path, origin, "number of shards", count)
+        require_equal(path, origin, "other reproduction: number of units", units)
     }
 }
