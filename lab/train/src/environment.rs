@@ -9,6 +9,7 @@ pub mod knowledge_credit;
 pub mod task;
 
 use crate::settings::Credit;
+use jcas_policy::network::choices::RowLayout;
 
 /// Sizes that every environment of one group shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,9 +36,19 @@ impl Shape {
         self.environments * self.agents
     }
 
+    /// The layout of an observation.
+    pub fn row_layout(&self) -> RowLayout {
+        RowLayout {
+            observation_len: self.observation_len,
+            hotspots: self.hotspots,
+            slots: self.neighbour_slots,
+            cells: self.grid.map(|cells| cells.saturating_sub(1)),
+        }
+    }
+
     /// Cells that a position difference of 1 stands for, along x and y.
     pub fn position_cells(&self) -> [f32; 2] {
-        self.grid.map(|cells| cells.saturating_sub(1) as f32)
+        self.row_layout().cells.map(|cells| cells as f32)
     }
 }
 

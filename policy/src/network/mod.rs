@@ -119,15 +119,8 @@ pub fn pilot_action(config: &Config, density: f64) -> f32 {
 
 /// Returns the sizes of a model's observations, and of the inputs that a policy reads besides.
 fn sizes(model: &Model<'_>, metadata: PolicyMetadata) -> Sizes {
-    let config = model.config();
     Sizes {
-        observation_len: model.observation_len(),
-        hotspots: model.hotspot_count(),
-        slots: model.neighbour_slots(),
-        cells: [
-            config.grid_width.saturating_sub(1),
-            config.grid_height.saturating_sub(1),
-        ],
+        row: RowLayout::of(model),
         uavs: model.uav_count(),
         fleet_size: metadata.fleet_size,
     }
@@ -251,13 +244,13 @@ impl Network {
     /// policy was trained with the other visibility.
     pub fn check(&self, model: &Model<'_>) -> Result<(), FlyError> {
         let sizes = sizes(model, self.metadata);
-        let of_sets = HOTSPOT_FIELDS * sizes.hotspots + SLOT_FIELDS * sizes.slots;
+        let of_sets = HOTSPOT_FIELDS * sizes.row.hotspots + SLOT_FIELDS * sizes.row.slots;
         let (expected, got) = match &self.kind {
-            Kind::Mlp(mlp) => (mlp.stack.inputs(), sizes.observation_len),
+            Kind::Mlp(mlp) => (mlp.stack.inputs(), sizes.row.observation_len),
             Kind::Set(set) => (
                 // The fleet size is no part of an observation, so it does not count.
                 set.own_fields() - usize::from(sizes.fleet_size),
-                sizes.observation_len.saturating_sub(of_sets),
+                sizes.row.observation_len.saturating_sub(of_sets),
             ),
         };
         // A set network that reads a tag numbers the UAVs itself if observations have none.
@@ -295,7 +288,7 @@ impl Network {
         scratch: &mut [f32],
         mut visit: impl FnMut(usize, &[f32]) -> Result<(), FlyError>,
     ) -> Result<(), FlyError> {
-        for observations in observations.chunks(mlp::ROWS * sizes.observation_len) {
+        for observations in observations.chunks(mlp::ROWS * sizes.row.observation_len) {
             let outputs = match &self.kind {
                 Kind::Mlp(mlp) => mlp.outputs(self.matmul, weights, observations, scratch),
                 Kind::Set(set) => {
@@ -387,14 +380,8 @@ impl Network {
                 choose(actions, uav, outputs)
             });
         }
-        let layout = RowLayout {
-            observation_len: sizes.observation_len,
-            hotspots: sizes.hotspots,
-            slots: sizes.slots,
-            cells: sizes.cells.map(|cells| cells as f32),
-        };
         for uav in 0..uavs {
-            read_choices(layout, observations, actions, uav, row);
+            read_choices(sizes.row, observations, actions, uav, row);
             self.visit(weights, sizes, row, uav, scratch, |uav, outputs| {
                 choose(actions, uav, outputs)
             })?;

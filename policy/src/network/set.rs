@@ -6,6 +6,7 @@
 
 use jcas_core::observation::index_tag;
 
+use super::choices::RowLayout;
 use super::dense::{LANES, Layer, Rows, relu};
 use super::layout::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
 use super::matmul::MatmulKernel;
@@ -20,11 +21,7 @@ const SLOTS: usize = 16;
 /// The sizes of the observations of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sizes {
-    pub(crate) observation_len: usize,
-    pub(crate) hotspots: usize,
-    pub(crate) slots: usize,
-    /// Cells that a position difference of 1 stands for, along x and y.
-    pub(crate) cells: [u32; 2],
+    pub(crate) row: RowLayout,
     /// Number of UAVs of an episode; their rows are consecutive.
     pub(crate) uavs: usize,
     /// Whether the network reads the number of UAVs.
@@ -105,9 +102,9 @@ impl Set {
         sizes: Sizes,
         scratch: &'s mut [f32],
     ) -> &'s [f32] {
-        let rows = observations.len() / sizes.observation_len;
+        let rows = observations.len() / sizes.row.observation_len;
         let (inputs, scratch) = scratch.split_at_mut(rows * self.trunk.inputs());
-        let observations = observations.chunks_exact(sizes.observation_len);
+        let observations = observations.chunks_exact(sizes.row.observation_len);
         let outs = inputs.chunks_exact_mut(self.trunk.inputs());
         for (index, (row, out)) in observations.zip(outs).enumerate() {
             let tag = index_tag((first + index) % sizes.uavs, sizes.uavs);
@@ -129,10 +126,10 @@ impl Set {
         out: &mut [f32],
         mut scratch: &mut [f32],
     ) {
-        let (n, embedded) = (sizes.hotspots, self.hotspot[2].outputs);
+        let (n, embedded) = (sizes.row.hotspots, self.hotspot[2].outputs);
         let (head, rest) = row.split_at(OWN_FIRST);
         let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * n);
-        let (slots, tail) = rest.split_at(SLOT_FIELDS * sizes.slots);
+        let (slots, tail) = rest.split_at(SLOT_FIELDS * sizes.row.slots);
         let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
         let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
         describe_own(head, tail, tag, sizes, own);
@@ -227,7 +224,7 @@ impl Set {
 /// Writes the features of each hotspot: its fields, the distance, two nearnesses, and the numbers
 /// of UAVs at and around it.
 fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32]) {
-    let cells = sizes.cells.map(|cells| cells as f32);
+    let cells = sizes.row.cells.map(|cells| cells as f32);
     // A grid of one column has no distance along x, and a divisor of 1 avoids a division by zero.
     let far_scale = if cells[0] > 0.0 { 2.0 * cells[0] } else { 1.0 };
     let each = features.chunks_exact_mut(HOTSPOT_FEATURES);

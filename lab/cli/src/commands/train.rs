@@ -43,7 +43,7 @@ pub enum TrainingPreset {
 ///
 /// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run
 /// that was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of
-/// hotspots train one policy for all of them, which needs the network `set`.
+/// hotspots train one policy for all of them, which needs the network `set` or `turns`.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Train {

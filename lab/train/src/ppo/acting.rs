@@ -5,7 +5,7 @@ use crate::head::LearningHead;
 use crate::network::{Network, values};
 use burn_tensor::{Device, Tensor};
 use jcas_policy::head::Head;
-use jcas_policy::network::choices::{RowLayout, read_choices};
+use jcas_policy::network::choices::read_choices;
 use rand_chacha::ChaCha8Rng;
 
 /// The actor as the workers use it: weights on a device without gradients.
@@ -21,8 +21,9 @@ pub struct ActingPolicy<'a> {
 }
 
 impl Rollout {
-    /// Chooses the actions of all UAVs in step `t` at once.
-    pub(super) fn choose_together(
+    /// Chooses the actions of step `t`: of all UAVs at once, or in turn. A turn has the UAVs of one
+    /// index in all missions.
+    pub(super) fn choose(
         &mut self,
         t: usize,
         policy: &ActingPolicy,
@@ -30,69 +31,37 @@ impl Rollout {
         actions: &mut [f32],
         random: &mut ChaCha8Rng,
     ) {
-        let (rows, len) = (self.shape.rows(), self.shape.observation_len);
-        let observations = &self.observations[t * rows * len..][..rows * len];
-        let features = policy.network.features(observations, &self.shape);
-        self.actor_features.extend_from_slice(&features);
-        let outputs = values(policy.network.forward(weights, features, &self.shape));
-        for (row, output) in outputs.chunks_exact(policy.head.outputs()).enumerate() {
-            self.draw(t, row, policy.head, output, actions, random);
-        }
-    }
-
-    /// Chooses the actions of the UAVs in step `t` by their index, each in all missions at once.
-    pub(super) fn choose_in_turn(
-        &mut self,
-        t: usize,
-        policy: &ActingPolicy,
-        weights: &[Tensor<2>],
-        actions: &mut [f32],
-        random: &mut ChaCha8Rng,
-    ) {
-        let shape = self.shape;
-        let (uavs, len) = (shape.agents, shape.observation_len);
-        let width = policy.network.features_len(&shape);
-        let first = t * shape.rows();
-        self.actor_features
-            .resize((first + shape.rows()) * width, 0.0);
-        let layout = RowLayout {
-            observation_len: len,
-            hotspots: shape.hotspots,
-            slots: shape.neighbour_slots,
-            cells: shape.position_cells(),
-        };
-        let mut seen = vec![0.0; shape.environments * len];
-        for uav in 0..uavs {
-            for (m, row) in seen.chunks_exact_mut(len).enumerate() {
-                let fleet = &self.observations[(first + m * uavs) * len..][..uavs * len];
-                read_choices(layout, fleet, &actions[2 * m * uavs..], uav, row);
+        let (shape, network) = (self.shape, policy.network);
+        let (rows, uavs, len) = (shape.rows(), shape.agents, shape.observation_len);
+        let (first, width) = (t * rows, network.features_len(&shape));
+        self.actor_features.resize((first + rows) * width, 0.0);
+        let in_turn = network.reads_choices();
+        let turns = if in_turn { uavs } else { 1 };
+        let mut seen = vec![0.0; rows / turns * len];
+        for turn in 0..turns {
+            let own = (turn..rows).step_by(turns);
+            for (row, seen) in own.clone().zip(seen.chunks_exact_mut(len)) {
+                let fleet = row - row % uavs;
+                let observations = &self.observations[(first + fleet) * len..];
+                if in_turn {
+                    let actions = &actions[2 * fleet..];
+                    read_choices(shape.row_layout(), observations, actions, turn, seen);
+                } else {
+                    seen.copy_from_slice(&observations[(row - fleet) * len..][..len]);
+                }
             }
-            let features = policy.network.features(&seen, &shape);
-            for (m, features) in features.chunks_exact(width).enumerate() {
-                let row = first + m * uavs + uav;
-                self.actor_features[row * width..][..width].copy_from_slice(features);
+            let features = network.features(&seen, &shape);
+            for (row, features) in own.clone().zip(features.chunks_exact(width)) {
+                self.actor_features[(first + row) * width..][..width].copy_from_slice(features);
             }
-            let outputs = values(policy.network.forward(weights, features, &shape));
-            for (m, output) in outputs.chunks_exact(policy.head.outputs()).enumerate() {
-                self.draw(t, m * uavs + uav, policy.head, output, actions, random);
+            let outputs = values(network.forward(weights, features, &shape));
+            for (row, output) in own.zip(outputs.chunks_exact(policy.head.outputs())) {
+                let (raw, log_probs) = policy.head.draw(output, random);
+                let place = 2 * (first + row);
+                self.raw_actions[place..place + 2].copy_from_slice(&raw);
+                self.log_probs[place..place + 2].copy_from_slice(&log_probs);
+                actions[2 * row..][..2].copy_from_slice(&policy.head.action(raw));
             }
         }
-    }
-
-    /// Draws the action of a row of step `t` and notes it.
-    fn draw(
-        &mut self,
-        t: usize,
-        row: usize,
-        head: Head,
-        output: &[f32],
-        actions: &mut [f32],
-        random: &mut ChaCha8Rng,
-    ) {
-        let (raw, log_probs) = head.draw(output, random);
-        let place = t * self.shape.rows() + row;
-        self.raw_actions[2 * place..2 * place + 2].copy_from_slice(&raw);
-        self.log_probs[2 * place..2 * place + 2].copy_from_slice(&log_probs);
-        actions[2 * row..2 * row + 2].copy_from_slice(&head.action(raw));
     }
 }

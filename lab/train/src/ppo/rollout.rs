@@ -88,11 +88,7 @@ pub fn collect(
         rollout.simulation += started.elapsed();
 
         let started = Instant::now();
-        if policy.network.reads_choices() {
-            rollout.choose_in_turn(t, policy, &weights, &mut actions, random);
-        } else {
-            rollout.choose_together(t, policy, &weights, &mut actions, random);
-        }
+        rollout.choose(t, policy, &weights, &mut actions, random);
         rollout.inference += started.elapsed();
 
         let started = Instant::now();

@@ -210,12 +210,6 @@ fn a_policy_in_turns_reads_the_choices_of_its_neighbours() {
     for config in plan.configs {
         let model = Model::new(config).unwrap();
         let shape = shape_of(&model);
-        let layout = RowLayout {
-            observation_len: shape.observation_len,
-            hotspots: shape.hotspots,
-            slots: shape.neighbour_slots,
-            cells: shape.position_cells(),
-        };
         let rows = observations(&model);
         let mut policy = actor.fly("p", Mode::Deterministic);
         let mut flown = vec![0.0; model.action_len()];
@@ -226,7 +220,7 @@ fn a_policy_in_turns_reads_the_choices_of_its_neighbours() {
         let mut row = vec![0.0; shape.observation_len];
         let mut changed = 0;
         for uav in 0..shape.agents {
-            read_choices(layout, &rows, &learnt, uav, &mut row);
+            read_choices(RowLayout::of(&model), &rows, &learnt, uav, &mut row);
             changed += usize::from(row != rows[uav * row.len()..][..row.len()]);
             let features = actor.network.features(&row, &shape);
             let outputs = values(actor.network.forward(&weights, features, &shape));
