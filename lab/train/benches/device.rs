@@ -72,6 +72,7 @@ fn plan(preset: Preset, device: &str, steps: usize) -> RunSpec {
             hotspot_count: 5,
             ..Config::preset(jcas_core::Preset::Paper)
         }],
+        drawn_around: None,
         out: std::env::temp_dir(),
         name: "device".into(),
         precision: Precision::Single,

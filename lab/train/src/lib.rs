@@ -7,6 +7,7 @@
 
 pub mod checkpoint;
 pub mod device;
+pub mod draw;
 pub mod environment;
 pub mod error;
 pub mod head;

@@ -22,6 +22,8 @@ pub enum Purpose {
     Actions = 2,
     /// Order of the minibatches.
     Minibatches = 3,
+    /// Configurations that a run trains on.
+    Configurations = 4,
 }
 
 /// Stream for a use inside an iteration: `a` < 2^32 (iteration), `b` < 2^24 (worker, epoch).

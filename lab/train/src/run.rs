@@ -40,6 +40,9 @@ pub struct RunSpec {
     pub settings: Settings,
     /// Configurations to train on. Several give one policy for all (network `set`).
     pub configs: Vec<Config>,
+    /// The configuration that they were drawn around. The card then shows it and has its
+    /// evaluations, with the fleets and hotspots of the others.
+    pub drawn_around: Option<Config>,
     /// Folder of the run.
     pub out: PathBuf,
     /// Name of the policy in reports.
@@ -229,18 +232,23 @@ impl RunSpec {
         }
     }
 
-    /// The missions that it is trained for, each once, however often it is flown.
+    /// The missions of the card, each once, however often it is flown.
     fn missions(&self) -> Vec<Config> {
         let mut missions: Vec<Config> = Vec::new();
         for config in &self.configs {
-            if !missions.contains(config) {
-                missions.push(*config);
+            let mission = Config {
+                uav_count: config.uav_count,
+                hotspot_count: config.hotspot_count,
+                ..self.drawn_around.unwrap_or(*config)
+            };
+            if !missions.contains(&mission) {
+                missions.push(mission);
             }
         }
         missions
     }
 
-    /// Evaluates the present policy on every configuration of its training, in every mode.
+    /// Evaluates the present policy on every mission of the card, in every mode.
     fn evaluations(&self, actor: &Actor) -> Result<Vec<Evaluation>, TrainError> {
         let episodes = self.settings.evaluation_episodes as u64;
         let policies = Mode::ALL.map(|mode| (mode, actor.fly("policy", mode)));
@@ -259,7 +267,8 @@ impl RunSpec {
         let started = Instant::now();
         let evaluations = self.evaluations(&actor)?;
         speed.evaluation_s = started.elapsed().as_secs_f64();
-        let config = self.configs[0];
+        let missions = self.missions();
+        let config = missions[0];
         let card = Card {
             format: card::FORMAT,
             name: self.name.clone(),
@@ -268,8 +277,7 @@ impl RunSpec {
             normalised_inputs: false,
             constant_pilot_density: self.settings.constant_pilot,
             mode: best_mode(&evaluations),
-            trained_on: self
-                .missions()
+            trained_on: missions
                 .iter()
                 .map(|c| (c.uav_count, c.hotspot_count))
                 .collect(),

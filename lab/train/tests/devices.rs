@@ -50,6 +50,7 @@ fn plan(network: NetworkKind, device: &str) -> RunSpec {
             horizon_steps: 20,
             ..Config::default()
         }],
+        drawn_around: None,
         out: std::env::temp_dir(),
         name: "device".into(),
         precision: Precision::Single,

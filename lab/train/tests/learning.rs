@@ -170,6 +170,7 @@ fn fleets_learn_missions_from_nothing() {
                 detection_threshold_db: Some(-23.8),
                 ..Config::preset(jcas_core::Preset::Paper)
             }],
+            drawn_around: None,
             out: std::env::temp_dir(),
             name: "from nothing".into(),
             precision: Precision::Single,

@@ -9,6 +9,7 @@ use jcas_cli::options::{ConfigOptions, ThreadOptions};
 use jcas_cli::{files, interrupt};
 use jcas_core::{Config, Model, TargetVisibility};
 use jcas_episode::card::Card;
+use jcas_train::draw::draw;
 use jcas_train::metrics::Row;
 use jcas_train::policy::files::Precision;
 use jcas_train::run::{Observer, RunOutcome, RunSpec, Start};
@@ -22,6 +23,7 @@ Examples:
   jcas-lab train --uavs 10 --hotspots 5 --out run
   jcas-lab train --train-preset paper --preset paper --uavs 15 --hotspots 3,5,7 --out runs
   jcas-lab train --uavs 5,10 --hotspots 3,5 --out run
+  jcas-lab train --preset paper --set uav_tag=index --draw 20 --out any-fleet
   jcas-lab train --out run --resume
   jcas-lab train --out tuned --from run --train-set learning_rate=0.0001
   jcas evaluate run";
@@ -43,7 +45,8 @@ pub enum TrainingPreset {
 ///
 /// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run
 /// that was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of
-/// hotspots train one policy for all of them, which needs the network `set` or `turns`.
+/// hotspots train one policy for all of them, which needs the network `set` or `turns`, and so do
+/// drawn configurations.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Train {
@@ -65,6 +68,16 @@ pub struct Train {
         help_heading = "Configuration"
     )]
     hotspots: Vec<u32>,
+    /// Draw this many configurations from the seed, each with its own fleet (up to 24 UAVs),
+    /// hotspots (1 to 11), grid (8 to 16 cells a side), depot, and sensing range (0.75 to 1.25 of
+    /// the configured one)
+    #[arg(
+        long,
+        value_name = "COUNT",
+        conflicts_with_all = ["uavs", "hotspots"],
+        help_heading = "Configuration"
+    )]
+    draw: Option<usize>,
     /// Training settings to start from, none of which is for hidden hotspots [default: mission
     /// where no UAV detects one from a neighbouring cell, else tuned]
     #[arg(long, value_enum, help_heading = "Training")]
@@ -153,9 +166,18 @@ impl Train {
             .name
             .clone()
             .or_else(|| Some(self.out.file_name()?.to_string_lossy().into_owned()));
+        let base = self.config.source()?.resolve()?;
+        let (configs, drawn_around) = match self.draw {
+            Some(count) => {
+                let drawn = draw(&base, count, settings.seed).map_err(CliError::input)?;
+                (drawn, Some(base))
+            }
+            None => (self.configs()?, None),
+        };
         Ok(RunSpec {
             settings,
-            configs: self.configs()?,
+            configs,
+            drawn_around,
             out: self.out.clone(),
             name: name.unwrap_or_else(|| "policy".to_owned()),
             precision: if self.half {

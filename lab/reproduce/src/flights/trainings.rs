@@ -134,6 +134,7 @@ impl Flights<'_> {
             let plan = RunSpec {
                 settings: settings.clone(),
                 configs: configs.clone(),
+                drawn_around: None,
                 out: out.clone(),
                 name: name.to_owned(),
                 precision,

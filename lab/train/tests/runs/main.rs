@@ -63,6 +63,7 @@ fn plan(name: &str, settings: Settings) -> RunSpec {
     RunSpec {
         settings,
         configs: vec![config()],
+        drawn_around: None,
         out,
         name: name.into(),
         precision: Precision::Single,

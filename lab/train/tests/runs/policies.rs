@@ -8,6 +8,7 @@ use jcas_episode::card;
 use jcas_policy::Policy;
 use jcas_policy::head::{Head, Mode};
 use jcas_policy::network::choices::{RowLayout, read_choices};
+use jcas_train::draw::draw;
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
 use jcas_train::policy::{Actor, onnx, shape_of};
@@ -194,6 +195,24 @@ fn the_set_network_reads_the_size_of_the_fleet() {
         stored.check(&model).unwrap();
         same_outputs(&actor, &model);
     }
+    std::fs::remove_dir_all(&plan.out).unwrap();
+}
+
+/// Drawn configurations have grids of their own. The card shows the one that they were drawn
+/// around, in the drawn sizes.
+#[test]
+fn a_policy_for_drawn_configurations_has_the_card_of_the_middle() {
+    let mut plan = plan("drawn", settings(NetworkKind::Turns));
+    plan.configs = draw(&config(), 4, 1).unwrap();
+    plan.drawn_around = Some(config());
+    plan.train(&Start::Fresh, &mut NoObserver).unwrap();
+    let card = card::load(&plan.out).unwrap().card;
+    let drawn = plan.configs.iter();
+    let sizes: Vec<(u32, u32)> = drawn.map(|c| (c.uav_count, c.hotspot_count)).collect();
+    assert_eq!(card.trained_on, sizes);
+    assert_eq!(card.config.grid_width, config().grid_width);
+    assert_eq!(card.config.uav_count, sizes[0].0);
+    assert_eq!(card.evaluations.len(), sizes.len() * Mode::ALL.len());
     std::fs::remove_dir_all(&plan.out).unwrap();
 }
 
