@@ -2,9 +2,10 @@
 
 Fleet, hotspots, grid, depot and sensing range of each configuration are drawn from one seed. Each
 row of the table is one policy in one configuration. The script can be stopped at any time, and it
-goes on where the table ends.
+goes on where the table ends. Another seed draws other configurations and has a table of its own.
 
     python lab/experiments/unseen.py --jcas target/release/jcas
+    python lab/experiments/unseen.py --jcas target/release/jcas --seed 20261127 --presets paper
 """
 
 import argparse
@@ -15,7 +16,7 @@ import statistics
 import subprocess
 from pathlib import Path
 
-TABLE = Path(__file__).parent.parent / "results" / "unseen.csv"
+RESULTS = Path(__file__).parent.parent / "results"
 SEED = 20261126
 CONFIGURATIONS = 10
 EPISODES = 100
@@ -33,9 +34,9 @@ FIELDS = [*DRAWN, "policy", "episodes"]
 FIELDS += [name + end for name in QUANTITIES for end in ("", "_low", "_high")]
 
 
-def configurations():
+def configurations(seed):
     """Returns the configurations of each preset, as the columns of DRAWN."""
-    draws = random.Random(SEED)
+    draws = random.Random(seed)
     drawn = []
     for preset in POLICIES:
         for index in range(CONFIGURATIONS):
@@ -79,30 +80,30 @@ def flown(options, drawn, policy):
     return row
 
 
-def read():
+def read(path):
     """Returns the rows of the table so far."""
-    if not TABLE.exists():
+    if not path.exists():
         return []
-    with TABLE.open(newline="") as table:
+    with path.open(newline="") as table:
         return list(csv.DictReader(table))
 
 
-def write(rows):
+def write(path, rows):
     """Writes the table to a temporary name and renames it."""
-    part = TABLE.with_suffix(".part")
+    part = path.with_suffix(".part")
     with part.open("w", newline="") as table:
         writer = csv.DictWriter(table, FIELDS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    part.replace(TABLE)
+    part.replace(path)
 
 
-def summary(rows):
+def summary(rows, presets):
     """Prints steps as a share of those of `replan`: mean over configurations, and the largest."""
     at = {(row["preset"], row["index"], row["policy"]): row for row in rows}
     print("preset policy | success, least | steps / replan's, 95 % interval, largest")
-    for preset, policies in POLICIES.items():
-        for policy in policies:
+    for preset in presets:
+        for policy in POLICIES[preset]:
             cells = [at[preset, str(index), policy] for index in range(CONFIGURATIONS)]
             best = [at[preset, str(index), REFERENCE] for index in range(CONFIGURATIONS)]
             steps = "mission_steps_mean"
@@ -121,15 +122,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--jcas", required=True, help="path of the command jcas")
     parser.add_argument("--threads", type=int, default=1, help="threads (%(default)s)")
+    parser.add_argument("--seed", type=int, default=SEED, help="seed of the draws (%(default)s)")
+    parser.add_argument("--presets", nargs="+", choices=POLICIES, default=list(POLICIES))
     options = parser.parse_args()
-    rows = read()
+    path = RESULTS / ("unseen.csv" if options.seed == SEED else f"unseen-{options.seed}.csv")
+    rows = read(path)
     finished = {(row["preset"], row["index"], row["policy"]) for row in rows}
-    for drawn in configurations():
+    for drawn in configurations(options.seed):
+        if drawn["preset"] not in options.presets:
+            continue
         for policy in POLICIES[drawn["preset"]]:
             if (drawn["preset"], str(drawn["index"]), policy) not in finished:
                 rows.append(flown(options, drawn, policy))
-                write(rows)
-    summary(read())
+                write(path, rows)
+    summary(read(path), options.presets)
 
 
 if __name__ == "__main__":

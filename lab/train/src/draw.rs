@@ -37,9 +37,11 @@ fn one(base: &Config, random: &mut impl Rng) -> Config {
     }
 }
 
-/// Draws `count` configurations from `seed`: fleets of up to 24 UAVs, 1 to 11 hotspots, grids of 8
-/// to 16 cells a side, any depot, and 0.75 to 1.25 of the sensing range. All other fields are those
-/// of `base`. If they do not allow what was drawn, it returns the field's error.
+/// Draws `count` configurations from `seed`.
+///
+/// They have fleets of up to 24 UAVs, 1 to 11 hotspots, grids of 8 to 16 cells a side, and any
+/// depot. The sensing range is 0.75 to 1.25 of that of `base`, and all other fields are those of
+/// `base`. If they do not allow what was drawn, it returns the field's error.
 pub fn draw(base: &Config, count: usize, seed: u64) -> Result<Vec<Config>, ConfigError> {
     let mut random = stream_for(seed, Purpose::Configurations, 0, 0);
     let drawn: Vec<Config> = (0..count).map(|_| one(base, &mut random)).collect();

@@ -9,10 +9,10 @@ pub mod knowledge_credit;
 pub mod task;
 
 use crate::settings::Credit;
-use jcas_policy::network::choices::RowLayout;
+use jcas_policy::network::row::RowLayout;
 
 /// Sizes that every environment of one group shares.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shape {
     /// Missions side by side (M).
     pub environments: usize,
@@ -28,6 +28,8 @@ pub struct Shape {
     pub neighbour_slots: usize,
     /// Width and height of the grid; positions are fractions of these less one.
     pub grid: [u32; 2],
+    /// Reach of the radar in cells, where P_d is a half.
+    pub reach: f32,
 }
 
 impl Shape {

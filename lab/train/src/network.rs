@@ -33,7 +33,8 @@ pub enum Architecture {
         /// Whether it also reads the number of UAVs, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
-        /// Whether UAVs choose one after the other and read the choices of their neighbours.
+        /// Whether UAVs choose one after the other. They read the choices of their neighbours, and
+        /// the chances of detection.
         #[serde(default, skip_serializing_if = "is_false")]
         choices: bool,
     },
@@ -47,6 +48,9 @@ pub enum Architecture {
         /// Fields that search maps and tags add to the observation.
         #[serde(default, skip_serializing_if = "is_zero")]
         added: usize,
+        /// Whether it reads how well the fleet covers each hotspot.
+        #[serde(default, skip_serializing_if = "is_false")]
+        cover: bool,
     },
 }
 
@@ -60,12 +64,46 @@ fn is_false(flag: &bool) -> bool {
     !*flag
 }
 
-fn actor(added: usize, fleet_size: bool) -> set::Actor {
-    set::Actor { added, fleet_size }
+/// A family of networks, with hidden layers, outputs, and what a set network reads.
+enum Family<'a> {
+    Mlp(&'a [usize]),
+    Actor(&'a [usize], usize, set::Actor),
+    Critic(&'a [usize], set::Critic),
 }
 
-fn critic(of_uav: bool, added: usize) -> set::Critic {
-    set::Critic { of_uav, added }
+impl Architecture {
+    fn family(&self) -> Family<'_> {
+        match *self {
+            Architecture::Mlp { ref sizes } => Family::Mlp(sizes),
+            Architecture::SetActor {
+                ref hidden,
+                outputs,
+                added,
+                fleet_size,
+                choices,
+            } => {
+                let reads = set::Actor {
+                    added,
+                    fleet_size,
+                    choices,
+                };
+                Family::Actor(hidden, outputs, reads)
+            }
+            Architecture::SetCritic {
+                ref hidden,
+                of_uav,
+                added,
+                cover,
+            } => {
+                let reads = set::Critic {
+                    of_uav,
+                    added,
+                    cover,
+                };
+                Family::Critic(hidden, reads)
+            }
+        }
+    }
 }
 
 /// One weight matrix or bias row inside the flat parameter vector.
@@ -105,20 +143,10 @@ pub struct Network {
 impl Network {
     /// Lays out the blocks of an architecture.
     pub fn new(architecture: Architecture) -> Network {
-        let shapes = match &architecture {
-            Architecture::Mlp { sizes } => mlp::blocks(sizes),
-            Architecture::SetActor {
-                hidden,
-                outputs,
-                added,
-                fleet_size,
-                ..
-            } => set::actor_blocks(hidden, *outputs, actor(*added, *fleet_size)),
-            Architecture::SetCritic {
-                hidden,
-                of_uav,
-                added,
-            } => set::critic_blocks(hidden, critic(*of_uav, *added)),
+        let shapes = match architecture.family() {
+            Family::Mlp(sizes) => mlp::blocks(sizes),
+            Family::Actor(hidden, outputs, reads) => set::actor_blocks(hidden, outputs, reads),
+            Family::Critic(hidden, reads) => set::critic_blocks(hidden, reads),
         };
         let mut offset = 0;
         let blocks = shapes
@@ -171,14 +199,10 @@ impl Network {
     /// have no gradient and do not depend on the weights, so a batch computes them once for all
     /// epochs.
     pub fn features(&self, inputs: &[f32], shape: &Shape) -> Vec<f32> {
-        match &self.architecture {
-            Architecture::Mlp { .. } => inputs.to_vec(),
-            Architecture::SetActor {
-                added, fleet_size, ..
-            } => set::observed(inputs, shape, actor(*added, *fleet_size)),
-            Architecture::SetCritic { of_uav, added, .. } => {
-                set::overseen(inputs, shape, critic(*of_uav, *added))
-            }
+        match self.architecture.family() {
+            Family::Mlp(_) => inputs.to_vec(),
+            Family::Actor(_, _, reads) => set::observed(inputs, shape, reads),
+            Family::Critic(_, reads) => set::overseen(inputs, shape, reads),
         }
     }
 
@@ -192,30 +216,22 @@ impl Network {
 
     /// Features of a row.
     pub fn features_len(&self, shape: &Shape) -> usize {
-        match &self.architecture {
-            Architecture::Mlp { sizes } => sizes[0],
-            Architecture::SetActor {
-                added, fleet_size, ..
-            } => actor(*added, *fleet_size).widths(shape).iter().sum(),
-            Architecture::SetCritic { of_uav, added, .. } => {
-                critic(*of_uav, *added).widths(shape).iter().sum()
-            }
+        match self.architecture.family() {
+            Family::Mlp(sizes) => sizes[0],
+            Family::Actor(_, _, reads) => reads.widths(shape).iter().sum(),
+            Family::Critic(_, reads) => reads.widths(shape).iter().sum(),
         }
     }
 
     /// Outputs (rows × outputs) for features of this shape, on the device of the weights.
     pub fn forward(&self, weights: &[Tensor<2>], features: Vec<f32>, shape: &Shape) -> Tensor<2> {
-        match &self.architecture {
-            Architecture::Mlp { sizes } => {
+        match self.architecture.family() {
+            Family::Mlp(sizes) => {
                 let inputs = matrix(features, sizes[0], &weights[0].device());
                 mlp::forward(weights, inputs)
             }
-            Architecture::SetActor {
-                added, fleet_size, ..
-            } => set::actor(weights, &features, actor(*added, *fleet_size), shape),
-            Architecture::SetCritic { of_uav, added, .. } => {
-                set::critic(weights, &features, critic(*of_uav, *added), shape)
-            }
+            Family::Actor(_, _, reads) => set::actor(weights, &features, reads, shape),
+            Family::Critic(_, reads) => set::critic(weights, &features, reads, shape),
         }
     }
 }

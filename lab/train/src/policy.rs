@@ -11,6 +11,7 @@ use jcas_core::Model;
 use jcas_policy::Trained;
 use jcas_policy::head::{Head, Mode};
 use jcas_policy::network::ActOptions;
+use jcas_policy::network::reach::reach_cells;
 use jcas_simd::InstructionSet;
 
 /// An actor: a network with its weights, head and scaling of inputs.
@@ -61,5 +62,6 @@ pub fn shape_of(model: &Model<'_>) -> Shape {
         hotspots: model.hotspot_count(),
         neighbour_slots: model.neighbour_slots(),
         grid: [config.grid_width, config.grid_height],
+        reach: reach_cells(model),
     }
 }

@@ -95,6 +95,7 @@ fn networks(settings: &Settings, shape: &Shape, fleets: bool) -> (Network, Netwo
                 hidden: settings.critic_hidden.clone(),
                 of_uav: settings.critic_input == CriticInput::StateAndUav,
                 added: set::added(shape),
+                cover: settings.network == NetworkKind::Turns,
             }),
         ),
     }

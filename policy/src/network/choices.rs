@@ -1,40 +1,12 @@
 //! Choices in turn: a UAV reads what its neighbours with lower indices have chosen.
 
-use jcas_core::Model;
 use jcas_core::action::motion;
 
-use super::layout::{HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS};
+use super::row::{HOTSPOT_FIELDS, OWN_FIRST, RowLayout, SLOT_FIELDS};
 
 /// The first field of the slot of a neighbour that has chosen. It is 1 before the choice, and 0 in
 /// an empty slot.
 const CHOSEN: f32 = 2.0;
-
-/// The layout of an observation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RowLayout {
-    /// The length of an observation.
-    pub observation_len: usize,
-    /// The number of hotspots.
-    pub hotspots: usize,
-    /// The number of neighbour slots.
-    pub slots: usize,
-    /// Cells that a position difference of 1 stands for, along x and y.
-    pub cells: [u32; 2],
-}
-
-impl RowLayout {
-    /// The layout of the observations of a model.
-    #[must_use]
-    pub fn of(model: &Model<'_>) -> Self {
-        let config = model.config();
-        Self {
-            observation_len: model.observation_len(),
-            hotspots: model.hotspot_count(),
-            slots: model.neighbour_slots(),
-            cells: [config.grid_width, config.grid_height].map(|cells| cells.saturating_sub(1)),
-        }
-    }
-}
 
 /// Returns the change of a position by a motion of `by` cells, which is 0 at the edge of the grid.
 fn change(position: f32, by: i32, cells: f32) -> f32 {
@@ -89,7 +61,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    use jcas_core::{Config, Preset, Sim};
+    use jcas_core::{Config, Model, Preset, Sim};
 
     use super::*;
     use crate::head::motion_centre;

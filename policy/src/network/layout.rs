@@ -2,7 +2,9 @@
 
 use super::dense::{Layer, padded};
 use super::error::{ArrayName, LoadError};
+use super::features::hotspot_features;
 use super::file::{Array, File};
+use super::row::{OWN_FIRST, SLOT_FIELDS};
 use crate::head::Head;
 
 /// The maximum number of layers of an MLP, or of the trunk of a set network.
@@ -11,14 +13,6 @@ pub const DEPTH_MAX: usize = 8;
 /// The maximum width of a layer.
 const WIDTH_MAX: usize = 1 << 16;
 
-/// The numbers of fields in the blocks of an observation. The fields after the slots belong to the
-/// UAV again.
-pub(crate) const OWN_FIRST: usize = 5;
-pub(crate) const HOTSPOT_FIELDS: usize = 4;
-pub(crate) const SLOT_FIELDS: usize = 3;
-/// The number of features of a hotspot: its fields, the distance, two nearnesses, and the UAVs at
-/// and around it.
-pub(crate) const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
 /// The maximum number of attention heads.
 pub(crate) const HEADS_MAX: usize = 16;
 
@@ -91,6 +85,8 @@ struct Reader<'f, 'w> {
     len: usize,
     /// Arrays read so far.
     count: usize,
+    /// The number of features of a hotspot in a set network.
+    features: usize,
 }
 
 const fn name(stem: &'static str, layer: Option<usize>, part: &'static str) -> ArrayName {
@@ -231,7 +227,7 @@ impl<'f> Reader<'f, '_> {
             self.layer("neighbour", Some(1), [encode.outputs, 0])?,
         ];
         let pooled = neighbour[1].outputs;
-        let first = self.layer("hotspot", Some(0), [HOTSPOT_FEATURES, 0])?;
+        let first = self.layer("hotspot", Some(0), [self.features, 0])?;
         let own_name = name("hotspot", None, "own");
         let own = self.matrix(own_name, [0, first.outputs])?;
         if own.inputs <= pooled + OWN_FIRST {
@@ -298,19 +294,23 @@ fn finite(array: ArrayName, index: usize, value: f32) -> Result<(), LoadError> {
 }
 
 /// Lays out the network of a file, and stores its weights if `weights` is given, which must have
-/// the exact length. Returns the network, its head and that length.
+/// the exact length. Returns the network, its head and that length. `choices` says whether UAVs
+/// choose in turn.
 pub(crate) fn read(
     file: File<'_>,
+    choices: bool,
     weights: Option<&mut [f32]>,
 ) -> Result<(Kind, Head, usize), LoadError> {
-    let mut reader = Reader {
+    let reader = |weights| Reader {
         file,
-        weights: None,
+        weights,
         len: 0,
         count: 0,
+        features: hotspot_features(choices),
     };
-    let (kind, head) = reader.kind()?;
-    let expected = reader.len;
+    let mut first = reader(None);
+    let (kind, head) = first.kind()?;
+    let expected = first.len;
     if let Some(weights) = weights {
         if weights.len() != expected {
             return Err(LoadError::Memory {
@@ -319,13 +319,7 @@ pub(crate) fn read(
             });
         }
         weights.fill(0.0);
-        let mut reader = Reader {
-            file,
-            weights: Some(weights),
-            len: 0,
-            count: 0,
-        };
-        reader.kind()?;
+        reader(Some(weights)).kind()?;
     }
     Ok((kind, head, expected))
 }

@@ -23,7 +23,8 @@ pub struct PolicyMetadata {
     /// holds.
     pub fleet_size: bool,
     /// Whether UAVs choose one after the other, by index. Each reads what its neighbours before it
-    /// have chosen ([`read_choices`](super::choices::read_choices)).
+    /// have chosen ([`read_choices`](super::choices::read_choices)), and how well each hotspot is
+    /// covered ([`chance`](super::reach::chance)).
     pub choices: bool,
 }
 

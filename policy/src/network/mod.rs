@@ -43,11 +43,14 @@
 pub mod choices;
 mod dense;
 mod error;
+pub mod features;
 mod file;
 mod layout;
 mod matmul;
 mod metadata;
 mod mlp;
+pub mod reach;
+pub mod row;
 mod set;
 
 #[cfg(any(kani, test))]
@@ -63,10 +66,11 @@ pub use metadata::PolicyMetadata;
 use jcas_core::{Config, Model, StateRef, UavTag};
 
 use crate::head::{Draw, Head, Mode};
-use choices::{RowLayout, read_choices};
+use choices::read_choices;
 use dense::padded;
 use file::File;
-use layout::{HOTSPOT_FIELDS, Kind, SLOT_FIELDS};
+use layout::Kind;
+use row::{HOTSPOT_FIELDS, RowLayout, SLOT_FIELDS};
 use set::Sizes;
 
 /// Numbers (f32) in a cache line. Weights are read fastest where they begin at one.
@@ -123,6 +127,7 @@ fn sizes(model: &Model<'_>, metadata: PolicyMetadata) -> Sizes {
         row: RowLayout::of(model),
         uavs: model.uav_count(),
         fleet_size: metadata.fleet_size,
+        reach: metadata.choices.then(|| reach::reach_cells(model)),
     }
 }
 
@@ -160,7 +165,7 @@ impl Network {
     fn read_into(bytes: &[u8], weights: Option<&mut [f32]>) -> Result<Self, LoadError> {
         let file = File::open(bytes)?;
         let metadata = PolicyMetadata::read(file.metadata)?;
-        let (kind, head, weights_len) = layout::read(file, weights)?;
+        let (kind, head, weights_len) = layout::read(file, metadata.choices, weights)?;
         let reads_size = matches!(&kind, Kind::Set(set) if set.own_fields() > 0);
         if metadata.fleet_size && !reads_size {
             return Err(LoadError::Metadata(

@@ -1,42 +1,30 @@
 //! Networks over sets: shared encoders for hotspots and neighbours, pooled by attention and by sum.
 //!
-//! The same weights work for any number of hotspots and neighbours. Some features are computed
-//! rather than learnt: the nearness of a hotspot in cells, and the numbers of UAVs at and around
-//! it.
+//! The same weights work for any number of hotspots and neighbours. Some
+//! [features](super::features) are computed rather than learnt.
 
 use jcas_core::observation::index_tag;
 
-use super::choices::RowLayout;
 use super::dense::{LANES, Layer, Rows, relu};
-use super::layout::{HOTSPOT_FEATURES, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, Set};
+use super::features::{CROWD, describe_hotspots};
+use super::layout::Set;
 use super::matmul::MatmulKernel;
 use super::mlp::ROWS;
-
-/// The divisor of sums over a set.
-const CROWD: f32 = 8.0;
+use super::row::{HOTSPOT_FIELDS, OWN_FIRST, RowLayout, SLOT_FIELDS};
 
 /// The number of neighbours that are encoded together.
 const SLOTS: usize = 16;
 
 /// The sizes of the observations of a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sizes {
     pub(crate) row: RowLayout,
     /// Number of UAVs of an episode; their rows are consecutive.
     pub(crate) uavs: usize,
     /// Whether the network reads the number of UAVs.
     pub(crate) fleet_size: bool,
-}
-
-/// Returns 1 at distance 0, falling linearly to 0 at `reach` cells.
-fn nearness(distance: f32, reach: f32) -> f32 {
-    let near = 1.0 - distance / reach;
-    if near > 0.0 { near } else { 0.0 }
-}
-
-/// Returns the Manhattan distance in cells.
-fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
-    dx.abs() * cells[0] + dy.abs() * cells[1]
+    /// The reach of the radar in cells, if the network reads chances of detection.
+    pub(crate) reach: Option<f32>,
 }
 
 /// Splits the first `length` elements off `rest`.
@@ -83,7 +71,7 @@ impl Set {
         let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
         let context =
             self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
-        let each = HOTSPOT_FEATURES + 2 * self.embedding_width() + self.score.width();
+        let each = self.hotspot[0].inputs + 2 * self.embedding_width() + self.score.width();
         slots
             + context
             + hotspots * each
@@ -143,8 +131,9 @@ impl Set {
         let bias = self.hotspot[0].bias(weights);
         self.own.apply_from(matmul, weights, bias, rows, start);
 
-        let features = take(&mut scratch, n * HOTSPOT_FEATURES);
-        describe(hotspots, slots, sizes, features);
+        let features = take(&mut scratch, n * self.hotspot[0].inputs);
+        let cells = sizes.row.cells.map(|cells| cells as f32);
+        describe_hotspots(hotspots, slots, cells, sizes.reach, features);
         let width = self.embedding_width();
         let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
         let [first, second, third] = &self.hotspot;
@@ -218,35 +207,6 @@ impl Set {
             add_up(encoded, second.width(), pooled);
         }
         divide(pooled, CROWD);
-    }
-}
-
-/// Writes the features of each hotspot: its fields, the distance, two nearnesses, and the numbers
-/// of UAVs at and around it.
-fn describe(hotspots: &[f32], slots: &[f32], sizes: Sizes, features: &mut [f32]) {
-    let cells = sizes.row.cells.map(|cells| cells as f32);
-    // A grid of one column has no distance along x, and a divisor of 1 avoids a division by zero.
-    let far_scale = if cells[0] > 0.0 { 2.0 * cells[0] } else { 1.0 };
-    let each = features.chunks_exact_mut(HOTSPOT_FEATURES);
-    for (hotspot, out) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(each) {
-        let far = distance(hotspot[0], hotspot[1], cells);
-        let (mut at, mut around) = (0.0, 0.0);
-        for slot in slots.chunks_exact(SLOT_FIELDS) {
-            if slot[0] == 0.0 {
-                continue;
-            }
-            let apart = distance(hotspot[0] - slot[1], hotspot[1] - slot[2], cells);
-            at += nearness(apart, 1.0);
-            around += nearness(apart, 4.0);
-        }
-        out[..HOTSPOT_FIELDS].copy_from_slice(hotspot);
-        out[HOTSPOT_FIELDS..HOTSPOT_FEATURES].copy_from_slice(&[
-            far / far_scale,
-            nearness(far, 1.0),
-            nearness(far, 4.0),
-            at / CROWD,
-            around / CROWD,
-        ]);
     }
 }
 

@@ -45,8 +45,8 @@ pub enum TrainingPreset {
 ///
 /// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run
 /// that was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of
-/// hotspots train one policy for all of them, which needs the network `set` or `turns`, and so do
-/// drawn configurations.
+/// hotspots, and drawn configurations, train one policy for all of them. That needs the network
+/// `set` or `turns`.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Train {
@@ -68,9 +68,9 @@ pub struct Train {
         help_heading = "Configuration"
     )]
     hotspots: Vec<u32>,
-    /// Draw this many configurations from the seed, each with its own fleet (up to 24 UAVs),
-    /// hotspots (1 to 11), grid (8 to 16 cells a side), depot, and sensing range (0.75 to 1.25 of
-    /// the configured one)
+    /// Draw this many configurations from the seed. Each has its own fleet (up to 24 UAVs),
+    /// hotspots (1 to 11), grid (8 to 16 cells a side) and depot. The sensing range is 0.75 to 1.25
+    /// of the configured one
     #[arg(
         long,
         value_name = "COUNT",

@@ -9,6 +9,7 @@ use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Metrics, Model, Scratch};
+use jcas_policy::network::reach::reach_cells;
 use jcas_simd::InstructionSet;
 use std::sync::Arc;
 
@@ -256,6 +257,7 @@ impl VectorEnvironment for Fleet {
             hotspots: self.model.hotspot_count(),
             neighbour_slots: self.model.neighbour_slots(),
             grid: [config.grid_width, config.grid_height],
+            reach: reach_cells(&self.model),
         }
     }
 

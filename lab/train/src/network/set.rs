@@ -16,6 +16,9 @@ use super::matrix;
 use crate::environment::Shape;
 use burn_tensor::Tensor;
 use burn_tensor::activation::{relu, softmax};
+pub(crate) use jcas_policy::network::features::CROWD;
+use jcas_policy::network::features::hotspot_features;
+pub(crate) use jcas_policy::network::row::{HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS};
 
 /// Width of hotspot embeddings.
 pub const HOTSPOT_WIDTH: usize = 64;
@@ -23,16 +26,8 @@ pub const HOTSPOT_WIDTH: usize = 64;
 pub const UAV_WIDTH: usize = 32;
 /// Attention heads over hotspots.
 pub const HEADS: usize = 4;
-/// Sums over a set are divided by this, which keeps them near 1 for the paper's sizes.
-pub(crate) const CROWD: f32 = 8.0;
-
 /// Fields of an observation about the UAV itself: self (5), connectivity, sustainability, progress.
 pub(crate) const OWN: usize = 11;
-pub(crate) const OWN_FIRST: usize = 5;
-pub(crate) const HOTSPOT_FIELDS: usize = 4;
-/// Those of the observation, distance, here, near, and UAVs at and around it.
-const HOTSPOT_FEATURES: usize = HOTSPOT_FIELDS + 5;
-pub(crate) const SLOT_FIELDS: usize = 3;
 const UAV_FIELDS: usize = 6;
 const COMMON: usize = 4;
 /// Position fields, confirmed, known share, and UAVs within one, four and twelve cells.
@@ -47,12 +42,19 @@ pub(super) struct Actor {
     pub added: usize,
     /// The number of UAVs too, which no observation shows.
     pub fleet_size: bool,
+    /// Whether UAVs choose in turn. Then it also reads the chances of detection.
+    pub choices: bool,
 }
 
 impl Actor {
     /// Fields that are of no hotspot and of no other UAV.
     fn own(self) -> usize {
         OWN + self.added + usize::from(self.fleet_size)
+    }
+
+    /// Features of each hotspot.
+    fn hotspot_features(self) -> usize {
+        hotspot_features(self.choices)
     }
 
     /// Widths of the parts of a row of features: the UAV itself, neighbour slots with whether they
@@ -62,7 +64,7 @@ impl Actor {
             self.own(),
             (SLOT_FIELDS + 1) * shape.neighbour_slots,
             1,
-            HOTSPOT_FEATURES * shape.hotspots,
+            self.hotspot_features() * shape.hotspots,
         ]
     }
 }
@@ -74,6 +76,8 @@ pub(super) struct Critic {
     pub of_uav: bool,
     /// Fields that maps and tags add to that observation.
     pub added: usize,
+    /// Whether it reads how well the fleet covers each hotspot.
+    pub cover: bool,
 }
 
 impl Critic {
@@ -84,7 +88,9 @@ impl Critic {
 
     /// Fields of each hotspot.
     fn target_features(self) -> usize {
-        TARGET_FEATURES + if self.of_uav { OWN_TARGET_FEATURES } else { 0 }
+        TARGET_FEATURES
+            + usize::from(self.cover)
+            + if self.of_uav { OWN_TARGET_FEATURES } else { 0 }
     }
 
     /// Widths of the parts of a row of features: what is of no hotspot and of no UAV, UAVs each
@@ -141,7 +147,12 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Sh
     let mut shapes = Vec::new();
     layer(&mut shapes, "neighbour.0", SLOT_FIELDS, UAV_WIDTH);
     layer(&mut shapes, "neighbour.1", UAV_WIDTH, UAV_WIDTH);
-    layer(&mut shapes, "hotspot.0", HOTSPOT_FEATURES, HOTSPOT_WIDTH);
+    layer(
+        &mut shapes,
+        "hotspot.0",
+        actor.hotspot_features(),
+        HOTSPOT_WIDTH,
+    );
     shapes.push(("hotspot.own".into(), own + UAV_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "hotspot.1", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
     layer(&mut shapes, "hotspot.2", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
@@ -242,7 +253,7 @@ pub(super) fn actor(
     };
 
     let context = Tensor::cat(vec![own.clone(), neighbours.clone()], 1);
-    let hotspots = matrix(hotspots, HOTSPOT_FEATURES, &device);
+    let hotspots = matrix(hotspots, actor.hotspot_features(), &device);
     let embedded = relu(weights.with_context(hotspots, context));
     let embedded = relu(weights.linear(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
@@ -302,6 +313,7 @@ mod tests {
             observation_len: 11 + 4 * hotspots + 3 * (agents - 1) + added,
             global_len: 6 * agents + 4 * hotspots + 4,
             grid: [12, 12],
+            reach: 2.5,
         }
     }
 
@@ -382,6 +394,7 @@ mod tests {
                     hidden,
                     of_uav,
                     added,
+                    cover: agents > 2,
                 })
             };
             let critics = [critic(false), critic(true)];
@@ -450,6 +463,7 @@ mod tests {
             hidden: vec![16],
             of_uav: false,
             added: 0,
+            cover: true,
         };
         let shape = shape(3, 2);
         let row = row(shape.global_len, &mut crate::random::stream(9, 1));

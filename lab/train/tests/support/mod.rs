@@ -108,6 +108,7 @@ impl VectorEnvironment for Beacon {
             hotspots: 0,
             neighbour_slots: 0,
             grid: [SIDE as u32; 2],
+            reach: 1.0,
         }
     }
 

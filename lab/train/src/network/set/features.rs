@@ -5,16 +5,8 @@
 
 use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS};
 use crate::environment::Shape;
-
-/// 1 at distance 0, falling evenly to 0 at `reach` cells.
-fn nearness(distance: f32, reach: f32) -> f32 {
-    (1.0 - distance / reach).max(0.0)
-}
-
-/// Manhattan distance in cells.
-fn distance(dx: f32, dy: f32, [x_cells, y_cells]: [f32; 2]) -> f32 {
-    dx.abs() * x_cells + dy.abs() * y_cells
-}
+use jcas_policy::network::features::{describe_hotspots, distance, nearness};
+use jcas_policy::network::reach::chance;
 
 /// 1 for a slot with a neighbour, whether it has chosen or not, and 0 for an empty one.
 fn present(slot: &[f32]) -> f32 {
@@ -46,23 +38,10 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
             taken += present;
         }
         out.push(k as f32 - taken);
-        for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
-            let far = distance(hotspot[0], hotspot[1], cells);
-            let (mut at, mut around) = (0.0, 0.0);
-            for slot in slots.chunks_exact(SLOT_FIELDS) {
-                let apart = distance(hotspot[0] - slot[1], hotspot[1] - slot[2], cells);
-                at += present(slot) * nearness(apart, 1.0);
-                around += present(slot) * nearness(apart, 4.0);
-            }
-            out.extend_from_slice(hotspot);
-            out.extend_from_slice(&[
-                far / (2.0 * cells[0]),
-                nearness(far, 1.0),
-                nearness(far, 4.0),
-                at / CROWD,
-                around / CROWD,
-            ]);
-        }
+        let first = out.len();
+        out.resize(first + n * actor.hotspot_features(), 0.0);
+        let reach = actor.choices.then_some(shape.reach);
+        describe_hotspots(hotspots, slots, cells, reach, &mut out[first..]);
     }
     out
 }
@@ -101,15 +80,20 @@ pub(in crate::network) fn overseen(rows: &[f32], shape: &Shape, critic: Critic) 
             out.push(1.0);
         }
         for hotspot in hotspots.chunks_exact(HOTSPOT_FIELDS) {
-            let mut near = [0.0; 3];
+            let (mut near, mut covered) = ([0.0; 3], 0.0);
             for uav in uavs.chunks_exact(UAV_FIELDS) {
                 let apart = distance(hotspot[0] - uav[0], hotspot[1] - uav[1], cells);
                 for (sum, reach) in near.iter_mut().zip([1.0, 4.0, 12.0]) {
                     *sum += nearness(apart, reach);
                 }
+                let [dx, dy] = [hotspot[0] - uav[0], hotspot[1] - uav[1]];
+                covered += chance(dx * cells[0], dy * cells[1], shape.reach);
             }
             out.extend_from_slice(hotspot);
             out.extend(near.map(|sum| sum / CROWD));
+            if critic.cover {
+                out.push(covered / CROWD);
+            }
             if let Some(own) = own_targets.next() {
                 let far = distance(own[0], own[1], cells);
                 out.extend_from_slice(&[

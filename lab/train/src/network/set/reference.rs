@@ -72,13 +72,25 @@ fn near(distance: f32, reach: f32) -> f32 {
     (1.0 - distance / reach).max(0.0)
 }
 
+/// 1/(1 + (d/R)⁴) for the distance d between two positions and the reach R.
+fn detection(a: [f32; 2], b: [f32; 2], shape: &Shape) -> f32 {
+    let [x_cells, y_cells] = shape.position_cells();
+    let distance = ((a[0] - b[0]) * x_cells).hypot((a[1] - b[1]) * y_cells);
+    1.0 / (1.0 + (distance / shape.reach).powi(4))
+}
+
 /// The actor's outputs for one observation.
 pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
     let mut blocks = Blocks::of(network, parameters);
     let slots_first = OWN_FIRST + HOTSPOT_FIELDS * shape.hotspots;
     let tail_first = slots_first + SLOT_FIELDS * shape.neighbour_slots;
     let mut own = [&row[..OWN_FIRST], &row[tail_first..]].concat();
-    let Architecture::SetActor { fleet_size, .. } = network.architecture else {
+    let Architecture::SetActor {
+        fleet_size,
+        choices,
+        ..
+    } = network.architecture
+    else {
         panic!("an actor over sets");
     };
     if fleet_size {
@@ -103,13 +115,18 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
             each.sum::<f32>() / CROWD
         };
         let far = apart(place, [0.0; 2], shape);
-        let derived = [
+        let mut derived = vec![
             far / (2.0 * shape.position_cells()[0]),
             near(far, 1.0),
             near(far, 4.0),
             count(1.0),
             count(4.0),
         ];
+        if choices {
+            let others = present().map(|slot| detection(place, [slot[1], slot[2]], shape));
+            derived.push(detection(place, [0.0; 2], shape));
+            derived.push(others.sum::<f32>() / CROWD);
+        }
         [hotspot, &derived].concat()
     };
     let (first, context) = (blocks.linear(), blocks.product());
@@ -147,6 +164,9 @@ fn attended(scores: &[Vec<f32>], embedded: &[Vec<f32>]) -> Vec<f32> {
 
 /// The critic's output for one global state, with or without an observation of a UAV after it.
 pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
+    let Architecture::SetCritic { cover, .. } = network.architecture else {
+        panic!("a critic over sets");
+    };
     let mut blocks = Blocks::of(network, parameters);
     let (uavs, rest) = row.split_at(UAV_FIELDS * shape.agents);
     let (hotspots, rest) = rest.split_at(HOTSPOT_FIELDS * shape.hotspots);
@@ -178,6 +198,10 @@ pub fn critic(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape)
                 each.sum::<f32>() / CROWD
             };
             let mut features = [hotspot, &[count(1.0), count(4.0), count(12.0)]].concat();
+            if cover {
+                let each = uavs().map(|uav| detection(place, [uav[0], uav[1]], shape));
+                features.push(each.sum::<f32>() / CROWD);
+            }
             if !own.is_empty() {
                 let seen = &observation[OWN_FIRST + HOTSPOT_FIELDS * index..];
                 let far = apart([seen[0], seen[1]], [0.0; 2], shape);
