@@ -127,8 +127,8 @@ impl RunSpec {
         let count = self.configs.len();
         if count == 0 || count > settings.workers {
             return Err(TrainError::Setting(format!(
-                "workers: {} cannot share {} configurations, allowed: 1 to workers",
-                settings.workers, count
+                "workers: {} for {count} configurations, allowed: one or more for each",
+                settings.workers
             )));
         }
         let missions = settings.environments / settings.workers;

@@ -36,10 +36,8 @@ pub fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
 /// Writes the features of each hotspot of an observation.
 ///
 /// `hotspots` and `slots` are the blocks of an observation, and a position difference of 1 stands
-/// for `cells`. `features` has [`hotspot_features`] numbers for each hotspot.
-///
-/// # Panics
-/// It panics if `features` has another length.
+/// for `cells`. `features` has [`hotspot_features`] numbers for each hotspot. Hotspots beyond its
+/// end are left out.
 pub fn describe_hotspots(
     hotspots: &[f32],
     slots: &[f32],

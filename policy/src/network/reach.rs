@@ -7,7 +7,8 @@ const REACH_CELLS: [f64; 2] = [0.5, 32.0];
 
 /// Returns the range in cells at which P_d is a half at ρ_max, along the longer side of the grid.
 ///
-/// It is interpolated between the middles of cells, and lies in [0.5, 32].
+/// It is interpolated between the middles of cells, and lies in [0.5, 32]. The kernel bisects for
+/// the exact range of a footprint, which would take too long before each action.
 #[must_use]
 pub fn reach_cells(model: &Model<'_>) -> f32 {
     let config = model.config();

@@ -1,5 +1,6 @@
 //! `jcas-lab train`: trains a policy from random weights.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -77,7 +78,7 @@ pub struct Train {
         conflicts_with_all = ["uavs", "hotspots"],
         help_heading = "Configuration"
     )]
-    draw: Option<usize>,
+    draw: Option<NonZeroUsize>,
     /// Training settings to start from, none of which is for hidden hotspots [default: mission
     /// where no UAV detects one from a neighbouring cell, else tuned]
     #[arg(long, value_enum, help_heading = "Training")]
@@ -166,10 +167,10 @@ impl Train {
             .name
             .clone()
             .or_else(|| Some(self.out.file_name()?.to_string_lossy().into_owned()));
-        let base = self.config.source()?.resolve()?;
         let (configs, drawn_around) = match self.draw {
             Some(count) => {
-                let drawn = draw(&base, count, settings.seed).map_err(CliError::input)?;
+                let base = self.config.source()?.resolve()?;
+                let drawn = draw(&base, count.get(), settings.seed).map_err(CliError::input)?;
                 (drawn, Some(base))
             }
             None => (self.configs()?, None),

@@ -4,12 +4,12 @@ use super::detection_credit::DetectionCredit;
 use super::knowledge_credit::{Informed, KnowledgeCredit};
 use super::task::TrainingTask;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
+use crate::policy::shape_of;
 use crate::settings::Settings;
 use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
 use jcas_core::{Metrics, Model, Scratch};
-use jcas_policy::network::reach::reach_cells;
 use jcas_simd::InstructionSet;
 use std::sync::Arc;
 
@@ -248,16 +248,9 @@ fn add(sums: &mut [f64], weight: f64, values: &[f64]) {
 
 impl VectorEnvironment for Fleet {
     fn shape(&self) -> Shape {
-        let config = self.model.config();
         Shape {
             environments: self.environments,
-            agents: self.model.uav_count(),
-            observation_len: self.model.observation_len(),
-            global_len: self.model.global_len(),
-            hotspots: self.model.hotspot_count(),
-            neighbour_slots: self.model.neighbour_slots(),
-            grid: [config.grid_width, config.grid_height],
-            reach: reach_cells(&self.model),
+            ..shape_of(&self.model)
         }
     }
 
