@@ -14,7 +14,7 @@ use crate::error::CliError;
 use crate::files;
 use crate::learned::PolicyFactory;
 use crate::options::ThreadOptions;
-use crate::shard::{Build, Head, Manifest, hash_of_policies, require_equal};
+use crate::shard::{Build, Head, Manifest, hash_of_policy, require_equal};
 
 /// What an evaluation flies. Its results follow from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ impl Evaluation {
             policy: policy.to_owned(),
             pilot: pilot.to_owned(),
             mode: mode.to_owned(),
-            policy_files: hash_of_policies([policy])?,
+            policy_files: hash_of_policy(policy)?,
             episodes: campaign.episodes,
             seed: campaign.seed,
             config,

@@ -1,7 +1,6 @@
 //! Parts of a long computation for several machines, and what merging checks of every part.
 
 use core::fmt;
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -140,18 +139,21 @@ pub trait Manifest: Serialize + DeserializeOwned {
     }
 }
 
-/// Hash of the files of trained policies and plans among names of policies; baselines have none.
+/// Hash of the files of a trained policy or a plan; the text is empty for a baseline, which has
+/// none.
 ///
 /// # Errors
 /// A file cannot be read.
-pub fn hash_of_policies<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<String, CliError> {
+pub fn hash_of_policy(policy: &str) -> Result<String, CliError> {
+    let files = files_of(policy);
+    if files.is_empty() {
+        return Ok(String::new());
+    }
     let mut hash = Fnv1a::new();
-    for name in names.into_iter().collect::<BTreeSet<_>>() {
-        for path in files_of(name) {
-            let bytes = fs::read(&path).map_err(CliError::io(&path))?;
-            hash.write_u64(bytes.len() as u64);
-            hash.write(&bytes);
-        }
+    for path in files {
+        let bytes = fs::read(&path).map_err(CliError::io(&path))?;
+        hash.write_u64(bytes.len() as u64);
+        hash.write(&bytes);
     }
     Ok(format!("0x{:016x}", hash.finish()))
 }

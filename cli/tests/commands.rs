@@ -3,6 +3,7 @@
 mod support;
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 use support::{jcas, succeed};
@@ -143,6 +144,47 @@ fn a_sweep_goes_on_where_it_was_stopped() {
     succeed(folder.path(), &sweep);
     let resumed = fs::read_to_string(&table).unwrap();
     assert_eq!(resumed, whole.replace(lines[2], &kept));
+}
+
+// A policy that was trained again has its old name, and other results.
+#[test]
+fn a_sweep_does_not_go_on_with_another_policy_of_the_same_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    fs::create_dir(&mine).unwrap();
+    let take = |shipped: &str| {
+        let from = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../policies")
+            .join(shipped);
+        for name in ["policy.json", "policy.safetensors"] {
+            fs::copy(from.join(name), mine.join(name)).unwrap();
+        }
+    };
+    let sweep = [
+        "sweep",
+        "--policy",
+        "mine,teams",
+        "--episodes",
+        "2",
+        "--no-figures",
+    ];
+    take("fleet");
+    succeed(folder.path(), &sweep);
+    let table = folder.path().join("out/results.csv");
+    let whole = fs::read(&table).unwrap();
+    succeed(folder.path(), &sweep);
+    assert_eq!(fs::read(&table).unwrap(), whole);
+
+    take("endurance");
+    let output = jcas(folder.path(), &sweep);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(
+        told.contains("holds a row of another sweep: mine,"),
+        "{told}"
+    );
+    assert!(told.contains("--overwrite"), "{told}");
+    assert_eq!(fs::read(&table).unwrap(), whole);
 }
 
 #[test]

@@ -38,7 +38,8 @@ command goes on with the others.";
 /// Without options, the sweep covers the paper's grid of fleets and hotspots with the best
 /// baseline. It writes into the folder of --out. results.csv holds every quantity with its 95 %
 /// interval. Figures show success, mission time, energy and throughput, as SVG and PNG. replay.html
-/// plays one of the missions.
+/// plays one of the missions. An interrupted sweep goes on where its table ends. The table of
+/// another sweep, or of other policies under the same names, is refused.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Sweep {
@@ -122,7 +123,7 @@ impl Sweep {
         self.say_what_cards_do_not(&base, &axes)?;
         let cells = plan::cells(&base, &axes)?;
         files::prepare_folder(&self.out)?;
-        let frame = Frame::new(&axes, &cells, self.seed, self.episodes);
+        let frame = Frame::new(&axes, &cells, self.seed, self.episodes)?;
         let (cells, mut store) = match self.shard {
             Some(part) => shard::open(part, &self.out, cells, frame, self.overwrite)?,
             None => {

@@ -182,7 +182,7 @@ impl Tour {
         ];
         let cells = plan::cells(&ConfigSource::preset(grid.preset), &axes)?;
         let table = self.out.join(format!("{}.csv", grid.name));
-        let frame = Frame::new(&axes, &cells, SEED, self.episodes);
+        let frame = Frame::new(&axes, &cells, SEED, self.episodes)?;
         let mut store = Store::open(&table, frame, true)?;
         sweep::fly(&cells, &mut store, self.campaign(), &self.threads)?;
         Ok(Flown { axes, cells, store })

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::SweepCell;
 use super::store::{Frame, Store};
 use crate::error::CliError;
-use crate::shard::{Build, Head, Manifest, hash_of_policies, require_equal};
+use crate::shard::{Build, Head, Manifest, require_equal};
 
 /// Opens the table of a part and returns its cells. The manifest is on file before the first cell
 /// runs, so that rows of another build are not continued.
@@ -21,7 +21,7 @@ pub fn open(
     frame: Frame,
     overwrite: bool,
 ) -> Result<(Vec<SweepCell>, Store), CliError> {
-    let manifest = SweepManifest::new(shard, &cells, &frame)?;
+    let manifest = SweepManifest::new(shard, &frame)?;
     let path = shard.manifest_path(folder);
     let table = table_of(&path);
     if overwrite {
@@ -70,17 +70,17 @@ pub struct SweepManifest {
 }
 
 impl SweepManifest {
-    fn new(shard: Shard, cells: &[SweepCell], frame: &Frame) -> Result<Self, CliError> {
+    fn new(shard: Shard, frame: &Frame) -> Result<Self, CliError> {
         let key = |cell: usize| frame.keys[cell].clone();
         Ok(Self {
             format: Self::FORMAT,
             build: Build::current()?,
-            sweep: fingerprint(cells, frame)?,
+            sweep: fingerprint(frame),
             shard,
-            cells_in_all: cells.len(),
+            cells_in_all: frame.keys.len(),
             frame: Frame {
                 columns: frame.columns.clone(),
-                keys: shard.cells(cells.len()).map(key).collect(),
+                keys: shard.cells(frame.keys.len()).map(key).collect(),
             },
         })
     }
@@ -123,18 +123,13 @@ impl Manifest for SweepManifest {
     }
 }
 
-/// Hash of what a sweep's results follow from. The keys have the hash of each configuration, the
-/// seed and the number of episodes; a policy on file counts with its bytes.
-fn fingerprint(cells: &[SweepCell], frame: &Frame) -> Result<String, CliError> {
+/// Hash of what a sweep's results follow from: the columns and the keys, which have the hashes of
+/// each policy and configuration, the seed and the number of episodes.
+fn fingerprint(frame: &Frame) -> String {
     let mut hash = Fnv1a::new();
-    let mut add = |bytes: &[u8]| {
-        hash.write_u64(bytes.len() as u64);
-        hash.write(bytes);
-    };
     for text in frame.columns.iter().chain(frame.keys.iter().flatten()) {
-        add(text.as_bytes());
+        hash.write_u64(text.len() as u64);
+        hash.write(text.as_bytes());
     }
-    let policies = cells.iter().map(|cell| cell.policy.as_str());
-    add(hash_of_policies(policies)?.as_bytes());
-    Ok(format!("0x{:016x}", hash.finish()))
+    format!("0x{:016x}", hash.finish())
 }

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Axis, SweepCell};
 use crate::error::CliError;
 use crate::files;
+use crate::shard::hash_of_policy;
 
 /// Minimum time between two writes of the file; it is also written at the end.
 const WRITE_INTERVAL: Duration = Duration::from_secs(1);
@@ -25,21 +26,33 @@ pub struct Frame {
 
 impl Frame {
     /// The frame of a sweep's table.
-    pub fn new(axes: &[Axis], cells: &[SweepCell], seed: u64, episodes: u64) -> Self {
+    ///
+    /// # Errors
+    /// The file of a policy cannot be read.
+    pub fn new(
+        axes: &[Axis],
+        cells: &[SweepCell],
+        seed: u64,
+        episodes: u64,
+    ) -> Result<Self, CliError> {
         let mut columns: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
-        columns.extend(["config_hash", "seed", "episodes"].map(str::to_owned));
+        columns.extend(["policy_hash", "config_hash", "seed", "episodes"].map(str::to_owned));
         columns.extend(quantity_columns());
-        let keys = cells
-            .iter()
-            .map(|cell| {
-                let mut key = cell.values.clone();
-                key.push(format!("0x{:016x}", cell.config.hash()));
-                key.push(seed.to_string());
-                key.push(episodes.to_string());
-                key
-            })
-            .collect();
-        Self { columns, keys }
+        let mut hashes = BTreeMap::new();
+        let mut keys = Vec::with_capacity(cells.len());
+        for cell in cells {
+            let policy = cell.policy.as_str();
+            if !hashes.contains_key(policy) {
+                hashes.insert(policy, hash_of_policy(policy)?);
+            }
+            let mut key = cell.values.clone();
+            key.push(hashes[policy].clone());
+            key.push(format!("0x{:016x}", cell.config.hash()));
+            key.push(seed.to_string());
+            key.push(episodes.to_string());
+            keys.push(key);
+        }
+        Ok(Self { columns, keys })
     }
 
     fn key_len(&self) -> usize {
