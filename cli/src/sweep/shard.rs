@@ -123,8 +123,8 @@ impl Manifest for SweepManifest {
     }
 }
 
-/// Hash of what a sweep's results follow from: the columns and the keys. The keys have the hashes of
-/// each policy and configuration, the seed and the number of episodes.
+/// Hash of what a sweep's results follow from: the columns and the keys. The keys have the hashes
+/// of each policy and configuration, the seed and the number of episodes.
 fn fingerprint(frame: &Frame) -> String {
     let mut hash = Fnv1a::new();
     for text in frame.columns.iter().chain(frame.keys.iter().flatten()) {
