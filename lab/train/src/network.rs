@@ -33,8 +33,8 @@ pub enum Architecture {
         /// Whether it also reads the number of UAVs, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
-        /// Whether UAVs choose one after the other. They read the choices of their neighbours, and
-        /// the chances of detection.
+        /// Whether UAVs choose one after the other. They read the choices of their neighbours, the
+        /// chances of detection, and their ranks.
         #[serde(default, skip_serializing_if = "is_false")]
         choices: bool,
     },

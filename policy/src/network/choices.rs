@@ -6,7 +6,7 @@ use super::row::{HOTSPOT_FIELDS, OWN_FIRST, RowLayout, SLOT_FIELDS};
 
 /// The first field of the slot of a neighbour that has chosen. It is 1 before the choice, and 0 in
 /// an empty slot.
-const CHOSEN: f32 = 2.0;
+pub(super) const CHOSEN: f32 = 2.0;
 
 /// Returns the change of a position by a motion of `by` cells, which is 0 at the edge of the grid.
 fn change(position: f32, by: i32, cells: f32) -> f32 {

@@ -2,6 +2,7 @@
 //!
 //! They are computed because learning them would take one layer or several.
 
+use super::choices::CHOSEN;
 use super::reach::chance;
 use super::row::{HOTSPOT_FIELDS, SLOT_FIELDS};
 
@@ -11,8 +12,11 @@ pub const CROWD: f32 = 8.0;
 /// Features besides the fields of an observation: the distance, two nearnesses, and the UAVs at and
 /// around the hotspot.
 const ALWAYS: usize = 5;
-/// Features with a reach: the chances of detection of the UAV and of its neighbours.
-const WITH_REACH: usize = 2;
+/// Neighbours near a hotspot whose distances are features.
+const NEAREST: usize = 3;
+/// Features with a reach: chances of detection, own and summed over neighbours, the UAV's rank, the
+/// hotspots around, and the distances of the nearest neighbours.
+const WITH_REACH: usize = 4 + NEAREST;
 
 /// Returns the number of features of a hotspot, for a network that reads the radar's reach or not.
 #[must_use]
@@ -33,7 +37,19 @@ pub fn distance(dx: f32, dy: f32, cells: [f32; 2]) -> f32 {
     dx.abs() * cells[0] + dy.abs() * cells[1]
 }
 
+/// Puts a value at its place in an ascending list, whose greatest value drops out.
+fn insert(ascending: &mut [f32], mut value: f32) {
+    for place in ascending {
+        if value < *place {
+            core::mem::swap(place, &mut value);
+        }
+    }
+}
+
 /// Writes the features of each hotspot of an observation.
+///
+/// The rank of a UAV at a hotspot is the number of neighbours that come before it. They are nearer,
+/// or as near and have chosen.
 ///
 /// `hotspots` and `slots` are the blocks of an observation, and a position difference of 1 stands
 /// for `cells`. `features` has [`hotspot_features`] numbers for each hotspot. Hotspots beyond its
@@ -52,6 +68,7 @@ pub fn describe_hotspots(
     for (hotspot, out) in hotspots.chunks_exact(HOTSPOT_FIELDS).zip(outs) {
         let far = distance(hotspot[0], hotspot[1], cells);
         let (mut at, mut around, mut covered) = (0.0, 0.0, 0.0);
+        let (mut rank, mut nearest) = (0.0, [far_scale; NEAREST]);
         for slot in slots.chunks_exact(SLOT_FIELDS) {
             if slot[0] == 0.0 {
                 continue;
@@ -62,6 +79,10 @@ pub fn describe_hotspots(
             around += nearness(apart, 4.0);
             if let Some(reach) = reach {
                 covered += detection(dx, dy, reach);
+                // Those that have chosen come before this UAV, the others after it.
+                let margin = if slot[0] == CHOSEN { 0.5 } else { -0.5 };
+                rank += f32::from(u8::from(apart < far + margin));
+                insert(&mut nearest, apart);
             }
         }
         let (fields, derived) = out.split_at_mut(HOTSPOT_FIELDS);
@@ -76,7 +97,60 @@ pub fn describe_hotspots(
         ]);
         if let Some(reach) = reach {
             let own = detection(hotspot[0], hotspot[1], reach);
-            with_reach.copy_from_slice(&[own, covered / CROWD]);
+            let open = hotspots.chunks_exact(HOTSPOT_FIELDS);
+            let open = open.filter(|other| other[2] == 0.0);
+            let clustered: f32 = open
+                .map(|other| distance(hotspot[0] - other[0], hotspot[1] - other[1], cells))
+                .map(|apart| nearness(apart, 4.0))
+                .sum();
+            let (team, distances) = with_reach.split_at_mut(WITH_REACH - NEAREST);
+            team.copy_from_slice(&[own, covered / CROWD, rank / CROWD, clustered / CROWD]);
+            for (out, apart) in distances.iter_mut().zip(nearest) {
+                *out = apart / far_scale;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // A UAV in the corner of a grid of 9 × 9, two hotspots and three of four slots taken. Its
+    // distances to the hotspots are 4 and 8 cells, and the hotspots lie 4 cells apart.
+    #[test]
+    fn features_by_hand() {
+        let hotspots = [0.5, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0];
+        #[rustfmt::skip]
+        let slots = [
+            // This one has chosen and lies as far from the first hotspot as the UAV itself.
+            CHOSEN, 0.5, 0.5,
+            1.0, 0.5, 0.0,
+            // This one has not chosen, and lies as far from both.
+            1.0, 0.0, 0.0,
+            0.0, 0.0, 0.0,
+        ];
+        let mut features = [0.0; 2 * hotspot_features(true)];
+        describe_hotspots(&hotspots, &slots, [8.0, 8.0], Some(4.0), &mut features);
+        let half_at_four = [0.5, (0.5 + 1.0 + 0.5) / CROWD];
+        let far = 1.0 / 17.0;
+        let diagonal = 1.0 / (1.0 + 2.0f32.powi(2));
+        #[rustfmt::skip]
+        let expected = [
+            0.5, 0.0, 0.0, 0.0,
+            0.25, 0.0, 0.0, 1.0 / CROWD, 1.0 / CROWD,
+            half_at_four[0], half_at_four[1],
+            // Two are before the UAV, and only the first hotspot is open.
+            2.0 / CROWD, 1.0 / CROWD,
+            0.0, 0.25, 0.25,
+            1.0, 0.0, 1.0, 1.0,
+            0.5, 0.0, 0.0, 0.0, 0.0,
+            far, (diagonal + 0.5 + far) / CROWD,
+            2.0 / CROWD, 0.0,
+            0.25, 0.5, 0.5,
+        ];
+        for (index, (got, expected)) in features.iter().zip(expected).enumerate() {
+            assert!((got - expected).abs() < 1e-6, "{index}: {got} {expected}");
         }
     }
 }

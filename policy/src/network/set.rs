@@ -23,7 +23,7 @@ pub(crate) struct Sizes {
     pub(crate) uavs: usize,
     /// Whether the network reads the number of UAVs.
     pub(crate) fleet_size: bool,
-    /// The reach of the radar in cells, if the network reads chances of detection.
+    /// The reach of the radar in cells, if the network reads chances of detection and ranks.
     pub(crate) reach: Option<f32>,
 }
 

@@ -54,7 +54,7 @@ pub const MISSIONS: [Mission; 4] = [
     // This policy reads a tag, which the runtime gives.
     Mission {
         preset: Preset::Paper,
-        ..mission((10, 11), 1, Mode::Sampled, 13, 5_525_286_185_715_808_000)
+        ..mission((10, 11), 1, Mode::Sampled, 13, 9_708_511_929_940_290_561)
     },
 ];
 

@@ -42,7 +42,7 @@ pub(super) struct Actor {
     pub added: usize,
     /// The number of UAVs too, which no observation shows.
     pub fleet_size: bool,
-    /// Whether UAVs choose in turn. Then it also reads the chances of detection.
+    /// Whether UAVs choose in turn. Then it also reads chances of detection and ranks.
     pub choices: bool,
 }
 

@@ -79,6 +79,37 @@ fn detection(a: [f32; 2], b: [f32; 2], shape: &Shape) -> f32 {
     1.0 / (1.0 + (distance / shape.reach).powi(4))
 }
 
+/// What UAVs that choose in turn read of a hotspot: chances of detection, rank, open hotspots
+/// around, and the nearest neighbours.
+fn read_in_turn(place: [f32; 2], slots: &[&[f32]], open: &[&[f32]], shape: &Shape) -> Vec<f32> {
+    let to = |slot: &[f32]| apart(place, [slot[1], slot[2]], shape);
+    let far = apart(place, [0.0; 2], shape);
+    let seen = slots.iter();
+    let chances = seen.map(|slot| detection(place, [slot[1], slot[2]], shape));
+    let before = |slot: &&&[f32]| {
+        let chosen = slot[0] == 2.0;
+        let further = to(slot) - far;
+        if chosen {
+            further < 0.5
+        } else {
+            further < -0.5
+        }
+    };
+    let rank = slots.iter().filter(before).count() as f32;
+    let around = open.iter();
+    let around = around.map(|other| near(apart(place, [other[0], other[1]], shape), 4.0));
+    let widest = 2.0 * shape.position_cells()[0];
+    let nearest = slots.iter().map(|slot| to(slot)).chain([widest; 3]);
+    let mut nearest: Vec<f32> = nearest.collect();
+    nearest.sort_by(f32::total_cmp);
+    let mut read = vec![detection(place, [0.0; 2], shape)];
+    read.push(chances.sum::<f32>() / CROWD);
+    read.push(rank / CROWD);
+    read.push(around.sum::<f32>() / CROWD);
+    read.extend(nearest[..3].iter().map(|distance| distance / widest));
+    read
+}
+
 /// The actor's outputs for one observation.
 pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
     let mut blocks = Blocks::of(network, parameters);
@@ -123,9 +154,9 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
             count(4.0),
         ];
         if choices {
-            let others = present().map(|slot| detection(place, [slot[1], slot[2]], shape));
-            derived.push(detection(place, [0.0; 2], shape));
-            derived.push(others.sum::<f32>() / CROWD);
+            let slots: Vec<&[f32]> = present().collect();
+            let open: Vec<&[f32]> = hotspots().filter(|other| other[2] == 0.0).collect();
+            derived.extend(read_in_turn(place, &slots, &open, shape));
         }
         [hotspot, &derived].concat()
     };
