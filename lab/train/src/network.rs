@@ -34,7 +34,7 @@ pub enum Architecture {
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
         /// Whether UAVs choose one after the other. They read the choices of their neighbours, the
-        /// chances of detection, and their ranks.
+        /// chances of detection, and their ranks, and the network attends between hotspots.
         #[serde(default, skip_serializing_if = "is_false")]
         choices: bool,
     },

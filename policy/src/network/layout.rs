@@ -56,6 +56,8 @@ pub(crate) struct Set {
     pub(crate) neighbour: [Layer; 2],
     pub(crate) hotspot: [Layer; 3],
     pub(crate) own: Layer,
+    /// The bilinear form of the attention between hotspots, if UAVs choose in turn.
+    pub(crate) relation: Option<Layer>,
     pub(crate) others: Layer,
     pub(crate) score: Layer,
     pub(crate) trunk: Stack,
@@ -85,8 +87,8 @@ struct Reader<'f, 'w> {
     len: usize,
     /// Arrays read so far.
     count: usize,
-    /// The number of features of a hotspot in a set network.
-    features: usize,
+    /// Whether UAVs choose in turn.
+    choices: bool,
 }
 
 const fn name(stem: &'static str, layer: Option<usize>, part: &'static str) -> ArrayName {
@@ -227,7 +229,8 @@ impl<'f> Reader<'f, '_> {
             self.layer("neighbour", Some(1), [encode.outputs, 0])?,
         ];
         let pooled = neighbour[1].outputs;
-        let first = self.layer("hotspot", Some(0), [self.features, 0])?;
+        let features = hotspot_features(self.choices);
+        let first = self.layer("hotspot", Some(0), [features, 0])?;
         let own_name = name("hotspot", None, "own");
         let own = self.matrix(own_name, [0, first.outputs])?;
         if own.inputs <= pooled + OWN_FIRST {
@@ -238,7 +241,14 @@ impl<'f> Reader<'f, '_> {
             });
         }
         let second = self.layer("hotspot", Some(1), [first.outputs, 0])?;
-        let third = self.layer("hotspot", Some(2), [second.outputs, 0])?;
+        let mut relation = None;
+        let mut related = second.outputs;
+        if self.choices {
+            let square = [second.outputs, second.outputs];
+            relation = Some(self.matrix(name("hotspot", None, "relation"), square)?);
+            related += second.outputs;
+        }
+        let third = self.layer("hotspot", Some(2), [related, 0])?;
         let embedded = third.outputs;
         let others = self.matrix(name("hotspot", None, "others"), [second.outputs, embedded])?;
         let score = self.layer("score", None, [embedded, 0])?;
@@ -255,6 +265,7 @@ impl<'f> Reader<'f, '_> {
             neighbour,
             hotspot: [first, second, third],
             own,
+            relation,
             others,
             score,
             trunk,
@@ -306,7 +317,7 @@ pub(crate) fn read(
         weights,
         len: 0,
         count: 0,
-        features: hotspot_features(choices),
+        choices,
     };
     let mut first = reader(None);
     let (kind, head) = first.kind()?;

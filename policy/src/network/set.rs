@@ -71,7 +71,10 @@ impl Set {
         let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
         let context =
             self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
+        let related = self.relation.map_or(0, |form| form.width() + hotspots);
+        let third = self.hotspot[2].inputs;
         let each = self.hotspot[0].inputs + 2 * self.embedding_width() + self.score.width();
+        let each = each + related + third;
         slots
             + context
             + hotspots * each
@@ -144,20 +147,8 @@ impl Set {
         let rows = Rows::rectified(embeddings, first.width());
         second.apply(matmul, weights, rows, next);
         relu(next);
-        // In this second round every hotspot reads the sum over all hotspots, which the order of a
-        // tour depends on.
-        let sums = take(&mut scratch, second.width());
-        sums.fill(0.0);
-        add_up(next, second.width(), sums);
-        divide(sums, CROWD);
-        let start = take(&mut scratch, self.others.width());
-        let rows = Rows::plain(sums, second.width());
-        self.others
-            .apply_from(matmul, weights, third.bias(weights), rows, start);
         let embeddings = &mut one[..n * third.width()];
-        let rows = Rows::plain(next, second.width());
-        third.apply_from(matmul, weights, start, rows, embeddings);
-        relu(embeddings);
+        self.second_round(matmul, weights, next, embeddings, &mut *scratch);
         let scores = take(&mut scratch, n * self.score.width());
         // The scores' bias is the same for every hotspot, so the softmax over hotspots cancels it.
         let rows = Rows::plain(embeddings, third.width());
@@ -172,6 +163,38 @@ impl Set {
                 attended,
             );
         }
+    }
+
+    /// Computes the embeddings of a second round, in which each hotspot reads the sum over all
+    /// hotspots, and those it relates to. The order of a tour depends on them.
+    fn second_round(
+        &self,
+        matmul: MatmulKernel,
+        weights: &[f32],
+        first: &[f32],
+        embeddings: &mut [f32],
+        mut scratch: &mut [f32],
+    ) {
+        let [_, second, third] = &self.hotspot;
+        let sums = take(&mut scratch, second.width());
+        sums.fill(0.0);
+        add_up(first, second.width(), sums);
+        divide(sums, CROWD);
+        let start = take(&mut scratch, self.others.width());
+        let rows = Rows::plain(sums, second.width());
+        self.others
+            .apply_from(matmul, weights, third.bias(weights), rows, start);
+        let rows = match &self.relation {
+            None => Rows::plain(first, second.width()),
+            Some(form) => {
+                let hotspots = first.len() / second.width();
+                let related = take(&mut scratch, hotspots * third.inputs);
+                relate(form, matmul, weights, first, related, scratch);
+                Rows::plain(related, third.inputs)
+            }
+        };
+        third.apply_from(matmul, weights, start, rows, embeddings);
+        relu(embeddings);
     }
 
     /// Sums the encodings of the neighbours in occupied slots.
@@ -207,6 +230,36 @@ impl Set {
             add_up(encoded, second.width(), pooled);
         }
         divide(pooled, CROWD);
+    }
+}
+
+/// Writes the embedding of each hotspot, and after it the sum of all embeddings, weighted by the
+/// softmax of the hotspot's bilinear form with each. So hotspots of one tour know of each other.
+fn relate(
+    form: &Layer,
+    matmul: MatmulKernel,
+    weights: &[f32],
+    embeddings: &[f32],
+    related: &mut [f32],
+    mut scratch: &mut [f32],
+) {
+    let width = form.width();
+    let forms = take(&mut scratch, embeddings.len());
+    let scores = take(&mut scratch, embeddings.len() / width);
+    form.apply(matmul, weights, Rows::plain(embeddings, width), forms);
+    let scale = libm::sqrtf(form.outputs as f32);
+    let rows = related.chunks_exact_mut(2 * form.outputs);
+    let hotspots = embeddings
+        .chunks_exact(width)
+        .zip(forms.chunks_exact(width));
+    for ((embedding, form), row) in hotspots.zip(rows) {
+        for (score, other) in scores.iter_mut().zip(embeddings.chunks_exact(width)) {
+            let products = form.iter().zip(other).map(|(a, b)| a * b);
+            *score = products.sum::<f32>() / scale;
+        }
+        let (own, others) = row.split_at_mut(row.len() / 2);
+        own.copy_from_slice(&embedding[..own.len()]);
+        attend(scores, 1, 0, embeddings, width, others);
     }
 }
 

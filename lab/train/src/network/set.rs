@@ -155,7 +155,12 @@ pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Sh
     );
     shapes.push(("hotspot.own".into(), own + UAV_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "hotspot.1", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
-    layer(&mut shapes, "hotspot.2", HOTSPOT_WIDTH, HOTSPOT_WIDTH);
+    let mut related = HOTSPOT_WIDTH;
+    if actor.choices {
+        shapes.push(("hotspot.relation".into(), HOTSPOT_WIDTH, HOTSPOT_WIDTH));
+        related += HOTSPOT_WIDTH;
+    }
+    layer(&mut shapes, "hotspot.2", related, HOTSPOT_WIDTH);
     shapes.push(("hotspot.others".into(), HOTSPOT_WIDTH, HOTSPOT_WIDTH));
     layer(&mut shapes, "score", HOTSPOT_WIDTH, HEADS);
     trunk(
@@ -225,6 +230,19 @@ fn sum(set: Tensor<2>, rows: usize) -> Tensor<2> {
         .reshape([rows, width])
 }
 
+/// The embedding of each hotspot, and beside it the sum of all embeddings of its set, weighted by
+/// the softmax of a bilinear form.
+fn relate(embedded: Tensor<2>, form: Tensor<2>, rows: usize) -> Tensor<2> {
+    let [all, width] = embedded.dims();
+    let sets = [rows, all / rows, width];
+    let hotspots = embedded.clone().reshape(sets);
+    let forms = embedded.clone().matmul(form).reshape(sets);
+    let scores = forms.matmul(hotspots.clone().swap_dims(1, 2));
+    let attention = softmax(scores.div_scalar((width as f32).sqrt()), 2);
+    let others = attention.matmul(hotspots).reshape([all, width]);
+    Tensor::cat(vec![embedded, others], 1)
+}
+
 /// Actor outputs for rows of the features that [`observed`] gives.
 pub(super) fn actor(
     weights: &[Tensor<2>],
@@ -258,6 +276,11 @@ pub(super) fn actor(
     let embedded = relu(weights.linear(embedded));
     // A second round in which every hotspot knows of the others: the order of a tour.
     let others = sum(embedded.clone(), rows).div_scalar(CROWD);
+    let embedded = if actor.choices {
+        relate(embedded, weights.take(), rows)
+    } else {
+        embedded
+    };
     let embedded = relu(weights.with_context(embedded, others));
     // The scores' bias is the same for every hotspot, so the softmax over hotspots cancels it.
     let scores = embedded.clone().matmul(weights.take());

@@ -162,16 +162,12 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
     };
     let (first, context) = (blocks.linear(), blocks.product());
     let context = context(&[&own[..], &neighbours].concat());
-    let (second, third, others) = (blocks.linear(), blocks.linear(), blocks.product());
+    let second = blocks.linear();
     let embedded: Vec<_> = hotspots()
         .map(|hotspot| relu(&plus(&first(&features(hotspot)), &context)))
         .map(|x| relu(&second(&x)))
         .collect();
-    let others = others(&pool(embedded[0].len(), &embedded));
-    let embedded: Vec<_> = embedded
-        .iter()
-        .map(|x| relu(&plus(&third(x), &others)))
-        .collect();
+    let embedded = second_round(&mut blocks, &embedded, choices);
 
     let score = blocks.linear();
     let scores: Vec<_> = embedded.iter().map(|x| score(x)).collect();
@@ -179,18 +175,50 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
     blocks.trunk(&[&attended[..], &neighbours, &own].concat())
 }
 
+/// Embeddings of a second round, in which every hotspot reads the others.
+fn second_round(blocks: &mut Blocks<'_>, embedded: &[Vec<f32>], relate: bool) -> Vec<Vec<f32>> {
+    let relation = relate.then(|| blocks.product());
+    let (third, others) = (blocks.linear(), blocks.product());
+    let others = others(&pool(embedded[0].len(), embedded));
+    let related = |x: &Vec<f32>| match &relation {
+        None => x.clone(),
+        Some(relation) => [x.clone(), attended_by(&relation(x), embedded)].concat(),
+    };
+    embedded
+        .iter()
+        .map(|x| relu(&plus(&third(&related(x)), &others)))
+        .collect()
+}
+
 /// The mean of the embeddings for each attention head, weighted by the softmax of its scores.
 fn attended(scores: &[Vec<f32>], embedded: &[Vec<f32>]) -> Vec<f32> {
-    let mut attended = Vec::new();
-    for head in 0..HEADS {
-        let weights: Vec<f32> = scores.iter().map(|scores| scores[head].exp()).collect();
-        let total: f32 = weights.iter().sum();
-        attended.extend((0..embedded[0].len()).map(|j| {
-            let terms = weights.iter().zip(embedded).map(|(w, x)| w / total * x[j]);
-            terms.sum::<f32>()
-        }));
-    }
-    attended
+    let of_head = |head: usize| {
+        scores
+            .iter()
+            .map(|scores| scores[head])
+            .collect::<Vec<f32>>()
+    };
+    let heads = (0..HEADS).map(|head| weighted(&of_head(head), embedded));
+    heads.collect::<Vec<_>>().concat()
+}
+
+/// The mean of the embeddings, weighted by the softmax of their scaled products with a form.
+fn attended_by(form: &[f32], embedded: &[Vec<f32>]) -> Vec<f32> {
+    let dot = |y: &Vec<f32>| form.iter().zip(y).map(|(a, b)| a * b).sum::<f32>();
+    let scale = (form.len() as f32).sqrt();
+    let scores: Vec<_> = embedded.iter().map(|y| dot(y) / scale).collect();
+    weighted(&scores, embedded)
+}
+
+/// The mean of the embeddings, weighted by the softmax of the scores.
+fn weighted(scores: &[f32], embedded: &[Vec<f32>]) -> Vec<f32> {
+    let weights: Vec<f32> = scores.iter().map(|score| score.exp()).collect();
+    let total: f32 = weights.iter().sum();
+    let mean = |j: usize| {
+        let terms = weights.iter().zip(embedded).map(|(w, x)| w / total * x[j]);
+        terms.sum::<f32>()
+    };
+    (0..embedded[0].len()).map(mean).collect()
 }
 
 /// The critic's output for one global state, with or without an observation of a UAV after it.
