@@ -79,7 +79,8 @@ pub fn describe_hotspots(
             around += nearness(apart, 4.0);
             if let Some(reach) = reach {
                 covered += detection(dx, dy, reach);
-                // Those that have chosen come before this UAV, the others after it.
+                // Distances are whole cells. Of neighbours as near, those that have chosen come
+                // first.
                 let margin = if slot[0] == CHOSEN { 0.5 } else { -0.5 };
                 rank += f32::from(u8::from(apart < far + margin));
                 insert(&mut nearest, apart);
@@ -132,20 +133,20 @@ mod tests {
         ];
         let mut features = [0.0; 2 * hotspot_features(true)];
         describe_hotspots(&hotspots, &slots, [8.0, 8.0], Some(4.0), &mut features);
-        let half_at_four = [0.5, (0.5 + 1.0 + 0.5) / CROWD];
-        let far = 1.0 / 17.0;
+        // Chances of detection at 4 and 8 cells, and at 4 cells along both axes, for a reach of 4.
+        let (near, far) = (0.5, 1.0 / 17.0);
         let diagonal = 1.0 / (1.0 + 2.0f32.powi(2));
         #[rustfmt::skip]
         let expected = [
             0.5, 0.0, 0.0, 0.0,
             0.25, 0.0, 0.0, 1.0 / CROWD, 1.0 / CROWD,
-            half_at_four[0], half_at_four[1],
+            near, (near + 1.0 + near) / CROWD,
             // Two are before the UAV, and only the first hotspot is open.
             2.0 / CROWD, 1.0 / CROWD,
             0.0, 0.25, 0.25,
             1.0, 0.0, 1.0, 1.0,
             0.5, 0.0, 0.0, 0.0, 0.0,
-            far, (diagonal + 0.5 + far) / CROWD,
+            far, (diagonal + near + far) / CROWD,
             2.0 / CROWD, 0.0,
             0.25, 0.5, 0.5,
         ];

@@ -71,11 +71,12 @@ impl Set {
         let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
         let context =
             self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
-        // The form of each hotspot, and its score.
-        let related = self.relation.map_or(0, |form| form.width() + 1);
-        let third = self.hotspot[2].inputs;
-        let each = self.hotspot[0].inputs + 2 * self.embedding_width() + self.score.width();
-        let each = each + related + third;
+        // The form of each hotspot, its score, and the row that the third layer reads.
+        let related = self
+            .relation
+            .map_or(0, |form| form.width() + 1 + self.hotspot[2].inputs);
+        let first = self.hotspot[0].inputs;
+        let each = first + 2 * self.embedding_width() + related + self.score.width();
         slots
             + context
             + hotspots * each

@@ -84,20 +84,17 @@ fn detection(a: [f32; 2], b: [f32; 2], shape: &Shape) -> f32 {
 fn read_in_turn(place: [f32; 2], slots: &[&[f32]], open: &[&[f32]], shape: &Shape) -> Vec<f32> {
     let to = |slot: &[f32]| apart(place, [slot[1], slot[2]], shape);
     let far = apart(place, [0.0; 2], shape);
-    let seen = slots.iter();
-    let chances = seen.map(|slot| detection(place, [slot[1], slot[2]], shape));
+    let chances = slots
+        .iter()
+        .map(|slot| detection(place, [slot[1], slot[2]], shape));
     let before = |slot: &&&[f32]| {
-        let chosen = slot[0] == 2.0;
-        let further = to(slot) - far;
-        if chosen {
-            further < 0.5
-        } else {
-            further < -0.5
-        }
+        let (chosen, cells) = (slot[0] == 2.0, to(slot));
+        cells < far - 0.5 || chosen && cells < far + 0.5
     };
     let rank = slots.iter().filter(before).count() as f32;
-    let around = open.iter();
-    let around = around.map(|other| near(apart(place, [other[0], other[1]], shape), 4.0));
+    let around = open
+        .iter()
+        .map(|other| near(apart(place, [other[0], other[1]], shape), 4.0));
     let widest = 2.0 * shape.position_cells()[0];
     let nearest = slots.iter().map(|slot| to(slot)).chain([widest; 3]);
     let mut nearest: Vec<f32> = nearest.collect();
@@ -192,14 +189,12 @@ fn second_round(blocks: &mut Blocks<'_>, embedded: &[Vec<f32>], relate: bool) ->
 
 /// The mean of the embeddings for each attention head, weighted by the softmax of its scores.
 fn attended(scores: &[Vec<f32>], embedded: &[Vec<f32>]) -> Vec<f32> {
-    let of_head = |head: usize| {
-        scores
-            .iter()
-            .map(|scores| scores[head])
-            .collect::<Vec<f32>>()
-    };
-    let heads = (0..HEADS).map(|head| weighted(&of_head(head), embedded));
-    heads.collect::<Vec<_>>().concat()
+    let mut attended = Vec::new();
+    for head in 0..HEADS {
+        let scores: Vec<f32> = scores.iter().map(|scores| scores[head]).collect();
+        attended.extend(weighted(&scores, embedded));
+    }
+    attended
 }
 
 /// The mean of the embeddings, weighted by the softmax of their scaled products with a form.
