@@ -54,7 +54,7 @@ pub const MISSIONS: [Mission; 4] = [
     // This policy reads a tag, which the runtime gives.
     Mission {
         preset: Preset::Paper,
-        ..mission((10, 11), 1, Mode::Sampled, 10, 16_369_613_907_725_476_583)
+        ..mission((10, 11), 1, Mode::Sampled, 11, 10_601_352_322_097_009_989)
     },
 ];
 
