@@ -305,28 +305,22 @@ fn json(value: &impl serde::Serialize) -> Result<serde_json::Value, TrainError> 
         .map_err(|error| TrainError::Setting(error.to_string()))
 }
 
-/// The first mode that none exceeds in success on average, or in speed where both succeed as often.
+/// The mode in which missions went better; the deterministic one of two that are equal.
+///
+/// Two percent of the steps weigh as much as one mission in a hundred, so that long missions do not
+/// outweigh short ones. Every mission is flown in both modes.
 fn best_mode(evaluations: &[Evaluation]) -> Mode {
-    let of_mode = |mode| score(evaluations.iter().filter(move |e| e.mode == mode));
-    let better = |best, mode| {
-        if of_mode(mode) > of_mode(best) {
-            mode
-        } else {
-            best
-        }
+    let score = |mode| -> f64 {
+        let flown = evaluations.iter().filter(|flown| flown.mode == mode);
+        flown
+            .map(|flown| flown.success_rate - 0.5 * flown.mission_steps_mean.ln())
+            .sum()
     };
-    Mode::ALL.into_iter().fold(Mode::Deterministic, better)
-}
-
-/// How well missions went on average. Two percent of the steps weigh as much as one mission in a
-/// hundred, so that long missions do not outweigh short ones.
-fn score<'e>(evaluations: impl IntoIterator<Item = &'e Evaluation>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for evaluation in evaluations {
-        sum += evaluation.success_rate - 0.5 * evaluation.mission_steps_mean.ln();
-        count += 1.0;
+    if score(Mode::Sampled) > score(Mode::Deterministic) {
+        Mode::Sampled
+    } else {
+        Mode::Deterministic
     }
-    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// Flies missions with an actor that flies in this mode, and sums them up.
@@ -378,7 +372,7 @@ mod tests {
         }
     }
 
-    // One mode saves one of a hundred steps, the other four of forty-four.
+    // One mode saves 1 of 100 steps in long missions, the other 0.4 of 4.4 in short ones.
     #[test]
     fn short_missions_count_as_much_as_long_ones() {
         let mut evaluations = vec![
