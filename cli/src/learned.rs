@@ -32,15 +32,18 @@ pub fn absent(name: &str, error: &PolicyError<'_>) -> CliError {
     ))
 }
 
-/// The pilot rule that a report names; an adaptive trained policy follows its own.
-pub fn pilot_rule<'a>(policy: &str, pilot: &'a str) -> &'a str {
+/// The pilot rule that a report names. An adaptive trained policy follows its own, or has the
+/// constant density of its card.
+pub fn pilot_rule(policy: &str, pilot: &str) -> Result<String, CliError> {
     if planned::is_plan(policy) {
-        return "planned";
+        return Ok("planned".to_owned());
     }
-    match PilotMode::named(pilot) {
-        Ok(PilotMode::Adaptive) if is_policy(policy) => "learned",
-        _ => pilot,
+    let own = matches!(PilotMode::named(pilot), Ok(PilotMode::Adaptive)) && is_policy(policy);
+    if !own {
+        return Ok(pilot.to_owned());
     }
+    let constant = card(Path::new(policy))?.constant_pilot_density;
+    Ok(constant.map_or_else(|| "learned".to_owned(), |density| density.to_string()))
 }
 
 /// Reads a trained policy and checks that it fits the model.

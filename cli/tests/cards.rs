@@ -83,6 +83,16 @@ fn a_pilot_density_that_is_asked_for_is_held() {
         }
         let own: Value = serde_json::from_slice(&fly(command, "adaptive").stdout).unwrap();
         assert_eq!(own["pilot"], "learned");
+        let card = fs::read_to_string(folder.join("short/policy.json")).unwrap();
+        let density = "\"constant_pilot_density\":";
+        let constant = card.replace(&format!("{density}null"), &format!("{density}0.05"));
+        assert_ne!(card, constant);
+        fs::write(folder.join("short/policy.json"), constant).unwrap();
+        let own: Value = serde_json::from_slice(&fly(command, "adaptive").stdout).unwrap();
+        assert_eq!(own["pilot"], "0.05");
+        let flown = own["pilot_density_mean"].as_f64().unwrap();
+        assert!((flown - 0.05).abs() < 1e-6, "{command:?}: {flown}");
+        fs::write(folder.join("short/policy.json"), card).unwrap();
         let refused = fly(command, "0.9");
         let told = String::from_utf8(refused.stderr).unwrap();
         assert_eq!(refused.status.code(), Some(2), "{told}");

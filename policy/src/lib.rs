@@ -28,7 +28,8 @@ pub trait Policy: Send {
     /// The name of the policy in reports and traces.
     fn name(&self) -> &str;
 
-    /// The name of the choice of pilot density in reports and traces: a pilot mode, or `learned`.
+    /// The name of the choice of pilot density in reports and traces: a pilot mode, `learned`, or
+    /// `constant` where a trained policy does not choose.
     fn pilot(&self) -> &dyn Display {
         &"learned"
     }

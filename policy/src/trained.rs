@@ -1,5 +1,6 @@
 //! A trained network as a policy, with its weights and its working memory.
 
+use core::fmt::Display;
 use std::sync::Arc;
 
 use jcas_core::{Model, StateRef};
@@ -105,6 +106,14 @@ impl Trained {
 impl Policy for Trained {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn pilot(&self) -> &dyn Display {
+        let constant = match self.options {
+            Some(options) => options.pilot.is_some(),
+            None => self.metadata().pilot_density.is_some(),
+        };
+        if constant { &"constant" } else { &"learned" }
     }
 
     fn reads_observations(&self) -> bool {

@@ -114,10 +114,8 @@ impl Evaluate {
             episodes: self.episodes,
             seed: self.seed,
         };
-        let who = (
-            self.policy.as_str(),
-            learned::pilot_rule(&self.policy, &self.pilot),
-        );
+        let rule = learned::pilot_rule(&self.policy, &self.pilot)?;
+        let who = (self.policy.as_str(), rule.as_str());
         if let Some(shard) = self.shard {
             let mode = mode.map_or("card", Mode::name);
             let evaluation = Evaluation::new(who, mode, config, campaign)?;

@@ -93,7 +93,8 @@ impl Simulate {
             fly(&model, campaign, &factory, "missions")
         })??;
         let PolicyOptions { policy, pilot } = &self.policy;
-        let who = (policy.as_str(), learned::pilot_rule(policy, pilot));
+        let rule = learned::pilot_rule(policy, pilot)?;
+        let who = (policy.as_str(), rule.as_str());
         Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)
     }
