@@ -208,6 +208,24 @@
 /// The probability of detection is a table over the range.
 #define JCAS_CURVE_TABLE 2
 
+/// The quorum counts the positive detections of one step, as in the paper.
+#define JCAS_QUORUM_STEP 0
+
+/// The quorum counts the UAVs that have detected the hotspot in the episode so far.
+#define JCAS_QUORUM_EPISODE 1
+
+/// A UAV learns the hotspots that it detected and that are confirmed.
+#define JCAS_LEARNED_CONFIRMED 0
+
+/// A UAV learns all hotspots that it detected.
+#define JCAS_LEARNED_ALL 1
+
+/// All UAVs start at the first depot.
+#define JCAS_START_DEPOT 0
+
+/// Each UAV starts in a cell drawn from the whole grid.
+#define JCAS_START_RANDOM 1
+
 /// The largest number of points of a detection table.
 #define JCAS_MAX_DETECTION_POINTS 64
 
@@ -323,8 +341,8 @@ typedef struct jcas_config {
     /// Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
     /// 100]
     uint32_t horizon_steps;
-    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1
-    /// to 4096; default 3]
+    /// Positive detections that confirm a hotspot (θ), in one step by default; above N none ever
+    /// is. [UAVs, 1 to 4096; default 3]
     uint32_t quorum;
     /// Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
     uint32_t depot_count;
@@ -499,6 +517,15 @@ typedef struct jcas_config {
     /// linear, and beyond the ends it is held. The pilot gain and the load's penalty move the logit
     /// by logistic_slope_per_db. Points beyond detection_point_count are not read.
     struct jcas_detection_point detection_table[JCAS_MAX_DETECTION_POINTS];
+    /// Positive detections that count toward the quorum: JCAS_QUORUM_STEP (default) or
+    /// JCAS_QUORUM_EPISODE. A false confirmation needs the same quorum.
+    int32_t quorum_window;
+    /// Hotspots that a UAV learns by its own detection: JCAS_LEARNED_CONFIRMED (default) or
+    /// JCAS_LEARNED_ALL. The episode terminates when all UAVs know all hotspots and each hotspot is
+    /// confirmed.
+    int32_t learned_detections;
+    /// Cells in which UAVs start: JCAS_START_DEPOT (default) or JCAS_START_RANDOM.
+    int32_t start_cells;
 } jcas_config;
 
 /// The sizes and constants of a model, which determine the lengths of all buffers.

@@ -120,7 +120,11 @@ pub fn sample(seed: u64, t: u32, uav: u32, count: u32, size: u32) -> ([u32; ALAR
 #[inline(always)]
 pub(crate) fn raise(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
     at_width!(model, raise_in_blocks(model, state));
-    confirm(model, state, scratch.cell_counts(model));
+    if model.layout().remembered_false > 0 {
+        confirm_over_episode(model, state);
+    } else {
+        confirm(model, state, scratch.cell_counts(model));
+    }
 }
 
 /// Takes back the false alarms of the step before, for a step whose detections a host supplies.
@@ -188,6 +192,44 @@ fn confirm(model: &Model<'_>, state: &mut StateMut<'_>, counts: &mut [u64]) {
     let quorum = u64::from(model.config().quorum);
     let (alarms, confirmed) = (&*state.false_alarms, &mut *state.falsely_confirmed);
     state.newly_false[0] = confirm_cells(alarms, quorum, confirmed, counts);
+}
+
+/// Confirms the cells in which at least θ UAVs have raised a false alarm in the episode.
+fn confirm_over_episode(model: &Model<'_>, state: &mut StateMut<'_>) {
+    let row = model.layout().remembered_false;
+    let alarms = state.false_alarms.chunks_exact(model.layout().alarms);
+    for (alarms, kept) in alarms.zip(state.remembered_false.chunks_exact_mut(row)) {
+        for &alarm in alarms {
+            if alarm > 0 {
+                bits::set(kept, alarm as usize - 1);
+            }
+        }
+    }
+    let quorum = u64::from(model.config().quorum);
+    let (kept, confirmed) = (&*state.remembered_false, &mut *state.falsely_confirmed);
+    state.newly_false[0] = confirm_kept(state.false_alarms, kept, quorum, confirmed);
+}
+
+/// Adds each cell with an alarm that at least `quorum` UAVs keep to a set, and returns how many
+/// cells joined it. `kept` has a row of cells for each UAV.
+// Proof: proofs/alarms.rs, a_kept_false_alarm_counts_once
+#[must_use]
+pub fn confirm_kept(alarms: &[u64], kept: &[u64], quorum: u64, confirmed: &mut [u64]) -> u64 {
+    let mut fresh = 0;
+    for &alarm in alarms {
+        if alarm > 0 {
+            let cell = alarm as usize - 1;
+            let mut seen = 0;
+            for row in kept.chunks_exact(confirmed.len()) {
+                seen += u64::from(bits::get(row, cell));
+            }
+            if seen >= quorum && !bits::get(confirmed, cell) {
+                bits::set(confirmed, cell);
+                fresh += 1;
+            }
+        }
+    }
+    fresh
 }
 
 /// Adds each cell with at least `quorum` alarms to a set, and returns how many cells joined it.

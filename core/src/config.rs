@@ -10,8 +10,8 @@ pub mod text;
 mod validate;
 
 pub use choices::{
-    ChargeBilling, DetectionCurve, InformPayment, MapDirections, PilotGain, Preset, SearchMaps,
-    TargetVisibility, UavTag, UnknownName,
+    ChargeBilling, DetectionCurve, InformPayment, LearnedDetections, MapDirections, PilotGain,
+    Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag, UnknownName,
 };
 pub use depots::{Cell, Depots, MAX_DEPOTS};
 pub use detection_table::{DetectionPoint, DetectionTable, MAX_DETECTION_POINTS};
@@ -112,9 +112,9 @@ configuration! { $
     hotspot_count: u32 = 5, "hotspots", 1..=4096;
     /// Steps after which an unfinished episode is truncated (T_max).
     horizon_steps: u32 = 100, "steps", 1..=1000000;
-    /// Positive detections in one step that confirm a hotspot (θ).
+    /// Positive detections that confirm a hotspot (θ).
     quorum: u32 = 3, "UAVs", 1..=4096;
-    /// Cells with a depot; the fleet starts at the first. Empty: one at (W/2, H/2).
+    /// Cells with a depot; by default the fleet starts at the first. Empty: one at (W/2, H/2).
     depots: Depots = Depots::CENTRE, "cells", 0..=16;
     /// Lowest state of charge at the start; drawn per UAV, uniformly.
     initial_soc_min: f64 = 1.0, "fraction", 0..=1;
@@ -267,6 +267,14 @@ configuration! { $
     report_slots: u32 = 0, "cells", 0..=64;
     /// Table of the curve `table`: pairs of a range in m and P_d at the highest pilot density.
     detection_table: DetectionTable = DetectionTable::EMPTY, "pairs", 0..=64;
+    /// Positive detections that count toward the quorum: those of the present `step` (the paper),
+    /// or of the `episode` so far, one from each UAV.
+    quorum_window: QuorumWindow = QuorumWindow::Step, "step | episode", 0..=1;
+    /// Hotspots that a UAV learns by its own detection: those `confirmed` by a quorum, or `all`. An
+    /// episode then ends when all UAVs know all hotspots and each hotspot is confirmed.
+    learned_detections: LearnedDetections = LearnedDetections::Confirmed, "confirmed | all", 0..=1;
+    /// Cells in which UAVs start: the first `depot`, or a `random` cell of the grid for each UAV.
+    start_cells: StartCells = StartCells::Depot, "depot | random", 0..=1;
 }
 
 impl Default for Config {

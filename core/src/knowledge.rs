@@ -2,6 +2,7 @@
 //! hotspots that its members know, and the unions of their search maps and reports.
 
 use crate::bits;
+use crate::config::LearnedDetections;
 use crate::model::Model;
 use crate::reward::StepTotals;
 use crate::scratch::Scratch;
@@ -59,13 +60,28 @@ pub(crate) fn count(model: &Model<'_>, state: &StateMut<'_>, totals: &mut StepTo
         totals.newly_informed += u64::from(state.informed_at[j] == t);
     }
     totals.informed = bits::count(state.informed) as u64;
-    // Only confirmed hotspots are known. So the known bits, divided by N times the confirmed
-    // hotspots, are the mean fraction of UAVs that know a confirmed hotspot.
+    // The known bits of confirmed hotspots, divided by N times these hotspots, are the mean
+    // fraction of UAVs that know a confirmed hotspot.
     let confirmed = bits::count(state.confirmed);
+    totals.confirmed = confirmed as u64;
     if confirmed > 0 {
-        let known = bits::count(state.knowledge);
+        let known = match model.config().learned_detections {
+            LearnedDetections::Confirmed => bits::count(state.knowledge),
+            LearnedDetections::All => count_common(state.knowledge, state.confirmed),
+        };
         totals.knowledge_spread = known as f64 / (confirmed * model.uav_count()) as f64;
     }
+}
+
+/// Counts the bits that the rows of a matrix have in common with one row, over all rows.
+fn count_common(rows: &[u64], row: &[u64]) -> usize {
+    let mut count = 0;
+    for set in rows.chunks_exact(row.len()) {
+        for (word, mask) in set.iter().zip(row) {
+            count += (word & mask).count_ones() as usize;
+        }
+    }
+    count
 }
 
 /// Gives every UAV the union of the rows of its connected component.

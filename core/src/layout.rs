@@ -2,7 +2,7 @@
 
 use crate::alarms::ALARMS_MAX;
 use crate::bits::words_for;
-use crate::config::{Config, SearchMaps};
+use crate::config::{Config, QuorumWindow, SearchMaps};
 use crate::header;
 use crate::reward::OWN_KEPT;
 
@@ -20,6 +20,10 @@ pub struct Layout {
     pub(crate) false_cells: usize,
     /// Number of words of a UAV's reports; 0 without reports.
     pub(crate) reports: usize,
+    /// Number of words of the hotspots that a UAV remembers to have detected, and of the cells of
+    /// its false alarms that it remembers. Both are 0 unless the quorum counts the whole episode.
+    pub(crate) remembered: usize,
+    pub(crate) remembered_false: usize,
     /// Number of words of cells that a UAV shares: its search map and its reports.
     pub(crate) shared: usize,
     /// Number of words of a state.
@@ -45,9 +49,14 @@ impl Layout {
         };
         let alarm_words = uavs * alarms + false_cells + alarms / ALARMS_MAX;
         let reports = config.report_levels as usize * false_cells;
+        let (remembered, remembered_false) = match config.quorum_window {
+            QuorumWindow::Step => (0, 0),
+            QuorumWindow::Episode => (words_for(hotspots), false_cells),
+        };
         let per_uav = (12 + OWN_KEPT) * uavs + 3 * words_for(uavs);
         let per_hotspot = 3 * hotspots + 2 * words_for(hotspots);
         let pairs = 2 * uavs * words_for(hotspots) + uavs * words_for(uavs);
+        let memory = uavs * (remembered + remembered_false);
         let cell_sets = uavs * map + alarm_words + 2 * uavs * reports;
         Self {
             uavs,
@@ -57,8 +66,10 @@ impl Layout {
             alarms,
             false_cells,
             reports,
+            remembered,
+            remembered_false,
             shared: map + reports,
-            end: header::WORDS + per_uav + per_hotspot + pairs + visited + cell_sets,
+            end: header::WORDS + per_uav + per_hotspot + pairs + visited + cell_sets + memory,
         }
     }
 }

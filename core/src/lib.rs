@@ -77,8 +77,8 @@ mod word;
 
 pub use action::Motion;
 pub use config::{
-    Cell, ChargeBilling, Config, DetectionCurve, InformPayment, MapDirections, PilotGain, Preset,
-    SearchMaps, TargetVisibility, UavTag,
+    Cell, ChargeBilling, Config, DetectionCurve, InformPayment, LearnedDetections, MapDirections,
+    PilotGain, Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 pub use error::{ConfigError, Error};
 pub use metrics::Metrics;

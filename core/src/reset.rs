@@ -1,7 +1,7 @@
 //! The start of an episode.
 
 use crate::bits;
-use crate::config::Cell;
+use crate::config::{Cell, StartCells};
 use crate::energy::round_half_up;
 use crate::error::Error;
 use crate::header::Phase;
@@ -33,21 +33,38 @@ impl Model<'_> {
             .header
             .set_intensity(self.carbon().intensity_mg_per_kwh(seed, 0));
         place_hotspots(self, &mut state, scratch, seed);
-        let depot = self.depots()[0];
         for i in 0..self.uav_count() {
-            state.cells[i] = depot.to_word();
-            state.previous[i] = depot.to_word();
+            let cell = start_cell(self, seed, i);
+            state.cells[i] = cell.to_word();
+            state.previous[i] = cell.to_word();
+            bits::set(state.visited, self.cell_index(cell));
             let charge_uj = initial_charge_uj(self, seed, i);
             state.battery[i] = charge_uj;
             state.initial[i] = charge_uj;
             bits::assign(state.grounded, i, charge_uj == 0);
             state.set_pilot_density(i, self.config().pilot_density_min);
         }
-        bits::set(state.visited, self.cell_index(depot));
         graph::build_graph(self, &mut state, scratch);
         potential::update(self, &mut state, scratch, false);
         state.header.set_phase(Phase::Ready);
         Ok(())
+    }
+}
+
+/// The cell in which a UAV starts: the first depot, or any cell of the grid with equal probability.
+// Proof: proofs/reset.rs, a_drawn_start_is_on_the_grid
+pub(crate) fn start_cell(model: &Model<'_>, seed: u64, uav: usize) -> Cell {
+    match model.config().start_cells {
+        StartCells::Depot => model.depots()[0],
+        StartCells::Random => {
+            let draw = rng::bits64(seed, 0, uav as u32, 0, Purpose::StartCell);
+            let index = rng::below(draw, model.config().cell_count() as u64) as u32;
+            let width = model.config().grid_width;
+            Cell {
+                x: index % width,
+                y: index / width,
+            }
+        }
     }
 }
 

@@ -77,7 +77,9 @@ pub struct StepTotals {
     pub newly_informed: u64,
     /// Number of hotspots informed in this step or before.
     pub informed: u64,
-    /// True if every hotspot is informed.
+    /// Number of hotspots confirmed in this step or before.
+    pub confirmed: u64,
+    /// True if every hotspot is confirmed and informed.
     pub complete: bool,
     /// True if this is the last step of the horizon, T_max.
     pub at_horizon: bool,

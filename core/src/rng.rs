@@ -52,6 +52,8 @@ pub enum Purpose {
     Policy = 7,
     /// The false alarms of a UAV in a step.
     FalseAlarm = 8,
+    /// The cell in which a UAV starts.
+    StartCell = 9,
 }
 
 /// The counter of a block. It is injective, because each argument has its own word.

@@ -2,7 +2,7 @@
 //! and the UAVs that learn it.
 
 use crate::bits;
-use crate::config::Cell;
+use crate::config::{Cell, LearnedDetections};
 use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
 use crate::radar::curve::{AnyCurve, Curve};
@@ -29,10 +29,11 @@ pub(crate) fn look_around(model: &Model<'_>, state: &mut StateMut<'_>) {
     }
 }
 
-/// Draws a detection for every UAV that is not grounded and every hotspot that it does not know.
+/// Draws a detection for every UAV that is not grounded and every hotspot that it does not know or
+/// that is not confirmed.
 ///
 /// Hotspots with at least θ positive detections are confirmed. A UAV learns the confirmed hotspots
-/// that it detected.
+/// that it detected; or all that it detected, if `learned_detections` says so.
 // Proof: proofs/step.rs, sensing_keeps_the_state_valid
 #[inline(always)]
 pub(crate) fn sense_and_learn(
@@ -57,7 +58,7 @@ pub(crate) fn sense_and_learn(
 }
 
 /// Does the same as [`sense_and_learn`] with the host's detections, a row of hotspots for each UAV.
-/// A detection is ignored if the UAV is grounded or knows the hotspot.
+/// A detection is ignored if the UAV is grounded, or knows the hotspot and it is confirmed.
 pub(crate) fn learn_from(
     model: &Model<'_>,
     state: &mut StateMut<'_>,
@@ -70,26 +71,63 @@ pub(crate) fn learn_from(
     let (row, hotspots) = (model.hotspot_words(), model.hotspot_count());
     for i in 0..model.uav_count() {
         let known = &state.knowledge[i * row..(i + 1) * row];
-        let senses = !bits::get(state.grounded, i) && bits::count(known) < hotspots;
-        bits::assign(state.sensing, i, senses);
-        if !senses {
-            continue;
-        }
+        let mut senses = false;
         for j in 0..hotspots {
-            if detections[i * hotspots + j] != 0 && !bits::get(known, j) {
+            let settled = bits::get(known, j) && bits::get(state.confirmed, j);
+            if settled || bits::get(state.grounded, i) {
+                continue;
+            }
+            senses = true;
+            if detections[i * hotspots + j] != 0 {
                 bits::set(&mut state.detected[i * row..(i + 1) * row], j);
                 positives[j] += 1;
             }
         }
+        bits::assign(state.sensing, i, senses);
     }
     confirm_and_learn(model, state, positives);
 }
 
-/// Confirms hotspots by quorum. A UAV learns the confirmed hotspots that it detected.
+/// Confirms hotspots by quorum. Each UAV learns of the hotspots that it detected.
+// Proof: proofs/step.rs, learning_with_memory_keeps_the_state_valid
 #[inline(always)]
-fn confirm_and_learn(model: &Model<'_>, state: &mut StateMut<'_>, positives: &[u64]) {
+pub(crate) fn confirm_and_learn(
+    model: &Model<'_>,
+    state: &mut StateMut<'_>,
+    positives: &mut [u64],
+) {
+    let counts_episode = model.layout().remembered > 0;
+    if counts_episode {
+        remember(state.remembered, state.detected);
+        count_rows(state.remembered, model.layout().remembered, positives);
+    }
     confirm(model, state, positives);
-    learn(state.knowledge, state.detected, state.confirmed);
+    match model.config().learned_detections {
+        LearnedDetections::All => remember(state.knowledge, state.detected),
+        LearnedDetections::Confirmed if counts_episode => {
+            learn(state.knowledge, state.remembered, state.confirmed);
+        }
+        LearnedDetections::Confirmed => learn(state.knowledge, state.detected, state.confirmed),
+    }
+}
+
+/// Adds each UAV's detections to a set that it keeps, word by word.
+// Proof: proofs/knowledge.rs, a_remembered_detection_counts_once
+pub fn remember(kept: &mut [u64], detected: &[u64]) {
+    for (kept, detected) in kept.iter_mut().zip(detected) {
+        *kept |= detected;
+    }
+}
+
+/// Counts, for each bit, the rows of `row` words that have it.
+// Proof: proofs/knowledge.rs, a_remembered_detection_counts_once
+pub fn count_rows(rows: &[u64], row: usize, counts: &mut [u64]) {
+    counts.fill(0);
+    for set in rows.chunks_exact(row) {
+        for (j, count) in counts.iter_mut().enumerate() {
+            *count += u64::from(bits::get(set, j));
+        }
+    }
 }
 
 #[inline(always)]
@@ -122,9 +160,11 @@ fn detect_in<const W: usize>(
     let words = state.hotspots.chunks(64).zip(positives.chunks_mut(64));
     for (word, (cells, positives)) in words.enumerate() {
         let known = block.load_word(state.knowledge, row, word);
+        let confirmed = state.confirmed[word];
         let (mut unknown, mut found, mut any) = ([0; W], [0; W], 0);
         for lane in 0..W {
-            unknown[lane] = !known[lane] & bits::valid_mask(0, cells.len()) & flies[lane];
+            unknown[lane] =
+                !(known[lane] & confirmed) & bits::valid_mask(0, cells.len()) & flies[lane];
             wanting[lane] |= if unknown[lane] == 0 { 0 } else { u64::MAX };
             any |= unknown[lane];
         }

@@ -13,6 +13,9 @@
 //!
 //! | false alarms  | falsely confirmed | newly so | sightings      | reports        |
 //! | 8 N or none   | W H bits or none  | 1 or none| N rows or none | N rows or none |
+//!
+//! | remembered detections | remembered false alarms |
+//! | N × n bits or none    | N × W H bits or none    |
 //! ```
 
 mod queries;
@@ -99,6 +102,8 @@ enum Length {
     FalseCells,
     FalseCount,
     Reports,
+    Remembered,
+    RememberedFalse,
 }
 
 const fn length(layout: &Layout, length: Length) -> usize {
@@ -117,6 +122,8 @@ const fn length(layout: &Layout, length: Length) -> usize {
         Length::FalseCells => layout.false_cells,
         Length::FalseCount => layout.alarms / ALARMS_MAX,
         Length::Reports => uavs * layout.reports,
+        Length::Remembered => uavs * layout.remembered,
+        Length::RememberedFalse => uavs * layout.remembered_false,
     }
 }
 
@@ -186,6 +193,12 @@ state! {
     sightings: Length::Reports;
     /// The cells in which some UAV did so, as far as each UAV knows; no words without reports.
     reports: Length::Reports;
+    /// The hotspots that each UAV has detected in the episode; no words unless the quorum counts
+    /// them.
+    remembered: Length::Remembered;
+    /// The cells in which each UAV has raised a false alarm in the episode; no words unless the
+    /// quorum counts them.
+    remembered_false: Length::RememberedFalse;
 }
 
 impl Model<'_> {

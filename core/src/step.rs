@@ -21,7 +21,7 @@ pub struct StepOutcome {
     pub reward: f64,
     /// Number of cells without a hotspot that a quorum confirmed in this step.
     pub false_confirmations: u32,
-    /// True if all UAVs know all hotspots, which ends the episode.
+    /// True if all UAVs know all hotspots and all are confirmed, which ends the episode.
     pub terminated: bool,
     /// True if the episode ended at the horizon without termination.
     pub truncated: bool,
@@ -247,7 +247,8 @@ fn decide_end(
     scratch: &mut Scratch<'_>,
     totals: &mut StepTotals,
 ) {
-    totals.complete = totals.informed == model.hotspot_count() as u64;
+    let hotspots = model.hotspot_count() as u64;
+    totals.complete = totals.informed == hotspots && totals.confirmed == hotspots;
     totals.at_horizon = state.header.t() >= model.config().horizon_steps;
     potential::update(model, state, scratch, totals.complete);
     totals.goal_potential_after = state.header.goal_potential();

@@ -2,7 +2,7 @@
 
 use crate::bits;
 use crate::carbon;
-use crate::config::Cell;
+use crate::config::{Cell, LearnedDetections};
 use crate::header::Phase;
 use crate::model::Model;
 use crate::potential;
@@ -35,6 +35,7 @@ impl StateRef<'_> {
             && self.maps_are_valid(model, phase)
             && self.alarms_are_valid(model)
             && self.reports_are_valid(model)
+            && self.memory_is_valid(model)
     }
 
     fn time_is_bounded(&self, model: &Model<'_>, phase: Phase) -> bool {
@@ -102,17 +103,20 @@ impl StateRef<'_> {
                 || self.informed_at[j] > u64::from(self.t())
                 || (self.confirmed_at[j] != 0) != self.confirmed(j)
                 || (self.informed_at[j] != 0) != self.informed(j)
-                || (self.informed(j) && self.informed_at[j] < self.confirmed_at[j])
+                || (learns_confirmed(model)
+                    && self.informed(j)
+                    && self.informed_at[j] < self.confirmed_at[j])
             {
                 return false;
             }
         }
         bits::fits(self.confirmed, model.hotspot_count())
-            && bits::is_subset(self.informed, self.confirmed)
+            && bits::fits(self.informed, model.hotspot_count())
+            && (!learns_confirmed(model) || bits::is_subset(self.informed, self.confirmed))
     }
 
-    /// Checks that only confirmed hotspots are known, and that a hotspot is informed if all UAVs
-    /// know it (once knowledge has spread).
+    /// Checks that only confirmed hotspots are known if detections alone do not teach. A hotspot
+    /// must be informed if all UAVs know it (once knowledge has spread).
     fn knowledge_is_valid(&self, model: &Model<'_>, phase: Phase) -> bool {
         let row = model.hotspot_words();
         for word in 0..row {
@@ -127,16 +131,21 @@ impl StateRef<'_> {
         }
         for i in 0..model.uav_count() {
             let own = i * row..(i + 1) * row;
-            if !bits::is_subset(self.knowledge_of(i), self.confirmed)
+            if !bits::fits(self.knowledge_of(i), model.hotspot_count())
+                || (learns_confirmed(model)
+                    && !bits::is_subset(self.knowledge_of(i), self.confirmed))
                 || !bits::fits(&self.detected[own], model.hotspot_count())
             {
                 return false;
             }
         }
-        let all = self.informed_count() == model.hotspot_count();
+        let hotspots = model.hotspot_count();
+        let all = self.informed_count() == hotspots && self.confirmed_count() == hotspots;
         match phase {
             Phase::Terminated => all,
             Phase::Communicated => true,
+            // A hotspot that all UAVs know may become confirmed within the step.
+            Phase::Moved | Phase::Sensed if !learns_confirmed(model) => true,
             _ => !all,
         }
     }
@@ -241,6 +250,29 @@ impl StateRef<'_> {
         nested
     }
 
+    /// Checks that a UAV remembers what it detected last, and nothing beyond the hotspots and the
+    /// grid.
+    fn memory_is_valid(&self, model: &Model<'_>) -> bool {
+        let (row, cells) = (self.layout.remembered, self.layout.remembered_false);
+        if row == 0 {
+            return true;
+        }
+        let mut valid = bits::is_subset(self.detected, self.remembered);
+        for kept in self.remembered.chunks_exact(row) {
+            valid &= bits::fits(kept, model.hotspot_count());
+        }
+        if cells > 0 {
+            let alarms = self.false_alarms.chunks_exact(self.layout.alarms);
+            for (kept, alarms) in self.remembered_false.chunks_exact(cells).zip(alarms) {
+                valid &= bits::fits(kept, model.config().cell_count());
+                for &alarm in alarms {
+                    valid &= alarm == 0 || bits::get(kept, alarm as usize - 1);
+                }
+            }
+        }
+        valid
+    }
+
     /// Checks the scalars that only the end of a step changes.
     pub(crate) fn scalars_are_valid(&self, model: &Model<'_>) -> bool {
         let header = &self.header;
@@ -294,6 +326,11 @@ impl StateRef<'_> {
         }
         numbers
     }
+}
+
+/// Whether a UAV learns a hotspot only once a quorum has confirmed it.
+fn learns_confirmed(model: &Model<'_>) -> bool {
+    model.config().learned_detections == LearnedDetections::Confirmed
 }
 
 /// Largest throughput that a legal configuration or a host can give.

@@ -5,8 +5,8 @@ use jcas_core::config::{
 };
 use jcas_core::error::{Allowed, ConfigError, Value};
 use jcas_core::{
-    ChargeBilling, DetectionCurve, InformPayment, MapDirections, PilotGain, SearchMaps,
-    TargetVisibility, UavTag,
+    ChargeBilling, DetectionCurve, InformPayment, LearnedDetections, MapDirections, PilotGain,
+    QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 
 use crate::memory::{Plain, Record};
@@ -47,6 +47,18 @@ pub const JCAS_CURVE_LOGISTIC: i32 = 0;
 pub const JCAS_CURVE_SWERLING1: i32 = 1;
 /// The probability of detection is a table over the range.
 pub const JCAS_CURVE_TABLE: i32 = 2;
+/// The quorum counts the positive detections of one step, as in the paper.
+pub const JCAS_QUORUM_STEP: i32 = 0;
+/// The quorum counts the UAVs that have detected the hotspot in the episode so far.
+pub const JCAS_QUORUM_EPISODE: i32 = 1;
+/// A UAV learns the hotspots that it detected and that are confirmed.
+pub const JCAS_LEARNED_CONFIRMED: i32 = 0;
+/// A UAV learns all hotspots that it detected.
+pub const JCAS_LEARNED_ALL: i32 = 1;
+/// All UAVs start at the first depot.
+pub const JCAS_START_DEPOT: i32 = 0;
+/// Each UAV starts in a cell drawn from the whole grid.
+pub const JCAS_START_RANDOM: i32 = 1;
 /// The largest number of points of a detection table.
 pub const JCAS_MAX_DETECTION_POINTS: usize = 64;
 
@@ -101,8 +113,8 @@ pub struct jcas_config {
     /// Steps after which an unfinished episode is truncated (T_max). [steps, 1 to 1000000; default
     /// 100]
     pub horizon_steps: u32,
-    /// Positive detections in one step that confirm a hotspot (θ); above N none ever is. [UAVs, 1
-    /// to 4096; default 3]
+    /// Positive detections that confirm a hotspot (θ), in one step by default; above N none ever
+    /// is. [UAVs, 1 to 4096; default 3]
     pub quorum: u32,
     /// Number of depots, 0 to JCAS_MAX_DEPOTS. 0 (default): one depot, at (W/2, H/2).
     pub depot_count: u32,
@@ -277,6 +289,15 @@ pub struct jcas_config {
     /// linear, and beyond the ends it is held. The pilot gain and the load's penalty move the logit
     /// by logistic_slope_per_db. Points beyond detection_point_count are not read.
     pub detection_table: [jcas_detection_point; JCAS_MAX_DETECTION_POINTS],
+    /// Positive detections that count toward the quorum: JCAS_QUORUM_STEP (default) or
+    /// JCAS_QUORUM_EPISODE. A false confirmation needs the same quorum.
+    pub quorum_window: i32,
+    /// Hotspots that a UAV learns by its own detection: JCAS_LEARNED_CONFIRMED (default) or
+    /// JCAS_LEARNED_ALL. The episode terminates when all UAVs know all hotspots and each hotspot is
+    /// confirmed.
+    pub learned_detections: i32,
+    /// Cells in which UAVs start: JCAS_START_DEPOT (default) or JCAS_START_RANDOM.
+    pub start_cells: i32,
 }
 
 // SAFETY: integers and floats only.
@@ -462,9 +483,12 @@ choices!(
     ChargeBilling,
     DetectionCurve,
     InformPayment,
+    LearnedDetections,
     MapDirections,
     PilotGain,
+    QuorumWindow,
     SearchMaps,
+    StartCells,
     TargetVisibility,
     UavTag
 );

@@ -72,6 +72,9 @@ record reports --uavs 9 --hotspots 3 --policy teams --pilot adaptive \
 record detection_table --uavs 12 --hotspots 4 --policy teams --pilot adaptive \
     --set pilot_gain=coherent --set detection_curve=table --set logistic_slope_per_db=0.3 \
     --set "detection_table=[[20, 0.95], [60, 0.6], [120, 0.05]]" --set horizon_steps=40
+record other_readings --preset paper --uavs 6 --hotspots 4 --policy random --pilot mid \
+    --set quorum_window=episode --set learned_detections=all --set start_cells=random \
+    --set false_alarm_per_cell=0.02 --set horizon_steps=60
 short_of_charge=(--hotspots 16 --policy teams --pilot adaptive --set link_throughput_min=1.75
     --set battery_capacity_kwh=0.009 --set initial_soc_min=0 --set rtb_threshold_kwh=0
     --set hover_energy_kwh=0.0004 --set charge_power_kw=0.05 --set horizon_steps=10)

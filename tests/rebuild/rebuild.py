@@ -16,7 +16,7 @@ import math
 import sys
 
 MASK = 0xFFFFFFFF
-DETECT, CARBON, SOC, HOTSPOT, SHUFFLE, FALSE_ALARM = 1, 2, 3, 4, 5, 8
+DETECT, CARBON, SOC, HOTSPOT, SHUFFLE, FALSE_ALARM, START_CELL = 1, 2, 3, 4, 5, 8, 9
 
 
 def philox(counter, key):
@@ -83,16 +83,24 @@ class Mission:
         low, high = self.c["initial_soc_min"], self.c["initial_soc_max"]
         return min(half_up((low + (high - low) * unit) * self.capacity), self.capacity)
 
+    def start(self, i):
+        if self.c.get("start_cells", "depot") == "depot":
+            return self.depots[0]
+        index = self.below(self.bits64(0, i, 0, START_CELL), self.w * self.h)
+        return (index % self.w, index // self.w)
+
     def reset(self):
         self.t = 0
         self.hotspots = self.place_hotspots()
-        self.cells = [self.depots[0]] * self.n
+        self.cells = [self.start(i) for i in range(self.n)]
         self.battery = [self.initial_charge(i) for i in range(self.n)]
         self.density = [self.c["pilot_density_min"]] * self.n
         self.grounded = [charge == 0 for charge in self.battery]
         self.returning = [False] * self.n
         self.knows = [set() for _ in range(self.n)]
         self.confirmed, self.informed = set(), set()
+        self.over_episode = self.c.get("quorum_window", "step") == "episode"
+        self.remembered, self.remembered_alarms = [[set() for _ in range(self.n)] for _ in range(2)]
         self.alarms, self.falsely = [[] for _ in range(self.n)], set()
         self.sightings, self.reported = [[{} for _ in range(self.n)] for _ in range(2)]
         self.co2 = 0
@@ -197,7 +205,11 @@ class Mission:
         if self.c.get("false_alarm_per_cell", 0) == 0:
             return 0
         self.alarms = [self.false_alarms(i) if senses[i] else [] for i in range(self.n)]
-        seen = [cell for alarms in self.alarms for cell in alarms]
+        for kept, alarms in zip(self.remembered_alarms, self.alarms):
+            if not self.over_episode:
+                kept.clear()
+            kept.update(alarms)
+        seen = [cell for kept in self.remembered_alarms for cell in kept]
         new = {cell for cell in seen if seen.count(cell) >= self.c["quorum"]} - self.falsely
         self.falsely |= new
         return len(new)
@@ -283,7 +295,8 @@ class Mission:
         """The components of this step's reward, from the previous state and this step."""
         c = self.c
         found, told = len(self.confirmed) - len(confirmed), len(self.informed) - len(informed)
-        complete, over = len(self.informed) == self.m, self.t == c["horizon_steps"]
+        complete = len(self.informed) == len(self.confirmed) == self.m
+        over = self.t == c["horizon_steps"]
         new = set(self.cells) - self.visited
         moved = [cell for cell, old in zip(self.cells, before) if cell != old]
         again = sum(cell in self.visited for cell in moved)
@@ -342,20 +355,20 @@ class Mission:
             self.grounded[i] = self.battery[i] == 0
             self.returning[i] = 0 < self.battery[i] < self.rtb
             self.cells[i] = self.destination(i, u_dir)
-        senses = [not self.grounded[i] and len(self.knows[i]) < self.m for i in range(self.n)]
+        open_to = [set(range(self.m)) - (known & self.confirmed) for known in self.knows]
+        senses = [not self.grounded[i] and len(open_to[i]) > 0 for i in range(self.n)]
         hits = [
-            {
-                j
-                for j in range(self.m)
-                if senses[i] and j not in self.knows[i] and self.detects(i, j)
-            }
-            for i in range(self.n)
+            {j for j in open_to[i] if senses[i] and self.detects(i, j)} for i in range(self.n)
         ]
+        counted = [kept | found for kept, found in zip(self.remembered, hits)]
+        if self.over_episode:
+            self.remembered = counted
         for j in range(self.m):
-            if sum(j in found for found in hits) >= c["quorum"]:
+            if sum(j in found for found in counted) >= c["quorum"]:
                 self.confirmed.add(j)
+        learns_all = c.get("learned_detections", "confirmed") == "all"
         for i in range(self.n):
-            self.knows[i] |= hits[i] & self.confirmed
+            self.knows[i] |= counted[i] if learns_all else counted[i] & self.confirmed
         self.newly_false = self.raise_alarms(senses)
         self.report(hits)
         self.link_up()

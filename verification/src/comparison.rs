@@ -5,7 +5,7 @@
 //! it, because differences of potentials cancel.
 
 use crate::specification::{Position, Specification, World};
-use jcas_core::{Cell, StateRef};
+use jcas_core::{Cell, QuorumWindow, StateRef};
 
 /// The text that describes the first difference.
 pub type Outcome = Result<(), String>;
@@ -61,6 +61,7 @@ pub fn states(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outc
         real(format_args!("reward {}", names[index]), ours, theirs)?;
     }
     alarms(spec, world, state)?;
+    memory(spec, world, state)?;
     reports(spec, world, state)?;
     for (i, own) in world.uav_rewards.iter().enumerate() {
         for (index, (ours, theirs)) in own
@@ -99,6 +100,22 @@ fn alarms(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outcome 
     }
     let theirs = state.new_false_confirmations();
     equal("new false confirmations", world.newly_false, theirs)
+}
+
+/// Compares the detections that UAVs remember, where the quorum counts them.
+fn memory(spec: &Specification, world: &World, state: &StateRef<'_>) -> Outcome {
+    let counts = spec.config.quorum_window == QuorumWindow::Episode;
+    for (i, kept) in world.remembered.iter().enumerate() {
+        for (j, &ours) in kept.iter().enumerate() {
+            let theirs = state.remembered(i, j);
+            equal(
+                format_args!("UAV {i} remembers {j}"),
+                ours && counts,
+                theirs,
+            )?;
+        }
+    }
+    Ok(())
 }
 
 /// Compares sightings and reports.

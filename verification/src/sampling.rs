@@ -4,8 +4,8 @@ use crate::specification::philox::{block, first_u64};
 use crate::specification::{Specification, World};
 use jcas_core::config::{Depots, DetectionPoint, DetectionTable};
 use jcas_core::{
-    Cell, Config, DetectionCurve, MapDirections, PilotGain, Preset, SearchMaps, TargetVisibility,
-    UavTag,
+    Cell, Config, DetectionCurve, LearnedDetections, MapDirections, PilotGain, Preset,
+    QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 
 /// A stream of random numbers, independent of the model's draws.
@@ -87,7 +87,21 @@ pub fn configuration_of(dice: &mut Dice, uavs: u32) -> Config {
     }
     search(dice, &mut c);
     false_alarms(dice, &mut c);
+    detections(dice, &mut c);
     c
+}
+
+/// Draws what detections count for, and where UAVs start.
+fn detections(dice: &mut Dice, c: &mut Config) {
+    if dice.one_in(3) {
+        c.quorum_window = QuorumWindow::Episode;
+    }
+    if dice.one_in(3) {
+        c.learned_detections = LearnedDetections::All;
+    }
+    if dice.one_in(3) {
+        c.start_cells = StartCells::Random;
+    }
 }
 
 /// Draws false alarms, often more than are counted, and their footprint.

@@ -176,16 +176,16 @@ fn every_property_is_claimed() {
 }
 
 /// A harness's time is either measured or estimated. All together, compilation aside, they take
-/// less than 130 minutes.
+/// less than 140 minutes.
 #[test]
-fn the_proofs_take_less_than_130_minutes() {
+fn the_proofs_take_less_than_140_minutes() {
     let mut seconds = 0;
     for proof in ledger() {
         let (measured, estimated) = (proof.measured_s, proof.estimated_s);
         assert!((measured == 0) != (estimated == 0), "{}", proof.harness);
         seconds += measured + estimated;
     }
-    assert!(seconds < 7800, "{seconds} s");
+    assert!(seconds < 8400, "{seconds} s");
 }
 
 #[test]

@@ -149,6 +149,36 @@ choice! {
 }
 
 choice! {
+    /// The positive detections of a hotspot that count toward its quorum.
+    QuorumWindow, "`step` or `episode`" {
+        /// Those of the present step, as in the paper.
+        Step = "step",
+        /// Those of the episode so far, one from each UAV.
+        Episode = "episode",
+    }
+}
+
+choice! {
+    /// The hotspots that a UAV learns by its own detection.
+    LearnedDetections, "`confirmed` or `all`" {
+        /// Those that a quorum has confirmed.
+        Confirmed = "confirmed",
+        /// All, confirmed or not.
+        All = "all",
+    }
+}
+
+choice! {
+    /// The cells in which UAVs start an episode.
+    StartCells, "`depot` or `random`" {
+        /// The first depot.
+        Depot = "depot",
+        /// Any cell of the grid, drawn for each UAV.
+        Random = "random",
+    }
+}
+
+choice! {
     /// The curve that gives the probability of detection over the sensing SNR.
     DetectionCurve, "`logistic`, `swerling1` or `table`" {
         /// The paper's logistic function of the margin above the threshold.

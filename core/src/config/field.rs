@@ -5,8 +5,9 @@ use core::fmt;
 #[cfg(feature = "text")]
 use super::text::TextValue;
 use super::{
-    ChargeBilling, Config, Depots, DetectionCurve, DetectionTable, InformPayment, MapDirections,
-    PilotGain, SearchMaps, TargetVisibility, UavTag,
+    ChargeBilling, Config, Depots, DetectionCurve, DetectionTable, InformPayment,
+    LearnedDetections, MapDirections, PilotGain, QuorumWindow, SearchMaps, StartCells,
+    TargetVisibility, UavTag,
 };
 use crate::error::Value;
 use crate::hash::Fnv1a;
@@ -234,5 +235,8 @@ choice_field!(
     MapDirections,
     UavTag,
     PilotGain,
-    DetectionCurve
+    DetectionCurve,
+    QuorumWindow,
+    LearnedDetections,
+    StartCells
 );

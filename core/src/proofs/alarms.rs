@@ -95,12 +95,39 @@ pub fn a_false_confirmation_is_never_taken_back() {
     assert!(joins == (before >> cell & 1 == 1 || seen >= quorum));
 }
 
+/// Where UAVs keep their false alarms, a cell joins the set exactly if an alarm names it and a
+/// quorum keeps it.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(4))]
+pub fn a_kept_false_alarm_counts_once() {
+    let (alarms, quorum) = ([0; 3].map(|_: u64| between(0, 3)), between(1, 3));
+    let (before, kept) = (between(0, 7), [0; 3].map(|_: u64| between(0, 7)));
+    let mut confirmed = [before];
+    let fresh = crate::alarms::confirm_kept(&alarms, &kept, quorum, &mut confirmed);
+    kani::cover!(fresh == 2, "two cells");
+    kani::cover!(
+        alarms[0] == 1 && alarms[1] == 1 && fresh == 1,
+        "two alarms in one cell"
+    );
+    assert!(confirmed[0] & before == before);
+    assert!(fresh == u64::from((confirmed[0] & !before).count_ones()));
+    let cell = between(0, 2);
+    let (mut seen, mut named) = (0, false);
+    for k in 0..3 {
+        seen += kept[k] >> cell & 1;
+        named |= alarms[k] == cell + 1;
+    }
+    let joins = confirmed[0] >> cell & 1 == 1;
+    assert!(joins == (before >> cell & 1 == 1 || named && seen >= quorum));
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
     thresholds_rise_within_the_draws: 4000 cases, 2 covers;
     sampled_ranks_lie_apart: 4000 cases, 2 covers;
     a_rank_names_a_cell_of_the_footprint: 4000 cases, 2 covers;
     a_false_confirmation_is_never_taken_back: 4000 cases, 2 covers;
+    a_kept_false_alarm_counts_once: 4000 cases, 2 covers;
 }
 
 /// The real functions on dense grids of what the stubs assume.

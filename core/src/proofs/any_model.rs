@@ -5,9 +5,9 @@
 //! small configurations.
 
 use super::Model;
-use crate::config::Config;
 #[cfg(not(kani))]
 use crate::config::SearchMaps;
+use crate::config::{Config, LearnedDetections, QuorumWindow, StartCells};
 #[cfg(not(kani))]
 use crate::proofs::inputs::between;
 use crate::proofs::inputs::real_between;
@@ -23,6 +23,9 @@ pub(crate) const TABLE_WORDS: usize = SMALLEST_TABLE_WORDS;
 #[cfg(not(kani))]
 pub(crate) const TABLE_WORDS: usize = 3 * 16 + 7 + 7 + 16 + 8 * 17;
 
+/// Most hotspots of a model that [`any_model`] makes.
+pub(crate) const HOTSPOTS_MAX: usize = 4;
+
 /// Two UAVs, one hotspot, two by two cells, a battery for two moves.
 pub(crate) fn smallest() -> Config {
     Config {
@@ -35,6 +38,23 @@ pub(crate) fn smallest() -> Config {
         battery_capacity_kwh: 2e-3,
         rtb_threshold_kwh: 5e-4,
         ..Config::default()
+    }
+}
+
+/// The configuration whose quorum counts the episode, and whose UAVs learn all that they detect.
+pub(crate) fn remembering(config: Config) -> Config {
+    Config {
+        quorum_window: QuorumWindow::Episode,
+        learned_detections: LearnedDetections::All,
+        ..config
+    }
+}
+
+/// The configuration whose UAVs start anywhere.
+fn scattered(config: Config) -> Config {
+    Config {
+        start_cells: StartCells::Random,
+        ..config
     }
 }
 
@@ -79,6 +99,18 @@ pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
         ..smallest()
     };
     any_model_of(config, words)
+}
+
+/// The same whose quorum counts the episode, and whose UAVs learn all hotspots that they detect.
+#[cfg(kani)]
+pub(crate) fn any_remembering_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model_of(remembering(smallest()), words)
+}
+
+/// The same whose UAVs start anywhere.
+#[cfg(kani)]
+pub(crate) fn any_scattered_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model_of(scattered(smallest()), words)
 }
 
 /// A model of two by two cells.
@@ -168,6 +200,18 @@ pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     any_model_of(config, words)
 }
 
+/// The same whose quorum counts the episode, and whose UAVs learn all hotspots that they detect.
+#[cfg(not(kani))]
+pub(crate) fn any_remembering_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model_of(remembering(any_config()), words)
+}
+
+/// The same whose UAVs start anywhere.
+#[cfg(not(kani))]
+pub(crate) fn any_scattered_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
+    any_model_of(scattered(any_config()), words)
+}
+
 #[cfg(not(kani))]
 fn any_config() -> Config {
     let mut config = smallest();
@@ -176,7 +220,7 @@ fn any_config() -> Config {
         config.grid_height = between(2, 4) as u32;
         config.uav_count = any_uav_count();
         let room = u64::from(config.grid_width * config.grid_height) - 1;
-        config.hotspot_count = between(1, room.min(4)) as u32;
+        config.hotspot_count = between(1, room.min(HOTSPOTS_MAX as u64)) as u32;
         config.horizon_steps = between(1, 12) as u32;
         config.quorum = between(1, 2) as u32;
         config.processing_gain_db = 8.0 + between(0, 30) as f64;
@@ -189,6 +233,15 @@ fn any_config() -> Config {
         if kani::any() {
             config.false_alarm_per_cell = real_between(0.0001, 0.5);
             config.report_levels = between(0, 3) as u32;
+        }
+        if between(0, 3) == 0 {
+            config.quorum_window = QuorumWindow::Episode;
+        }
+        if between(0, 3) == 0 {
+            config.learned_detections = LearnedDetections::All;
+        }
+        if between(0, 3) == 0 {
+            config.start_cells = StartCells::Random;
         }
     }
     config

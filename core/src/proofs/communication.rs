@@ -5,8 +5,8 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::state::{
-    SCRATCH_WORDS, STATE_WORDS, any_fleet, carries_scalars, differ, links_join_two,
-    nothing_is_forgotten, open, radios_are_valid, view,
+    REMEMBERING_WORDS, SCRATCH_WORDS, STATE_WORDS, any_fleet, any_fleet_in, carries_scalars,
+    differ, links_join_two, nothing_is_forgotten, open, radios_are_valid, view,
 };
 use crate::bits;
 use crate::config::Cell;
@@ -223,6 +223,31 @@ pub fn spreading_keeps_the_state_valid() {
     assert!(new.fleet_is_valid(&model, Phase::Communicated));
 }
 
+/// The same where all UAVs may know a hotspot that is not confirmed.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(3))]
+#[cfg_attr(kani, kani::solver(cadical))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+)]
+pub fn spreading_with_memory_keeps_the_state_valid() {
+    given!(model = any_remembering_model);
+    let before: [u64; REMEMBERING_WORDS] = any_fleet_in(&model, Phase::Sensed);
+    let mut after = before;
+    given!(scratch for model);
+    let done = model.step_communicate(&mut open(&model, &mut after), &mut scratch);
+    assert!(done.is_ok());
+    let (old, new) = (view(&model, &before), view(&model, &after));
+    kani::cover!(
+        new.informed(0) && !new.confirmed(0),
+        "a hotspot is informed before it is confirmed"
+    );
+    nothing_is_forgotten(&model, &old, &new);
+    carries_scalars(&old, &new);
+    assert!(new.fleet_is_valid(&model, Phase::Communicated));
+}
+
 /// What working memory held before does not matter to consensus over the same graph.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(3))]
@@ -248,5 +273,6 @@ super::standin::twins! {
     buckets_link_the_pairs_that_pairs_link: 2000 cases, 2 covers;
     measuring_the_throughput_keeps_its_contract: 2000 cases, 2 covers;
     spreading_keeps_the_state_valid: 2000 cases, 3 covers;
+    spreading_with_memory_keeps_the_state_valid: 2000 cases, 1 covers;
     working_memory_does_not_matter_to_consensus: 500 cases, 1 covers;
 }

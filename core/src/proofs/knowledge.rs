@@ -8,7 +8,7 @@ use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::knowledge::{consensus, consensus_of_words};
-use crate::sensing::{confirms, learn};
+use crate::sensing::{confirms, count_rows, learn, remember};
 
 /// UAVs in the harness. All graphs of up to six are tried one by one in `exhaustive`.
 const UAVS: usize = 4;
@@ -241,8 +241,29 @@ pub fn knowledge_never_falls() {
     learns_what_is_confirmed(before, detected, confirmed);
 }
 
+/// A detection that a UAV remembers is never taken back, and counts once however often it comes.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(4))]
+pub fn a_remembered_detection_counts_once() {
+    let before: [u64; 3] = any_knowledge();
+    let detected: [u64; 3] = any_knowledge();
+    let mut kept = before;
+    remember(&mut kept, &detected);
+    let mut counts = [kani::any()];
+    count_rows(&kept, 1, &mut counts);
+    kani::cover!(before[0] & detected[0] == 1, "a UAV detects it again");
+    kani::cover!(counts[0] == 3, "all have detected it");
+    let mut expected = 0;
+    for i in 0..3 {
+        assert!(kept[i] == before[i] | detected[i]);
+        expected += kept[i];
+    }
+    assert!(counts[0] == expected);
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
+    a_remembered_detection_counts_once: 500 cases, 2 covers;
     consensus_equals_the_papers_iterations: 4000 cases, 3 covers;
     fast_consensus_equals_the_papers_iterations: 4000 cases, 3 covers;
     consensus_grows_and_settles: 2000 cases, 2 covers;

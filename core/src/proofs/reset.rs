@@ -4,8 +4,9 @@
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::state::{STATE_WORDS, view};
+use crate::config::Cell;
 use crate::header::Phase;
-use crate::reset::{initial_charge_uj, place_hotspots};
+use crate::reset::{initial_charge_uj, place_hotspots, start_cell};
 use crate::state::StateMut;
 
 /// The base case holds for any memory and any seed.
@@ -82,9 +83,21 @@ pub fn a_drawn_charge_fits_the_battery() {
     assert!(charge_uj <= model.energy().capacity_uj);
 }
 
+/// For any draw, a UAV that starts anywhere starts on the grid.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+pub fn a_drawn_start_is_on_the_grid() {
+    given!(model = any_scattered_model);
+    let cell = start_cell(&model, kani::any(), 0);
+    kani::cover!(cell == Cell { x: 0, y: 0 }, "the first cell");
+    kani::cover!(model.depot_distance(cell) == 0, "a depot");
+    assert!(model.contains(cell));
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
     reset_makes_a_valid_state: 2000 cases, 3 covers;
     hotspots_lie_apart: 2000 cases, 2 covers;
     a_drawn_charge_fits_the_battery: 2000 cases, 2 covers;
+    a_drawn_start_is_on_the_grid: 2000 cases, 2 covers;
 }

@@ -22,6 +22,7 @@ fn any_totals() -> StepTotals {
         newly_false: between(0, 4096),
         newly_informed: between(0, 4096),
         informed: between(0, 4096),
+        confirmed: between(0, 4096),
         complete: kani::any(),
         at_horizon: kani::any(),
         new_cells: between(0, 4096),

@@ -11,6 +11,7 @@ use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::bits;
+use crate::config::QuorumWindow;
 use crate::header::{self, Phase};
 use crate::model::Model;
 #[cfg(not(kani))]
@@ -28,6 +29,15 @@ pub(super) const SMALLEST_STATE_WORDS: usize = 57;
 /// know it.
 #[cfg(any(kani, test))]
 pub(super) const SMALLEST_SPREAD_WORDS: usize = SMALLEST_STATE_WORDS + 3;
+/// The same where the quorum counts the episode: what each UAV remembers.
+#[cfg(any(kani, test))]
+pub(super) const SMALLEST_REMEMBERING_WORDS: usize = SMALLEST_STATE_WORDS + 2;
+/// Words of a state of any model whose quorum counts the episode.
+#[cfg(kani)]
+pub(super) const REMEMBERING_WORDS: usize = SMALLEST_REMEMBERING_WORDS;
+/// Words of a state of any model whose quorum counts the episode.
+#[cfg(not(kani))]
+pub(super) const REMEMBERING_WORDS: usize = STATE_WORDS;
 /// Words of a state of any model that Kani sees.
 #[cfg(kani)]
 pub(super) const STATE_WORDS: usize = SMALLEST_STATE_WORDS;
@@ -50,18 +60,23 @@ pub(super) const ACTIONS: usize = 4;
 #[cfg(not(kani))]
 pub(super) const ACTIONS: usize = 2 * UAVS_MAX;
 
-pub(super) fn view<'a>(model: &Model<'_>, words: &'a [u64; STATE_WORDS]) -> StateRef<'a> {
+pub(super) fn view<'a>(model: &Model<'_>, words: &'a [u64]) -> StateRef<'a> {
     StateRef::split(*model.layout(), &words[..model.state_words()])
 }
 
-pub(super) fn open<'a>(model: &Model<'_>, words: &'a mut [u64; STATE_WORDS]) -> StateMut<'a> {
+pub(super) fn open<'a>(model: &Model<'_>, words: &'a mut [u64]) -> StateMut<'a> {
     StateMut::split(*model.layout(), &mut words[..model.state_words()])
 }
 
 /// Any state of the phase that is valid but perhaps for its scalars.
-#[cfg(kani)]
 pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
-    let words: [u64; STATE_WORDS] = kani::any();
+    any_fleet_in(model, phase)
+}
+
+/// The same in as many words as the model's states need.
+#[cfg(kani)]
+pub(super) fn any_fleet_in<const W: usize>(model: &Model<'_>, phase: Phase) -> [u64; W] {
+    let words: [u64; W] = kani::any();
     let state = view(model, &words);
     kani::assume(state.header.phase() == Some(phase));
     kani::assume(state.header.config_hash() == model.config_hash());
@@ -71,8 +86,8 @@ pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
 
 /// A state of the phase on a random flight.
 #[cfg(not(kani))]
-pub(super) fn any_fleet(model: &Model<'_>, phase: Phase) -> [u64; STATE_WORDS] {
-    let mut words = [0; STATE_WORDS];
+pub(super) fn any_fleet_in<const W: usize>(model: &Model<'_>, phase: Phase) -> [u64; W] {
+    let mut words = [0; W];
     let mut scratch = [0; SCRATCH_WORDS];
     let mut scratch = Scratch::new(model, &mut scratch).ok().unwrap();
     let steps = between(0, u64::from(model.config().horizon_steps));
@@ -220,6 +235,11 @@ pub(super) fn nothing_is_forgotten(model: &Model<'_>, before: &StateRef<'_>, aft
         before.falsely_confirmed,
         after.falsely_confirmed
     ));
+    assert!(bits::is_subset(before.remembered, after.remembered));
+    assert!(bits::is_subset(
+        before.remembered_false,
+        after.remembered_false
+    ));
     assert!(bits::is_subset(before.sightings, after.sightings));
     assert!(bits::is_subset(before.reports, after.reports));
 }
@@ -230,10 +250,23 @@ pub(super) fn confirms_by_quorum(model: &Model<'_>, old: &StateRef<'_>, new: &St
     for j in 0..model.hotspot_count() {
         let mut count = 0;
         for i in 0..model.uav_count() {
-            count += u32::from(new.detected(i, j));
+            count += u32::from(counts_toward_quorum(model, new, i, j));
         }
         let reached = count >= model.config().quorum;
         assert!(new.confirmed(j) == (old.confirmed(j) || reached));
+    }
+}
+
+/// Whether a detection of UAV `i` counts for hotspot `j`: of this step or of the episode.
+pub(super) fn counts_toward_quorum(
+    model: &Model<'_>,
+    state: &StateRef<'_>,
+    i: usize,
+    j: usize,
+) -> bool {
+    match model.config().quorum_window {
+        QuorumWindow::Step => state.detected(i, j),
+        QuorumWindow::Episode => state.remembered(i, j),
     }
 }
 

@@ -6,12 +6,17 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use super::state::{
-    STATE_WORDS, any_actions, any_fleet, any_phase, any_state, carries_mean_throughput,
-    carries_scalars, changes_before_the_end, confirms_by_quorum, nothing_is_forgotten, open, view,
+    REMEMBERING_WORDS, STATE_WORDS, any_actions, any_fleet, any_fleet_in, any_phase, any_state,
+    carries_mean_throughput, carries_scalars, changes_before_the_end, confirms_by_quorum,
+    nothing_is_forgotten, open, view,
 };
+use crate::bits;
 use crate::header::{self, Phase};
 use crate::model::Model;
+use crate::model::any_model::HOTSPOTS_MAX;
 use crate::reward::OWN_KEPT;
+use crate::sensing::{confirm_and_learn, look_around};
+use crate::state::StateRef;
 use crate::validity::THROUGHPUT_MAX;
 
 /// Actions, return to base, move; time goes on by one and never past the horizon.
@@ -68,6 +73,47 @@ pub fn sensing_keeps_the_state_valid() {
     carries_scalars(&old, &new);
     assert!(new.header.phase() == Some(Phase::Sensed));
     assert!(new.fleet_is_valid(&model, Phase::Sensed));
+}
+
+/// Any detections, where the quorum counts the episode and a UAV learns all that it detects.
+#[cfg_attr(kani, kani::proof)]
+#[cfg_attr(kani, kani::unwind(4))]
+pub fn learning_with_memory_keeps_the_state_valid() {
+    given!(model = any_remembering_model);
+    let mut before: [u64; REMEMBERING_WORDS] = any_fleet_in(&model, Phase::Moved);
+    for row in open(&model, &mut before).detected {
+        *row = between(0, bits::valid_mask(0, model.hotspot_count()));
+    }
+    let mut after = before;
+    let mut positives = [0; HOTSPOTS_MAX];
+    let positives = &mut positives[..model.hotspot_count()];
+    look_around(&model, &mut open(&model, &mut after));
+    confirm_and_learn(&model, &mut open(&model, &mut after), positives);
+    after[header::PHASE] = Phase::Sensed as u64;
+    let (old, new) = (view(&model, &before), view(&model, &after));
+    kani::cover!(
+        !old.confirmed(0) && new.confirmed(0) && !new.detected(0, 0),
+        "a detection of an earlier step confirms"
+    );
+    kani::cover!(
+        new.knows(0, 0) && !new.confirmed(0),
+        "a UAV knows a hotspot that is not confirmed"
+    );
+    nothing_is_forgotten(&model, &old, &new);
+    confirms_by_quorum(&model, &old, &new);
+    learns_all_detections(&model, &old, &new);
+    assert!(new.fleet_is_valid(&model, Phase::Sensed));
+}
+
+/// Each UAV remembers and knows what it did before, and what it detects.
+fn learns_all_detections(model: &Model<'_>, old: &StateRef<'_>, new: &StateRef<'_>) {
+    for j in 0..model.hotspot_count() {
+        for i in 0..model.uav_count() {
+            let now = old.detected(i, j);
+            assert!(new.remembered(i, j) == (old.remembered(i, j) || now));
+            assert!(new.knows(i, j) == (old.knows(i, j) || now));
+        }
+    }
 }
 
 /// Any words whose scalars are valid.
@@ -173,6 +219,7 @@ pub fn ending_a_step_keeps_the_state_valid() {
 super::standin::twins! {
     beginning_a_step_keeps_the_state_valid: 2000 cases, 3 covers;
     sensing_keeps_the_state_valid: 2000 cases, 3 covers;
+    learning_with_memory_keeps_the_state_valid: 2000 cases, 2 covers;
     carried_scalars_stay_valid: 2000 cases, 1 covers;
     ending_a_step_keeps_the_state_valid: 2000 cases, 3 covers;
 }
@@ -180,13 +227,14 @@ super::standin::twins! {
 #[cfg(test)]
 mod sizes {
     use super::super::state::{
-        SMALLEST_SCRATCH_WORDS, SMALLEST_SPREAD_WORDS, SMALLEST_STATE_WORDS,
+        SMALLEST_REMEMBERING_WORDS, SMALLEST_SCRATCH_WORDS, SMALLEST_SPREAD_WORDS,
+        SMALLEST_STATE_WORDS,
     };
     use crate::config::Config;
     use crate::lanes;
     use crate::layout::Layout;
     use crate::model::Model;
-    use crate::model::any_model::{SMALLEST_TABLE_WORDS, smallest};
+    use crate::model::any_model::{SMALLEST_TABLE_WORDS, remembering, smallest};
     use crate::reward::{COMPONENTS, OWN_COMPONENTS};
     use crate::scratch::Scratch;
 
@@ -205,6 +253,8 @@ mod sizes {
         };
         assert_eq!(words_seen_by_kani(&smallest()), SMALLEST_STATE_WORDS);
         assert_eq!(words_seen_by_kani(&spread), SMALLEST_SPREAD_WORDS);
+        let words = words_seen_by_kani(&remembering(smallest()));
+        assert_eq!(words, SMALLEST_REMEMBERING_WORDS);
         assert_eq!(Model::table_words(&smallest()), Ok(SMALLEST_TABLE_WORDS));
         let mut tables = [0; SMALLEST_TABLE_WORDS];
         let model = Model::new_in(smallest(), &mut tables).unwrap();

@@ -145,6 +145,14 @@ impl<'a> StateRef<'a> {
         bits::get(self.knowledge_of(i), j)
     }
 
+    /// Whether UAV `i` has detected hotspot `j` in the episode; `false` unless the quorum counts
+    /// the episode.
+    #[must_use]
+    pub fn remembered(&self, i: usize, j: usize) -> bool {
+        let row = self.layout.remembered;
+        row > 0 && bits::get(&self.remembered[i * row..(i + 1) * row], j)
+    }
+
     /// Whether UAV `i` detected hotspot `j` when it last sensed.
     #[inline]
     #[must_use]

@@ -59,6 +59,12 @@ JCAS_PILOT_GAIN_COHERENT = 1
 JCAS_CURVE_LOGISTIC = 0
 JCAS_CURVE_SWERLING1 = 1
 JCAS_CURVE_TABLE = 2
+JCAS_QUORUM_STEP = 0
+JCAS_QUORUM_EPISODE = 1
+JCAS_LEARNED_CONFIRMED = 0
+JCAS_LEARNED_ALL = 1
+JCAS_START_DEPOT = 0
+JCAS_START_RANDOM = 1
 JCAS_MAX_DETECTION_POINTS = 64
 JCAS_PHASE_READY = 1
 JCAS_PHASE_MOVED = 2
@@ -164,6 +170,9 @@ class jcas_config(Structure):
         ("report_slots", c_uint32),
         ("detection_point_count", c_uint32),
         ("detection_table", jcas_detection_point * JCAS_MAX_DETECTION_POINTS),
+        ("quorum_window", c_int32),
+        ("learned_detections", c_int32),
+        ("start_cells", c_int32),
     )
 
 

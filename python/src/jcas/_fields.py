@@ -24,9 +24,10 @@ class Fields(TypedDict, total=False):
     horizon_steps: int | None
     """Steps after which an unfinished episode is truncated (T_max). 1 to 1e+06 steps."""
     quorum: int | None
-    """Positive detections in one step that confirm a hotspot (θ). 1 to 4096 UAVs."""
+    """Positive detections that confirm a hotspot (θ). 1 to 4096 UAVs."""
     depots: Sequence[Sequence[int]] | None
-    """Cells with a depot; the fleet starts at the first. Empty: one at (W/2, H/2). At most 16."""
+    """Cells with a depot; by default the fleet starts at the first. Empty: one at (W/2, H/2). At
+    most 16."""
     initial_soc_min: float | None
     """Lowest state of charge at the start; drawn per UAV, uniformly. 0 to 1 fraction."""
     initial_soc_max: float | None
@@ -181,3 +182,13 @@ class Fields(TypedDict, total=False):
     detection_table: Sequence[Sequence[float]] | None
     """Table of the curve `table`: pairs of a range in m and P_d at the highest pilot density. At
     most 64."""
+    quorum_window: Literal["step", "episode"] | None
+    """Positive detections that count toward the quorum: those of the present `step` (the paper),
+    or of the `episode` so far, one from each UAV. One of step, episode."""
+    learned_detections: Literal["confirmed", "all"] | None
+    """Hotspots that a UAV learns by its own detection: those `confirmed` by a quorum, or `all`.
+    An episode then ends when all UAVs know all hotspots and each hotspot is confirmed. One of
+    confirmed, all."""
+    start_cells: Literal["depot", "random"] | None
+    """Cells in which UAVs start: the first `depot`, or a `random` cell of the grid for each UAV.
+    One of depot, random."""

@@ -32,6 +32,7 @@ fn every_trace_has_its_test_and_its_line() {
         include_str!("endings.rs"),
         include_str!("false_alarms.rs"),
         include_str!("fleets.rs"),
+        include_str!("readings.rs"),
         include_str!("searching.rs"),
     ]
     .concat();

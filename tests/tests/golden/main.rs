@@ -12,5 +12,6 @@ mod endings;
 mod false_alarms;
 mod fleets;
 mod format;
+mod readings;
 mod searching;
 mod support;

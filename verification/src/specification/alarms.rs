@@ -1,6 +1,7 @@
 //! False alarms, and the cells that a quorum of them confirms.
 
 use super::{Position, Specification, World, draws, radar};
+use jcas_core::QuorumWindow;
 
 /// The most false alarms of a UAV in a step.
 const MOST: usize = 8;
@@ -19,14 +20,26 @@ impl Specification {
         for y in 0..self.height() {
             for x in 0..self.width() {
                 let cell = Position { x, y };
-                let seen = world.false_alarms.iter().filter(|row| row.contains(&cell));
+                let seen = self.seers_of(world, cell);
                 let confirmed = &mut world.falsely_confirmed[y as usize][x as usize];
-                if seen.count() >= self.config.quorum as usize && !*confirmed {
+                if seen >= self.config.quorum as usize && !*confirmed {
                     *confirmed = true;
                     world.newly_false += 1;
                 }
             }
         }
+    }
+
+    /// Returns how many UAVs raise a false alarm in a cell, in this step or in the episode so far.
+    fn seers_of(&self, world: &mut World, cell: Position) -> usize {
+        let (x, y) = (cell.x as usize, cell.y as usize);
+        for (alarms, kept) in world.false_alarms.iter().zip(&mut world.remembered_false) {
+            let kept = &mut kept[y][x];
+            let alarmed = alarms.contains(&cell);
+            *kept = alarmed || (*kept && self.config.quorum_window == QuorumWindow::Episode);
+        }
+        let kept = world.remembered_false.iter().filter(|kept| kept[y][x]);
+        kept.count()
     }
 
     /// Returns the cells in which UAV i sees a hotspot that is not there.

@@ -12,6 +12,7 @@ const HOTSPOT: u32 = 4;
 const SHUFFLE: u32 = 5;
 const SEED: u32 = 6;
 const FALSE_ALARM: u32 = 8;
+const START_CELL: u32 = 9;
 
 /// One Bernoulli(p) draw for UAV i and hotspot j in step t.
 ///
@@ -39,6 +40,11 @@ pub fn carbon_intensity(seed: u64, t: u32, lo: u64, hi: u64) -> u64 {
 /// The state of charge that UAV i starts with, uniform in [lo, hi).
 pub fn initial_soc(seed: u64, i: usize, lo: f64, hi: f64) -> f64 {
     lo + (hi - lo) * unit(first_u64(block(seed, [0, i as u32, 0, SOC])))
+}
+
+/// The rank of the cell in which UAV i starts, uniform in 0..cells.
+pub fn start_rank(seed: u64, i: usize, cells: u64) -> u64 {
+    below(first_u64(block(seed, [0, i as u32, 0, START_CELL])), cells)
 }
 
 /// Returns a real in [0, 1) from 64 random bits.

@@ -135,6 +135,10 @@ pub struct World {
     /// `reported[i][y][x]`: the most sightings of one UAV that UAV i knows of, up to the number of
     /// levels.
     pub reported: Vec<Vec<Vec<u32>>>,
+    /// `remembered[i][j]`: UAV i has detected hotspot j in the episode.
+    pub remembered: Vec<Vec<bool>>,
+    /// `remembered_false[i][y][x]`: UAV i has raised a false alarm there in the episode.
+    pub remembered_false: Vec<Vec<Vec<bool>>>,
     /// Carbon intensity that the coming step will be billed with, in mg/kWh.
     pub coming_intensity_mg_per_kwh: u64,
     /// Carbon intensity that the last step was billed with, in mg/kWh.
@@ -149,9 +153,9 @@ pub struct World {
     pub rewards: Rewards,
     /// The last step's reward of each UAV, term by term.
     pub uav_rewards: Vec<Rewards>,
-    /// Whether every hotspot is informed.
+    /// Whether every hotspot is confirmed and informed.
     pub terminated: bool,
-    /// Whether the horizon was reached before every hotspot was informed.
+    /// Whether the horizon was reached before that.
     pub truncated: bool,
 }
 

@@ -1,19 +1,22 @@
 //! The world at t = 0.
 
 use super::{Position, Rewards, Specification, World, draws, energy};
+use jcas_core::StartCells;
 
 impl Specification {
     /// Returns the start of the episode of `seed`.
     pub fn reset(&self, seed: u64) -> World {
         let (n, m) = (self.uavs(), self.hotspots());
-        let start = self.depots[0];
+        let position: Vec<Position> = (0..n).map(|i| self.start(seed, i)).collect();
         let mut visited = vec![vec![false; self.width() as usize]; self.height() as usize];
-        visited[start.y as usize][start.x as usize] = true;
+        for start in &position {
+            visited[start.y as usize][start.x as usize] = true;
+        }
         let initial_uj: Vec<u64> = (0..n).map(|i| self.initial_battery_uj(seed, i)).collect();
         let mut world = World {
             seed,
             t: 0,
-            position: vec![start; n],
+            position,
             initial_uj: initial_uj.clone(),
             grounded: initial_uj.iter().map(|&battery| battery == 0).collect(),
             battery_uj: initial_uj,
@@ -37,6 +40,11 @@ impl Specification {
             newly_false: 0,
             sightings: vec![vec![vec![0; self.width() as usize]; self.height() as usize]; n],
             reported: vec![vec![vec![0; self.width() as usize]; self.height() as usize]; n],
+            remembered: vec![vec![false; m]; n],
+            remembered_false: vec![
+                vec![vec![false; self.width() as usize]; self.height() as usize];
+                n
+            ],
             visited,
             coming_intensity_mg_per_kwh: self.draw_intensity(seed, 0),
             billed_intensity_mg_per_kwh: 0,
@@ -51,6 +59,20 @@ impl Specification {
         // The first observation shows the links among the start cells.
         self.link_up(&mut world);
         world
+    }
+
+    /// Returns the cell in which UAV i starts. A drawn one counts the cells of the grid row by row.
+    fn start(&self, seed: u64, i: usize) -> Position {
+        match self.config.start_cells {
+            StartCells::Depot => self.depots[0],
+            StartCells::Random => {
+                let rank = draws::start_rank(seed, i, (self.width() * self.height()) as u64) as i64;
+                Position {
+                    x: rank % self.width(),
+                    y: rank / self.width(),
+                }
+            }
+        }
     }
 
     fn initial_battery_uj(&self, seed: u64, i: usize) -> u64 {

@@ -3,6 +3,7 @@
 use super::{
     Host, Position, Specification, World, draws, potential::Potentials, reward::StepFacts,
 };
+use jcas_core::{LearnedDetections, QuorumWindow};
 
 impl Specification {
     /// Advances the world by one step. `actions[i]` is (u_dir, u_pilot) of UAV i
@@ -132,7 +133,8 @@ impl Specification {
         }
         for i in 0..n {
             for j in 0..m {
-                if world.knows[i][j] || world.grounded[i] {
+                let settled = world.knows[i][j] && world.confirmed_at[j].is_some();
+                if settled || world.grounded[i] {
                     continue;
                 }
                 was_sensing[i] = true;
@@ -147,14 +149,19 @@ impl Specification {
             }
         }
         for j in 0..m {
-            let count = (0..n).filter(|&i| positive[i][j]).count();
+            for i in 0..n {
+                let kept = &mut world.remembered[i][j];
+                *kept =
+                    positive[i][j] || (*kept && self.config.quorum_window == QuorumWindow::Episode);
+            }
+            let count = (0..n).filter(|&i| world.remembered[i][j]).count();
             if world.confirmed_at[j].is_none() && count >= self.config.quorum as usize {
                 world.confirmed_at[j] = Some(world.t);
             }
             for i in 0..n {
-                if positive[i][j] && world.confirmed_at[j].is_some() {
-                    world.knows[i][j] = true;
-                }
+                let counts = world.confirmed_at[j].is_some()
+                    || self.config.learned_detections == LearnedDetections::All;
+                world.knows[i][j] |= world.remembered[i][j] && counts;
             }
         }
         world.detected = positive;
@@ -169,7 +176,8 @@ impl Specification {
                 world.informed_at[j] = Some(world.t);
             }
         }
-        world.terminated = world.informed_at.iter().all(|at| at.is_some());
+        let times = world.informed_at.iter().chain(&world.confirmed_at);
+        world.terminated = times.into_iter().all(|at| at.is_some());
         world.truncated = !world.terminated && world.t == self.config.horizon_steps;
     }
 }
