@@ -34,6 +34,15 @@ pub enum PlanError {
         /// The length given.
         got: usize,
     },
+    /// A field of the configuration has a value that plans do not cover.
+    Configuration {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        value: &'static str,
+        /// The value that plans cover.
+        allowed: &'static str,
+    },
     /// A weight of a prior is negative or not finite, or all are zero.
     Weights,
     /// A cell lies off the grid.
@@ -64,6 +73,11 @@ impl fmt::Display for PlanError {
                 expected,
                 got,
             } => write!(out, "{what}: must have length {expected}, not {got}"),
+            Self::Configuration {
+                field,
+                value,
+                allowed,
+            } => write!(out, "{field} = {value}: a plan needs {allowed}"),
             Self::Weights => out
                 .write_str("the weights of a prior must be finite, not negative and not all zero"),
             Self::OffGrid { x, y } => write!(out, "cell [{x}, {y}] lies off the grid"),

@@ -10,7 +10,7 @@ use jcas_core::{Model, TargetVisibility};
 use crate::error::PlanError;
 use crate::formation;
 use crate::odds::{CACHED_ENTRIES_MAX, LANES, LEVELS_MAX};
-use crate::problem::{STEPS_MAX, check_sizes};
+use crate::problem::{STEPS_MAX, check_model, check_sizes};
 use crate::teams;
 
 /// A list that grows by doubling holds its old and its new memory while it moves.
@@ -150,6 +150,7 @@ pub(crate) fn check(
     known: Option<usize>,
     starts: usize,
 ) -> Result<(), PlanError> {
+    check_model(model)?;
     let sizes = Demand::of(model, known);
     check_sizes(model, sizes.sites as usize, sizes.steps as usize - 1)?;
     check_available(bound(model, known, starts))

@@ -11,7 +11,7 @@ use crate::bound::bound;
 use crate::error::PlanError;
 use crate::objective::{Expectation, confirmed_by, expect, stay_one};
 use crate::paths::Paths;
-use crate::problem::{Problem, Situation};
+use crate::problem::{Problem, Situation, check_start};
 use crate::targets::Targets;
 use crate::{formation, memory, teams};
 
@@ -74,6 +74,7 @@ pub fn search(
     settings: &Settings,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Plan, PlanError> {
+    check_start(model)?;
     memory::check(model, None, 1)?;
     let targets = Targets::hidden(model);
     let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
@@ -92,6 +93,7 @@ pub fn tour(
     settings: &Settings,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Plan, PlanError> {
+    check_start(model)?;
     memory::check(model, Some(hotspots.len()), 1)?;
     let targets = Targets::known(model, hotspots)?;
     let problem = Problem::new(model, &targets, Situation::at_reset(model))?;

@@ -14,6 +14,7 @@ use crate::error::PlanError;
 use crate::follow::Follower;
 use crate::memory;
 use crate::plan::{Plan, search, tour};
+use crate::problem::check_start;
 use crate::replan::Replanner;
 
 /// Annealing moves of `plan` and `replan` for a search; one plan serves all episodes.
@@ -73,6 +74,9 @@ impl PlannedKind {
     /// As [`PlannedKind::build`].
     pub fn build_in(self, model: &Model<'_>, iterations: u64) -> Result<Planned, PlanError> {
         let hidden = model.config().target_visibility == TargetVisibility::Hidden;
+        if hidden || self == Self::Plan {
+            check_start(model)?;
+        }
         if !hidden {
             memory::check(model, Some(model.hotspot_count()), model.uav_count())?;
         }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use jcas_core::energy::round_half_up;
-use jcas_core::{Cell, Model, StateRef};
+use jcas_core::{Cell, LearnedDetections, Model, QuorumWindow, StartCells, StateRef};
 
 use crate::battery;
 use crate::error::PlanError;
@@ -89,12 +89,13 @@ impl<'m> Problem<'m> {
     ///
     /// # Errors
     /// [`PlanError`] if the fleet or the grid is too large, or if the situation does not fit the
-    /// model.
+    /// model. So it is if plans do not cover the model's quorum or knowledge.
     pub fn new(
         model: &'m Model<'m>,
         targets: &Targets,
         situation: Situation,
     ) -> Result<Self, PlanError> {
+        check_model(model)?;
         let config = model.config();
         let lengths = [
             ("cells", model.uav_count(), situation.cells.len()),
@@ -184,6 +185,39 @@ impl<'m> Problem<'m> {
                 paths.levels_of(uav),
             )
         })
+    }
+}
+
+/// Checks that the objective of a plan covers the model: the detections of one step confirm a
+/// hotspot, and UAVs know it from then on.
+pub(crate) fn check_model(model: &Model<'_>) -> Result<(), PlanError> {
+    let config = model.config();
+    let (window, learned) = (config.quorum_window, config.learned_detections);
+    if window != QuorumWindow::Step {
+        return Err(uncovered("quorum_window", window.name(), "step"));
+    }
+    if learned != LearnedDetections::Confirmed {
+        return Err(uncovered("learned_detections", learned.name(), "confirmed"));
+    }
+    Ok(())
+}
+
+/// Checks that the fleet starts in cells that are known before an episode.
+pub(crate) fn check_start(model: &Model<'_>) -> Result<(), PlanError> {
+    let start = model.config().start_cells;
+    if start == StartCells::Depot {
+        Ok(())
+    } else {
+        let allowed = "depot, or the cells of a state (`replan` with known hotspots)";
+        Err(uncovered("start_cells", start.name(), allowed))
+    }
+}
+
+const fn uncovered(field: &'static str, value: &'static str, allowed: &'static str) -> PlanError {
+    PlanError::Configuration {
+        field,
+        value,
+        allowed,
     }
 }
 

@@ -13,7 +13,7 @@ use crate::error::PlanError;
 use crate::follow::write;
 use crate::memory;
 use crate::plan::{Plan, improve, starts};
-use crate::problem::{Problem, Situation};
+use crate::problem::{Problem, Situation, check_start};
 use crate::rounds::{self, Rounds};
 use crate::targets::Targets;
 
@@ -167,6 +167,7 @@ impl Replanner {
     /// [`PlanError`], where the fleet or the grid is too large, or where there is no memory for a
     /// plan.
     pub fn prepare(&mut self, model: &Model<'_>) -> Result<(), PlanError> {
+        check_start(model)?;
         memory::check(model, None, 1)?;
         self.first = Some(self.search(model)?);
         self.views.clear();
