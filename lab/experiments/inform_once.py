@@ -32,12 +32,16 @@ FIELDS = [*KEY, "episodes"]
 FIELDS += [name + end for name in QUANTITIES for end in ("", "_low", "_high")]
 FIELDS += ["train_seconds"]
 
-# What each reading of the paper's reward changes of the preset `paper`.
+# What each reading of the paper's text changes of the preset `paper`.
 READINGS = {
     "every step": ["inform_payment=every_step"],
     "once": ["inform_payment=once"],
     "once, no throughput": ["inform_payment=once", "reward_throughput=0"],
+    "once, quorum over the episode": ["inform_payment=once", "quorum_window=episode"],
+    "once, own detections": ["inform_payment=once", "learned_detections=all"],
+    "once, random starts": ["inform_payment=once", "start_cells=random"],
 }
+OVER_THE_EPISODE = "once, quorum over the episode"
 
 
 def cells():
@@ -66,6 +70,27 @@ def cells():
                 for uavs in fleets:
                     for hotspots in (3, 5, 7, 9, 11):
                         yield ("once", 162.5, uavs, hotspots, pilot, seed, "ppo")
+    yield from other_readings()
+
+
+def other_readings():
+    """Yields the cells of the readings of detection and start, at the range that fits `once`.
+
+    A quorum over the episode needs a shorter range, so it is scanned as well.
+    """
+    readings = [*READINGS][3:]
+    for range_m in (75, 62.5, 87.5, 50, 100):
+        for uavs in (10, 15):
+            yield (OVER_THE_EPISODE, range_m, uavs, 5, "mid", 0, "random")
+    for seed in (0, 1, 2):
+        for reading in readings:
+            for uavs in (10, 15):
+                if seed == 0:
+                    yield (reading, 162.5, uavs, 5, "mid", 0, "random")
+                yield (reading, 162.5, uavs, 5, "adaptive", seed, "ppo")
+        for range_m in (75, 87.5, 62.5):
+            for uavs in (10, 15):
+                yield (OVER_THE_EPISODE, range_m, uavs, 5, "adaptive", seed, "ppo")
 
 
 def finished(path):
