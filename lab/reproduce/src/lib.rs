@@ -17,6 +17,7 @@ pub mod figures;
 pub mod fit;
 mod flights;
 mod one_range;
+mod other_readings;
 mod page;
 mod pilot;
 pub mod pilot_by_distance;

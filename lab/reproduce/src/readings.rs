@@ -5,6 +5,7 @@ use crate::campaign::OURS;
 use crate::cell_means::of_trainings;
 use crate::chapter::Block;
 use crate::fit::{PAPER, Published};
+use crate::other_readings;
 use crate::results::Results;
 use crate::scan::{self, Flown, HOTSPOTS, PLANNERS, PPO, RANDOM, READINGS, Scan, TEAMS};
 use crate::statistics::Spread;
@@ -22,7 +23,7 @@ pub const FITTED: &str = "The preset `paper` has a sensing range of 150 m. This 
 pub(crate) const FITTED_M: f64 = 150.0;
 
 /// The lines of the figure and the columns of the table: reading, policy, title.
-fn lines() -> Vec<(&'static str, Flown, String)> {
+fn lines() -> Vec<Line> {
     let mut lines = vec![(READINGS[1], RANDOM, RANDOM.2.to_owned())];
     lines.extend(READINGS.map(|reading| (reading, PPO, format!("PPO, paid {reading}"))));
     lines.extend(PLANNERS.map(|planner| (READINGS[1], planner, planner.0.to_owned())));
@@ -67,7 +68,7 @@ pub fn numbers(results: &Results) -> Vec<Block> {
             ends(&trained)
         )));
         let rows = ranges(scan).into_iter().map(|range_m| {
-            let cell = |(reading, flown, _): (&str, Flown, String)| {
+            let cell = |(reading, flown, _): Line| {
                 let rows = scan.cell(reading, range_m, published.uavs, flown);
                 scan::success_interval(&rows, spread).map_or(String::new(), |e| told(&e, 3))
             };
@@ -84,7 +85,15 @@ pub fn numbers(results: &Results) -> Vec<Block> {
             rows: rows.collect(),
         });
     }
-    blocks.push(Block::Text(compatible(scan, spread)));
+    blocks.push(Block::Text(format!(
+        "The ranges at which both numbers of the paper are compatible with the measured rates are \
+            these. A rate is \
+         compatible where the interval of its difference from the paper's number has 0.\n\n{}\n\
+         Beyond the edge of a scan others may be. Where several ranges are compatible, the two \
+            numbers do not tell which of them the paper used.",
+        compatible(scan, &lines(), spread)
+    )));
+    blocks.extend(other_readings::blocks(scan, spread));
     blocks
 }
 
@@ -217,10 +226,13 @@ fn ends(e: &Estimate) -> String {
     format!("[{:.2}, {:.2}]", e.low, e.high)
 }
 
-/// Which ranges have both numbers within intervals, in a sentence for each policy.
-fn compatible(scan: &Scan, spread: Option<Spread>) -> String {
+/// A reading, a policy and the title of both.
+pub(crate) type Line = (&'static str, Flown, String);
+
+/// Which ranges have both numbers within intervals, in a sentence for each line.
+pub(crate) fn compatible(scan: &Scan, lines: &[Line], spread: Option<Spread>) -> String {
     let mut text = String::new();
-    for (reading, flown, title) in lines() {
+    for (reading, flown, title) in lines.iter().cloned() {
         let (_, tried) = scan::compatible(scan, reading, flown, spread);
         let (Some(&first), Some(&last)) = (tried.first(), tried.last()) else {
             continue;
@@ -254,13 +266,7 @@ fn compatible(scan: &Scan, spread: Option<Spread>) -> String {
         }
         text += ".\n";
     }
-    format!(
-        "The ranges at which both numbers of the paper are compatible with the measured rates are \
-            these. A rate is \
-         compatible where the interval of its difference from the paper's number has 0.\n\n{text}\n\
-         Beyond the edge of a scan others may be. Where several ranges are compatible, the two \
-            numbers do not tell which of them the paper used."
-    )
+    text
 }
 
 fn figure(results: &Results, spread: Option<Spread>) -> Panels {
@@ -320,7 +326,7 @@ mod tests {
             ],
             ..Scan::default()
         };
-        let text = compatible(&scan, None);
+        let text = compatible(&scan, &lines(), None);
         assert!(
             text.contains("- A random walk (150 to 175 m): at 150 m (at the edge of the scan) "),
             "{text}"

@@ -20,6 +20,13 @@ pub const TRAININGS: &str = "inform_once_trainings.csv";
 /// The readings of the paper's reward, in the order of its letter.
 pub const READINGS: [&str; 3] = ["every step", "once", "once, no throughput"];
 
+/// Other readings of detection and of the start, with informing paid once: name and field.
+pub const OTHER_READINGS: [(&str, &str); 3] = [
+    ("once, quorum over the episode", "quorum_window = episode"),
+    ("once, own detections", "learned_detections = all"),
+    ("once, random starts", "start_cells = random"),
+];
+
 /// Number of hotspots of the scan over ranges.
 pub const HOTSPOTS: u32 = 5;
 
@@ -167,10 +174,11 @@ impl Scan {
         ranges
     }
 
-    /// The success of PPO in each cell, one value a training seed.
+    /// The success of PPO in each cell of the readings of the reward, one value a training seed.
     pub fn by_seeds(&self) -> Vec<Vec<f64>> {
         let mut cells: BTreeMap<_, Vec<f64>> = BTreeMap::new();
-        for row in self.rows.iter().filter(|row| row.policy == PPO.0) {
+        let of = |row: &&ScanRow| row.policy == PPO.0 && READINGS.contains(&row.reading.as_str());
+        for row in self.rows.iter().filter(of) {
             let range = row.range_m.to_bits();
             let cell = (&row.reading, range, row.uavs, row.hotspots, &row.pilot);
             cells.entry(cell).or_default().push(row.success);

@@ -1,7 +1,7 @@
 //! The training task: a configuration with changed fields and a radar curriculum.
 
 use crate::settings::{Curriculum, Settings};
-use jcas_core::{Config, Model};
+use jcas_core::{Config, Model, QuorumWindow};
 use std::sync::Arc;
 
 /// The task of a run, from the first batch to the last.
@@ -22,13 +22,23 @@ impl TrainingTask {
     pub fn new(config: &Config, settings: &Settings) -> Result<TrainingTask, String> {
         let mut fields = serde_json::to_value(config).map_err(|error| error.to_string())?;
         for (name, value) in &settings.config_overrides {
-            let field = fields.get_mut(name).ok_or_else(|| {
-                format!("config_overrides.{name}: a configuration has no such field")
-            })?;
-            *field = value.clone();
+            if !Config::FIELDS.iter().any(|field| field.name == name) {
+                return Err(format!(
+                    "config_overrides.{name}: a configuration has no such field"
+                ));
+            }
+            fields[name] = value.clone();
         }
-        let config =
+        let config: Config =
             serde_json::from_value(fields).map_err(|error| format!("config_overrides: {error}"))?;
+        let detection = settings.shaping.detection;
+        if detection > 0.0 && config.quorum_window != QuorumWindow::Step {
+            return Err(format!(
+                "shaping.detection = {detection}: must be 0 where quorum_window is {}, as the \
+                 credit is for a quorum within one step",
+                config.quorum_window.name()
+            ));
+        }
         let task = TrainingTask {
             model: built(config).map_err(|error| format!("config_overrides: {error}"))?,
             curriculum: settings.curriculum,
@@ -125,6 +135,21 @@ mod tests {
         assert_eq!(*task.model(4).config(), expected);
     }
 
+    // A serialised configuration leaves out a later field that has its default.
+    #[test]
+    fn a_field_at_its_default_is_changed_too() {
+        let mut settings = settings();
+        settings.shaping.detection = 0.0;
+        settings.config_overrides = mission([("quorum_window", "episode".into())]);
+        let task = TrainingTask::new(&Config::default(), &settings).unwrap();
+        let window = task.model(4).config().quorum_window;
+        assert_eq!(window, QuorumWindow::Episode);
+        settings.shaping.detection = 60.0;
+        let told = TrainingTask::new(&Config::default(), &settings).err();
+        let told = told.unwrap();
+        assert!(told.contains("shaping.detection = 60"), "{told}");
+    }
+
     #[test]
     fn what_the_configuration_does_not_allow_is_refused_by_name() {
         let refused = |name: &str, value: Value| {
@@ -135,6 +160,7 @@ mod tests {
                 .unwrap()
         };
         assert!(refused("shaping", 1.into()).contains("config_overrides.shaping"));
+        assert!(refused("quorum_window", "week".into()).contains("config_overrides"));
         assert!(refused("quorum", 1.5.into()).contains("config_overrides"));
         assert!(refused("quorum", 0.into()).contains("quorum"));
         let mut settings = settings();
