@@ -1,6 +1,7 @@
 //! The pictures of a reproduction. A picture is data: which rows it shows, over what, and where it
 //! stands. To add one, add a row to [`PICTURES`].
 
+use crate::campaign::OURS;
 use crate::curves::Curve;
 use crate::fit::PAPER;
 use crate::pilot_by_distance::{Approach, DistanceBin};
@@ -432,7 +433,7 @@ fn approach(approaches: &[Approach]) -> Figure {
         Axis::new("mean pilot density", "").span(0.0, 0.3),
     )
     .note("The learned policy, deterministic.");
-    for approach in approaches {
+    for approach in approaches.iter().filter(|one| one.policy == OURS) {
         let point =
             |bin: &DistanceBin| Point::new(f64::from(bin.distance_cells), bin.pilot_density_mean);
         let points = approach.bins.iter().map(point).collect();

@@ -5,14 +5,15 @@ use crate::progress_sink::{Progress, ProgressSink};
 use crate::scope::{Part, Scope};
 use crate::shard::{Comparisons, Turns};
 use crate::table::{Key, Table};
-use crate::{comparison, endurance, pilot, range};
+use crate::{comparison, endurance, pilot, pilot_by_distance, range};
 use jcas_core::{Config, Model, Preset};
 use jcas_episode::card::{CARD, CardError, EVALUATION_SEED, StoredPolicy, load};
 use jcas_episode::mission::{Campaign, fly};
 use jcas_episode::shard::Shard;
 use jcas_episode::statistics::Summary;
-use jcas_policy::{BaselineKind, PilotMode, Policy, action_of};
+use jcas_policy::{BaselineKind, PilotMode, Policy, Trained, action_of};
 use jcas_train::error::TrainError;
+use jcas_train::store::write_whole;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -292,6 +293,25 @@ impl Flights<'_> {
             .map_err(|error| refused(&error))?;
         let summary = Summary::of(&missions, config.horizon_steps);
         self.table.add(self.turns.unit(), key, &summary)
+    }
+
+    /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
+    fn approach(
+        &mut self,
+        name: &str,
+        config: Config,
+        policy: Trained,
+        seed: u64,
+    ) -> Result<(), TrainError> {
+        let path = self.out.join(pilot_by_distance::table(name, seed));
+        if path.exists() || self.stopped() {
+            return Ok(());
+        }
+        let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
+        let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
+        let missions = pilot_by_distance::missions(self.scope);
+        let bins = pilot_by_distance::observe(&model, policy, missions).map_err(refused)?;
+        write_whole(&path, pilot_by_distance::text(&bins).as_bytes())
     }
 
     fn baselines(&mut self) -> Result<bool, TrainError> {

@@ -91,10 +91,8 @@ pub fn publish(scope: &Scope, out: &Path, page: &Path) -> Result<(), TrainError>
 
 /// Tables in a reproduction's folder from which its page is made.
 fn tables(scope: &Scope, out: &Path) -> Vec<String> {
-    let approaches = scope
-        .seeds
-        .iter()
-        .map(|&seed| pilot_by_distance::table(seed));
+    let approaches = pilot_by_distance::tables(scope, out).into_iter();
+    let approaches = approaches.map(|(policy, seed, _)| pilot_by_distance::table(policy, seed));
     let names = [
         TABLE,
         comparison::COMPARISON,

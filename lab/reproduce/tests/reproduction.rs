@@ -277,6 +277,7 @@ fn merged_shards_have_the_bytes_of_the_single_run() {
         for name in [
             "approach-s0.csv",
             "approach-s1.csv",
+            "approach-ppo-s1.csv",
             "policies/ppo-10x1-adaptive-s1/policy.safetensors",
             "policies/learned-mission-constant-s0/policy.safetensors",
         ] {

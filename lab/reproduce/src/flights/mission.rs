@@ -2,12 +2,11 @@
 
 use super::{Flights, key};
 use crate::campaign::{HELD, OURS};
-use crate::pilot_by_distance;
-use jcas_core::{Model, Preset};
+use jcas_core::Preset;
 use jcas_episode::card::StoredPolicy;
+use jcas_policy::head::Mode;
 use jcas_policy::{BaselineKind, PilotMode};
 use jcas_train::error::TrainError;
-use jcas_train::store::write_whole;
 
 impl Flights<'_> {
     /// What is flown in the preset `mission` alone.
@@ -22,7 +21,8 @@ impl Flights<'_> {
         }
         self.trade_off(policy, seed)?;
         self.batteries(policy, seed)?;
-        self.approach(policy, seed)
+        let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
+        self.approach(OURS, config, policy.policy(Some(Mode::Deterministic)), seed)
     }
 
     /// Success against throughput: the motions of the learned policy and of `teams`, the pilot
@@ -66,25 +66,5 @@ impl Flights<'_> {
             })?;
         }
         Ok(())
-    }
-
-    /// Pilot density over distance to the nearest unconfirmed hotspot, as a table of its own.
-    fn approach(&mut self, policy: &StoredPolicy, seed: u64) -> Result<(), TrainError> {
-        let path = self.out.join(pilot_by_distance::table(seed));
-        if path.exists() || self.stopped() {
-            return Ok(());
-        }
-        let config = self.scope.mission(Preset::Mission, self.scope.hard_cell());
-        let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
-        let bins =
-            pilot_by_distance::observe(&model, policy, pilot_by_distance::missions(self.scope))
-                .map_err(|error| TrainError::Setting(error.to_string()))?;
-        let mut text = String::from("distance_cells,uav_steps,pilot_density_mean\n");
-        for (distance, (count, sum)) in bins.iter().enumerate() {
-            if *count > 0 {
-                text += &format!("{distance},{count},{:.6}\n", sum / *count as f64);
-            }
-        }
-        write_whole(&path, text.as_bytes())
     }
 }

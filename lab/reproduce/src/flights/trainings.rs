@@ -185,7 +185,15 @@ impl Flights<'_> {
         let config = self.scope.mission(Preset::Paper, cell);
         let flown = (learner.name, pilot_name(constant));
         let key = key(GRID, Preset::Paper, &config, flown, seed);
-        self.trained_and_flown(&name, settings, config, &key)
+        if !self.trained_and_flown(&name, settings, config, &key)? {
+            return Ok(false);
+        }
+        let out = self.folder(&name);
+        let here = self.turns.is_trained(&name) && out.join(CARD).exists();
+        if here && constant.is_none() && self.scope.variation_cell() == Some(cell) {
+            self.approach(learner.name, config, load(&out)?.policy(None), seed)?;
+        }
+        Ok(true)
     }
 
     /// One policy for one mission; false if stopped meanwhile. What the table has from elsewhere,
