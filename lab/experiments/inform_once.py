@@ -88,7 +88,7 @@ def other_readings():
                 if seed == 0:
                     yield (reading, 162.5, uavs, 5, "mid", 0, "random")
                 yield (reading, 162.5, uavs, 5, "adaptive", seed, "ppo")
-        for range_m in (75, 87.5, 62.5):
+        for range_m in (75, 100, 87.5):
             for uavs in (10, 15):
                 yield (OVER_THE_EPISODE, range_m, uavs, 5, "adaptive", seed, "ppo")
 
