@@ -593,7 +593,7 @@ typedef struct jcas_radio {
 typedef struct jcas_outcome {
     /// sizeof(jcas_outcome); set it before the call.
     uint32_t struct_size;
-    /// 1 if every hotspot is informed, else 0.
+    /// 1 if every hotspot is confirmed and informed, else 0.
     uint32_t terminated;
     /// 1 if the horizon ended the episode before that, else 0.
     uint32_t truncated;
@@ -611,7 +611,7 @@ typedef struct jcas_episode {
     uint32_t t;
     /// The phase of the step, which decides what may be called next: JCAS_PHASE_READY and so on.
     uint32_t phase;
-    /// 1 if every hotspot is informed, else 0.
+    /// 1 if every hotspot is confirmed and informed, else 0.
     uint32_t terminated;
     /// 1 if the horizon ended the episode before that, else 0.
     uint32_t truncated;
@@ -641,7 +641,7 @@ typedef struct jcas_metrics {
     uint32_t struct_size;
     /// Steps taken.
     uint32_t steps;
-    /// 1 if every hotspot is informed (the mission succeeded), else 0.
+    /// 1 if every hotspot is confirmed and informed (the mission succeeded), else 0.
     uint32_t terminated;
     /// 1 if the horizon ended the episode before that, else 0.
     uint32_t truncated;
@@ -793,7 +793,8 @@ typedef struct jcas_batch_out {
     float *rewards;
     /// Elements of rewards.
     size_t reward_count;
-    /// M: 1 where the step ended the episode because every hotspot is informed, else 0.
+    /// M: 1 where the step ended the episode because every hotspot is confirmed and informed, else
+    /// 0.
     uint8_t *terminated;
     /// Elements of terminated.
     size_t terminated_count;
@@ -1317,8 +1318,8 @@ jcas_status jcas_sim_confirm_hotspot(struct jcas_sim *sim,
 /// Part 2 of a step with the host's detections, in place of jcas_sim_step_sense.
 ///
 /// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value
-/// but 0 is a detection. Detections by grounded UAVs and of hotspots that the UAV knows are
-/// ignored, as the kernel makes no draw for them.
+/// but 0 is a detection. Detections by grounded UAVs are ignored, and those of confirmed hotspots
+/// that the UAV knows, as the kernel makes no draw for them.
 /// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 JCAS_API

@@ -119,7 +119,7 @@ pub(crate) struct Activity {
     pub(crate) flies: u64,
     /// Its cell changed.
     pub(crate) moved: u64,
-    /// It did not know all hotspots when it sensed.
+    /// Some hotspot was unknown to it or not confirmed when it sensed.
     pub(crate) sensing: u64,
     /// It has a neighbour.
     pub(crate) linked: u64,

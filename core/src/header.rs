@@ -15,7 +15,7 @@ pub enum Phase {
     Sensed = 3,
     /// Knowledge has spread; the end of the step comes next.
     Communicated = 4,
-    /// The episode has terminated: all UAVs know all hotspots.
+    /// The episode has terminated: all UAVs know all hotspots, and each is confirmed.
     Terminated = 5,
     /// The episode was truncated at the horizon.
     Truncated = 6,

@@ -94,8 +94,8 @@ impl Model<'_> {
     /// Runs part 2 of a step with the host's detections, in place of [`Model::step_sense`].
     ///
     /// `detections` is an N × n matrix, row by row; any value but 0 is a detection. Detections by
-    /// grounded UAVs, and of hotspots that the UAV knows, are ignored: the kernel draws none there.
-    /// No UAV raises a false alarm in this step.
+    /// grounded UAVs are ignored, and those of confirmed hotspots that the UAV knows: the kernel
+    /// draws none there. No UAV raises a false alarm in this step.
     ///
     /// # Errors
     /// [`Error::OutOfOrder`] or [`Error::Length`].

@@ -10,7 +10,7 @@ use crate::state::{StateMut, StateRef};
 pub struct Metrics {
     /// Number of steps taken.
     pub steps: u32,
-    /// True if all UAVs know all hotspots, which is success.
+    /// True if all UAVs know all hotspots and each is confirmed, which is success.
     pub terminated: bool,
     /// True if the episode was truncated at the horizon.
     pub truncated: bool,

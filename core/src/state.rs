@@ -156,7 +156,7 @@ state! {
     grounded: Length::UavSet;
     /// UAVs sent to a depot by a low battery.
     returning: Length::UavSet;
-    /// UAVs that did not know all hotspots when they sensed.
+    /// UAVs for which some hotspot was unknown or not confirmed when they sensed.
     sensing: Length::UavSet;
     /// Cell of each hotspot.
     hotspots: Length::PerHotspot;

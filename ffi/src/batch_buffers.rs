@@ -96,7 +96,8 @@ batch_out! {
     new observations[observation_count]: f32;
     /// M: the team reward.
     new rewards[reward_count]: f32;
-    /// M: 1 where the step ended the episode because every hotspot is informed, else 0.
+    /// M: 1 where the step ended the episode because every hotspot is confirmed and informed, else
+    /// 0.
     new terminated[terminated_count]: u8;
     /// M: 1 where the step ended the episode at the horizon, else 0.
     new truncated[truncated_count]: u8;

@@ -111,8 +111,8 @@ pub unsafe extern "C" fn jcas_sim_confirm_hotspot(sim: *mut jcas_sim, hotspot: u
 /// Part 2 of a step with the host's detections, in place of jcas_sim_step_sense.
 ///
 /// `sim`, `detections`: not NULL. `count`: uav_count * hotspot_count, a row for each UAV; any value
-/// but 0 is a detection. Detections by grounded UAVs and of hotspots that the UAV knows are
-/// ignored, as the kernel makes no draw for them.
+/// but 0 is a detection. Detections by grounded UAVs are ignored, and those of confirmed hotspots
+/// that the UAV knows, as the kernel makes no draw for them.
 /// Threads: only this one uses `sim`.
 /// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, OUT_OF_ORDER, EPISODE_OVER.
 #[must_use]

@@ -124,7 +124,7 @@ pub struct jcas_radio {
 pub struct jcas_outcome {
     /// sizeof(jcas_outcome); set it before the call.
     pub struct_size: u32,
-    /// 1 if every hotspot is informed, else 0.
+    /// 1 if every hotspot is confirmed and informed, else 0.
     pub terminated: u32,
     /// 1 if the horizon ended the episode before that, else 0.
     pub truncated: u32,
@@ -144,7 +144,7 @@ pub struct jcas_episode {
     pub t: u32,
     /// The phase of the step, which decides what may be called next: JCAS_PHASE_READY and so on.
     pub phase: u32,
-    /// 1 if every hotspot is informed, else 0.
+    /// 1 if every hotspot is confirmed and informed, else 0.
     pub terminated: u32,
     /// 1 if the horizon ended the episode before that, else 0.
     pub truncated: u32,
@@ -233,7 +233,7 @@ pub struct jcas_metrics {
     pub struct_size: u32,
     /// Steps taken.
     pub steps: u32,
-    /// 1 if every hotspot is informed (the mission succeeded), else 0.
+    /// 1 if every hotspot is confirmed and informed (the mission succeeded), else 0.
     pub terminated: u32,
     /// 1 if the horizon ended the episode before that, else 0.
     pub truncated: u32,

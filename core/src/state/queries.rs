@@ -19,7 +19,7 @@ impl<'a> StateRef<'a> {
         self.header.seed()
     }
 
-    /// Whether the episode terminated: all UAVs know all hotspots.
+    /// Whether the episode terminated: all UAVs know all hotspots, and each is confirmed.
     #[must_use]
     pub fn terminated(&self) -> bool {
         self.header.phase() == Some(Phase::Terminated)

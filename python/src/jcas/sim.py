@@ -130,7 +130,7 @@ class Sim:
 
     @property
     def terminated(self) -> bool:
-        """Whether the episode ended because every hotspot is informed."""
+        """Whether the episode ended because every hotspot is confirmed and informed."""
         return self.episode().terminated != 0
 
     @property
