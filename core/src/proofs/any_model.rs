@@ -50,18 +50,9 @@ pub(crate) fn remembering(config: Config) -> Config {
     }
 }
 
-/// The configuration whose UAVs start anywhere.
-fn scattered(config: Config) -> Config {
-    Config {
-        start_cells: StartCells::Random,
-        ..config
-    }
-}
-
-/// A model whose radar and link tables hold anything in range.
-#[cfg(kani)]
+/// A model whose radar and link tables hold anything in range; for the stand-in a real one.
 pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    any_model_of(smallest(), words)
+    any_model_of(any_config(), words)
 }
 
 /// The same with two hotspots for its three free cells.
@@ -90,27 +81,34 @@ pub(crate) fn any_bucketed_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
 }
 
 /// The same with any range of charges at the start.
-#[cfg(kani)]
 pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     let low = real_between(0.0, 1.0);
     let config = Config {
         initial_soc_min: low,
         initial_soc_max: real_between(low, 1.0),
-        ..smallest()
+        ..any_config()
     };
     any_model_of(config, words)
 }
 
 /// The same whose quorum counts the episode, and whose UAVs learn all hotspots that they detect.
-#[cfg(kani)]
 pub(crate) fn any_remembering_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    any_model_of(remembering(smallest()), words)
+    any_model_of(remembering(any_config()), words)
 }
 
 /// The same whose UAVs start anywhere.
-#[cfg(kani)]
 pub(crate) fn any_scattered_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    any_model_of(scattered(smallest()), words)
+    let config = Config {
+        start_cells: StartCells::Random,
+        ..any_config()
+    };
+    any_model_of(config, words)
+}
+
+/// The one configuration that Kani gets.
+#[cfg(kani)]
+fn any_config() -> Config {
+    smallest()
 }
 
 /// A model of two by two cells.
@@ -170,12 +168,6 @@ fn any_uav_count() -> u32 {
     between(1, most as u64) as u32
 }
 
-/// A real model: the smallest, or one of up to 70 UAVs, four hotspots and 16 cells.
-#[cfg(not(kani))]
-pub(crate) fn any_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    any_model_of(any_config(), words)
-}
-
 /// The same, as its grid has buckets.
 #[cfg(not(kani))]
 pub(crate) fn any_bucketed_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
@@ -188,30 +180,7 @@ pub(crate) fn any_spread_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
     any_model(words)
 }
 
-/// The same with any range of charges at the start.
-#[cfg(not(kani))]
-pub(crate) fn any_charged_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    let low = real_between(0.0, 1.0);
-    let config = Config {
-        initial_soc_min: low,
-        initial_soc_max: real_between(low, 1.0),
-        ..any_config()
-    };
-    any_model_of(config, words)
-}
-
-/// The same whose quorum counts the episode, and whose UAVs learn all hotspots that they detect.
-#[cfg(not(kani))]
-pub(crate) fn any_remembering_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    any_model_of(remembering(any_config()), words)
-}
-
-/// The same whose UAVs start anywhere.
-#[cfg(not(kani))]
-pub(crate) fn any_scattered_model(words: &mut [u64; TABLE_WORDS]) -> Model<'_> {
-    any_model_of(scattered(any_config()), words)
-}
-
+/// The smallest configuration, or one of up to 70 UAVs, four hotspots and 16 cells.
 #[cfg(not(kani))]
 fn any_config() -> Config {
     let mut config = smallest();

@@ -206,10 +206,7 @@ fn link_pairs(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch
 pub fn spreading_keeps_the_state_valid() {
     given!(model);
     let before = any_fleet(&model, Phase::Sensed);
-    let mut after = before;
-    given!(scratch for model);
-    let done = model.step_communicate(&mut open(&model, &mut after), &mut scratch);
-    assert!(done.is_ok());
+    let after = spread(&model, &before);
     let (old, new) = (view(&model, &before), view(&model, &after));
     kani::cover!(model.uav_count() > 1 && new.linked(0, 1), "a link");
     kani::cover!(
@@ -217,10 +214,20 @@ pub fn spreading_keeps_the_state_valid() {
         "a hotspot becomes informed"
     );
     kani::cover!(new.grounded(0), "a grounded UAV");
-    nothing_is_forgotten(&model, &old, &new);
+}
+
+/// Communicates, and checks all that holds afterwards.
+fn spread<const W: usize>(model: &Model<'_>, before: &[u64; W]) -> [u64; W] {
+    let mut after = *before;
+    given!(scratch for model);
+    let done = model.step_communicate(&mut open(model, &mut after), &mut scratch);
+    assert!(done.is_ok());
+    let (old, new) = (view(model, before), view(model, &after));
+    nothing_is_forgotten(model, &old, &new);
     carries_scalars(&old, &new);
     assert!(new.header.phase() == Some(Phase::Communicated));
-    assert!(new.fleet_is_valid(&model, Phase::Communicated));
+    assert!(new.fleet_is_valid(model, Phase::Communicated));
+    after
 }
 
 /// The same where all UAVs may know a hotspot that is not confirmed.
@@ -234,18 +241,12 @@ pub fn spreading_keeps_the_state_valid() {
 pub fn spreading_with_memory_keeps_the_state_valid() {
     given!(model = any_remembering_model);
     let before: [u64; REMEMBERING_WORDS] = any_fleet_in(&model, Phase::Sensed);
-    let mut after = before;
-    given!(scratch for model);
-    let done = model.step_communicate(&mut open(&model, &mut after), &mut scratch);
-    assert!(done.is_ok());
-    let (old, new) = (view(&model, &before), view(&model, &after));
+    let after = spread(&model, &before);
+    let new = view(&model, &after);
     kani::cover!(
         new.informed(0) && !new.confirmed(0),
         "a hotspot is informed before it is confirmed"
     );
-    nothing_is_forgotten(&model, &old, &new);
-    carries_scalars(&old, &new);
-    assert!(new.fleet_is_valid(&model, Phase::Communicated));
 }
 
 /// What working memory held before does not matter to consensus over the same graph.

@@ -135,9 +135,10 @@ pub struct World {
     /// `reported[i][y][x]`: the most sightings of one UAV that UAV i knows of, up to the number of
     /// levels.
     pub reported: Vec<Vec<Vec<u32>>>,
-    /// `remembered[i][j]`: UAV i has detected hotspot j in the episode.
+    /// `remembered[i][j]`: UAV i counts toward the quorum of hotspot j, by its detections of the
+    /// step or of the episode.
     pub remembered: Vec<Vec<bool>>,
-    /// `remembered_false[i][y][x]`: UAV i has raised a false alarm there in the episode.
+    /// `remembered_false[i][y][x]`: UAV i counts toward the false confirmation of the cell.
     pub remembered_false: Vec<Vec<Vec<bool>>>,
     /// Carbon intensity that the coming step will be billed with, in mg/kWh.
     pub coming_intensity_mg_per_kwh: u64,
