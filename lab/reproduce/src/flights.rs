@@ -94,6 +94,11 @@ fn key(
     }
 }
 
+/// A setting that the kernel does not accept.
+fn refused(error: impl std::fmt::Display) -> TrainError {
+    TrainError::Setting(error.to_string())
+}
+
 const GRID: (&str, f64) = ("grid", 0.0);
 
 impl Flights<'_> {
@@ -283,14 +288,13 @@ impl Flights<'_> {
         if self.stopped() {
             return Ok(());
         }
-        let refused = |error: &dyn std::fmt::Display| TrainError::Setting(error.to_string());
-        let model = Model::new(config).map_err(|error| refused(&error))?;
+        let model = Model::new(config).map_err(refused)?;
         let campaign = Campaign {
             episodes: self.scope.episodes,
             seed: EVALUATION_SEED,
         };
-        let missions = fly(&model, campaign, make, &|| ControlFlow::Continue(()))
-            .map_err(|error| refused(&error))?;
+        let missions =
+            fly(&model, campaign, make, &|| ControlFlow::Continue(())).map_err(refused)?;
         let summary = Summary::of(&missions, config.horizon_steps);
         self.table.add(self.turns.unit(), key, &summary)
     }
@@ -307,8 +311,7 @@ impl Flights<'_> {
         if path.exists() || self.stopped() {
             return Ok(());
         }
-        let refused = |error: jcas_core::Error| TrainError::Setting(error.to_string());
-        let model = Model::new(config).map_err(|error| TrainError::Setting(error.to_string()))?;
+        let model = Model::new(config).map_err(refused)?;
         let missions = pilot_by_distance::missions(self.scope);
         let bins = pilot_by_distance::observe(&model, policy, missions).map_err(refused)?;
         write_whole(&path, pilot_by_distance::text(&bins).as_bytes())

@@ -1,8 +1,8 @@
-//! The readings of detection and of the start that the paper's text allows, beside the model's own.
+//! Readings of detection and of the start that are near the paper's text, beside the model's own.
 
 use crate::chapter::Block;
 use crate::fit::PAPER;
-use crate::readings::{Line, compatible};
+use crate::readings::{Line, compatible, ranges};
 use crate::scan::{self, OTHER_READINGS, PPO, RANDOM, READINGS, Scan};
 use crate::statistics::Spread;
 use crate::text::told;
@@ -12,7 +12,7 @@ const RANGE_M: f64 = 162.5;
 
 /// A table of all readings, and the ranges that fit; none where they have not been flown.
 pub(crate) fn blocks(scan: &Scan, spread: Option<Spread>) -> Vec<Block> {
-    let flown: Vec<(&str, &str)> = OTHER_READINGS
+    let flown: Vec<(&'static str, &'static str)> = OTHER_READINGS
         .into_iter()
         .filter(|(reading, _)| scan.rows.iter().any(|row| row.reading == *reading))
         .collect();
@@ -21,14 +21,9 @@ pub(crate) fn blocks(scan: &Scan, spread: Option<Spread>) -> Vec<Block> {
     }
     let mut rows = rows(scan, READINGS[1], "the model", &[RANGE_M], spread);
     for &(reading, field) in &flown {
+        let ranges = ranges(scan, &lines(&[(reading, field)]));
         let field = format!("`{field}`");
-        rows.extend(self::rows(
-            scan,
-            reading,
-            &field,
-            &ranges(scan, reading),
-            spread,
-        ));
+        rows.extend(self::rows(scan, reading, &field, &ranges, spread));
     }
     let of = |policy| PAPER.map(|published| format!("{policy}, N = {}", published.uavs));
     let mut head = vec!["reading".to_owned(), "range (m)".to_owned()];
@@ -49,8 +44,8 @@ pub(crate) fn blocks(scan: &Scan, spread: Option<Spread>) -> Vec<Block> {
     ]
 }
 
-const INTRODUCTION: &str = "The paper's text also allows other readings of detection and of the \
-    start. Each field below changes one of them, with informing paid once \
+const INTRODUCTION: &str = "Other readings of detection and of the start are near the paper's \
+    text. Each field below changes one of them, with informing paid once \
     ([the model](../docs/model.md#other-readings-of-detection)). With a quorum over the episode a \
     hotspot is confirmed once three UAVs have detected it in any steps. With own detections a UAV \
     knows a hotspot from its own detection on. With random starts each UAV starts in a cell of its \
@@ -63,15 +58,6 @@ fn lines(flown: &[(&'static str, &'static str)]) -> Vec<Line> {
         lines.push((reading, PPO, format!("`{field}`, PPO")));
     }
     lines
-}
-
-/// The ranges at which any policy has flown under a reading, rising.
-fn ranges(scan: &Scan, reading: &str) -> Vec<f64> {
-    let mut ranges = scan.ranges(reading, RANDOM);
-    ranges.extend(scan.ranges(reading, PPO));
-    ranges.sort_by(f64::total_cmp);
-    ranges.dedup();
-    ranges
 }
 
 /// One row for each range: a random walk and PPO, each with both fleets.

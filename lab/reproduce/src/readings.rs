@@ -30,9 +30,8 @@ fn lines() -> Vec<Line> {
     lines
 }
 
-/// Every range of the scan, rising.
-fn ranges(scan: &Scan) -> Vec<f64> {
-    let lines = lines();
+/// Every range of these lines in the scan, rising.
+pub(crate) fn ranges(scan: &Scan, lines: &[Line]) -> Vec<f64> {
     let all = lines.iter().flat_map(|line| scan.ranges(line.0, line.1));
     let mut ranges: Vec<f64> = all.collect();
     ranges.sort_by(f64::total_cmp);
@@ -67,7 +66,7 @@ pub fn numbers(results: &Results) -> Vec<Block> {
             ends(&alone),
             ends(&trained)
         )));
-        let rows = ranges(scan).into_iter().map(|range_m| {
+        let rows = ranges(scan, &lines()).into_iter().map(|range_m| {
             let cell = |(reading, flown, _): Line| {
                 let rows = scan.cell(reading, range_m, published.uavs, flown);
                 scan::success_interval(&rows, spread).map_or(String::new(), |e| told(&e, 3))
@@ -271,7 +270,7 @@ pub(crate) fn compatible(scan: &Scan, lines: &[Line], spread: Option<Spread>) ->
 
 fn figure(results: &Results, spread: Option<Spread>) -> Panels {
     let scan = &results.scan;
-    let scanned = ranges(scan);
+    let scanned = ranges(scan, &lines());
     let panel = |published: Published| {
         let mut figure = Figure::new(
             format!("N = {}", published.uavs),
