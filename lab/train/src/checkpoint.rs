@@ -25,6 +25,8 @@ struct Notes {
     critic_updates: u64,
     values_count: f64,
     workers: usize,
+    #[serde(default)]
+    critic_only_batches: u64,
 }
 
 fn model_arrays(name: &str, model: &Trainable, arrays: &mut Vec<Array>) {
@@ -90,6 +92,7 @@ pub fn save(trainer: &Trainer, run: &str, path: &Path) -> Result<(), TrainError>
         critic_updates: trainer.critic.adam.steps,
         values_count: trainer.value_statistics.count,
         workers: trainer.workers.len(),
+        critic_only_batches: trainer.critic_only_batches,
     };
     let notes = serde_json::to_string(&notes).map_err(TrainError::format(path))?;
     let bytes = encode(&arrays, &notes).map_err(TrainError::format(path))?;
@@ -131,6 +134,7 @@ fn read(trainer: &mut Trainer, run: &str, bytes: &[u8]) -> Result<(), String> {
         worker.load(&arrays.bytes(&format!("worker.{index}"))?)?;
     }
     trainer.iterations = notes.iterations;
+    trainer.critic_only_batches = notes.critic_only_batches;
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use crate::error::TrainError;
 use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
 use crate::policy::Actor;
-use crate::policy::files::{Precision, save};
+use crate::policy::files::{self, Precision, save};
 use crate::ppo::normalise::Affine;
 use crate::settings::Settings;
 use crate::speed::Speed;
@@ -20,7 +20,7 @@ use jcas_episode::mission::{self, Campaign};
 use jcas_policy::head::Mode;
 use jcas_policy::{Trained, action_of};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -28,6 +28,9 @@ use std::time::Instant;
 pub const CHECKPOINT: &str = "checkpoint.safetensors";
 /// Batches between checkpoints.
 const CHECKPOINT_EVERY: u64 = 10;
+/// Batches in which a new critic learns alone, before the actor of a policy follows it. Until then
+/// the critic knows nothing of that policy, and its advantages would be noise.
+const CRITIC_ONLY_BATCHES: u64 = 10;
 /// Metrics of a run in its folder.
 pub const METRICS: &str = "metrics.csv";
 /// Times and rates of a run in its folder; they differ from run to run.
@@ -60,7 +63,8 @@ pub enum Start {
     Fresh,
     /// Random weights, or the run that the folder holds already.
     Resume,
-    /// The weights, moments and statistics of the run in that folder, under new settings.
+    /// The weights, moments and statistics of the run in that folder, under new settings. A folder
+    /// with a policy alone gives the actor's weights.
     Run(PathBuf),
 }
 
@@ -97,6 +101,38 @@ fn models(configs: &[Config]) -> Result<Vec<Arc<Model<'static>>>, TrainError> {
         .iter()
         .map(|&config| Model::new(config).map(Arc::new).map_err(refused))
         .collect()
+}
+
+/// Gives a fresh trainer what a folder holds: a run, or a policy alone.
+fn begin_from(trainer: &mut Trainer, folder: &Path) -> Result<(), TrainError> {
+    let checkpoint = folder.join(CHECKPOINT);
+    if checkpoint.exists() || !folder.join(card::CARD).exists() {
+        return checkpoint::load_learnt(trainer, &checkpoint);
+    }
+    let (card, actor) = files::load(folder)?;
+    let refused = |what: String| Err(TrainError::Fit(format!("{}: {what}", folder.display())));
+    let (own, given) = (
+        &trainer.actor.network.architecture,
+        &actor.network.architecture,
+    );
+    if own != given {
+        return refused(format!(
+            "its network is {given:?}, that of the settings is {own:?}"
+        ));
+    }
+    if actor.head != trainer.settings.head {
+        let (own, given) = (trainer.settings.head, actor.head);
+        return refused(format!(
+            "its head is {given:?}, that of the settings is {own:?}"
+        ));
+    }
+    if actor.inputs != Affine::default() {
+        return refused("it scales its inputs, which no training does".to_owned());
+    }
+    trainer.actor.parameters = actor.parameters;
+    trainer.environment_steps = card.environment_steps.unwrap_or(0);
+    trainer.critic_only_batches = CRITIC_ONLY_BATCHES;
+    Ok(())
 }
 
 impl RunSpec {
@@ -165,7 +201,7 @@ impl RunSpec {
                 )));
             }
             Start::Run(folder) => {
-                checkpoint::load_learnt(&mut trainer, &folder.join(CHECKPOINT))?;
+                begin_from(&mut trainer, folder)?;
             }
             Start::Fresh | Start::Resume => {}
         }

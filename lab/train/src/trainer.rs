@@ -61,6 +61,8 @@ pub struct Trainer {
     pub iterations: u64,
     /// Environment steps done.
     pub environment_steps: u64,
+    /// Batches at the start of the run in which only the critic learns.
+    pub critic_only_batches: u64,
     device: Device,
 }
 
@@ -150,6 +152,7 @@ impl Trainer {
             critic,
             iterations: 0,
             environment_steps: 0,
+            critic_only_batches: 0,
             device,
         })
     }
@@ -315,7 +318,7 @@ impl Trainer {
                 &mut random,
             );
             critic_sums.merge(&critic);
-            if too_far(&actor_sums) {
+            if self.iterations < self.critic_only_batches || too_far(&actor_sums) {
                 continue;
             }
             // The log shows the last epoch, which produced the policy.

@@ -27,6 +27,8 @@ Examples:
   jcas-lab train --preset paper --set uav_tag=index --draw 20 --out any-fleet
   jcas-lab train --out run --resume
   jcas-lab train --out tuned --from run --train-set learning_rate=0.0001
+  jcas-lab train --preset paper --set uav_tag=index --draw 100 --train-preset time \
+    --train-set constant_pilot=0.05 --train-set workers=100 --from policies/paper --out mine
   jcas evaluate run";
 
 /// Settings to start from.
@@ -118,8 +120,8 @@ pub struct Train {
     /// Go on with the run in the folder, if there is one
     #[arg(long)]
     resume: bool,
-    /// Folder of a run whose weights this run starts from, in place of random weights; the
-    /// settings are this run's
+    /// Folder of a run or of a policy whose weights this run starts from, in place of random
+    /// weights; the settings are this run's
     #[arg(long, value_name = "RUN", conflicts_with = "resume")]
     from: Option<PathBuf>,
     #[command(flatten)]

@@ -1,7 +1,8 @@
 //! A run that goes on: from where it was stopped or killed, or from what another has learnt.
 
 use crate::{StopAfter, fleets, plan, settings};
-use jcas_train::run::{NoObserver, RunOutcome, RunSpec, Start};
+use jcas_train::checkpoint;
+use jcas_train::run::{CHECKPOINT, NoObserver, RunOutcome, RunSpec, Start};
 use jcas_train::settings::{NetworkKind, Settings};
 
 fn weights(plan: &RunSpec) -> Vec<u8> {
@@ -132,6 +133,50 @@ fn a_run_begins_with_what_another_has_learnt() {
         assert!(!larger.out.exists());
     }
     for plan in [first, second, third, fourth] {
+        std::fs::remove_dir_all(plan.out).unwrap();
+    }
+}
+
+/// A shipped policy has no critic. Its weights stay while a new critic learns, also across a stop.
+#[test]
+fn a_run_begins_with_a_policy_and_a_new_critic() {
+    let policy = plan("policy-alone", settings(NetworkKind::Set));
+    policy.train(&Start::Fresh, &mut NoObserver).unwrap();
+    std::fs::remove_file(policy.out.join(CHECKPOINT)).unwrap();
+    let origin = Start::Run(policy.out.clone());
+    let after = |name: &str, batches: u64| {
+        let settings = Settings {
+            seed: 5,
+            total_steps: batches * 256,
+            ..settings(NetworkKind::Set)
+        };
+        plan(name, settings)
+    };
+    let held = after("critic-only", 10);
+    let RunOutcome::Finished(card) = held.train(&origin, &mut NoObserver).unwrap() else {
+        panic!("nobody stopped it");
+    };
+    assert_eq!(weights(&policy), weights(&held));
+    assert_eq!(card.environment_steps, Some(17 * 256));
+    let mut trainer = held.trainer().unwrap();
+    let untrained = trainer.critic.parameters.clone();
+    checkpoint::load_learnt(&mut trainer, &held.out.join(CHECKPOINT)).unwrap();
+    assert_ne!(untrained, trainer.critic.parameters);
+
+    let whole = after("followed", 12);
+    whole.train(&origin, &mut NoObserver).unwrap();
+    assert_ne!(weights(&policy), weights(&whole));
+    let parts = after("followed-in-parts", 12);
+    parts.train(&origin, &mut StopAfter(4)).unwrap();
+    parts.train(&Start::Resume, &mut NoObserver).unwrap();
+    assert_eq!(weights(&whole), weights(&parts));
+
+    let mut other = after("another-network", 12);
+    other.settings.actor_hidden = vec![32, 16];
+    let refused = other.train(&origin, &mut NoObserver).err().unwrap();
+    assert!(refused.to_string().contains("its network is"), "{refused}");
+    assert!(!other.out.exists());
+    for plan in [policy, held, whole, parts] {
         std::fs::remove_dir_all(plan.out).unwrap();
     }
 }
