@@ -109,7 +109,12 @@ pub fn load(trainer: &mut Trainer, run: &str, path: &Path) -> Result<(), TrainEr
 /// missions. Its environment steps count on.
 pub fn load_learnt(trainer: &mut Trainer, path: &Path) -> Result<(), TrainError> {
     let bytes = std::fs::read(path).map_err(TrainError::file(path))?;
-    let learnt = decode(&bytes).and_then(|(notes, arrays)| read_learnt(trainer, &notes, &arrays));
+    let learnt = decode(&bytes).and_then(|(notes, arrays)| {
+        read_learnt(trainer, &notes, &arrays)?;
+        // A critic that was not ready for its actor is not ready in another run.
+        trainer.critic_only_batches = notes.critic_only_batches.saturating_sub(notes.iterations);
+        Ok(())
+    });
     learnt.map_err(TrainError::format(path))
 }
 

@@ -120,12 +120,6 @@ fn begin_from(trainer: &mut Trainer, folder: &Path) -> Result<(), TrainError> {
             "its network is {given:?}, that of the settings is {own:?}"
         ));
     }
-    if actor.head != trainer.settings.head {
-        let (own, given) = (trainer.settings.head, actor.head);
-        return refused(format!(
-            "its head is {given:?}, that of the settings is {own:?}"
-        ));
-    }
     if actor.inputs != Affine::default() {
         return refused("it scales its inputs, which no training does".to_owned());
     }

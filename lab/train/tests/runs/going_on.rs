@@ -168,6 +168,13 @@ fn a_run_begins_with_a_policy_and_a_new_critic() {
     assert_ne!(weights(&policy), weights(&whole));
     let parts = after("followed-in-parts", 12);
     parts.train(&origin, &mut StopAfter(4)).unwrap();
+    // Another run takes over what the critic still has to learn alone.
+    let early = Start::Run(parts.out.clone());
+    let (taken, longer) = (after("taken-over", 6), after("taken-over-longer", 7));
+    taken.train(&early, &mut NoObserver).unwrap();
+    longer.train(&early, &mut NoObserver).unwrap();
+    assert_eq!(weights(&policy), weights(&taken));
+    assert_ne!(weights(&policy), weights(&longer));
     parts.train(&Start::Resume, &mut NoObserver).unwrap();
     assert_eq!(weights(&whole), weights(&parts));
 
@@ -176,7 +183,7 @@ fn a_run_begins_with_a_policy_and_a_new_critic() {
     let refused = other.train(&origin, &mut NoObserver).err().unwrap();
     assert!(refused.to_string().contains("its network is"), "{refused}");
     assert!(!other.out.exists());
-    for plan in [policy, held, whole, parts] {
+    for plan in [policy, held, whole, parts, taken, longer] {
         std::fs::remove_dir_all(plan.out).unwrap();
     }
 }
