@@ -2,7 +2,8 @@
 
 use crate::random::{Purpose, stream_for};
 use jcas_core::config::{Cell, Depots};
-use jcas_core::{Config, ConfigError};
+use jcas_core::{Config, Error, Model};
+use jcas_policy::baselines::quorum_probability;
 use rand::{Rng, RngExt};
 use std::ops::RangeInclusive;
 
@@ -14,6 +15,8 @@ const HOTSPOTS: RangeInclusive<u32> = 1..=11;
 const SIDE: RangeInclusive<u32> = 8..=16;
 /// Factors on the sensing range, if the configuration has one.
 const RANGE_FACTORS: RangeInclusive<f64> = 0.75..=1.25;
+/// Draws of one configuration.
+const TRIES: usize = 100;
 
 /// Draws one configuration. The logarithm of the fleet's size is uniform, so that a batch has about
 /// as many rows of small fleets as of large ones.
@@ -37,16 +40,43 @@ fn one(base: &Config, random: &mut impl Rng) -> Config {
     }
 }
 
+/// Whether the whole fleet, over one hotspot after the other, expects to confirm all of them within
+/// the horizon. The ways between them are not counted.
+fn can_finish(config: Config) -> Result<bool, Error> {
+    let model = Model::new(config)?;
+    let config = model.config();
+    let chance = quorum_probability(
+        config.uav_count as usize,
+        config.quorum as usize,
+        model.detection_probability(0, 0, config.pilot_density_max),
+    );
+    Ok(f64::from(config.hotspot_count) <= chance * f64::from(config.horizon_steps))
+}
+
+/// Draws until a fleet can finish, at most [`TRIES`] times.
+fn finishable(base: &Config, random: &mut impl Rng) -> Result<Config, Error> {
+    let mut config = one(base, random);
+    for _ in 1..TRIES {
+        if can_finish(config)? {
+            break;
+        }
+        config = one(base, random);
+    }
+    config.validate()?;
+    Ok(config)
+}
+
 /// Draws `count` configurations from `seed`.
 ///
 /// They have fleets of up to 24 UAVs, 1 to 11 hotspots, grids of 8 to 16 cells a side, and any
 /// depot. The sensing range is 0.75 to 1.25 of that of `base`, and all other fields are those of
 /// `base`. If they do not allow what was drawn, it returns the field's error.
-pub fn draw(base: &Config, count: usize, seed: u64) -> Result<Vec<Config>, ConfigError> {
+///
+/// A configuration in which the fleet cannot expect to finish is drawn again: it has nothing to
+/// teach. If that happens a hundred times in a row, the last one stays.
+pub fn draw(base: &Config, count: usize, seed: u64) -> Result<Vec<Config>, Error> {
     let mut random = stream_for(seed, Purpose::Configurations, 0, 0);
-    let drawn: Vec<Config> = (0..count).map(|_| one(base, &mut random)).collect();
-    drawn.iter().try_for_each(Config::validate)?;
-    Ok(drawn)
+    (0..count).map(|_| finishable(base, &mut random)).collect()
 }
 
 #[cfg(test)]
@@ -73,6 +103,25 @@ mod tests {
         let small: f64 = drawn.iter().filter(|c| c.uav_count <= 12).map(uavs).sum();
         let all: f64 = drawn.iter().map(uavs).sum();
         assert!((0.4..0.6).contains(&(small / all)), "{}", small / all);
+    }
+
+    // In `mission` a UAV detects a hotspot in its own cell with a chance of 0.16. To confirm one,
+    // three UAVs take 250 steps, five 31 and six 18. So five confirm three in 100 steps.
+    #[test]
+    fn a_fleet_is_drawn_only_with_hotspots_that_it_can_confirm() {
+        let base = Config::preset(Preset::Mission);
+        let drawn = draw(&base, 1000, 1).unwrap();
+        let most = |uavs| {
+            let hotspots = drawn.iter().filter(|c| c.uav_count == uavs);
+            hotspots.map(|c| c.hotspot_count).max()
+        };
+        assert_eq!([3, 5, 6].map(most), [None, Some(3), Some(5)]);
+        assert_eq!(most(12), Some(11));
+        let blind = Config {
+            detection_threshold_db: Some(200.0),
+            ..base
+        };
+        assert_eq!(draw(&blind, 3, 1).unwrap().len(), 3);
     }
 
     #[test]

@@ -73,7 +73,8 @@ pub struct Train {
     hotspots: Vec<u32>,
     /// Draw this many configurations from the seed. Each has its own fleet (up to 24 UAVs),
     /// hotspots (1 to 11), grid (8 to 16 cells a side) and depot. The sensing range is 0.75 to 1.25
-    /// of the configured one
+    /// of the configured one. Where the fleet cannot expect to confirm all hotspots within the
+    /// horizon, it draws again
     #[arg(
         long,
         value_name = "COUNT",
