@@ -2,7 +2,7 @@
 
 use crate::random::{Purpose, stream_for};
 use jcas_core::config::{Cell, Depots};
-use jcas_core::{Config, Error, Model};
+use jcas_core::{Config, Error, Model, QuorumWindow};
 use jcas_policy::baselines::quorum_probability;
 use rand::{Rng, RngExt};
 use std::ops::RangeInclusive;
@@ -41,10 +41,14 @@ fn one(base: &Config, random: &mut impl Rng) -> Config {
 }
 
 /// Whether the whole fleet, over one hotspot after the other, expects to confirm all of them within
-/// the horizon. The ways between them are not counted.
+/// the horizon. The ways between them are not counted. A quorum over the episode always passes, as
+/// its detections add up over the steps.
 fn can_finish(config: Config) -> Result<bool, Error> {
     let model = Model::new(config)?;
     let config = model.config();
+    if config.quorum_window == QuorumWindow::Episode {
+        return Ok(true);
+    }
     let chance = quorum_probability(
         config.uav_count as usize,
         config.quorum as usize,
@@ -55,15 +59,15 @@ fn can_finish(config: Config) -> Result<bool, Error> {
 
 /// Draws until a fleet can finish, at most [`TRIES`] times.
 fn finishable(base: &Config, random: &mut impl Rng) -> Result<Config, Error> {
-    let mut config = one(base, random);
     for _ in 1..TRIES {
+        let config = one(base, random);
         if can_finish(config)? {
-            break;
+            return Ok(config);
         }
-        config = one(base, random);
     }
-    config.validate()?;
-    Ok(config)
+    let last = one(base, random);
+    last.validate()?;
+    Ok(last)
 }
 
 /// Draws `count` configurations from `seed`.
@@ -117,6 +121,12 @@ mod tests {
         };
         assert_eq!([3, 5, 6].map(most), [None, Some(3), Some(5)]);
         assert_eq!(most(12), Some(11));
+        let adding_up = Config {
+            quorum_window: QuorumWindow::Episode,
+            ..base
+        };
+        let drawn = draw(&adding_up, 100, 1).unwrap();
+        assert!(drawn.iter().any(|config| config.uav_count == 3));
         let blind = Config {
             detection_threshold_db: Some(200.0),
             ..base
