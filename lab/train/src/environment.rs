@@ -7,6 +7,7 @@ pub mod detection_credit;
 pub mod fleet;
 pub mod knowledge_credit;
 pub mod task;
+pub mod teacher;
 
 use crate::settings::Credit;
 use jcas_policy::network::row::RowLayout;
@@ -62,6 +63,12 @@ pub struct StepOut {
     /// Gain of each UAV's pilot density in this step over the middle of the range (M·N), if
     /// requested.
     pub pilot_gains: Vec<f32>,
+    /// Confirmations of this step less the expected ones, as a share of the hotspots that were
+    /// unconfirmed before it (M), if requested.
+    pub surpluses: Vec<f32>,
+    /// The motion that the teacher chose for each UAV in the state before the step, as an index of
+    /// `Motion::ALL` (M·N), if requested.
+    pub lessons: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
     /// The mission was cut at the horizon: its value goes on.
@@ -75,16 +82,19 @@ pub struct StepOut {
 }
 
 impl StepOut {
-    /// Buffers for a group of this shape. Their lengths request the rewards of the credit, and with
+    /// Buffers for a group of this shape. Their lengths request what the credit needs, and with
     /// `pilot_gains` also the gains of the pilot densities.
     pub fn new(shape: Shape, credit: Credit, pilot_gains: bool) -> StepOut {
         let rewards = match credit {
-            Credit::Team => shape.environments,
+            Credit::Team | Credit::Expected | Credit::Teacher => shape.environments,
             Credit::Uav => shape.rows(),
         };
+        let room = |asked: bool, length: usize| vec![0.0; if asked { length } else { 0 }];
         StepOut {
             rewards: vec![0.0; rewards],
-            pilot_gains: vec![0.0; if pilot_gains { shape.rows() } else { 0 }],
+            surpluses: room(credit == Credit::Expected, shape.environments),
+            lessons: room(credit == Credit::Teacher, shape.rows()),
+            pilot_gains: room(pilot_gains, shape.rows()),
             terminated: vec![false; shape.environments],
             truncated: vec![false; shape.environments],
             final_global: vec![0.0; shape.environments * shape.global_len],

@@ -63,7 +63,7 @@ pub struct Settings {
     /// λ of generalised advantage estimation, in (0, 1].
     pub gae_lambda: f32,
 
-    /// Whose reward an action is judged by.
+    /// What an action is judged by.
     pub credit: Credit,
     /// Pilot density that replaces the policy's; only motions are trained then. Absent: the policy
     /// chooses it.
@@ -111,13 +111,21 @@ pub enum NetworkKind {
     Turns,
 }
 
-/// Whose reward an action is judged by.
+/// What an action is judged by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Credit {
     /// The team's reward judges every action, as in the paper. One part in N of it is about the UAV
     /// itself.
     Team,
+    /// The same, with the advantage freed of the luck of confirmations: a control variate takes out
+    /// what the drawn detections confirmed beyond expectation. For a reward that counts time.
+    Expected,
+    /// A teacher judges: the actor learns the motions that the baseline `teams` chooses in the
+    /// states that the actor visits. Pilot densities are not taught. The method is DAgger (Ross,
+    /// Gordon and Bagnell, "A reduction of imitation learning and structured prediction to
+    /// no-regret online learning", 2011).
+    Teacher,
     /// Each UAV's own reward judges its actions. The mean over the fleet is the team's.
     Uav,
 }
@@ -151,6 +159,9 @@ impl Settings {
     pub fn validate(&self) -> Result<(), String> {
         self.check_ranges()?;
         self.check_batches()?;
+        if self.credit == Credit::Teacher && self.head != Head::Hybrid {
+            return Err("credit: teacher is allowed with head = hybrid only".into());
+        }
         match self.curriculum {
             Some(Curriculum {
                 batches, stages, ..
@@ -271,6 +282,12 @@ mod tests {
             };
             assert!(told(&settings).contains("kl_target"));
         }
+        let taught = Settings {
+            head: Head::Gaussian,
+            credit: Credit::Teacher,
+            ..mission()
+        };
+        assert!(told(&taught).contains("credit: teacher"));
         for detection in [-1.0, f64::NAN, f64::INFINITY] {
             let mut settings = mission();
             settings.shaping.detection = detection;

@@ -261,6 +261,7 @@ impl Trainer {
                     rewards: &rollout.rewards,
                     values: &values,
                     next_values: &next_values,
+                    surpluses: &rollout.surpluses,
                     terminated: &rollout.terminated,
                     truncated: &rollout.truncated,
                 },

@@ -3,8 +3,11 @@
 
 mod support;
 
+use jcas_core::Config;
 use jcas_policy::head::Head;
 use jcas_train::environment::VectorEnvironment;
+use jcas_train::environment::fleet::{Fleet, RewardShaping};
+use jcas_train::environment::task::TrainingTask;
 use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
 use jcas_train::trainer::Trainer;
 use support::Beacon;
@@ -211,4 +214,34 @@ fn threads_do_not_change_the_policy() {
         })
     };
     assert_eq!(train(1), train(2));
+}
+
+/// Five motions at random cost ln 5 = 1.6 a row. The loss is that of a batch's last epoch.
+#[test]
+fn a_teacher_is_imitated() {
+    let config = Config {
+        uav_count: 3,
+        hotspot_count: 1,
+        ..Config::default()
+    };
+    let settings = Settings {
+        credit: Credit::Teacher,
+        total_steps: 10 * 1024,
+        learning_rate: 5e-3,
+        ..settings(Head::Hybrid)
+    };
+    let worker = |_| {
+        let task = TrainingTask::new(&config, &settings).unwrap();
+        let treatment = RewardShaping::new(&settings, None).unwrap();
+        Box::new(Fleet::new(task, 8, treatment)) as Box<dyn VectorEnvironment>
+    };
+    let workers = (0..settings.workers).map(worker).collect();
+    let mut trainer = Trainer::new(settings.clone(), workers, "cpu").unwrap();
+    let mut loss = || {
+        let actor = trainer.iterate().actor;
+        actor.loss / actor.rows
+    };
+    let first = loss();
+    let last = (0..9).map(|_| loss()).last().unwrap();
+    assert!(last < 0.2 && last < first / 2.0, "{first} {last}");
 }

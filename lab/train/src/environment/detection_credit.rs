@@ -95,6 +95,26 @@ impl DetectionCredit {
         }
         self.start(mission, model, state);
     }
+
+    /// Confirmations of the step that led to this state less the expected ones, as a share of the
+    /// hotspots that were unconfirmed before it. Called before [`DetectionCredit::gained`].
+    pub fn surplus(&self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) -> f64 {
+        let open = &self.open[mission];
+        if open.is_empty() {
+            return 0.0;
+        }
+        let mut chances = Vec::new();
+        let mut counted = Quorum::new(model.config().quorum as usize);
+        let expected = open.iter().map(|&there| {
+            self.radar.chances_of(model, state, there, &mut chances);
+            counted.count(chances.iter().map(|chance| chance.now));
+            counted.reached()
+        });
+        let expected: f64 = expected.sum();
+        let still = (0..model.hotspot_count()).filter(|&hotspot| !state.confirmed(hotspot));
+        let confirmed = open.len() - still.count();
+        (confirmed as f64 - expected) / open.len() as f64
+    }
 }
 
 impl Radar {
@@ -167,6 +187,12 @@ impl Quorum {
     fn count(&mut self, chances: impl DoubleEndedIterator<Item = f64> + Clone) {
         one_by_one(&mut self.first, self.quorum, chances.clone());
         one_by_one(&mut self.last, self.quorum, chances.rev());
+    }
+
+    /// The chance that at least θ of the events happen.
+    fn reached(&self) -> f64 {
+        let all = &self.first[self.first.len() - self.quorum..];
+        1.0 - all.iter().sum::<f64>()
     }
 
     /// The chance that exactly θ − 1 of the others happen.
@@ -337,5 +363,73 @@ mod tests {
             let expected = high * high * (low - middling);
             assert!((by_pilot - expected).abs() < 1e-12, "{by_pilot} {expected}");
         }
+    }
+
+    // Ten UAVs stay over hotspots. Over many steps they confirm what is expected, within five
+    // standard deviations.
+    #[test]
+    fn a_surplus_is_zero_on_average() {
+        let config = Config {
+            uav_count: 10,
+            hotspot_count: 2,
+            ..Config::preset(Preset::Mission)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        let mut finding = DetectionCredit::new(1, &model);
+        let (mut sum, mut squares, mut confirmed) = (0.0, 0.0, 0);
+        for seed in 0..400 {
+            sim.reset(seed);
+            let there = [0, 1].map(|hotspot| sim.state().hotspot_cell(hotspot));
+            sim.set_starts(&[0, 0, 0, 0, 0, 0, 1, 1, 1, 1].map(|hotspot: usize| there[hotspot]))
+                .unwrap();
+            finding.start(0, &model, &sim.state());
+            for _ in 0..5 {
+                let outcome = sim.step(&[0.8, 0.5].repeat(10)).unwrap();
+                let surplus = finding.surplus(0, &model, &sim.state());
+                sum += surplus;
+                squares += surplus * surplus;
+                confirmed += u32::from(surplus > 0.0);
+                if outcome.terminated {
+                    break;
+                }
+                finding.start(0, &model, &sim.state());
+            }
+        }
+        assert!(confirmed > 100, "{confirmed}");
+        assert!(f64::abs(sum) < 5.0 * f64::sqrt(squares), "{sum} {squares}");
+    }
+
+    #[test]
+    fn a_surplus_is_a_share_of_what_was_unconfirmed() {
+        let config = Config {
+            uav_count: 3,
+            hotspot_count: 2,
+            ..Config::preset(Preset::Paper)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(1);
+        let there = sim.state().hotspot_cell(0);
+        sim.set_starts(&[there; 3]).unwrap();
+        let mut finding = DetectionCredit::new(1, &model);
+        finding.start(0, &model, &sim.state());
+        sim.step(&[0.8; 6]).unwrap();
+        let state = sim.state();
+        let expected: f64 = [0, 1]
+            .map(|hotspot| {
+                confirms(
+                    &sim,
+                    &model,
+                    state.hotspot_cell(hotspot),
+                    &[0, 1, 2].map(|uav| Some(state.pilot_density(uav))),
+                )
+            })
+            .iter()
+            .sum();
+        let confirmed = [0, 1].map(|hotspot| f64::from(u8::from(state.confirmed(hotspot))));
+        let surplus = finding.surplus(0, &model, &state);
+        let expected = (confirmed[0] + confirmed[1] - expected) / 2.0;
+        assert!((surplus - expected).abs() < 1e-9, "{surplus} {expected}");
     }
 }

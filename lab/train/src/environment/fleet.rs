@@ -3,9 +3,10 @@
 use super::detection_credit::DetectionCredit;
 use super::knowledge_credit::{Informed, KnowledgeCredit};
 use super::task::TrainingTask;
+use super::teacher::Teachers;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::policy::shape_of;
-use crate::settings::Settings;
+use crate::settings::{Credit, Settings};
 use jcas_core::batch::BatchOut;
 use jcas_core::reward::{COMPONENTS, NAMES};
 use jcas_core::rng::derive_seed;
@@ -32,6 +33,10 @@ pub struct RewardShaping {
     /// Paid to each UAV, once all hotspots are confirmed, for each cell nearer to a UAV with other
     /// knowledge.
     pub meeting: f64,
+    /// Whether the surplus of confirmations is asked for.
+    expected: bool,
+    /// Whether a teacher's motions are asked for.
+    taught: bool,
     /// Pilot action that replaces the policy's.
     pub constant_pilot: Option<f32>,
 }
@@ -47,6 +52,8 @@ impl RewardShaping {
             detection: shaping.detection,
             informing: shaping.informing,
             meeting: MEETING * shaping.informing,
+            expected: settings.credit == Credit::Expected,
+            taught: settings.credit == Credit::Teacher,
             constant_pilot,
         };
         for (name, &factor) in &settings.shaping.factors {
@@ -102,8 +109,10 @@ pub struct Fleet {
     uav_components: Vec<f64>,
     informing: KnowledgeCredit,
     informed: Informed,
-    /// The detection credit, if it has a weight.
+    /// The detection credit, if it has a weight or the surplus of confirmations is asked for.
     finding: Option<DetectionCredit>,
+    /// The teachers, if their motions are asked for.
+    teachers: Option<Teachers>,
     /// Additional rewards of each UAV of an episode, with the gains that they pay for.
     extra: [Vec<f64>; 2],
     /// Confirmations of each UAV of an episode that are due to its pilot density.
@@ -133,8 +142,9 @@ impl Fleet {
             uav_components: Vec::new(),
             informing: KnowledgeCredit::new(environments, uavs),
             informed: Informed::default(),
-            finding: (treatment.detection != 0.0)
+            finding: (treatment.detection != 0.0 || treatment.expected)
                 .then(|| DetectionCredit::new(environments, &model)),
+            teachers: treatment.taught.then(|| Teachers::new(environments)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
@@ -173,6 +183,31 @@ impl Fleet {
             )
             .expect("buffers are sized for this model");
         self.look();
+    }
+
+    /// Keeps the last observations of an episode, and starts the next one with a seed derived from
+    /// its own, as the kernel does by itself.
+    fn start_anew(&mut self, m: usize, out: &mut StepOut) {
+        let (words, global_len) = (self.model.state_words(), self.model.global_len());
+        let rows = self.model.uav_count() * self.model.observation_len();
+        let (own, state) = (m * rows..(m + 1) * rows, m * words..(m + 1) * words);
+        let global = m * global_len..(m + 1) * global_len;
+        out.final_observations[own.clone()].copy_from_slice(&self.observations[own.clone()]);
+        out.final_global[global.clone()].copy_from_slice(&self.global[global.clone()]);
+        let words = &mut self.states[state];
+        let ended = self.model.state(words).expect("a state of this model");
+        let seed = derive_seed(ended.seed(), 0);
+        let mut scratch =
+            Scratch::new(&self.model, &mut self.scratch).expect("sized for this model");
+        self.model
+            .batch_reset(
+                words,
+                &mut scratch,
+                &[seed],
+                &mut self.observations[own],
+                &mut self.global[global],
+            )
+            .expect("buffers are sized for this model");
     }
 
     /// Restarts the credits from the present states.
@@ -265,6 +300,10 @@ impl VectorEnvironment for Fleet {
             self.enter(stage);
             self.start(derive_seed(self.seed, u64::MAX - stage));
         }
+        // A checkpoint holds no plan of a teacher, so each batch begins with new ones.
+        if let Some(teachers) = &mut self.teachers {
+            (0..self.environments).for_each(|m| teachers.start(m, &self.model));
+        }
     }
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
@@ -273,6 +312,9 @@ impl VectorEnvironment for Fleet {
     }
 
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
+        if let Some(teachers) = &mut self.teachers {
+            teachers.motions(&self.model, &self.states, &mut out.lessons);
+        }
         self.held.copy_from_slice(actions);
         if let Some(pilot) = self.treatment.constant_pilot {
             self.held
@@ -292,7 +334,7 @@ impl VectorEnvironment for Fleet {
                 &mut self.states,
                 &mut scratch,
                 &self.held,
-                true,
+                false,
                 &mut BatchOut {
                     observations: &mut self.observations,
                     global: &mut self.global,
@@ -300,8 +342,6 @@ impl VectorEnvironment for Fleet {
                     components: &mut self.components,
                     terminated,
                     truncated,
-                    final_observations: &mut out.final_observations,
-                    final_global: &mut out.final_global,
                     final_metrics: &mut self.metrics,
                     uav_components: &mut self.uav_components,
                     ..BatchOut::default()
@@ -312,10 +352,20 @@ impl VectorEnvironment for Fleet {
         for m in 0..self.environments {
             out.terminated[m] = self.ended[0][m] == 1;
             out.truncated[m] = self.ended[1][m] == 1;
-            self.pay(m, out);
+            if let (Some(surplus), Some(finding)) = (out.surpluses.get_mut(m), &self.finding) {
+                let words = self.model.state_words();
+                let state = self.model.state(&self.states[m * words..][..words]);
+                let state = state.expect("a state of this model");
+                *surplus = finding.surplus(m, &self.model, &state) as f32;
+            }
             if out.terminated[m] || out.truncated[m] {
+                self.start_anew(m, out);
+                if let Some(teachers) = &mut self.teachers {
+                    teachers.start(m, &self.model);
+                }
                 out.finished.push(Episode::of(&self.metrics[m]));
             }
+            self.pay(m, out);
         }
     }
 
@@ -401,5 +451,46 @@ mod tests {
         assert_ne!(fleet.finding, first);
         fleet.load(&saved).unwrap();
         assert_eq!(fleet.finding, first);
+    }
+
+    // Episodes of three steps, ended by the horizon. The kernel alone starts the next ones itself.
+    #[test]
+    fn an_episode_follows_as_it_does_in_the_kernel() {
+        let config = Config {
+            horizon_steps: 3,
+            ..Config::default()
+        };
+        let settings = Settings::preset(Preset::Time);
+        let task = TrainingTask::new(&config, &settings).unwrap();
+        let treatment = RewardShaping::new(&settings, None).unwrap();
+        let mut fleet = Fleet::new(task, 2, treatment);
+        let mut out = StepOut::new(fleet.shape(), settings.credit, false);
+        let model = fleet.model.clone();
+        let mut states = fleet.states.clone();
+        let mut scratch = vec![0; Scratch::words_for(&model)];
+        let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+        let (mut rewards, mut ended) = ([0.0; 2], [[0; 2]; 2]);
+        let mut observations = vec![0.0; fleet.observations.len()];
+        let mut last = observations.clone();
+        let actions = [0.4, 0.0].repeat(2 * model.uav_count());
+        for step in 1..=7 {
+            let [terminated, truncated] = &mut ended;
+            let mut kernel = BatchOut {
+                observations: &mut observations,
+                rewards: &mut rewards,
+                terminated,
+                truncated,
+                final_observations: &mut last,
+                ..BatchOut::default()
+            };
+            model
+                .batch_step(&mut states, &mut scratch, &actions, true, &mut kernel)
+                .unwrap();
+            fleet.step(&actions, &mut out);
+            assert_eq!(out.truncated, [step % 3 == 0; 2]);
+            assert_eq!(fleet.states, states);
+            assert_eq!(fleet.observations, observations);
+            assert_eq!(out.final_observations, last);
+        }
     }
 }

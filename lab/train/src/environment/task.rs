@@ -1,7 +1,7 @@
 //! The training task: a configuration with changed fields and a radar curriculum.
 
-use crate::settings::{Curriculum, Settings};
-use jcas_core::{Config, Model, QuorumWindow};
+use crate::settings::{Credit, Curriculum, Settings};
+use jcas_core::{Config, Model, QuorumWindow, TargetVisibility};
 use std::sync::Arc;
 
 /// The task of a run, from the first batch to the last.
@@ -14,6 +14,26 @@ pub struct TrainingTask {
 fn built(config: Config) -> Result<Arc<Model<'static>>, String> {
     let model = Model::new(config).map_err(|error| error.to_string())?;
     Ok(Arc::new(model))
+}
+
+/// Refuses settings that need the chance of a confirmation, which is known for a quorum within one
+/// step.
+fn refuse_expectations(config: &Config, settings: &Settings) -> Result<(), String> {
+    let window = config.quorum_window.name();
+    let detection = settings.shaping.detection;
+    if detection > 0.0 {
+        return Err(format!(
+            "shaping.detection = {detection}: must be 0 where quorum_window is {window}, as the \
+             credit is for a quorum within one step"
+        ));
+    }
+    if settings.credit == Credit::Expected {
+        return Err(format!(
+            "credit = expected: must be team or uav where quorum_window is {window}, as the \
+             expectation is for a quorum within one step"
+        ));
+    }
+    Ok(())
 }
 
 impl TrainingTask {
@@ -31,13 +51,17 @@ impl TrainingTask {
         }
         let config: Config =
             serde_json::from_value(fields).map_err(|error| format!("config_overrides: {error}"))?;
-        let detection = settings.shaping.detection;
-        if detection > 0.0 && config.quorum_window != QuorumWindow::Step {
-            return Err(format!(
-                "shaping.detection = {detection}: must be 0 where quorum_window is {}, as the \
-                 credit is for a quorum within one step",
-                config.quorum_window.name()
-            ));
+        if config.quorum_window != QuorumWindow::Step {
+            refuse_expectations(&config, settings)?;
+        }
+        if settings.credit == Credit::Teacher
+            && config.target_visibility == TargetVisibility::Hidden
+        {
+            return Err(
+                "credit = teacher: must be another where target_visibility is hidden, as the \
+                 teacher knows the hotspots"
+                    .into(),
+            );
         }
         let task = TrainingTask {
             model: built(config).map_err(|error| format!("config_overrides: {error}"))?,
@@ -148,6 +172,16 @@ mod tests {
         let told = TrainingTask::new(&Config::default(), &settings).err();
         let told = told.unwrap();
         assert!(told.contains("shaping.detection = 60"), "{told}");
+        settings.shaping.detection = 0.0;
+        settings.credit = Credit::Expected;
+        let told = TrainingTask::new(&Config::default(), &settings).err();
+        let told = told.unwrap();
+        assert!(told.contains("credit = expected"), "{told}");
+        settings.config_overrides = mission([("target_visibility", "hidden".into())]);
+        settings.credit = Credit::Teacher;
+        let told = TrainingTask::new(&Config::default(), &settings).err();
+        let told = told.unwrap();
+        assert!(told.contains("credit = teacher"), "{told}");
     }
 
     #[test]

@@ -5,6 +5,12 @@
 //! A *terminated* episode has no next state: V(s_{t+1}) = 0. After a *truncated* one, V(s_{t+1}) is
 //! V of its own last state, not of the next episode's first. In both cases the sum over A stops,
 //! because the next row belongs to another episode.
+//!
+//! A control variate can free δ_t of the luck of confirmations. Where the reward counts time, V is
+//! the negative time to the end. So x confirmations beyond expectation, as a share of the
+//! unconfirmed hotspots, raise V(s_{t+1}) by −β·V(s_t)·x. Here β is the share of the time that
+//! hovering takes, and least squares over the trajectories give it. β·V(s_t)·x is added to δ_t. The
+//! mean of x over the drawn detections is 0, so the mean of A_t stays what it is.
 
 /// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values
 /// may each be the team's (T × M) or the UAVs' own (T × M·N).
@@ -17,6 +23,8 @@ pub struct Trajectories<'a> {
     pub values: &'a [f32],
     /// V of the state after the step, before a reset; the same shape as `values`.
     pub next_values: &'a [f32],
+    /// Confirmations beyond expectation, as a share of the unconfirmed hotspots; T × M, or empty.
+    pub surpluses: &'a [f32],
     /// The mission ended by itself in this step.
     pub terminated: &'a [bool],
     /// The mission was cut at the horizon in this step.
@@ -32,6 +40,7 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
         rewards,
         values,
         next_values,
+        surpluses,
         terminated,
         truncated,
     } = trajectories;
@@ -42,22 +51,33 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
     let of = |entries: &[f32], per_mission: usize, row: usize, stream: usize| {
         entries[row * per_mission + stream % per_mission]
     };
+    let mut deltas = vec![0.0; missions * streams];
+    for (entry, delta) in deltas.iter_mut().enumerate() {
+        let (row, stream) = (entry / streams, entry % streams);
+        let next_value = if terminated[row] {
+            0.0
+        } else {
+            of(next_values, per_value, row, stream)
+        };
+        let value = of(values, per_value, row, stream);
+        *delta = of(rewards, per_reward, row, stream) + discount * next_value - value;
+    }
+    if !surpluses.is_empty() {
+        let luck = |entry: usize| {
+            let (row, stream) = (entry / streams, entry % streams);
+            -of(values, per_value, row, stream) * surpluses[row]
+        };
+        take_out(&mut deltas, luck);
+    }
     let mut advantages = vec![0.0; missions * streams];
     for environment in 0..environments {
         for stream in 0..streams {
             let mut following = 0.0;
             for row in (environment..missions).step_by(environments).rev() {
-                let next_value = if terminated[row] {
-                    0.0
-                } else {
-                    of(next_values, per_value, row, stream)
-                };
-                let value = of(values, per_value, row, stream);
-                let delta = of(rewards, per_reward, row, stream) + discount * next_value - value;
                 if terminated[row] || truncated[row] {
                     following = 0.0;
                 }
-                following = delta + discount * lambda * following;
+                following = deltas[row * streams + stream] + discount * lambda * following;
                 advantages[row * streams + stream] = following;
             }
         }
@@ -69,6 +89,22 @@ pub fn advantages(trajectories: &Trajectories, discount: f32, lambda: f32) -> (V
         .map(|(value, advantages)| value + advantages.iter().sum::<f32>() / shared as f32)
         .collect();
     (advantages, targets)
+}
+
+/// Takes a control variate out of δ, by the coefficient of least squares.
+fn take_out(deltas: &mut [f32], luck: impl Fn(usize) -> f32) {
+    let (mut product, mut square) = (0.0, 0.0);
+    for (entry, &delta) in deltas.iter().enumerate() {
+        let luck = f64::from(luck(entry));
+        product += luck * f64::from(delta);
+        square += luck * luck;
+    }
+    if square > 0.0 {
+        let coefficient = (product / square) as f32;
+        for (entry, delta) in deltas.iter_mut().enumerate() {
+            *delta -= coefficient * luck(entry);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -97,6 +133,7 @@ mod tests {
                 rewards: &[1.0, 2.0, 3.0],
                 values: &[1.0, 2.0, 3.0],
                 next_values: &[2.0, 3.0, 4.0],
+                surpluses: &[],
                 terminated: &[false; 3],
                 truncated: &[false; 3],
             },
@@ -117,6 +154,7 @@ mod tests {
                 rewards: &[1.0, 2.0, 30.0],
                 values: &[1.0, 2.0, 3.0],
                 next_values: &[2.0, 99.0, 4.0],
+                surpluses: &[],
                 terminated: &[false, true, false],
                 truncated: &[false; 3],
             },
@@ -135,6 +173,7 @@ mod tests {
                 rewards: &[1.0, 2.0, 30.0],
                 values: &[1.0, 2.0, 3.0],
                 next_values: &[2.0, 6.0, 4.0],
+                surpluses: &[],
                 terminated: &[false; 3],
                 truncated: &[false, true, false],
             },
@@ -153,6 +192,7 @@ mod tests {
                 rewards: &[1.0, 1.0, 2.0, 2.0, 3.0, 30.0],
                 values: &[1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
                 next_values: &[2.0, 2.0, 3.0, 6.0, 4.0, 4.0],
+                surpluses: &[],
                 terminated: &[false; 6],
                 truncated: &[false, false, false, true, false, false],
             },
@@ -174,6 +214,7 @@ mod tests {
                 rewards: &[1.0, 3.0, 2.0, 6.0],
                 values: &[1.0, 2.0],
                 next_values: &[2.0, 4.0],
+                surpluses: &[],
                 terminated: &[false; 2],
                 truncated: &[false, true],
             },
@@ -197,6 +238,7 @@ mod tests {
                     rewards,
                     values,
                     next_values,
+                    surpluses: &[],
                     terminated: &terminated[..missions],
                     truncated: &truncated[..missions],
                 },
@@ -217,5 +259,46 @@ mod tests {
         let (c, _) = alone(&[1.0, 2.0], &[5.0, 1.0], &[1.0, 3.0], 1);
         let (both, _) = alone(&[1.0, 2.0], &[1.0, 5.0, 2.0, 1.0], &[2.0, 1.0, 4.0, 3.0], 1);
         close(&both, &[a[0], c[0], a[1], c[1]]);
+    }
+
+    // γ = 1, λ = 1. An episode of one hotspot is confirmed with chance ½ in each step, so V = −2.
+    // Confirmed at once, or one or two steps late, its advantages are luck alone.
+    #[test]
+    fn luck_alone_is_no_advantage() {
+        let (advantages, targets) = advantages(
+            &Trajectories {
+                environments: 1,
+                rewards: &[-1.0; 6],
+                values: &[-2.0; 6],
+                next_values: &[-2.0; 6],
+                surpluses: &[0.5, -0.5, 0.5, -0.5, -0.5, 0.5],
+                terminated: &[true, false, true, false, false, true],
+                truncated: &[false; 6],
+            },
+            1.0,
+            1.0,
+        );
+        close(&advantages, &[0.0; 6]);
+        close(&targets, &[-2.0; 6]);
+    }
+
+    // δ = (0, -2) and −V·x = (1, -1), so least squares give β = (0·1 + 2·1)/2 = 1. Both steps are
+    // then slower than their values by 1.
+    #[test]
+    fn what_luck_does_not_explain_stays() {
+        let (advantages, _) = advantages(
+            &Trajectories {
+                environments: 2,
+                rewards: &[-1.0, -1.0],
+                values: &[-4.0, -4.0],
+                next_values: &[-3.0, -5.0],
+                surpluses: &[0.25, -0.25],
+                terminated: &[false; 2],
+                truncated: &[false; 2],
+            },
+            1.0,
+            1.0,
+        );
+        close(&advantages, &[-1.0, -1.0]);
     }
 }

@@ -29,6 +29,11 @@ pub struct Rollout {
     pub rewards: Vec<f32>,
     /// Gain of each pilot density in its step, T × M·N; empty if not requested.
     pub pilot_gains: Vec<f32>,
+    /// Confirmations beyond expectation, as a share of the unconfirmed hotspots, T × M; empty if
+    /// not requested.
+    pub surpluses: Vec<f32>,
+    /// The teacher's motions, T × M·N; empty if not requested.
+    pub lessons: Vec<f32>,
     /// T × M.
     pub terminated: Vec<bool>,
     /// T × M.
@@ -114,6 +119,8 @@ impl Rollout {
             log_probs: vec![0.0; rows * 2],
             rewards: vec![0.0; steps * out.rewards.len()],
             pilot_gains: Vec::with_capacity(steps * out.pilot_gains.len()),
+            surpluses: Vec::with_capacity(steps * out.surpluses.len()),
+            lessons: Vec::with_capacity(steps * out.lessons.len()),
             terminated: vec![false; missions],
             truncated: vec![false; missions],
             final_states: Vec::new(),
@@ -142,6 +149,8 @@ impl Rollout {
         let rewards = out.rewards.len();
         self.rewards[t * rewards..(t + 1) * rewards].copy_from_slice(&out.rewards);
         self.pilot_gains.extend_from_slice(&out.pilot_gains);
+        self.surpluses.extend_from_slice(&out.surpluses);
+        self.lessons.extend_from_slice(&out.lessons);
         self.terminated[rows.clone()].copy_from_slice(&out.terminated);
         self.truncated[rows.clone()].copy_from_slice(&out.truncated);
         for (m, row) in rows.enumerate() {

@@ -260,6 +260,13 @@ impl Learner<'_> {
         minibatch_rows: usize,
     ) -> (Vec<f32>, UpdateStats) {
         let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
+        if !self.rollouts[shard[0].0 as usize].lessons.is_empty() {
+            let lessons = self.gather(shard, 1, |r| &r.lessons);
+            let lessons: Vec<f32> = lessons.iter().flat_map(|&motion| [motion, 0.0]).collect();
+            let log_probs = head.motion_densities(outputs, &lessons).log_probs;
+            let loss = log_probs.sum().neg().div_scalar(minibatch_rows as f64);
+            return finish(network, &weights, loss, shard.len(), minibatch_rows);
+        }
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
         let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
