@@ -8,6 +8,7 @@ use std::time::Instant;
 use jcas_core::{Config, Model, Preset, Sim, StateRef};
 use jcas_plan::{REPLAN_ITERATIONS, Replanner, Settings, TOUR_ITERATIONS};
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
+use jcas_simd::InstructionSet;
 
 /// Moves of the first plan. Each later plan has a quarter of them, as by default.
 const MOVES: [u64; 3] = [4_000, TOUR_ITERATIONS, 100_000];
@@ -55,7 +56,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         let mut teams = BaselineKind::Teams.build_privileged(PilotMode::Adaptive);
         let flown = measured(&model, &mut teams, episodes)?;
         println!("{uavs} teams - | {flown}");
-        let mut learned = Trained::read("paper", &weights)?;
+        let learned = Trained::read("paper", &weights)?;
+        let mut learned = learned.with_matmul(InstructionSet::best().matmul());
         let flown = measured(&model, &mut learned, episodes)?;
         println!("{uavs} policies/paper - | {flown}");
     }

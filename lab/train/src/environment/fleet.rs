@@ -454,13 +454,18 @@ mod tests {
     }
 
     // Episodes of three steps, ended by the horizon. The kernel alone starts the next ones itself.
+    // With a hotspot in most cells, some step may confirm one.
     #[test]
     fn an_episode_follows_as_it_does_in_the_kernel() {
         let config = Config {
             horizon_steps: 3,
+            hotspot_count: 100,
             ..Config::default()
         };
-        let settings = Settings::preset(Preset::Time);
+        let settings = Settings {
+            credit: Credit::Expected,
+            ..Settings::preset(Preset::Time)
+        };
         let task = TrainingTask::new(&config, &settings).unwrap();
         let treatment = RewardShaping::new(&settings, None).unwrap();
         let mut fleet = Fleet::new(task, 2, treatment);
@@ -473,6 +478,7 @@ mod tests {
         let mut observations = vec![0.0; fleet.observations.len()];
         let mut last = observations.clone();
         let actions = [0.4, 0.0].repeat(2 * model.uav_count());
+        let mut surpluses = Vec::new();
         for step in 1..=7 {
             let [terminated, truncated] = &mut ended;
             let mut kernel = BatchOut {
@@ -491,6 +497,11 @@ mod tests {
             assert_eq!(fleet.states, states);
             assert_eq!(fleet.observations, observations);
             assert_eq!(out.final_observations, last);
+            surpluses.extend_from_slice(&out.surpluses);
         }
+        assert!(
+            surpluses.iter().any(|&surplus| surplus != 0.0),
+            "{surpluses:?}"
+        );
     }
 }

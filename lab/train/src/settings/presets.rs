@@ -150,7 +150,7 @@ impl Settings {
             minibatch_rows: 4096,
             learning_rate: 5e-4,
             discount: 0.99,
-            credit: Credit::Expected,
+            credit: Credit::Team,
             shaping: Shaping {
                 factors: unpaid.collect(),
                 time_penalty: 1.0,
