@@ -52,8 +52,8 @@ mod tests {
     use super::*;
     use jcas_core::{Config, Motion, Preset, Sim};
 
-    // Three UAVs and one hotspot in the same row: all fly toward it, and stay there. Then it is
-    // elsewhere, and a teacher that starts anew notices.
+    // Three UAVs and one hotspot: each step takes all of them nearer, or they stay over it. A
+    // teacher that starts anew knows where the next episode has it.
     #[test]
     fn a_fleet_is_sent_to_its_hotspot() {
         let config = Config {
