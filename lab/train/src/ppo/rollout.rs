@@ -15,7 +15,7 @@ pub struct Rollout {
     pub steps: usize,
     /// T × M·N × O.
     pub observations: Vec<f32>,
-    /// The actor's features of the observations, T × M·N × [`Network::features_len`].
+    /// The actor's features of the observations, T × M·N × `Network::features_len`.
     pub actor_features: Vec<f32>,
     /// The critic's features of its rows (by the learner).
     pub critic_features: Vec<f32>,
