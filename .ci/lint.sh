@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formatting and clippy, over everything, with warnings as errors.
+# Formatting, clippy and rustdoc, over everything, with warnings as errors.
 set -euo pipefail
 
 cargo fmt --all --check
@@ -7,6 +7,7 @@ for crate in api cortex_m no_std portable; do
     cargo fmt --check --manifest-path tests/$crate/Cargo.toml
 done
 cargo clippy --locked --quiet --workspace --all-targets -- -D warnings
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --quiet --workspace --no-deps
 
 # Columns, long functions and sentences, words, dead files, tables, names of types, subjects of
 # commits.

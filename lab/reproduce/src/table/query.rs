@@ -7,9 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A selection of rows; an absent field matches every value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query<'a> {
-    /// As in [`Key`].
+    /// As in [`Key`](super::Key).
     pub experiment: &'a str,
-    /// As in [`Key`].
+    /// As in [`Key`](super::Key).
     pub preset: &'a str,
     /// Baseline or learner.
     pub policy: &'a str,
