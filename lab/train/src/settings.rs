@@ -160,7 +160,9 @@ impl Settings {
         self.check_ranges()?;
         self.check_batches()?;
         if self.credit == Credit::Teacher && self.head != Head::Hybrid {
-            return Err("credit: teacher is allowed with head = hybrid only".into());
+            return Err(
+                "credit: teacher is allowed with head = hybrid, and head is gaussian".into(),
+            );
         }
         match self.curriculum {
             Some(Curriculum {

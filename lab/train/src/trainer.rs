@@ -11,7 +11,7 @@ use crate::ppo::update::{
     ActorObjective, CriticObjective, Learner, MinibatchSettings, Trainable, UpdateStats, evaluate,
 };
 use crate::random::{Purpose, stream_for};
-use crate::settings::{CriticInput, NetworkKind, Settings};
+use crate::settings::{Credit, CriticInput, NetworkKind, Settings};
 use burn_tensor::Device;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -323,13 +323,13 @@ impl Trainer {
                 continue;
             }
             // The log shows the last epoch, which produced the policy.
-            actor_sums = learner.improve_actor(
-                &mut self.actor,
-                settings.head,
-                &objective,
-                &actor_step,
-                &mut random,
-            );
+            let (actor, head) = (&mut self.actor, settings.head);
+            actor_sums = if settings.credit == Credit::Teacher {
+                let share = settings.sample_fraction;
+                learner.imitate(actor, head, share, &actor_step, &mut random)
+            } else {
+                learner.improve_actor(actor, head, &objective, &actor_step, &mut random)
+            };
             epochs_run += 1;
         }
         (

@@ -49,10 +49,9 @@ impl DetectionCredit {
 
     /// Starts an episode, or continues one from this state.
     pub fn start(&mut self, mission: usize, model: &Model<'_>, state: &StateRef<'_>) {
-        let open = (0..model.hotspot_count()).filter(|&hotspot| !state.confirmed(hotspot));
         let cells = &mut self.open[mission];
         cells.clear();
-        cells.extend(open.map(|hotspot| state.hotspot_cell(hotspot)));
+        cells.extend(unconfirmed(model, state).map(|hotspot| state.hotspot_cell(hotspot)));
     }
 
     /// Writes the confirmations that each UAV is expected to have added in the step that led to
@@ -103,18 +102,25 @@ impl DetectionCredit {
         if open.is_empty() {
             return 0.0;
         }
-        let mut chances = Vec::new();
-        let mut counted = Quorum::new(model.config().quorum as usize);
+        let quorum = model.config().quorum as usize;
+        let (mut chances, mut exactly) = (Vec::new(), Vec::new());
         let expected = open.iter().map(|&there| {
             self.radar.chances_of(model, state, there, &mut chances);
-            counted.count(chances.iter().map(|chance| chance.now));
-            counted.reached()
+            one_by_one(
+                &mut exactly,
+                quorum,
+                chances.iter().map(|chance| chance.now),
+            );
+            1.0 - exactly[exactly.len() - quorum..].iter().sum::<f64>()
         });
         let expected: f64 = expected.sum();
-        let still = (0..model.hotspot_count()).filter(|&hotspot| !state.confirmed(hotspot));
-        let confirmed = open.len() - still.count();
+        let confirmed = open.len() - unconfirmed(model, state).count();
         (confirmed as f64 - expected) / open.len() as f64
     }
+}
+
+fn unconfirmed(model: &Model<'_>, state: &StateRef<'_>) -> impl Iterator<Item = usize> {
+    (0..model.hotspot_count()).filter(|&hotspot| !state.confirmed(hotspot))
 }
 
 impl Radar {
@@ -189,12 +195,6 @@ impl Quorum {
         one_by_one(&mut self.last, self.quorum, chances.rev());
     }
 
-    /// The chance that at least θ of the events happen.
-    fn reached(&self) -> f64 {
-        let all = &self.first[self.first.len() - self.quorum..];
-        1.0 - all.iter().sum::<f64>()
-    }
-
     /// The chance that exactly θ − 1 of the others happen.
     fn decided_by(&self, event: usize) -> f64 {
         let quorum = self.quorum;
@@ -226,6 +226,15 @@ fn one_by_one(exactly: &mut Vec<f64>, quorum: usize, chances: impl Iterator<Item
 mod tests {
     use super::*;
     use jcas_core::{Config, Preset, Sim};
+
+    fn model(preset: Preset, uav_count: u32, hotspot_count: u32) -> Model<'static> {
+        let config = Config {
+            uav_count,
+            hotspot_count,
+            ..Config::preset(preset)
+        };
+        Model::new(config).unwrap()
+    }
 
     fn quorum(quorum: usize, chances: &[f64]) -> Quorum {
         let mut counted = Quorum::new(quorum);
@@ -277,12 +286,7 @@ mod tests {
     // UAV adds what the fleet would confirm less without it.
     #[test]
     fn a_gain_is_the_difference_that_the_uav_makes_to_what_is_not_found_yet() {
-        let config = Config {
-            uav_count: 5,
-            hotspot_count: 100,
-            ..Config::preset(Preset::Paper)
-        };
-        let model = Model::new(config).unwrap();
+        let model = model(Preset::Paper, 5, 100);
         let mut sim = Sim::new(&model);
         sim.reset(3);
         let mut finding = DetectionCredit::new(2, &model);
@@ -342,12 +346,7 @@ mod tests {
     // sensing more, although one alone would confirm almost nothing.
     #[test]
     fn a_quorum_that_senses_little_is_told_to_sense_more() {
-        let config = Config {
-            uav_count: 3,
-            hotspot_count: 1,
-            ..Config::preset(Preset::Mission)
-        };
-        let model = Model::new(config).unwrap();
+        let model = model(Preset::Mission, 3, 1);
         let mut sim = Sim::new(&model);
         sim.reset(1);
         sim.set_starts(&[sim.state().hotspot_cell(0); 3]).unwrap();
@@ -369,12 +368,7 @@ mod tests {
     // standard deviations.
     #[test]
     fn a_surplus_is_zero_on_average() {
-        let config = Config {
-            uav_count: 10,
-            hotspot_count: 2,
-            ..Config::preset(Preset::Mission)
-        };
-        let model = Model::new(config).unwrap();
+        let model = model(Preset::Mission, 10, 2);
         let mut sim = Sim::new(&model);
         let mut finding = DetectionCredit::new(1, &model);
         let (mut sum, mut squares, mut confirmed) = (0.0, 0.0, 0);
@@ -402,12 +396,7 @@ mod tests {
 
     #[test]
     fn a_surplus_is_a_share_of_what_was_unconfirmed() {
-        let config = Config {
-            uav_count: 3,
-            hotspot_count: 2,
-            ..Config::preset(Preset::Paper)
-        };
-        let model = Model::new(config).unwrap();
+        let model = model(Preset::Paper, 3, 2);
         let mut sim = Sim::new(&model);
         sim.reset(1);
         let there = sim.state().hotspot_cell(0);

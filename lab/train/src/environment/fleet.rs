@@ -33,10 +33,8 @@ pub struct RewardShaping {
     /// Paid to each UAV, once all hotspots are confirmed, for each cell nearer to a UAV with other
     /// knowledge.
     pub meeting: f64,
-    /// Whether the surplus of confirmations is asked for.
-    expected: bool,
-    /// Whether a teacher's motions are asked for.
-    taught: bool,
+    /// What an action is judged by.
+    credit: Credit,
     /// Pilot action that replaces the policy's.
     pub constant_pilot: Option<f32>,
 }
@@ -52,8 +50,7 @@ impl RewardShaping {
             detection: shaping.detection,
             informing: shaping.informing,
             meeting: MEETING * shaping.informing,
-            expected: settings.credit == Credit::Expected,
-            taught: settings.credit == Credit::Teacher,
+            credit: settings.credit,
             constant_pilot,
         };
         for (name, &factor) in &settings.shaping.factors {
@@ -142,9 +139,9 @@ impl Fleet {
             uav_components: Vec::new(),
             informing: KnowledgeCredit::new(environments, uavs),
             informed: Informed::default(),
-            finding: (treatment.detection != 0.0 || treatment.expected)
+            finding: (treatment.detection != 0.0 || treatment.credit == Credit::Expected)
                 .then(|| DetectionCredit::new(environments, &model)),
-            teachers: treatment.taught.then(|| Teachers::new(environments)),
+            teachers: (treatment.credit == Credit::Teacher).then(|| Teachers::new(environments)),
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
@@ -208,6 +205,9 @@ impl Fleet {
                 &mut self.global[global],
             )
             .expect("buffers are sized for this model");
+        if let Some(teachers) = &mut self.teachers {
+            teachers.start(m, &self.model);
+        }
     }
 
     /// Restarts the credits from the present states.
@@ -250,9 +250,13 @@ impl Fleet {
             self.informing.gained(m, &self.model, &state, informed);
             add(extra, self.treatment.informing, &informed.hotspots);
             add(extra, self.treatment.meeting, &informed.cells);
-            if let Some(finding) = &mut self.finding {
-                finding.gained(m, &self.model, &state, gained, by_pilot);
-                add(extra, self.treatment.detection, gained);
+            match &mut self.finding {
+                Some(finding) if self.treatment.detection != 0.0 => {
+                    finding.gained(m, &self.model, &state, gained, by_pilot);
+                    add(extra, self.treatment.detection, gained);
+                }
+                Some(finding) => finding.start(m, &self.model, &state),
+                None => {}
             }
         }
         let uavs = extra.len();
@@ -360,9 +364,6 @@ impl VectorEnvironment for Fleet {
             }
             if out.terminated[m] || out.truncated[m] {
                 self.start_anew(m, out);
-                if let Some(teachers) = &mut self.teachers {
-                    teachers.start(m, &self.model);
-                }
                 out.finished.push(Episode::of(&self.metrics[m]));
             }
             self.pay(m, out);
@@ -453,40 +454,45 @@ mod tests {
         assert_eq!(fleet.finding, first);
     }
 
-    // Episodes of three steps, ended by the horizon. The kernel alone starts the next ones itself.
-    // With a hotspot in most cells, some step may confirm one.
-    #[test]
-    fn an_episode_follows_as_it_does_in_the_kernel() {
+    /// Episodes of three steps, with a hotspot in most cells.
+    fn short(credit: Credit) -> (Fleet, StepOut) {
         let config = Config {
             horizon_steps: 3,
             hotspot_count: 100,
             ..Config::default()
         };
         let settings = Settings {
-            credit: Credit::Expected,
+            credit,
             ..Settings::preset(Preset::Time)
         };
         let task = TrainingTask::new(&config, &settings).unwrap();
-        let treatment = RewardShaping::new(&settings, None).unwrap();
-        let mut fleet = Fleet::new(task, 2, treatment);
-        let mut out = StepOut::new(fleet.shape(), settings.credit, false);
+        let fleet = Fleet::new(task, 2, RewardShaping::new(&settings, None).unwrap());
+        let out = StepOut::new(fleet.shape(), credit, false);
+        (fleet, out)
+    }
+
+    // The kernel alone starts the next episodes itself.
+    #[test]
+    fn an_episode_follows_as_it_does_in_the_kernel() {
+        let (mut fleet, mut out) = short(Credit::Team);
         let model = fleet.model.clone();
         let mut states = fleet.states.clone();
         let mut scratch = vec![0; Scratch::words_for(&model)];
         let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
         let (mut rewards, mut ended) = ([0.0; 2], [[0; 2]; 2]);
-        let mut observations = vec![0.0; fleet.observations.len()];
-        let mut last = observations.clone();
+        let [mut observations, mut last] = [(); 2].map(|()| vec![0.0; fleet.observations.len()]);
+        let [mut global, mut last_global] = [(); 2].map(|()| vec![0.0; fleet.global.len()]);
         let actions = [0.4, 0.0].repeat(2 * model.uav_count());
-        let mut surpluses = Vec::new();
         for step in 1..=7 {
             let [terminated, truncated] = &mut ended;
             let mut kernel = BatchOut {
                 observations: &mut observations,
+                global: &mut global,
                 rewards: &mut rewards,
                 terminated,
                 truncated,
                 final_observations: &mut last,
+                final_global: &mut last_global,
                 ..BatchOut::default()
             };
             model
@@ -495,13 +501,63 @@ mod tests {
             fleet.step(&actions, &mut out);
             assert_eq!(out.truncated, [step % 3 == 0; 2]);
             assert_eq!(fleet.states, states);
-            assert_eq!(fleet.observations, observations);
-            assert_eq!(out.final_observations, last);
-            surpluses.extend_from_slice(&out.surpluses);
+            assert_eq!(
+                (&fleet.observations, &fleet.global),
+                (&observations, &global)
+            );
+            assert_eq!(
+                (&out.final_observations, &out.final_global),
+                (&last, &last_global)
+            );
         }
-        assert!(
-            surpluses.iter().any(|&surplus| surplus != 0.0),
-            "{surpluses:?}"
-        );
+    }
+
+    // Also in the step that ends an episode, whose last state the fleet no longer has afterwards.
+    #[test]
+    fn a_surplus_is_that_of_the_step() {
+        let (mut fleet, mut out) = short(Credit::Expected);
+        let model = fleet.model.clone();
+        let (words, uavs) = (model.state_words(), model.uav_count());
+        let mut scratch = vec![0; Scratch::words_for(&model)];
+        let mut scratch = Scratch::new(&model, &mut scratch).unwrap();
+        let mut last_steps = 0;
+        for step in 1..=30 {
+            // Right and left in turn, so that UAVs are over hotspots in every last step too.
+            let motion = [0.4, 0.0][step % 2];
+            let actions = [motion, 0.5].repeat(2 * uavs);
+            let mut expected = [0.0; 2];
+            for (m, expected) in expected.iter_mut().enumerate() {
+                let mut state = fleet.states[m * words..][..words].to_vec();
+                let mut credit = DetectionCredit::new(1, &model);
+                credit.start(0, &model, &model.state(&state).unwrap());
+                let mut ahead = model.state_mut(&mut state).unwrap();
+                model
+                    .step(&mut ahead, &mut scratch, &actions[..2 * uavs])
+                    .unwrap();
+                *expected = credit.surplus(0, &model, &model.state(&state).unwrap()) as f32;
+            }
+            fleet.step(&actions, &mut out);
+            assert_eq!(out.surpluses, expected, "{step}");
+            let seen = expected.iter().any(|&surplus| surplus != 0.0);
+            last_steps += u32::from(step % 3 == 0 && seen);
+        }
+        assert!(last_steps > 0);
+    }
+
+    #[test]
+    fn a_lesson_is_for_the_state_before_the_step() {
+        let (mut fleet, mut out) = short(Credit::Teacher);
+        fleet.begin_batch(0);
+        let model = fleet.model.clone();
+        let mut teachers = Teachers::new(2);
+        let mut expected = vec![0.0; out.lessons.len()];
+        for step in 0..7 {
+            if step % 3 == 0 {
+                (0..2).for_each(|m| teachers.start(m, &model));
+            }
+            teachers.motions(&model, &fleet.states, &mut expected);
+            fleet.step(&[0.4, 0.0].repeat(2 * model.uav_count()), &mut out);
+            assert_eq!(out.lessons, expected, "{step}");
+        }
     }
 }

@@ -29,8 +29,8 @@ fn refuse_expectations(config: &Config, settings: &Settings) -> Result<(), Strin
     }
     if settings.credit == Credit::Expected {
         return Err(format!(
-            "credit = expected: must be team or uav where quorum_window is {window}, as the \
-             expectation is for a quorum within one step"
+            "credit = expected: must be team, teacher or uav where quorum_window is {window}, as \
+             the expectation is for a quorum within one step"
         ));
     }
     Ok(())
@@ -58,8 +58,8 @@ impl TrainingTask {
             && config.target_visibility == TargetVisibility::Hidden
         {
             return Err(
-                "credit = teacher: must be another where target_visibility is hidden, as the \
-                 teacher knows the hotspots"
+                "credit = teacher: must be team, expected or uav where target_visibility is \
+                 hidden, as the teacher knows the hotspots"
                     .into(),
             );
         }

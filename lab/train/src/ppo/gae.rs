@@ -10,7 +10,8 @@
 //! the negative time to the end. So x confirmations beyond expectation, as a share of the
 //! unconfirmed hotspots, raise V(s_{t+1}) by about −β·V(s_t)·x. Least squares over the trajectories
 //! give β, which is 1 where hovering takes all the time. β·V(s_t)·x is added to δ_t. The mean of x
-//! over the drawn detections is 0, so the mean of A_t stays what it is.
+//! over the drawn detections is 0, so for a given β the mean of A_t stays what it is. That β comes
+//! from the same rows adds a bias, which falls with their number.
 
 /// Trajectories of `environments` missions side by side, every slice time-major. Rewards and values
 /// may each be the team's (T × M) or the UAVs' own (T × M·N).

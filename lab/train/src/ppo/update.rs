@@ -207,6 +207,33 @@ impl Learner<'_> {
         )
     }
 
+    /// One epoch of cross-entropy against the teacher's motions.
+    pub fn imitate(
+        &self,
+        actor: &mut Trainable,
+        head: Head,
+        sample_fraction: f64,
+        step: &MinibatchSettings,
+        random: &mut ChaCha8Rng,
+    ) -> UpdateStats {
+        let shards = shards(
+            self.rollouts,
+            Rollout::rows,
+            sample_fraction,
+            step.shard_rows,
+            random,
+        );
+        self.run_minibatches_by_shard(actor, &shards, step, |network, weights, shard, rows| {
+            let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
+            let motions = self.gather(shard, 1, |r| &r.lessons);
+            // A raw action is a pair, and its pilot density does not count here.
+            let raw: Vec<f32> = motions.iter().flat_map(|&motion| [motion, 0.0]).collect();
+            let log_probs = head.motion_densities(outputs, &raw).log_probs;
+            let loss = log_probs.sum().neg().div_scalar(rows as f64);
+            finish(network, &weights, loss, shard.len(), rows)
+        })
+    }
+
     /// For each shard, mean and standard deviation of each of the advantages of all the minibatch's
     /// rows that come from missions like its own.
     fn advantage_scales(&self, minibatch: &[Shard]) -> Vec<Vec<(f32, f32)>> {
@@ -260,13 +287,6 @@ impl Learner<'_> {
         minibatch_rows: usize,
     ) -> (Vec<f32>, UpdateStats) {
         let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
-        if !self.rollouts[shard[0].0 as usize].lessons.is_empty() {
-            let lessons = self.gather(shard, 1, |r| &r.lessons);
-            let lessons: Vec<f32> = lessons.iter().flat_map(|&motion| [motion, 0.0]).collect();
-            let log_probs = head.motion_densities(outputs, &lessons).log_probs;
-            let loss = log_probs.sum().neg().div_scalar(minibatch_rows as f64);
-            return finish(network, &weights, loss, shard.len(), minibatch_rows);
-        }
         let raw = self.gather(shard, 2, |r| &r.raw_actions);
         let old = matrix(self.gather(shard, 2, |r| &r.log_probs), 2, self.device);
         let advantages = shard
