@@ -2006,7 +2006,7 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
                              size_t message_capacity);
 
 /// Builds a baseline by its name. jcas_policy_free ends it. The names are random, greedy, swarm,
-/// teams, sweep, line, frontier, relay, answer, charging and clean, as for `jcas simulate
+/// teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for `jcas simulate
 /// --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of an episode and
 /// in each step that plans.
 ///

@@ -57,6 +57,7 @@ def test_each_mode_flies_its_own_way() -> None:
         "greedy",
         "swarm",
         "teams",
+        "squads",
         "sweep",
         "line",
         "frontier",

@@ -16,6 +16,7 @@ use super::line::Line;
 use super::memory::{OutOfMemory, filled};
 use super::pilot::PilotMode;
 use super::random::Random;
+use super::squads::Squads;
 use super::steering::Steering;
 use super::swarm::Swarm;
 use super::sweep::Sweep;
@@ -49,6 +50,7 @@ impl BaselineKind {
             Self::Greedy => Way::Greedy(Greedy),
             Self::Swarm => Way::Swarm(Swarm),
             Self::Teams => Way::Teams(Teams::new(pilot)),
+            Self::Squads => Way::Squads(Squads::new(pilot)),
             Self::Sweep => Way::Sweep(Sweep::new(pilot)),
             Self::Line => Way::Line(Line::new(pilot)),
             Self::Frontier => Way::Frontier(Frontier::new(pilot)),
@@ -84,6 +86,7 @@ enum Way {
     Greedy(Greedy),
     Swarm(Swarm),
     Teams(Teams),
+    Squads(Squads),
     Sweep(Sweep),
     Line(Line),
     Frontier(Frontier),
@@ -98,6 +101,7 @@ impl Way {
             Self::Greedy(way) => way,
             Self::Swarm(way) => way,
             Self::Teams(way) => way,
+            Self::Squads(way) => way,
             Self::Sweep(way) => way,
             Self::Line(way) => way,
             Self::Frontier(way) => way,
@@ -134,7 +138,8 @@ impl Baseline {
     /// without the failure.
     pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), OutOfMemory> {
         self.motions.fill(Motion::Stay);
-        if (0..model.hotspot_count()).all(|hotspot| state.confirmed(hotspot)) {
+        let all_confirmed = (0..model.hotspot_count()).all(|hotspot| state.confirmed(hotspot));
+        if all_confirmed && self.kind.gathers() {
             gather(model, state, &mut self.motions);
             return Ok(());
         }

@@ -14,23 +14,27 @@ use super::steering::can_fly;
 /// depot can no longer be informed and does not count. A UAV that returns to its base counts in its
 /// present cell.
 pub fn gather(model: &Model<'_>, state: &StateRef<'_>, motions: &mut [Motion]) {
-    let meeting_point = manhattan_centre(model, state);
-    for (uav, motion) in motions.iter_mut().enumerate() {
-        *motion = toward(state.cell(uav), meeting_point);
-    }
-}
-
-/// Returns the cell with the least distance to the farthest UAV. In the rotated coordinates u = x +
-/// y, v = x - y, Manhattan distance is the larger of the two differences. The centre is therefore
-/// that of the bounding box. If it is not a cell, the best cell around it is taken. Among equals
-/// that is the one with the least total distance.
-fn manhattan_centre(model: &Model<'_>, state: &StateRef<'_>) -> Cell {
     let any_flies = (0..model.uav_count()).any(|uav| can_fly(state, uav));
     let cells = || {
         (0..model.uav_count())
             .filter(|&uav| !state.grounded(uav) || !any_flies)
             .map(|uav| state.cell(uav))
     };
+    let meeting_point = manhattan_centre(model, cells);
+    for (uav, motion) in motions.iter_mut().enumerate() {
+        *motion = toward(state.cell(uav), meeting_point);
+    }
+}
+
+/// Returns the cell with the least distance to the farthest of some cells.
+///
+/// In the rotated coordinates u = x + y, v = x - y, Manhattan distance is the larger of the two
+/// differences. The centre is therefore that of the bounding box. If it is not a cell, the best
+/// cell around it is taken. Among equals that is the one with the least total distance.
+pub(super) fn manhattan_centre<I: Iterator<Item = Cell>>(
+    model: &Model<'_>,
+    cells: impl Fn() -> I,
+) -> Cell {
     let middle = |of: fn(i64, i64) -> i64| {
         let along = cells().map(|cell| of(i64::from(cell.x), i64::from(cell.y)));
         let (low, high) = along.fold((i64::MAX, i64::MIN), |(low, high), value| {

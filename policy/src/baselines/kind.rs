@@ -35,6 +35,8 @@ baselines! {
     Swarm = "swarm",
     /// [`Teams`](super::Teams).
     Teams = "teams",
+    /// [`Squads`](super::Squads).
+    Squads = "squads",
     /// [`Sweep`](super::Sweep).
     Sweep = "sweep",
     /// [`Line`](super::Line).
@@ -58,12 +60,19 @@ impl BaselineKind {
         self == Self::Answer
     }
 
+    /// Returns whether all UAVs gather once every hotspot is confirmed, also those that do not know
+    /// it.
+    #[must_use]
+    pub(super) fn gathers(self) -> bool {
+        self != Self::Squads
+    }
+
     /// Returns whether it steers by the positions of hotspots that no UAV knows yet.
     #[must_use]
     pub fn reads_positions(self) -> bool {
         matches!(
             self,
-            Self::Greedy | Self::Swarm | Self::Teams | Self::Charging | Self::Clean
+            Self::Greedy | Self::Swarm | Self::Teams | Self::Squads | Self::Charging | Self::Clean
         )
     }
 }

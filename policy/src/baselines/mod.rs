@@ -8,6 +8,7 @@
 //! | `greedy` | each UAV's own cell, the hotspots' cells and which are confirmed | positions |
 //! | `swarm` | all UAVs' cells, the hotspots' cells and which are confirmed | positions |
 //! | `teams` | cells of UAVs that can fly, hotspots' cells and which are confirmed | positions |
+//! | `squads` | as `teams`, but each radio component by what its members know | positions |
 //! | `sweep` | cells of UAVs that can fly; of the hotspots only the number left | no |
 //! | `line` | as `sweep` | no |
 //! | `frontier` | as `sweep`; a search map per team (or visited cells), other teams' targets | no |
@@ -22,10 +23,11 @@
 //! that read them. [`BaselineKind::build_privileged`] builds them anyway, as an upper bound or as a
 //! teacher.
 //!
-//! Once every hotspot is confirmed, all baselines gather, so that UAVs share what they know
-//! ([`gather()`]). All stay on a depot until a flight is worth while ([`stays_to_charge`]). Both
-//! rules read the knowledge and the charge of every UAV, which a real fleet would have to exchange.
-//! The baselines are centralised; the learned policies are not.
+//! Once every hotspot is confirmed, all baselines but `squads` gather, so that UAVs share what
+//! they know ([`gather()`]). All stay on a depot until a flight is worth while
+//! ([`stays_to_charge`]). Both rules read the knowledge and the charge of every UAV, which a real
+//! fleet would have to exchange. The baselines are centralised, but for `squads`; the learned
+//! policies are not.
 
 mod answer;
 mod assignment;
@@ -44,6 +46,7 @@ mod pilot;
 mod quorum;
 mod random;
 mod route;
+mod squads;
 mod steering;
 mod swarm;
 mod sweep;
@@ -64,6 +67,7 @@ pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode, action_of};
 pub use quorum::quorum_probability;
 pub use random::Random;
 pub use route::route;
+pub use squads::Squads;
 pub use steering::Steering;
 pub use swarm::Swarm;
 pub use sweep::Sweep;

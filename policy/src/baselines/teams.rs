@@ -70,17 +70,28 @@ impl Teams {
         if uavs.is_empty() || left.is_empty() {
             return Ok(());
         }
-        let (errands, formed) = best_errands(model, self.pilot, &cells, &left)?;
-        let assigned = if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
-            assign(&cells, &errands)?
-        } else {
-            formed
-        };
-        for (&uav, errand) in uavs.iter().zip(assigned) {
-            self.target_of_uav[uav] = Some(errands[errand].target);
+        let targets = targets(model, self.pilot, &cells, &left)?;
+        for (&uav, target) in uavs.iter().zip(targets) {
+            self.target_of_uav[uav] = Some(target);
         }
         Ok(())
     }
+}
+
+/// Returns the hotspot that each UAV flies to. There is at least one UAV and one hotspot left.
+pub(super) fn targets(
+    model: &Model<'_>,
+    pilot: PilotMode,
+    uavs: &[Cell],
+    left: &[Cell],
+) -> Result<Vec<Cell>, OutOfMemory> {
+    let (errands, formed) = best_errands(model, pilot, uavs, left)?;
+    let assigned = if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
+        assign(uavs, &errands)?
+    } else {
+        formed
+    };
+    collect(assigned.iter().map(|&errand| errands[errand].target))
 }
 
 impl Steering for Teams {
