@@ -66,8 +66,8 @@ pub struct StepOut {
     /// Confirmations of this step less the expected ones, as a share of the hotspots that were
     /// unconfirmed before it (M), if requested.
     pub surpluses: Vec<f32>,
-    /// The motion that the teacher chose for each UAV in the state before the step, as an index of
-    /// `Motion::ALL` (M·N), if requested.
+    /// The raw action that the teacher chose for each UAV in the state before the step (M·N × 2),
+    /// if requested.
     pub lessons: Vec<f32>,
     /// The mission ended by itself: nothing follows.
     pub terminated: Vec<bool>,
@@ -93,7 +93,7 @@ impl StepOut {
         StepOut {
             rewards: vec![0.0; rewards],
             surpluses: room(credit == Credit::Expected, shape.environments),
-            lessons: room(credit == Credit::Teacher, shape.rows()),
+            lessons: room(credit.has_lessons(), 2 * shape.rows()),
             pilot_gains: room(pilot_gains, shape.rows()),
             terminated: vec![false; shape.environments],
             truncated: vec![false; shape.environments],

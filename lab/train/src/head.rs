@@ -28,6 +28,9 @@ pub trait LearningHead {
     /// Draws a raw action; returns it with the log-densities of its motion and of its pilot.
     fn draw(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]);
 
+    /// The raw action of the most likely motion and the mean pilot.
+    fn most_likely(self, outputs: &[f32]) -> [f32; 2];
+
     /// The kernel's action pair of a raw action.
     fn action(self, raw: [f32; 2]) -> [f32; 2];
 
@@ -44,6 +47,14 @@ impl LearningHead for Head {
         match self {
             Head::Gaussian => gaussian::sample(outputs, random),
             Head::Hybrid => hybrid::sample(outputs, random),
+        }
+    }
+
+    fn most_likely(self, outputs: &[f32]) -> [f32; 2] {
+        let [direction, pilot] = self.deterministic(outputs);
+        match self {
+            Head::Gaussian => [direction, pilot],
+            Head::Hybrid => [motion_of(direction) as f32, 0.5 * (pilot + 1.0)],
         }
     }
 

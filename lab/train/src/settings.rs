@@ -5,6 +5,7 @@ mod presets;
 pub use presets::Preset;
 
 use crate::ppo::schedule::Schedule;
+use crate::ppo::update::PilotObjective;
 use jcas_episode::card::Card;
 use jcas_policy::head::Head;
 use serde::{Deserialize, Serialize};
@@ -119,15 +120,23 @@ pub enum Credit {
     /// itself.
     Team,
     /// The same, with the advantage freed of the luck of confirmations: a control variate takes out
-    /// what the drawn detections confirmed beyond expectation. For a reward that counts time.
+    /// what the drawn detections confirmed beyond expectation. For a reward that counts time. It
+    /// has no price for a pilot density, so the actor learns the densities of the rule `adaptive`.
     Expected,
-    /// A teacher judges: the actor learns the motions that the baseline `teams` chooses in the
-    /// states that the actor visits. Pilot densities are not taught. The method is DAgger (Ross,
-    /// Gordon and Bagnell, "A reduction of imitation learning and structured prediction to
-    /// no-regret online learning", 2011).
+    /// A teacher judges: the actor learns the actions that the baseline `squads:adaptive` chooses
+    /// in the states that the actor visits. The method is DAgger (Ross, Gordon and Bagnell, "A
+    /// reduction of imitation learning and structured prediction to no-regret online learning",
+    /// 2011).
     Teacher,
     /// Each UAV's own reward judges its actions. The mean over the fleet is the team's.
     Uav,
+}
+
+impl Credit {
+    /// Whether a teacher chooses an action, or a pilot density, in each state.
+    pub fn has_lessons(self) -> bool {
+        matches!(self, Credit::Expected | Credit::Teacher)
+    }
 }
 
 /// What the critic sees.
@@ -159,9 +168,10 @@ impl Settings {
     pub fn validate(&self) -> Result<(), String> {
         self.check_ranges()?;
         self.check_batches()?;
-        if self.credit == Credit::Teacher && self.head != Head::Hybrid {
+        if self.credit.has_lessons() && self.head != Head::Hybrid {
             return Err(
-                "credit: teacher is allowed with head = hybrid, and head is gaussian".into(),
+                "credit: expected and teacher are allowed with head = hybrid, and head is gaussian"
+                    .into(),
             );
         }
         match self.curriculum {
@@ -246,6 +256,17 @@ impl Settings {
         self.shaping.detection > 0.0 && self.constant_pilot.is_none()
     }
 
+    /// What trains pilot densities.
+    pub(crate) fn pilot_objective(&self) -> PilotObjective {
+        if self.constant_pilot.is_some() {
+            PilotObjective::Held
+        } else if self.credit.has_lessons() && !self.pilot_by_step() {
+            PilotObjective::Taught
+        } else {
+            PilotObjective::Judged
+        }
+    }
+
     /// Steps of each mission in one iteration.
     pub fn steps_per_batch(&self) -> usize {
         self.batch_steps / self.environments
@@ -284,12 +305,14 @@ mod tests {
             };
             assert!(told(&settings).contains("kl_target"));
         }
-        let taught = Settings {
-            head: Head::Gaussian,
-            credit: Credit::Teacher,
-            ..mission()
-        };
-        assert!(told(&taught).contains("credit: teacher"));
+        for credit in [Credit::Expected, Credit::Teacher] {
+            let taught = Settings {
+                head: Head::Gaussian,
+                credit,
+                ..mission()
+            };
+            assert!(told(&taught).contains("credit: expected and teacher"));
+        }
         for detection in [-1.0, f64::NAN, f64::INFINITY] {
             let mut settings = mission();
             settings.shaping.detection = detection;

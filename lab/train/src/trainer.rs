@@ -209,6 +209,7 @@ impl Trainer {
             network: &self.actor.network,
             parameters: &self.actor.parameters,
             device: &self.device,
+            half_deterministic: self.settings.credit == Credit::Teacher,
         };
         let steps = self.settings.steps_per_batch();
         let &Settings { seed, credit, .. } = &self.settings;
@@ -291,7 +292,7 @@ impl Trainer {
         let objective = ActorObjective {
             clip: settings.clip,
             sample_fraction: settings.sample_fraction,
-            pilot_held: settings.constant_pilot.is_some(),
+            pilots: settings.pilot_objective(),
         };
 
         let critic_objective = CriticObjective {
@@ -325,8 +326,7 @@ impl Trainer {
             // The log shows the last epoch, which produced the policy.
             let (actor, head) = (&mut self.actor, settings.head);
             actor_sums = if settings.credit == Credit::Teacher {
-                let share = settings.sample_fraction;
-                learner.imitate(actor, head, share, &actor_step, &mut random)
+                learner.imitate(actor, &objective, &actor_step, &mut random)
             } else {
                 learner.improve_actor(actor, head, &objective, &actor_step, &mut random)
             };

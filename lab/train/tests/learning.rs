@@ -216,7 +216,8 @@ fn threads_do_not_change_the_policy() {
     assert_eq!(train(1), train(2));
 }
 
-/// Five motions at random cost ln 5 = 1.6 a row. The loss is that of a batch's last epoch.
+/// Five motions at random cost ln 5 = 1.6 a row, and a density in the middle costs ln 2 = 0.7. The
+/// loss is that of a batch's last epoch.
 #[test]
 fn a_teacher_is_imitated() {
     let config = Config {
@@ -243,5 +244,5 @@ fn a_teacher_is_imitated() {
     };
     let first = loss();
     let last = (0..9).map(|_| loss()).last().unwrap();
-    assert!(last < 0.2 && last < first / 2.0, "{first} {last}");
+    assert!(last < 0.3 && last < first / 2.0, "{first} {last}");
 }

@@ -3,7 +3,7 @@
 use super::detection_credit::DetectionCredit;
 use super::knowledge_credit::{Informed, KnowledgeCredit};
 use super::task::TrainingTask;
-use super::teacher::Teachers;
+use super::teacher::Teacher;
 use super::{Episode, Shape, StepOut, VectorEnvironment};
 use crate::policy::shape_of;
 use crate::settings::{Credit, Settings};
@@ -108,8 +108,8 @@ pub struct Fleet {
     informed: Informed,
     /// The detection credit, if it has a weight or the surplus of confirmations is asked for.
     finding: Option<DetectionCredit>,
-    /// The teachers, if their motions are asked for.
-    teachers: Option<Teachers>,
+    /// The teacher, if its actions are asked for.
+    teacher: Option<Teacher>,
     /// Additional rewards of each UAV of an episode, with the gains that they pay for.
     extra: [Vec<f64>; 2],
     /// Confirmations of each UAV of an episode that are due to its pilot density.
@@ -141,7 +141,11 @@ impl Fleet {
             informed: Informed::default(),
             finding: (treatment.detection != 0.0 || treatment.credit == Credit::Expected)
                 .then(|| DetectionCredit::new(environments, &model)),
-            teachers: (treatment.credit == Credit::Teacher).then(|| Teachers::new(environments)),
+            teacher: match treatment.credit {
+                Credit::Teacher => Some(Teacher::of_actions()),
+                Credit::Expected => Some(Teacher::of_densities()),
+                Credit::Team | Credit::Uav => None,
+            },
             extra: [vec![0.0; uavs], vec![0.0; uavs]],
             by_pilot: vec![0.0; uavs],
             rewards: vec![0.0; environments],
@@ -205,9 +209,6 @@ impl Fleet {
                 &mut self.global[global],
             )
             .expect("buffers are sized for this model");
-        if let Some(teachers) = &mut self.teachers {
-            teachers.start(m, &self.model);
-        }
     }
 
     /// Restarts the credits from the present states.
@@ -304,10 +305,6 @@ impl VectorEnvironment for Fleet {
             self.enter(stage);
             self.start(derive_seed(self.seed, u64::MAX - stage));
         }
-        // A checkpoint holds no plan of a teacher, so each batch begins with new ones.
-        if let Some(teachers) = &mut self.teachers {
-            (0..self.environments).for_each(|m| teachers.start(m, &self.model));
-        }
     }
 
     fn observe(&mut self, observations: &mut [f32], global: &mut [f32]) {
@@ -316,8 +313,8 @@ impl VectorEnvironment for Fleet {
     }
 
     fn step(&mut self, actions: &[f32], out: &mut StepOut) {
-        if let Some(teachers) = &mut self.teachers {
-            teachers.motions(&self.model, &self.states, &mut out.lessons);
+        if let Some(teacher) = &mut self.teacher {
+            teacher.teach(&self.model, &self.states, &mut out.lessons);
         }
         self.held.copy_from_slice(actions);
         if let Some(pilot) = self.treatment.constant_pilot {
@@ -547,15 +544,11 @@ mod tests {
     #[test]
     fn a_lesson_is_for_the_state_before_the_step() {
         let (mut fleet, mut out) = short(Credit::Teacher);
-        fleet.begin_batch(0);
         let model = fleet.model.clone();
-        let mut teachers = Teachers::new(2);
+        let mut teacher = Teacher::of_actions();
         let mut expected = vec![0.0; out.lessons.len()];
         for step in 0..7 {
-            if step % 3 == 0 {
-                (0..2).for_each(|m| teachers.start(m, &model));
-            }
-            teachers.motions(&model, &fleet.states, &mut expected);
+            teacher.teach(&model, &fleet.states, &mut expected);
             fleet.step(&[0.4, 0.0].repeat(2 * model.uav_count()), &mut out);
             assert_eq!(out.lessons, expected, "{step}");
         }

@@ -1,48 +1,88 @@
-//! A teacher: the baseline `teams`, asked in every state that the learner visits.
+//! A teacher: the baseline `squads`, asked in every state that the learner visits.
 //!
-//! It knows the positions and confirmations of all hotspots, which a UAV learns by radio alone. The
-//! learner imitates it as well as its own observations allow.
+//! A learner observes a state and no plan. So the teacher plans anew in each state, by what the
+//! members of a radio component know. In one cell, UAVs with lower indices take motions with lower
+//! indices: which UAV of a cell joins which team is no accident then.
 
 use crate::head::motion_of;
-use jcas_core::Model;
+use jcas_core::{Model, Motion, StateRef};
 use jcas_policy::Policy;
 use jcas_policy::baselines::{Baseline, BaselineKind, PilotMode};
 
-/// The teachers of several episodes.
+/// The teacher of any number of episodes of one configuration.
 #[derive(Debug)]
-pub struct Teachers {
-    of_mission: Vec<Baseline>,
+pub struct Teacher {
+    /// The planner of motions, if they are taught.
+    squads: Option<Baseline>,
     /// Actions of one fleet.
     actions: Vec<f32>,
 }
 
-impl Teachers {
-    /// Teachers for `missions` episodes, before the first of them starts.
-    pub fn new(missions: usize) -> Teachers {
-        let teams = || BaselineKind::Teams.build_privileged(PilotMode::Adaptive);
-        Teachers {
-            of_mission: (0..missions).map(|_| teams()).collect(),
-            actions: Vec::new(),
+impl Teacher {
+    /// A teacher of motions and pilot densities.
+    pub fn of_actions() -> Teacher {
+        Teacher {
+            squads: Some(BaselineKind::Squads.build_privileged(PilotMode::Adaptive)),
+            ..Teacher::of_densities()
         }
     }
 
-    /// Makes the teacher of an episode plan anew in the next state.
-    pub fn start(&mut self, mission: usize, model: &Model<'_>) {
-        self.of_mission[mission].reset(model, 0);
+    /// A teacher of pilot densities, whose motions are unspecified.
+    pub fn of_densities() -> Teacher {
+        Teacher {
+            squads: None,
+            actions: Vec::new(),
+        }
     }
+}
 
-    /// Writes the motion of each UAV in these states, as an index of `Motion::ALL`.
-    pub fn motions(&mut self, model: &Model<'_>, states: &[u64], motions: &mut [f32]) {
+impl Teacher {
+    /// Writes a raw action of the hybrid head for each UAV in these states.
+    ///
+    /// It has the motion as an index of `Motion::ALL`, and the place of the pilot density in its
+    /// range.
+    pub fn teach(&mut self, model: &Model<'_>, states: &[u64], lessons: &mut [f32]) {
         let uavs = model.uav_count();
         self.actions.resize(2 * uavs, 0.0);
         let states = states.chunks_exact(model.state_words());
-        let fleets = self.of_mission.iter_mut().zip(states);
-        for ((teacher, state), motions) in fleets.zip(motions.chunks_exact_mut(uavs)) {
+        for (state, lessons) in states.zip(lessons.chunks_exact_mut(2 * uavs)) {
             let state = model.state(state).expect("a state of this model");
-            teacher.act(model, &state, &mut self.actions);
-            for (motion, action) in motions.iter_mut().zip(self.actions.chunks_exact(2)) {
-                *motion = motion_of(action[0]) as f32;
+            if let Some(squads) = &mut self.squads {
+                squads.reset(model, 0);
+                squads.act(model, &state, &mut self.actions);
+            } else {
+                for (uav, action) in self.actions.chunks_exact_mut(2).enumerate() {
+                    action[1] = PilotMode::Adaptive.action(model, &state, uav);
+                }
             }
+            let actions = self.actions.chunks_exact(2);
+            for (lesson, action) in lessons.chunks_exact_mut(2).zip(actions) {
+                lesson[0] = motion_of(action[0]) as f32;
+                lesson[1] = (action[1] + 1.0) / 2.0;
+            }
+            order_cells(&state, lessons);
+        }
+    }
+}
+
+/// Gives the motions of each cell to its UAVs in ascending order.
+fn order_cells(state: &StateRef<'_>, lessons: &mut [f32]) {
+    let uavs = lessons.len() / 2;
+    // The motions of a cell, counted, are kept where its first UAV is.
+    let mut left = vec![[0; Motion::ALL.len()]; uavs];
+    let flies = |uav: usize| !state.grounded(uav) && !state.returning(uav);
+    let first = |uav: usize| {
+        let alike = |&other: &usize| flies(other) && state.cell(other) == state.cell(uav);
+        (0..uav).find(alike).unwrap_or(uav)
+    };
+    for uav in (0..uavs).filter(|&uav| flies(uav)) {
+        left[first(uav)][lessons[2 * uav] as usize] += 1;
+    }
+    for uav in (0..uavs).filter(|&uav| flies(uav)) {
+        let left = &mut left[first(uav)];
+        if let Some(motion) = left.iter().position(|&count| count > 0) {
+            left[motion] -= 1;
+            lessons[2 * uav] = motion as f32;
         }
     }
 }
@@ -63,14 +103,14 @@ mod tests {
         };
         let model = Model::new(config).unwrap();
         let mut sim = Sim::new(&model);
-        let mut teachers = Teachers::new(1);
+        let mut teacher = Teacher::of_actions();
         for seed in 0..20 {
             sim.reset(seed);
-            teachers.start(0, &model);
             let there = sim.state().hotspot_cell(0);
             for step in 0..4 {
-                let mut motions = [9.0; 3];
-                teachers.motions(&model, sim.words(), &mut motions);
+                let mut lessons = [9.0; 6];
+                teacher.teach(&model, sim.words(), &mut lessons);
+                let motions = [lessons[0], lessons[2], lessons[4]];
                 let state = sim.state();
                 for (uav, motion) in motions.into_iter().enumerate() {
                     let motion = Motion::ALL[motion as usize];
@@ -89,5 +129,57 @@ mod tests {
                 }
             }
         }
+    }
+
+    // Twelve UAVs of `squads` divide as they leave the depot. The lessons have the same motions in
+    // each cell, in ascending order, and the densities of `adaptive`.
+    #[test]
+    fn the_motions_of_a_cell_are_in_order() {
+        let config = Config {
+            uav_count: 12,
+            hotspot_count: 6,
+            ..Config::preset(Preset::Paper)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        let mut squads = BaselineKind::Squads.build_privileged(PilotMode::Adaptive);
+        let mut teacher = Teacher::of_actions();
+        let (mut actions, mut lessons) = ([0.0; 24], [9.0; 24]);
+        let (mut divided, mut reordered) = (0, 0);
+        for seed in 0..20 {
+            sim.reset(seed);
+            squads.reset(&model, seed);
+            for _ in 0..8 {
+                let state = sim.state();
+                squads.act(&model, &state, &mut actions);
+                teacher.teach(&model, sim.words(), &mut lessons);
+                let mut taught = [[0.0; 2]; 12];
+                for uav in 0..12 {
+                    taught[uav] = [
+                        Motion::ALL[lessons[2 * uav] as usize].to_action(),
+                        actions[2 * uav + 1],
+                    ];
+                    let density = (actions[2 * uav + 1] + 1.0) / 2.0;
+                    assert_eq!(lessons[2 * uav + 1], density);
+                    let cell = |other: &usize| state.cell(*other) == state.cell(uav);
+                    let motions = |actions: &[f32]| -> Vec<f32> {
+                        (0..12).filter(cell).map(|uav| actions[2 * uav]).collect()
+                    };
+                    let mut sorted: Vec<usize> =
+                        motions(&actions).into_iter().map(motion_of).collect();
+                    let before = sorted.clone();
+                    sorted.sort_unstable();
+                    reordered += u32::from(before != sorted);
+                    divided += u32::from(sorted.first() != sorted.last());
+                    let got: Vec<usize> =
+                        motions(&lessons).into_iter().map(|x| x as usize).collect();
+                    assert_eq!(got, sorted);
+                }
+                if sim.step(taught.as_flattened()).unwrap().terminated {
+                    break;
+                }
+            }
+        }
+        assert!(divided > 100 && reordered > 10, "{divided} {reordered}");
     }
 }

@@ -147,9 +147,25 @@ pub(super) fn densities(outputs: Tensor<2>, raw: &[f32]) -> Densities {
     }
 }
 
+/// Cross-entropies of a teacher's actions (rows × 2): those of motions, then of pilot densities.
+///
+/// Let y be the place of a density in its range, and m the mean of the Beta. The second is
+/// −y ln m − (1 − y) ln(1 − m). The likelihood under the Beta would have no greatest value, as a
+/// teacher's densities lie at the bounds of the range.
+pub fn lesson_losses(outputs: Tensor<2>, lessons: &[f32]) -> Tensor<2> {
+    let motions = motion_densities(&outputs, lessons).log_probs.neg();
+    let places = pilots_tensor(lessons, &outputs);
+    let ab = softplus(outputs.narrow(1, MOTIONS, 2), 1.0).add_scalar(1.0);
+    let shares = ab.clone() / ab.sum_dim(1);
+    let targets = Tensor::cat(vec![places.clone(), places.neg().add_scalar(1.0)], 1);
+    let pilots = (targets * shares.log()).sum_dim(1).neg();
+    Tensor::cat(vec![motions, pilots], 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::{matrix, values};
     use burn_tensor::Device;
     use jcas_policy::head::Head;
 
@@ -163,6 +179,19 @@ mod tests {
             densities.log_probs.sum().into_scalar::<f32>(),
             densities.entropies.sum().into_scalar::<f32>(),
         )
+    }
+
+    // Equal logits cost ln 5, and α = 2, β = 1 has the mean 2/3.
+    #[test]
+    fn lessons_cost_their_cross_entropy() {
+        let ln_e_minus_one = (std::f32::consts::E - 1.0).ln();
+        let row = [0.0, 0.0, 0.0, 0.0, 0.0, ln_e_minus_one, -40.0];
+        let outputs = matrix(row.repeat(3), OUTPUT_LEN, &Device::flex());
+        let losses = values(lesson_losses(outputs, &[0.0, 0.0, 3.0, 1.0, 4.0, 0.5]));
+        let expected = [5.0f32, 3.0, 5.0, 1.5, 5.0, 4.5f32.sqrt()].map(f32::ln);
+        for (loss, expected) in losses.iter().zip(expected) {
+            assert!((loss - expected).abs() < 1e-5, "{losses:?}");
+        }
     }
 
     // ln Γ at integers is ln (n-1)!, at 3/2 it is ln(√π / 2).

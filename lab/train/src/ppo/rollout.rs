@@ -32,7 +32,7 @@ pub struct Rollout {
     /// Confirmations beyond expectation, as a share of the unconfirmed hotspots, T × M; empty if
     /// not requested.
     pub surpluses: Vec<f32>,
-    /// The teacher's motions, T × M·N; empty if not requested.
+    /// The teacher's raw actions, T × M·N × 2; empty if not requested.
     pub lessons: Vec<f32>,
     /// T × M.
     pub terminated: Vec<bool>,

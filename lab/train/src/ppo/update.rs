@@ -5,6 +5,7 @@
 
 use crate::environment::Shape;
 use crate::head::LearningHead;
+use crate::head::hybrid::lesson_losses;
 use crate::network::{Network, flat_gradient, matrix, values};
 use crate::ppo::adam::Adam;
 use crate::ppo::rollout::Rollout;
@@ -66,8 +67,19 @@ pub struct ActorObjective {
     pub clip: f32,
     /// Share of rows to visit.
     pub sample_fraction: f64,
-    /// The pilot density is constant, so only motions are trained.
-    pub pilot_held: bool,
+    /// What trains pilot densities.
+    pub pilots: PilotObjective,
+}
+
+/// What trains pilot densities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PilotObjective {
+    /// Nothing: the density is constant, and only motions are trained.
+    Held,
+    /// Their advantages.
+    Judged,
+    /// The teacher's densities.
+    Taught,
 }
 
 impl ActorObjective {
@@ -207,29 +219,30 @@ impl Learner<'_> {
         )
     }
 
-    /// One epoch of cross-entropy against the teacher's motions.
+    /// One epoch of cross-entropy against the teacher's actions, or its motions alone.
     pub fn imitate(
         &self,
         actor: &mut Trainable,
-        head: Head,
-        sample_fraction: f64,
+        objective: &ActorObjective,
         step: &MinibatchSettings,
         random: &mut ChaCha8Rng,
     ) -> UpdateStats {
         let shards = shards(
             self.rollouts,
             Rollout::rows,
-            sample_fraction,
+            objective.sample_fraction,
             step.shard_rows,
             random,
         );
         self.run_minibatches_by_shard(actor, &shards, step, |network, weights, shard, rows| {
             let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
-            let motions = self.gather(shard, 1, |r| &r.lessons);
-            // A raw action is a pair, and its pilot density does not count here.
-            let raw: Vec<f32> = motions.iter().flat_map(|&motion| [motion, 0.0]).collect();
-            let log_probs = head.motion_densities(outputs, &raw).log_probs;
-            let loss = log_probs.sum().neg().div_scalar(rows as f64);
+            let losses = lesson_losses(outputs, &self.gather(shard, 2, |r| &r.lessons));
+            let taught = if objective.pilots == PilotObjective::Held {
+                1
+            } else {
+                2
+            };
+            let loss = losses.narrow(1, 0, taught).sum().div_scalar(rows as f64);
             finish(network, &weights, loss, shard.len(), rows)
         })
     }
@@ -296,10 +309,14 @@ impl Learner<'_> {
             .collect();
         let advantages = matrix(advantages, scales.len(), self.device);
 
-        let (densities, old) = if objective.pilot_held {
-            (head.motion_densities(outputs, &raw), old.narrow(1, 0, 1))
-        } else {
+        let lesson_loss = (objective.pilots == PilotObjective::Taught).then(|| {
+            let losses = lesson_losses(outputs.clone(), &self.gather(shard, 2, |r| &r.lessons));
+            losses.narrow(1, 1, 1).sum()
+        });
+        let (densities, old) = if objective.pilots == PilotObjective::Judged {
             (head.densities(outputs, &raw), old)
+        } else {
+            (head.motion_densities(outputs, &raw), old.narrow(1, 0, 1))
         };
         let log_ratios = densities.log_probs - old;
         let log_ratio = match scales {
@@ -309,7 +326,11 @@ impl Learner<'_> {
         let ratio = log_ratio.clone().exp();
         let gain = objective.gain(ratio, advantages);
         let entropy = densities.entropies.sum_dim(1);
-        let loss = gain.sum().neg().div_scalar(minibatch_rows as f64);
+        let mut loss = gain.sum().neg();
+        if let Some(lesson_loss) = lesson_loss {
+            loss = loss + lesson_loss;
+        }
+        let loss = loss.div_scalar(minibatch_rows as f64);
 
         let mut sums = UpdateStats {
             rows: shard.len() as f64,
@@ -476,7 +497,7 @@ mod tests {
         let objective = ActorObjective {
             clip: 0.2,
             sample_fraction: 1.0,
-            pilot_held: false,
+            pilots: PilotObjective::Judged,
         };
         let row = |values: [f32; 4]| matrix(values.to_vec(), 4, &device);
         let ratio = row([2.0, 2.0, 0.5, 0.5]).require_grad();
