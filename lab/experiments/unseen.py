@@ -24,9 +24,9 @@ REFERENCE = "replan"
 # Student's t quantile at 0.975 with CONFIGURATIONS - 1 degrees of freedom.
 T_QUANTILE = 2.262
 POLICIES = {
-    "paper": ("replan", "plan", "teams", "swarm", "policies/paper"),
+    "paper": ("replan", "plan", "teams", "squads", "swarm", "policies/paper"),
     "search": ("replan", "plan", "line", "frontier"),
-    "mission": ("replan", "teams", "swarm", "policies/fleet"),
+    "mission": ("replan", "teams", "squads", "swarm", "policies/fleet", "policies/mission"),
 }
 DRAWN = ("preset", "index", "uavs", "hotspots", "width", "height", "depot", "range_m")
 QUANTITIES = ("success_rate", "mission_steps_mean", "energy_kwh_mean")
