@@ -12,50 +12,100 @@ use super::teams::targets;
 /// The policy `squads`, in which each radio component divides its own members as
 /// [`Teams`](super::Teams) divides the fleet.
 ///
-/// A component plans anew in each step, by the cells of its members and the confirmations that they
-/// know. So it needs no memory, and nothing that a real fleet would not have. Two components can
-/// choose one hotspot. A component that knows all confirmations flies to the middle of the
-/// hotspots, where it meets the others.
+/// A component plans by the cells of its members and the confirmations that they know, which a real
+/// fleet would have. It keeps the plan while its members and their knowledge stay the same. Two
+/// components can choose one hotspot. A component that knows all confirmations flies to the middle
+/// of the hotspots, where it meets the others.
 #[derive(Clone, Debug)]
 pub struct Squads {
     pilot: PilotMode,
+    /// The components of the step before.
+    squads: Vec<Squad>,
+}
+
+/// A radio component with its plan.
+#[derive(Clone, Debug)]
+struct Squad {
+    /// The members that can fly, in ascending order.
+    members: Vec<usize>,
+    /// The hotspots that they knew to be confirmed.
+    known: Vec<bool>,
+    /// Where each member flies to.
+    targets: Vec<Cell>,
 }
 
 impl Squads {
     /// Builds the policy for the pilot density of the squads, which decides their size.
     #[must_use]
     pub const fn new(pilot: PilotMode) -> Self {
-        Self { pilot }
+        Self {
+            pilot,
+            squads: Vec::new(),
+        }
+    }
+
+    /// Plans for a component whose members know these hotspots.
+    fn plan(
+        &self,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+        members: Vec<usize>,
+        known: Vec<bool>,
+    ) -> Result<Squad, OutOfMemory> {
+        let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
+        let left = collect(hotspots().zip(&known).filter(|(_, known)| !**known))?;
+        let left = collect(left.iter().map(|&(cell, _)| cell))?;
+        let targets = if left.is_empty() {
+            filled(manhattan_centre(model, hotspots), members.len())?
+        } else {
+            let cells = collect(members.iter().map(|&uav| state.cell(uav)))?;
+            targets(model, self.pilot, &cells, &left)?
+        };
+        Ok(Squad {
+            members,
+            known,
+            targets,
+        })
     }
 }
 
 impl Steering for Squads {
+    fn reset(&mut self, _model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+        self.squads.clear();
+        Ok(())
+    }
+
     fn steer(
         &mut self,
         model: &Model<'_>,
         state: &StateRef<'_>,
         motions: &mut [Motion],
     ) -> Result<(), OutOfMemory> {
-        let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
-        let middle = manhattan_centre(model, hotspots);
+        let mut squads = Vec::new();
         let mut met = filled(false, model.uav_count())?;
         for first in 0..model.uav_count() {
             if met[first] || !can_fly(state, first) {
                 continue;
             }
             let members = component(state, first, &mut met)?;
-            let cells = collect(members.iter().map(|&uav| state.cell(uav)))?;
-            let left = (0..model.hotspot_count()).filter(|&hotspot| !state.knows(first, hotspot));
-            let left = collect(left.map(|hotspot| state.hotspot_cell(hotspot)))?;
-            let to: Vec<Cell> = if left.is_empty() {
-                filled(middle, members.len())?
-            } else {
-                targets(model, self.pilot, &cells, &left)?
+            let known = (0..model.hotspot_count()).map(|hotspot| state.knows(first, hotspot));
+            let known = collect(known)?;
+            let mut before = self.squads.iter();
+            let squad = match before.find(|squad| squad.members == members && squad.known == known)
+            {
+                Some(squad) => Squad {
+                    targets: collect(squad.targets.iter().copied())?,
+                    members,
+                    known,
+                },
+                None => self.plan(model, state, members, known)?,
             };
-            for ((&uav, &from), to) in members.iter().zip(&cells).zip(to) {
-                motions[uav] = toward(from, to);
+            for (&uav, &target) in squad.members.iter().zip(&squad.targets) {
+                motions[uav] = toward(state.cell(uav), target);
             }
+            push(&mut squads, squad)?;
         }
+        self.squads = squads;
         Ok(())
     }
 }
@@ -126,5 +176,28 @@ mod tests {
         assert_eq!(motion(&near, 0), Motion::Right.to_action());
         assert_eq!(motion(&near, 4), Motion::Left.to_action());
         assert_ne!(motion(&near, 4), motion(&far, 4));
+    }
+
+    // Two teams that planned anew in each step went to and fro between two cells in this episode.
+    #[test]
+    fn a_squad_does_not_fly_in_circles() {
+        let config = Config {
+            uav_count: 20,
+            hotspot_count: 7,
+            ..Config::preset(Preset::Mission)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(804);
+        let mut policy = BaselineKind::Squads
+            .build(&model, PilotMode::Adaptive)
+            .unwrap();
+        policy.reset(&model, 804);
+        let mut actions = [0.0; 40];
+        let ended = (0..100).any(|_| {
+            policy.act(&model, &sim.state(), &mut actions);
+            sim.step(&actions).unwrap().terminated
+        });
+        assert!(ended);
     }
 }

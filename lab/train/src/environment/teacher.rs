@@ -148,9 +148,9 @@ mod tests {
         let (mut divided, mut reordered) = (0, 0);
         for seed in 0..20 {
             sim.reset(seed);
-            squads.reset(&model, seed);
             for _ in 0..8 {
                 let state = sim.state();
+                squads.reset(&model, seed);
                 squads.act(&model, &state, &mut actions);
                 teacher.teach(&model, sim.words(), &mut lessons);
                 let mut taught = [[0.0; 2]; 12];
