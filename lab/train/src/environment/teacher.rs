@@ -48,6 +48,7 @@ impl Teacher {
         for (state, lessons) in states.zip(lessons.chunks_exact_mut(2 * uavs)) {
             let state = model.state(state).expect("a state of this model");
             if let Some(squads) = &mut self.squads {
+                // Without a plan from the state before.
                 squads.reset(model, 0);
                 squads.act(model, &state, &mut self.actions);
             } else {
