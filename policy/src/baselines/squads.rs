@@ -44,28 +44,22 @@ impl Squads {
         }
     }
 
-    /// Plans for a component whose members know these hotspots.
+    /// Returns where each member of a component flies to, whose members know these hotspots.
     fn plan(
         &self,
         model: &Model<'_>,
         state: &StateRef<'_>,
-        members: Vec<usize>,
-        known: Vec<bool>,
-    ) -> Result<Squad, OutOfMemory> {
+        members: &[usize],
+        known: &[bool],
+    ) -> Result<Vec<Cell>, OutOfMemory> {
         let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
-        let left = collect(hotspots().zip(&known).filter(|(_, known)| !**known))?;
-        let left = collect(left.iter().map(|&(cell, _)| cell))?;
-        let targets = if left.is_empty() {
-            filled(manhattan_centre(model, hotspots), members.len())?
-        } else {
-            let cells = collect(members.iter().map(|&uav| state.cell(uav)))?;
-            targets(model, self.pilot, &cells, &left)?
-        };
-        Ok(Squad {
-            members,
-            known,
-            targets,
-        })
+        let unknown = hotspots().zip(known).filter(|(_, known)| !**known);
+        let left = collect(unknown.map(|(cell, _)| cell))?;
+        if left.is_empty() {
+            return filled(manhattan_centre(model, hotspots), members.len());
+        }
+        let cells = collect(members.iter().map(|&uav| state.cell(uav)))?;
+        targets(model, self.pilot, &cells, &left)
     }
 }
 
@@ -90,19 +84,19 @@ impl Steering for Squads {
             let members = component(state, first, &mut met)?;
             let known = (0..model.hotspot_count()).map(|hotspot| state.knows(first, hotspot));
             let known = collect(known)?;
-            let mut before = self.squads.iter();
-            let squad = match before.find(|squad| squad.members == members && squad.known == known)
-            {
-                Some(squad) => Squad {
-                    targets: collect(squad.targets.iter().copied())?,
-                    members,
-                    known,
-                },
-                None => self.plan(model, state, members, known)?,
+            let same = |squad: &&Squad| squad.members == members && squad.known == known;
+            let targets = match self.squads.iter().find(same) {
+                Some(squad) => collect(squad.targets.iter().copied())?,
+                None => self.plan(model, state, &members, &known)?,
             };
-            for (&uav, &target) in squad.members.iter().zip(&squad.targets) {
+            for (&uav, &target) in members.iter().zip(&targets) {
                 motions[uav] = toward(state.cell(uav), target);
             }
+            let squad = Squad {
+                members,
+                known,
+                targets,
+            };
             push(&mut squads, squad)?;
         }
         self.squads = squads;
