@@ -3,11 +3,13 @@
 
 mod support;
 
+use burn_tensor::Device;
 use jcas_core::Config;
 use jcas_policy::head::Head;
 use jcas_train::environment::VectorEnvironment;
 use jcas_train::environment::fleet::{Fleet, RewardShaping};
 use jcas_train::environment::task::TrainingTask;
+use jcas_train::network::values;
 use jcas_train::settings::{Credit, CriticInput, Preset, Settings};
 use jcas_train::trainer::Trainer;
 use support::Beacon;
@@ -216,33 +218,76 @@ fn threads_do_not_change_the_policy() {
     assert_eq!(train(1), train(2));
 }
 
-/// Five motions at random cost ln 5 = 1.6 a row, and a density in the middle costs ln 2 = 0.7. The
-/// loss is that of a batch's last epoch.
-#[test]
-fn a_teacher_is_imitated() {
+/// Three UAVs look for one hotspot, eight episodes a worker.
+fn three_uavs(settings: &Settings) -> Fleet {
     let config = Config {
         uav_count: 3,
         hotspot_count: 1,
         ..Config::default()
     };
-    let settings = Settings {
+    let task = TrainingTask::new(&config, settings).unwrap();
+    Fleet::new(task, 8, RewardShaping::new(settings, None).unwrap())
+}
+
+fn trainer_of_three_uavs(settings: &Settings) -> Trainer {
+    let worker = |_| Box::new(three_uavs(settings)) as Box<dyn VectorEnvironment>;
+    let workers = (0..settings.workers).map(worker).collect();
+    Trainer::new(settings.clone(), workers, "cpu").unwrap()
+}
+
+/// Five motions at random cost ln 5 = 1.6 a row. The loss is that of a batch's last epoch.
+#[test]
+fn a_teacher_is_imitated() {
+    let mut trainer = trainer_of_three_uavs(&Settings {
         credit: Credit::Teacher,
+        constant_pilot: Some(0.3),
         total_steps: 10 * 1024,
         learning_rate: 5e-3,
         ..settings(Head::Hybrid)
-    };
-    let worker = |_| {
-        let task = TrainingTask::new(&config, &settings).unwrap();
-        let treatment = RewardShaping::new(&settings, None).unwrap();
-        Box::new(Fleet::new(task, 8, treatment)) as Box<dyn VectorEnvironment>
-    };
-    let workers = (0..settings.workers).map(worker).collect();
-    let mut trainer = Trainer::new(settings.clone(), workers, "cpu").unwrap();
+    });
     let mut loss = || {
         let actor = trainer.iterate().actor;
         actor.loss / actor.rows
     };
     let first = loss();
     let last = (0..9).map(|_| loss()).last().unwrap();
-    assert!(last < 0.3 && last < first / 2.0, "{first} {last}");
+    assert!(last < 0.2 && last < first / 2.0, "{first} {last}");
+}
+
+/// At the depot no hotspot is near, and the rule `adaptive` takes the least density. Fresh weights
+/// take the middle of the range.
+#[test]
+fn densities_are_taught_whether_a_teacher_judges_motions_or_a_reward() {
+    for credit in [Credit::Expected, Credit::Teacher] {
+        let settings = Settings {
+            credit,
+            total_steps: 2 * 1024,
+            learning_rate: 5e-3,
+            ..settings(Head::Hybrid)
+        };
+        let mut trainer = trainer_of_three_uavs(&settings);
+        let mut fleet = three_uavs(&settings);
+        fleet.reset(9);
+        let shape = fleet.shape();
+        let mut observations = vec![0.0; shape.rows() * shape.observation_len];
+        let mut global = vec![0.0; shape.environments * shape.global_len];
+        fleet.observe(&mut observations, &mut global);
+        let place = |trainer: &Trainer| {
+            let network = &trainer.actor.network;
+            let weights = network.tensors(&trainer.actor.parameters, &Device::flex());
+            let features = network.features(&observations, &shape);
+            let outputs = values(network.forward(&weights, features, &shape));
+            let rows = outputs.chunks_exact(Head::Hybrid.outputs());
+            let pilots = rows.map(|row| (Head::Hybrid.deterministic(row)[1] + 1.0) / 2.0);
+            pilots.sum::<f32>() / shape.rows() as f32
+        };
+        let before = place(&trainer);
+        // Later on, a fleet that is taught hovers over its hotspot and is seldom at the depot.
+        (0..2).for_each(|_| drop(trainer.iterate()));
+        let after = place(&trainer);
+        assert!(
+            (before - 0.5).abs() < 0.1 && after < 0.2,
+            "{before} {after}"
+        );
+    }
 }

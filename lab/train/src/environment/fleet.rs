@@ -553,4 +553,22 @@ mod tests {
             assert_eq!(out.lessons, expected, "{step}");
         }
     }
+
+    #[test]
+    fn both_credits_teach_the_same_densities() {
+        let [(mut taught, mut of_teacher), (mut judged, mut of_rule)] =
+            [Credit::Teacher, Credit::Expected].map(short);
+        let mut high = 0;
+        for step in 0..7 {
+            let actions = [0.4, 0.0].repeat(2 * taught.model.uav_count());
+            taught.step(&actions, &mut of_teacher);
+            judged.step(&actions, &mut of_rule);
+            let pairs = of_teacher.lessons.chunks_exact(2);
+            for (a, b) in pairs.zip(of_rule.lessons.chunks_exact(2)) {
+                assert_eq!(a[1], b[1], "{step}");
+                high += u32::from(b[1] == 1.0);
+            }
+        }
+        assert!(high > 0);
+    }
 }

@@ -2,7 +2,8 @@
 //!
 //! A learner observes a state and no plan. So the teacher plans anew in each state, by what the
 //! members of a radio component know. In one cell, UAVs with lower indices take motions with lower
-//! indices: which UAV of a cell joins which team is no accident then.
+//! indices: which UAV of a cell joins which team is no accident then. Pilot densities are those of
+//! the rule `adaptive`, which reads all confirmations.
 
 use crate::head::motion_of;
 use jcas_core::{Model, Motion, StateRef};
@@ -34,9 +35,7 @@ impl Teacher {
             actions: Vec::new(),
         }
     }
-}
 
-impl Teacher {
     /// Writes a raw action of the hybrid head for each UAV in these states.
     ///
     /// It has the motion as an index of `Motion::ALL`, and the place of the pilot density in its

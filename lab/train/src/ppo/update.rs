@@ -185,6 +185,17 @@ impl Learner<'_> {
         self.rollouts[shard[0].0 as usize].shape
     }
 
+    /// The actor's rows of an epoch, in shards.
+    fn actor_shards(
+        &self,
+        objective: &ActorObjective,
+        step: &MinibatchSettings,
+        random: &mut ChaCha8Rng,
+    ) -> Vec<Shard> {
+        let share = objective.sample_fraction;
+        shards(self.rollouts, Rollout::rows, share, step.shard_rows, random)
+    }
+
     /// One epoch of PPO's clipped objective.
     pub fn improve_actor(
         &self,
@@ -194,13 +205,7 @@ impl Learner<'_> {
         step: &MinibatchSettings,
         random: &mut ChaCha8Rng,
     ) -> UpdateStats {
-        let shards = shards(
-            self.rollouts,
-            Rollout::rows,
-            objective.sample_fraction,
-            step.shard_rows,
-            random,
-        );
+        let shards = self.actor_shards(objective, step, random);
         run_minibatches(
             actor,
             &shards,
@@ -227,13 +232,7 @@ impl Learner<'_> {
         step: &MinibatchSettings,
         random: &mut ChaCha8Rng,
     ) -> UpdateStats {
-        let shards = shards(
-            self.rollouts,
-            Rollout::rows,
-            objective.sample_fraction,
-            step.shard_rows,
-            random,
-        );
+        let shards = self.actor_shards(objective, step, random);
         self.run_minibatches_by_shard(actor, &shards, step, |network, weights, shard, rows| {
             let (weights, outputs) = self.outputs(network, weights, shard, |r| &r.actor_features);
             let losses = lesson_losses(outputs, &self.gather(shard, 2, |r| &r.lessons));
