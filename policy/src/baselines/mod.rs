@@ -8,7 +8,7 @@
 //! | `greedy` | each UAV's own cell, the hotspots' cells and which are confirmed | positions |
 //! | `swarm` | all UAVs' cells, the hotspots' cells and which are confirmed | positions |
 //! | `teams` | cells of UAVs that can fly, hotspots' cells and which are confirmed | positions |
-//! | `squads` | as `teams`, but each radio component by what its members know | positions |
+//! | `squads` | as `teams`, but each radio component by what its members know or knew | positions |
 //! | `sweep` | cells of UAVs that can fly; of the hotspots only the number left | no |
 //! | `line` | as `sweep` | no |
 //! | `frontier` | as `sweep`; a search map per team (or visited cells), other teams' targets | no |
@@ -34,6 +34,7 @@ mod assignment;
 mod baseline;
 mod charge;
 mod charging;
+mod division;
 mod error;
 mod frontier;
 mod gather;

@@ -7,15 +7,19 @@ use super::gather::manhattan_centre;
 use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
-use super::teams::targets;
+use super::teams::{Effort, divide};
 
-/// The policy `squads`, in which each radio component divides its own members as
-/// [`Teams`](super::Teams) divides the fleet.
+/// The policy `squads`, in which each radio component divides its own members and the hotspots.
 ///
 /// A component plans by the cells of its members and the confirmations that they know, which a real
-/// fleet would have. It keeps the plan while its members and their knowledge stay the same. Two
-/// components can choose one hotspot. A component that knows all confirmations flies to the middle
-/// of the hotspots, where it meets the others.
+/// fleet would have. It plans anew when it learns of a confirmation, meets others, or loses a part
+/// of a team. Teams that it is out of touch with keep the hotspots that the last common plan gave
+/// them, until it has no others. Two components can choose one hotspot if they never made a plan
+/// together. A component that knows all confirmations flies to the middle of the hotspots, where it
+/// meets the others.
+///
+/// Teams are formed as those of [`Teams`](super::Teams). But their routes are improved, and the
+/// division is taken whose expected time is least, with random waits for a quorum.
 #[derive(Clone, Debug)]
 pub struct Squads {
     pilot: PilotMode,
@@ -23,7 +27,7 @@ pub struct Squads {
     squads: Vec<Squad>,
 }
 
-/// A radio component with its plan.
+/// A radio component with its plan. A team goes by the index of one of its members.
 #[derive(Clone, Debug)]
 struct Squad {
     /// The members that can fly, in ascending order.
@@ -32,6 +36,90 @@ struct Squad {
     known: Vec<bool>,
     /// Where each member flies to.
     targets: Vec<Cell>,
+    /// The team of each UAV of the fleet, if the plan has it in one.
+    team_of_uav: Vec<Option<usize>>,
+    /// The team that visits each hotspot, if any.
+    team_of_hotspot: Vec<Option<usize>>,
+}
+
+impl Squad {
+    /// A component without a plan, whose members stay together.
+    fn new(
+        model: &Model<'_>,
+        members: Vec<usize>,
+        known: Vec<bool>,
+        targets: Vec<Cell>,
+    ) -> Result<Self, OutOfMemory> {
+        Ok(Self {
+            members,
+            known,
+            targets,
+            team_of_uav: filled(None, model.uav_count())?,
+            team_of_hotspot: filled(None, model.hotspot_count())?,
+        })
+    }
+
+    /// Returns whether these members go on by the plan of the squad. It has to be made by the
+    /// hotspots that they know, and they have to be whole teams.
+    fn goes_on(&self, members: &[usize], known: &[bool]) -> bool {
+        if self.members == members || self.known != known {
+            return self.known == known;
+        }
+        let here = |uav: usize| members.binary_search(&uav).is_ok();
+        let whole = |team: Option<usize>| {
+            let mates = (0..self.team_of_uav.len()).filter(|&uav| self.team_of_uav[uav] == team);
+            team.is_none() || mates.into_iter().all(here)
+        };
+        members
+            .iter()
+            .all(|uav| self.members.binary_search(uav).is_ok() && whole(self.team_of_uav[*uav]))
+    }
+
+    /// Returns the squad of some members that go on by the plan.
+    fn part(&self, members: Vec<usize>) -> Result<Self, OutOfMemory> {
+        let targets = self.members.iter().zip(&self.targets);
+        let here = targets.filter(|(uav, _)| members.binary_search(uav).is_ok());
+        Ok(Self {
+            targets: collect(here.map(|(_, &target)| target))?,
+            members,
+            known: collect(self.known.iter().copied())?,
+            team_of_uav: collect(self.team_of_uav.iter().copied())?,
+            team_of_hotspot: collect(self.team_of_hotspot.iter().copied())?,
+        })
+    }
+
+    /// Takes over the hotspots of teams that another squad, with members of this one, knew of. None
+    /// of these teams has a member here.
+    fn leave_to_others(&mut self, before: &Self) {
+        let here = |uav: &usize| self.members.binary_search(uav).is_ok();
+        if !before.members.iter().any(here) {
+            return;
+        }
+        for (hotspot, &team) in before.team_of_hotspot.iter().enumerate() {
+            let Some(team) = team else { continue };
+            let in_team = |&(_, other): &(usize, &Option<usize>)| *other == Some(team);
+            let uavs = || before.team_of_uav.iter().enumerate().filter(in_team);
+            if !self.known[hotspot] && !uavs().any(|(uav, _)| here(&uav)) {
+                self.team_of_hotspot[hotspot] = Some(team);
+                for (uav, _) in uavs() {
+                    self.team_of_uav[uav] = Some(team);
+                }
+            }
+        }
+    }
+
+    /// Returns the hotspots that the members visit. These are the open ones that are left to no
+    /// other team, or else all open ones.
+    fn own(&mut self) -> Result<Vec<usize>, OutOfMemory> {
+        let open = || (0..self.known.len()).filter(|&hotspot| !self.known[hotspot]);
+        let own = collect(open().filter(|&hotspot| self.team_of_hotspot[hotspot].is_none()))?;
+        if !own.is_empty() {
+            return Ok(own);
+        }
+        let open = collect(open())?;
+        self.team_of_hotspot.fill(None);
+        Ok(open)
+    }
 }
 
 impl Squads {
@@ -44,22 +132,42 @@ impl Squads {
         }
     }
 
-    /// Returns where each member of a component flies to, whose members know these hotspots.
+    /// Plans for a component, whose members know these hotspots.
     fn plan(
         &self,
         model: &Model<'_>,
         state: &StateRef<'_>,
-        members: &[usize],
-        known: &[bool],
-    ) -> Result<Vec<Cell>, OutOfMemory> {
+        members: Vec<usize>,
+        known: Vec<bool>,
+        before: &[Squad],
+    ) -> Result<Squad, OutOfMemory> {
         let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
-        let unknown = hotspots().zip(known).filter(|(_, known)| !**known);
-        let left = collect(unknown.map(|(cell, _)| cell))?;
-        if left.is_empty() {
-            return filled(manhattan_centre(model, hotspots), members.len());
+        if known.iter().all(|known| *known) {
+            let targets = filled(manhattan_centre(model, hotspots), members.len())?;
+            return Squad::new(model, members, known, targets);
         }
-        let cells = collect(members.iter().map(|&uav| state.cell(uav)))?;
-        targets(model, self.pilot, &cells, &left)
+        let mut squad = Squad::new(model, members, known, Vec::new())?;
+        for other in before {
+            squad.leave_to_others(other);
+        }
+        let own = squad.own()?;
+        let left = collect(own.iter().map(|&hotspot| state.hotspot_cell(hotspot)))?;
+        let cells = collect(squad.members.iter().map(|&uav| state.cell(uav)))?;
+        let plan = divide(model, self.pilot, &cells, &left, Effort::Thorough)?;
+        squad.targets = collect(plan.targets(&left))?;
+        let first = |team: usize| {
+            let place = plan.team_of_uav.iter().position(|&other| other == team);
+            place.map(|place| squad.members[place])
+        };
+        for (team, route) in plan.routes.iter().enumerate() {
+            for &hotspot in route {
+                squad.team_of_hotspot[own[hotspot]] = first(team);
+            }
+        }
+        for (&uav, &team) in squad.members.iter().zip(&plan.team_of_uav) {
+            squad.team_of_uav[uav] = first(team);
+        }
+        Ok(squad)
     }
 }
 
@@ -75,7 +183,7 @@ impl Steering for Squads {
         state: &StateRef<'_>,
         motions: &mut [Motion],
     ) -> Result<(), OutOfMemory> {
-        let mut squads = Vec::new();
+        let before = std::mem::take(&mut self.squads);
         let mut met = filled(false, model.uav_count())?;
         for first in 0..model.uav_count() {
             if met[first] || !can_fly(state, first) {
@@ -84,22 +192,15 @@ impl Steering for Squads {
             let members = component(state, first, &mut met)?;
             let known = (0..model.hotspot_count()).map(|hotspot| state.knows(first, hotspot));
             let known = collect(known)?;
-            let same = |squad: &&Squad| squad.members == members && squad.known == known;
-            let targets = match self.squads.iter().find(same) {
-                Some(squad) => collect(squad.targets.iter().copied())?,
-                None => self.plan(model, state, &members, &known)?,
+            let squad = match before.iter().find(|squad| squad.goes_on(&members, &known)) {
+                Some(squad) => squad.part(members)?,
+                None => self.plan(model, state, members, known, &before)?,
             };
-            for (&uav, &target) in members.iter().zip(&targets) {
+            for (&uav, &target) in squad.members.iter().zip(&squad.targets) {
                 motions[uav] = toward(state.cell(uav), target);
             }
-            let squad = Squad {
-                members,
-                known,
-                targets,
-            };
-            push(&mut squads, squad)?;
+            push(&mut self.squads, squad)?;
         }
-        self.squads = squads;
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ use jcas_core::motion::toward;
 use jcas_core::{Cell, Model, Motion, StateRef};
 
 use super::assignment::cheapest;
+use super::division::Division;
 use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
@@ -70,28 +71,12 @@ impl Teams {
         if uavs.is_empty() || left.is_empty() {
             return Ok(());
         }
-        let targets = targets(model, self.pilot, &cells, &left)?;
-        for (&uav, target) in uavs.iter().zip(targets) {
+        let plan = divide(model, self.pilot, &cells, &left, Effort::Plain)?;
+        for (&uav, target) in uavs.iter().zip(plan.targets(&left)) {
             self.target_of_uav[uav] = Some(target);
         }
         Ok(())
     }
-}
-
-/// Returns the hotspot that each UAV flies to. There is at least one UAV and one hotspot left.
-pub(super) fn targets(
-    model: &Model<'_>,
-    pilot: PilotMode,
-    uavs: &[Cell],
-    left: &[Cell],
-) -> Result<Vec<Cell>, OutOfMemory> {
-    let (errands, formed) = best_errands(model, pilot, uavs, left)?;
-    let assigned = if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
-        assign(uavs, &errands)?
-    } else {
-        formed
-    };
-    collect(assigned.iter().map(|&errand| errands[errand].target))
 }
 
 impl Steering for Teams {
@@ -155,81 +140,101 @@ fn indices(flags: &[bool], wanted: bool) -> Result<Vec<usize>, OutOfMemory> {
     collect((0..flags.len()).filter(|&index| flags[index] == wanted))
 }
 
-/// Returns the errands of the division that is forecast to finish first, and the index of each
-/// UAV's errand.
-fn best_errands(
+/// The division of UAVs and hotspots among teams.
+pub(super) struct Teamwork {
+    /// The team of each UAV.
+    pub(super) team_of_uav: Vec<usize>,
+    /// The hotspots of each team in the order of its visits. There is at least one.
+    pub(super) routes: Vec<Vec<usize>>,
+}
+
+impl Teamwork {
+    /// Returns the hotspot that each UAV flies to, of the hotspots that were divided.
+    pub(super) fn targets(&self, hotspots: &[Cell]) -> impl Iterator<Item = Cell> {
+        let target = |&team: &usize| hotspots[self.routes[team][0]];
+        self.team_of_uav.iter().map(target)
+    }
+}
+
+/// How divisions are made and compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// Several teams fly to the nearest hotspot next, and every wait takes its mean.
+    Plain,
+    /// Routes are improved, waits are random, and the present groups are compared as well.
+    Thorough,
+}
+
+/// Returns the division that is forecast to finish first. There is at least one UAV and one hotspot
+/// left.
+pub(super) fn divide(
     model: &Model<'_>,
     pilot: PilotMode,
     uavs: &[Cell],
     left: &[Cell],
-) -> Result<(Vec<Errand>, Vec<usize>), OutOfMemory> {
+    effort: Effort,
+) -> Result<Teamwork, OutOfMemory> {
     let quorum = model.config().quorum as usize;
     let detection = model.detection_probability(0, 0, pilot.sensing_density(model));
     let wait = |team: usize| 1.0 / quorum_probability(team, quorum, detection).max(1e-9);
 
     // A single team takes the shortest route through all hotspots.
     let (order, steps) = route(centroid(uavs), left)?;
-    let together = Errand {
-        target: left[order[0]],
-        team: uavs.len(),
-    };
-    let mut best = (filled(together, 1)?, filled(0, uavs.len())?);
     let mut best_steps = f64::from(steps) + left.len() as f64 * wait(uavs.len());
+    let mut best = Teamwork {
+        team_of_uav: filled(0, uavs.len())?,
+        routes: collect(std::iter::once(order))?,
+    };
+    let mut consider = |errands: &[Errand], team_of_uav: Vec<usize>| {
+        let firsts = errands.iter().map(|errand| (errand.team, errand.target));
+        let mut division = Division::nearest_next(left, uavs, &team_of_uav, firsts, &wait)?;
+        let steps = match effort {
+            Effort::Plain => division.steps(),
+            Effort::Thorough => division.improve(),
+        };
+        if steps < best_steps {
+            best_steps = steps;
+            best = Teamwork {
+                team_of_uav,
+                routes: collect(division.teams.into_iter().map(|team| team.route))?,
+            };
+        }
+        Ok::<(), OutOfMemory>(())
+    };
     let most = left.len().min(uavs.len() / quorum.max(1)).min(TEAMS_MAX);
     // Every small number of teams is tried; above, each number is half as large again as the last.
     let numbers = std::iter::successors(Some(2), |&teams| Some((teams + 1).max(teams * 3 / 2 - 3)));
     for teams in numbers.take_while(|&teams| teams <= most) {
-        let (errands, formed) = choose_errands(uavs, left, teams)?;
-        let steps = forecast(uavs, left, &errands, &formed, &wait)?;
-        if steps < best_steps {
-            (best, best_steps) = ((errands, formed), steps);
+        let (errands, team_of_uav) = choose_errands(uavs, left, teams)?;
+        consider(&errands, team_of_uav)?;
+    }
+    if effort == Effort::Thorough {
+        let (groups, _) = groups(uavs)?;
+        let whole = groups.iter().all(|group| group.count >= quorum);
+        if whole && (2..=most).contains(&groups.len()) {
+            let group_of = |cell: &Cell| groups.iter().position(|group| group.cell == *cell);
+            let team_of_uav = collect(uavs.iter().filter_map(group_of))?;
+            consider(&errands_of(&groups, left)?, team_of_uav)?;
         }
+    }
+    if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
+        best.team_of_uav = assign(uavs, left, &best)?;
     }
     Ok(best)
 }
 
-/// Forecasts the step at which several teams have confirmed everything and met. Every wait for a
-/// quorum takes its mean, and every team goes on to the nearest free hotspot.
-fn forecast(
-    uavs: &[Cell],
-    left: &[Cell],
-    errands: &[Errand],
-    errand_of: &[usize],
-    wait: &impl Fn(usize) -> f64,
-) -> Result<f64, OutOfMemory> {
-    let is_free = |&cell: &Cell| errands.iter().all(|errand| errand.target != cell);
-    let mut free = collect(left.iter().copied().filter(is_free))?;
-    let mut done = collect(errands.iter().enumerate().map(|(number, errand)| {
-        let members = (0..uavs.len()).filter(|&uav| errand_of[uav] == number);
-        let farthest = members.map(|uav| uavs[uav].manhattan(errand.target)).max();
-        let steps = f64::from(farthest.unwrap_or(0)) + wait(errand.team);
-        (steps, errand.target)
-    }))?;
-    while !free.is_empty() {
-        let soonest = (0..done.len())
-            .min_by(|&a, &b| done[a].0.total_cmp(&done[b].0))
-            .unwrap_or(0);
-        let (steps, here) = done[soonest];
-        let nearest = (0..free.len())
-            .min_by_key(|&index| here.manhattan(free[index]))
-            .unwrap_or(0);
-        let target = free.swap_remove(nearest);
-        let team = errands[soonest].team;
-        done[soonest] = (
-            steps + f64::from(here.manhattan(target)) + wait(team),
-            target,
-        );
+/// Returns an errand for each group: the nearest hotspot that no group before it has.
+fn errands_of(groups: &[Group], left: &[Cell]) -> Result<Vec<Errand>, OutOfMemory> {
+    let mut errands: Vec<Errand> = Vec::new();
+    for group in groups {
+        let free = |target: &&Cell| errands.iter().all(|errand| errand.target != **target);
+        let nearest = left.iter().filter(free);
+        let nearest = nearest.min_by_key(|target| group.cell.manhattan(**target));
+        let Some(&target) = nearest else { break };
+        let team = group.count;
+        push(&mut errands, Errand { target, team })?;
     }
-    // The other teams fly to the team that is last.
-    let (last_steps, last) = done
-        .iter()
-        .copied()
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .unwrap_or_default();
-    Ok(done
-        .iter()
-        .map(|&(steps, here)| steps + f64::from(here.manhattan(last)))
-        .fold(last_steps, f64::max))
+    Ok(errands)
 }
 
 /// Returns the cell nearest to the mean position.
@@ -337,16 +342,15 @@ fn steps_to(target: Cell, groups: &mut [Group], team: usize) -> u64 {
     steps
 }
 
-/// Returns the errand of each UAV for the least total distance; every errand gets its number of
-/// UAVs.
-fn assign(uavs: &[Cell], errands: &[Errand]) -> Result<Vec<usize>, OutOfMemory> {
-    let teams = errands.iter().enumerate();
-    let seats = collect(teams.flat_map(|(index, errand)| std::iter::repeat_n(index, errand.team)))?;
+/// Returns the team of each UAV for the least total distance; every team keeps its size.
+fn assign(uavs: &[Cell], left: &[Cell], plan: &Teamwork) -> Result<Vec<usize>, OutOfMemory> {
+    let mut seats = collect(plan.team_of_uav.iter().copied())?;
+    seats.sort_unstable();
     let size = uavs.len();
     let mut distances = filled(0, size * size)?;
     for (row, uav) in distances.chunks_exact_mut(size).zip(uavs) {
         for (distance, &seat) in row.iter_mut().zip(&seats) {
-            *distance = i64::from(uav.manhattan(errands[seat].target));
+            *distance = i64::from(uav.manhattan(left[plan.routes[seat][0]]));
         }
     }
     let mut seat_of_uav = cheapest(&distances, size)?;
@@ -389,16 +393,11 @@ mod tests {
     #[test]
     fn the_assignment_has_the_least_total_distance() {
         let uavs = [cell(0, 0), cell(2, 0), cell(4, 0), cell(6, 0)];
-        let errands = [
-            Errand {
-                target: cell(6, 0),
-                team: 2,
-            },
-            Errand {
-                target: cell(1, 0),
-                team: 2,
-            },
-        ];
-        assert_eq!(assign(&uavs, &errands).unwrap(), [1, 1, 0, 0]);
+        let plan = Teamwork {
+            team_of_uav: vec![0, 1, 0, 1],
+            routes: vec![vec![1], vec![0]],
+        };
+        let left = [cell(1, 0), cell(6, 0)];
+        assert_eq!(assign(&uavs, &left, &plan).unwrap(), [1, 1, 0, 0]);
     }
 }
