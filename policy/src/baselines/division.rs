@@ -25,7 +25,7 @@ pub(super) struct Team {
     pub(super) route: Vec<usize>,
     /// The mean number of steps until a quorum detects a hotspot.
     wait: f64,
-    extent: Spread,
+    spread: Spread,
 }
 
 /// When and where a team is done, in steps.
@@ -55,18 +55,18 @@ impl<'a> Division<'a> {
         for (number, (size, first)) in sizes_and_firsts.enumerate() {
             let members = team_of_uav.iter().zip(uavs);
             let members = members.filter(|&(&team, _)| team == number);
-            let extent = Spread::of(members.map(|(_, &cell)| cell));
+            let spread = Spread::of(members.map(|(_, &cell)| cell));
             let mut route = Vec::new();
             // No insertion has to allocate afterwards.
             route.try_reserve_exact(hotspots.len())?;
             route.extend((0..hotspots.len()).find(|&hotspot| hotspots[hotspot] == first));
             free.retain(|&hotspot| hotspots[hotspot] != first);
             let wait = wait(size);
-            push(&mut done, (extent.steps_to(first) + wait, first))?;
+            push(&mut done, (spread.steps_to(first) + wait, first))?;
             let team = Team {
                 route,
                 wait,
-                extent,
+                spread,
             };
             push(&mut teams, team)?;
         }
@@ -136,6 +136,9 @@ impl<'a> Division<'a> {
     fn shorten(&mut self, least: f64, left: &mut usize) -> Option<f64> {
         for team in 0..self.teams.len() {
             for place in 0..self.teams[team].route.len() {
+                if *left == 0 {
+                    return None;
+                }
                 let less = self.reverse_from(team, place, least, left);
                 let less = less.or_else(|| self.exchange(team, place, least, left));
                 let less = less.or_else(|| self.shift(team, place, least, left));
@@ -227,7 +230,7 @@ impl Team {
         for (place, &hotspot) in self.route.iter().enumerate() {
             let cell = hotspots[hotspot];
             let way = if place == 0 {
-                self.extent.steps_to(cell)
+                self.spread.steps_to(cell)
             } else {
                 steps_between(finish.cell, cell)
             };
@@ -276,17 +279,17 @@ struct Spread {
 impl Spread {
     fn of(cells: impl Iterator<Item = Cell>) -> Self {
         let none = [i64::MAX, i64::MIN];
-        let mut extent = Self {
+        let mut spread = Self {
             sums: none,
             differences: none,
         };
         for cell in cells {
             let [sum, difference] = diagonals(cell);
-            extent.sums = [extent.sums[0].min(sum), extent.sums[1].max(sum)];
-            let [least, most] = extent.differences;
-            extent.differences = [least.min(difference), most.max(difference)];
+            spread.sums = [spread.sums[0].min(sum), spread.sums[1].max(sum)];
+            let [least, most] = spread.differences;
+            spread.differences = [least.min(difference), most.max(difference)];
         }
-        extent
+        spread
     }
 
     /// Returns the distance of the farthest member, 0 without any.
@@ -342,17 +345,8 @@ mod tests {
             variance: 0.0,
             ..standard
         };
-        assert_eq!(
-            later(
-                Finish {
-                    variance: 0.0,
-                    ..standard
-                },
-                sure
-            )
-            .mean,
-            3.0
-        );
+        let early = Finish { mean: 1.0, ..sure };
+        assert_eq!(later(early, sure).mean, 3.0);
     }
 
     // From 10 the nearest next are 11, 8 and 18, after 14 steps. The best order takes 12 steps.
@@ -434,8 +428,8 @@ mod tests {
             let members: Vec<Cell> = members.into_iter().map(|(x, y)| cell(x, y)).collect();
             let to = cell(to.0, to.1);
             let farthest = members.iter().map(|member| member.manhattan(to)).max().unwrap();
-            let extent = Spread::of(members.into_iter());
-            prop_assert_eq!(extent.steps_to(to), f64::from(farthest));
+            let spread = Spread::of(members.into_iter());
+            prop_assert_eq!(spread.steps_to(to), f64::from(farthest));
         }
 
         #[test]

@@ -12,94 +12,54 @@ use super::teams::{Effort, divide};
 /// The policy `squads`, in which each radio component divides its own members and the hotspots.
 ///
 /// A component plans by the cells of its members and the confirmations that they know, which a real
-/// fleet would have. It plans anew when it learns of a confirmation, meets others, or loses a part
-/// of a team. Teams that it is out of touch with keep the hotspots that the last common plan gave
-/// them, until it has no others. Two components can choose one hotspot if they never made a plan
-/// together. A component that knows all confirmations flies to the middle of the hotspots, where it
-/// meets the others.
+/// fleet would have. Its members keep the plan, in touch or not, until one learns of a confirmation
+/// or meets a UAV with another plan. Teams that a component is out of touch with keep the hotspots
+/// that their common plan gave them, until it has no others. Two components can choose one hotspot
+/// if they never made a plan together. A component that knows all confirmations flies to the middle
+/// of the hotspots, where it meets the others.
 ///
 /// Teams are formed as those of [`Teams`](super::Teams). But their routes are improved, and the
 /// division is taken whose expected time is least, with random waits for a quorum.
 #[derive(Clone, Debug)]
 pub struct Squads {
     pilot: PilotMode,
-    /// The components of the step before.
-    squads: Vec<Squad>,
+    plans: Vec<SquadPlan>,
+    /// The plan of each UAV that flies.
+    plan_of_uav: Vec<Option<usize>>,
 }
 
-/// A radio component with its plan. A team goes by the index of one of its members.
+/// A plan that a radio component made. A team goes by the index of one of its members.
 #[derive(Clone, Debug)]
-struct Squad {
-    /// The members that can fly, in ascending order.
-    members: Vec<usize>,
-    /// The hotspots that they knew to be confirmed.
+struct SquadPlan {
+    /// The hotspots that the members knew to be confirmed.
     known: Vec<bool>,
-    /// Where each member flies to.
-    targets: Vec<Cell>,
+    /// Where each member flies to. Other UAVs have no target.
+    target_of_uav: Vec<Option<Cell>>,
     /// The team of each UAV of the fleet, if the plan has it in one.
     team_of_uav: Vec<Option<usize>>,
     /// The team that visits each hotspot, if any.
     team_of_hotspot: Vec<Option<usize>>,
 }
 
-impl Squad {
-    /// A component without a plan, whose members stay together.
-    fn new(
-        model: &Model<'_>,
-        members: Vec<usize>,
-        known: Vec<bool>,
-        targets: Vec<Cell>,
-    ) -> Result<Self, OutOfMemory> {
+impl SquadPlan {
+    /// A plan without targets and teams.
+    fn new(uavs: usize, known: Vec<bool>) -> Result<Self, OutOfMemory> {
         Ok(Self {
-            members,
+            target_of_uav: filled(None, uavs)?,
+            team_of_uav: filled(None, uavs)?,
+            team_of_hotspot: filled(None, known.len())?,
             known,
-            targets,
-            team_of_uav: filled(None, model.uav_count())?,
-            team_of_hotspot: filled(None, model.hotspot_count())?,
         })
     }
 
-    /// Returns whether these members go on by the plan of the squad. It has to be made by the
-    /// hotspots that they know, and they have to be whole teams.
-    fn goes_on(&self, members: &[usize], known: &[bool]) -> bool {
-        if self.members == members || self.known != known {
-            return self.known == known;
-        }
-        let here = |uav: usize| members.binary_search(&uav).is_ok();
-        let whole = |team: Option<usize>| {
-            let mates = (0..self.team_of_uav.len()).filter(|&uav| self.team_of_uav[uav] == team);
-            team.is_none() || mates.into_iter().all(here)
-        };
-        members
-            .iter()
-            .all(|uav| self.members.binary_search(uav).is_ok() && whole(self.team_of_uav[*uav]))
-    }
-
-    /// Returns the squad of some members that go on by the plan.
-    fn part(&self, members: Vec<usize>) -> Result<Self, OutOfMemory> {
-        let targets = self.members.iter().zip(&self.targets);
-        let here = targets.filter(|(uav, _)| members.binary_search(uav).is_ok());
-        Ok(Self {
-            targets: collect(here.map(|(_, &target)| target))?,
-            members,
-            known: collect(self.known.iter().copied())?,
-            team_of_uav: collect(self.team_of_uav.iter().copied())?,
-            team_of_hotspot: collect(self.team_of_hotspot.iter().copied())?,
-        })
-    }
-
-    /// Takes over the hotspots of teams that another squad, with members of this one, knew of. None
-    /// of these teams has a member here.
-    fn leave_to_others(&mut self, before: &Self) {
-        let here = |uav: &usize| self.members.binary_search(uav).is_ok();
-        if !before.members.iter().any(here) {
-            return;
-        }
+    /// Takes over the hotspots of teams in an earlier plan that none of these members is in.
+    fn leave_to_others(&mut self, before: &Self, members: &[usize]) {
+        let here = |(uav, _): (usize, _)| members.binary_search(&uav).is_ok();
         for (hotspot, &team) in before.team_of_hotspot.iter().enumerate() {
             let Some(team) = team else { continue };
             let in_team = |&(_, other): &(usize, &Option<usize>)| *other == Some(team);
             let uavs = || before.team_of_uav.iter().enumerate().filter(in_team);
-            if !self.known[hotspot] && !uavs().any(|(uav, _)| here(&uav)) {
+            if !self.known[hotspot] && !uavs().any(here) {
                 self.team_of_hotspot[hotspot] = Some(team);
                 for (uav, _) in uavs() {
                     self.team_of_uav[uav] = Some(team);
@@ -128,8 +88,18 @@ impl Squads {
     pub const fn new(pilot: PilotMode) -> Self {
         Self {
             pilot,
-            squads: Vec::new(),
+            plans: Vec::new(),
+            plan_of_uav: Vec::new(),
         }
+    }
+
+    /// Returns the plan that all members have, if it was made by the hotspots that they know.
+    fn common_plan(&self, members: &[usize], known: &[bool]) -> Option<usize> {
+        let plan = self.plan_of_uav[*members.first()?]?;
+        let common = members
+            .iter()
+            .all(|&uav| self.plan_of_uav[uav] == Some(plan));
+        (common && self.plans[plan].known == known).then_some(plan)
     }
 
     /// Plans for a component, whose members know these hotspots.
@@ -137,43 +107,65 @@ impl Squads {
         &self,
         model: &Model<'_>,
         state: &StateRef<'_>,
-        members: Vec<usize>,
+        members: &[usize],
         known: Vec<bool>,
-        before: &[Squad],
-    ) -> Result<Squad, OutOfMemory> {
-        let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
-        if known.iter().all(|known| *known) {
-            let targets = filled(manhattan_centre(model, hotspots), members.len())?;
-            return Squad::new(model, members, known, targets);
+    ) -> Result<SquadPlan, OutOfMemory> {
+        let mut squad = SquadPlan::new(model.uav_count(), known)?;
+        if squad.known.iter().all(|known| *known) {
+            let hotspots = || (0..model.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
+            let centre = manhattan_centre(model, hotspots);
+            for &uav in members {
+                squad.target_of_uav[uav] = Some(centre);
+            }
+            return Ok(squad);
         }
-        let mut squad = Squad::new(model, members, known, Vec::new())?;
-        for other in before {
-            squad.leave_to_others(other);
+        for (index, before) in self.plans.iter().enumerate() {
+            if members
+                .iter()
+                .any(|&uav| self.plan_of_uav[uav] == Some(index))
+            {
+                squad.leave_to_others(before, members);
+            }
         }
         let own = squad.own()?;
         let left = collect(own.iter().map(|&hotspot| state.hotspot_cell(hotspot)))?;
-        let cells = collect(squad.members.iter().map(|&uav| state.cell(uav)))?;
+        let cells = collect(members.iter().map(|&uav| state.cell(uav)))?;
         let plan = divide(model, self.pilot, &cells, &left, Effort::Thorough)?;
-        squad.targets = collect(plan.targets(&left))?;
         let first = |team: usize| {
             let place = plan.team_of_uav.iter().position(|&other| other == team);
-            place.map(|place| squad.members[place])
+            place.map(|place| members[place])
         };
-        for (team, route) in plan.routes.iter().enumerate() {
+        let names = collect((0..plan.routes.len()).map(first))?;
+        for (route, &name) in plan.routes.iter().zip(&names) {
             for &hotspot in route {
-                squad.team_of_hotspot[own[hotspot]] = first(team);
+                squad.team_of_hotspot[own[hotspot]] = name;
             }
         }
-        for (&uav, &team) in squad.members.iter().zip(&plan.team_of_uav) {
-            squad.team_of_uav[uav] = first(team);
+        let teams = plan.team_of_uav.iter().zip(plan.targets(&left));
+        for (&uav, (&team, target)) in members.iter().zip(teams) {
+            squad.team_of_uav[uav] = names[team];
+            squad.target_of_uav[uav] = Some(target);
         }
         Ok(squad)
+    }
+
+    /// Removes the plans that no UAV has.
+    fn forget_old_plans(&mut self) {
+        for index in (0..self.plans.len()).rev() {
+            if !self.plan_of_uav.contains(&Some(index)) {
+                self.plans.remove(index);
+                for plan in self.plan_of_uav.iter_mut().flatten() {
+                    *plan -= usize::from(*plan > index);
+                }
+            }
+        }
     }
 }
 
 impl Steering for Squads {
-    fn reset(&mut self, _model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
-        self.squads.clear();
+    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+        self.plans.clear();
+        self.plan_of_uav = filled(None, model.uav_count())?;
         Ok(())
     }
 
@@ -183,24 +175,34 @@ impl Steering for Squads {
         state: &StateRef<'_>,
         motions: &mut [Motion],
     ) -> Result<(), OutOfMemory> {
-        let before = std::mem::take(&mut self.squads);
         let mut met = filled(false, model.uav_count())?;
         for first in 0..model.uav_count() {
-            if met[first] || !can_fly(state, first) {
+            if !can_fly(state, first) {
+                self.plan_of_uav[first] = None;
+                continue;
+            }
+            if met[first] {
                 continue;
             }
             let members = component(state, first, &mut met)?;
             let known = (0..model.hotspot_count()).map(|hotspot| state.knows(first, hotspot));
             let known = collect(known)?;
-            let squad = match before.iter().find(|squad| squad.goes_on(&members, &known)) {
-                Some(squad) => squad.part(members)?,
-                None => self.plan(model, state, members, known, &before)?,
+            let plan = match self.common_plan(&members, &known) {
+                Some(plan) => plan,
+                None => {
+                    let plan = self.plan(model, state, &members, known)?;
+                    push(&mut self.plans, plan)?;
+                    self.plans.len() - 1
+                }
             };
-            for (&uav, &target) in squad.members.iter().zip(&squad.targets) {
-                motions[uav] = toward(state.cell(uav), target);
+            for uav in members {
+                self.plan_of_uav[uav] = Some(plan);
+                if let Some(target) = self.plans[plan].target_of_uav[uav] {
+                    motions[uav] = toward(state.cell(uav), target);
+                }
             }
-            push(&mut self.squads, squad)?;
         }
+        self.forget_old_plans();
         Ok(())
     }
 }
@@ -273,26 +275,78 @@ mod tests {
         assert_ne!(motion(&near, 4), motion(&far, 4));
     }
 
-    // Two teams that planned anew in each step went to and fro between two cells in this episode.
+    // Teams 0 and 3 divided three hotspots. The second confirmed one of its two, and team 0 has not
+    // heard of that.
+    #[test]
+    fn hotspots_of_a_team_out_of_touch_are_left_to_it() {
+        let mut before = SquadPlan::new(6, vec![false; 3]).unwrap();
+        before.team_of_uav = [0, 0, 0, 3, 3, 3].map(Some).to_vec();
+        before.team_of_hotspot = [0, 3, 3].map(Some).to_vec();
+        let own = |members: &[usize], known: [bool; 3]| {
+            let mut after = SquadPlan::new(6, known.to_vec()).unwrap();
+            after.leave_to_others(&before, members);
+            after.own().unwrap()
+        };
+        assert_eq!(own(&[0, 1, 2], [false; 3]), [0]);
+        assert_eq!(own(&[3, 4, 5], [false, true, false]), [2]);
+        // One UAV of the other team is here.
+        assert_eq!(own(&[0, 1, 2, 3], [false; 3]), [0, 1, 2]);
+        // The team has no others.
+        assert_eq!(own(&[0, 1, 2], [true, false, false]), [1, 2]);
+    }
+
+    // UAVs 0 to 3 made one plan and UAVs 4 and 5 another, and nobody knows of a confirmation.
+    #[test]
+    fn a_plan_is_kept_without_news_and_strangers() {
+        let mut policy = Squads::new(PilotMode::Adaptive);
+        policy.plans = vec![SquadPlan::new(6, vec![false; 2]).unwrap(); 2];
+        policy.plan_of_uav = [0, 0, 0, 0, 1, 1].map(Some).to_vec();
+        let common = |members: &[usize], known: bool| policy.common_plan(members, &[known, false]);
+        assert_eq!(common(&[0, 1, 2, 3], false), Some(0));
+        assert_eq!(common(&[1, 3], false), Some(0));
+        assert_eq!(common(&[4, 5], false), Some(1));
+        assert_eq!(common(&[1, 3], true), None);
+        assert_eq!(common(&[3, 4], false), None);
+    }
+
+    #[test]
+    fn plans_of_nobody_are_forgotten() {
+        let mut policy = Squads::new(PilotMode::Adaptive);
+        policy.plans = vec![SquadPlan::new(4, vec![false; 4]).unwrap(); 4];
+        for (index, plan) in policy.plans.iter_mut().enumerate() {
+            plan.known[index] = true;
+        }
+        policy.plan_of_uav = vec![Some(3), None, Some(1), Some(3)];
+        policy.forget_old_plans();
+        assert_eq!(policy.plans.len(), 2);
+        let known = |uav: usize| policy.plan_of_uav[uav].map(|plan| &policy.plans[plan].known);
+        assert!(known(0).unwrap()[3] && known(3).unwrap()[3] && known(2).unwrap()[1]);
+        assert_eq!(known(1), None);
+    }
+
+    // Two teams went to and fro between two cells in these episodes. In the first they planned anew
+    // in each step, and in the second whenever they met or parted. In the third a team was torn.
     #[test]
     fn a_squad_does_not_fly_in_circles() {
-        let config = Config {
-            uav_count: 20,
-            hotspot_count: 7,
-            ..Config::preset(Preset::Mission)
-        };
-        let model = Model::new(config).unwrap();
-        let mut sim = Sim::new(&model);
-        sim.reset(804);
-        let mut policy = BaselineKind::Squads
-            .build(&model, PilotMode::Adaptive)
-            .unwrap();
-        policy.reset(&model, 804);
-        let mut actions = [0.0; 40];
-        let ended = (0..100).any(|_| {
-            policy.act(&model, &sim.state(), &mut actions);
-            sim.step(&actions).unwrap().terminated
-        });
-        assert!(ended);
+        for (hotspot_count, seed) in [(7, 804), (5, 96), (11, 4546)] {
+            let config = Config {
+                uav_count: 20,
+                hotspot_count,
+                ..Config::preset(Preset::Mission)
+            };
+            let model = Model::new(config).unwrap();
+            let mut sim = Sim::new(&model);
+            sim.reset(seed);
+            let mut policy = BaselineKind::Squads
+                .build(&model, PilotMode::Adaptive)
+                .unwrap();
+            policy.reset(&model, seed);
+            let mut actions = [0.0; 40];
+            let ended = (0..100).any(|_| {
+                policy.act(&model, &sim.state(), &mut actions);
+                sim.step(&actions).unwrap().terminated
+            });
+            assert!(ended, "{hotspot_count} hotspots, seed {seed}");
+        }
     }
 }

@@ -161,7 +161,7 @@ impl Teamwork {
 pub(super) enum Effort {
     /// Several teams fly to the nearest hotspot next, and every wait takes its mean.
     Plain,
-    /// Routes are improved, waits are random, and the present groups are compared as well.
+    /// Routes are improved, and waits are random.
     Thorough,
 }
 
@@ -208,33 +208,10 @@ pub(super) fn divide(
         let (errands, team_of_uav) = choose_errands(uavs, left, teams)?;
         consider(&errands, team_of_uav)?;
     }
-    if effort == Effort::Thorough {
-        let (groups, _) = groups(uavs)?;
-        let whole = groups.iter().all(|group| group.count >= quorum);
-        if whole && (2..=most).contains(&groups.len()) {
-            let group_of = |cell: &Cell| groups.iter().position(|group| group.cell == *cell);
-            let team_of_uav = collect(uavs.iter().filter_map(group_of))?;
-            consider(&errands_of(&groups, left)?, team_of_uav)?;
-        }
-    }
     if uavs.len() <= OPTIMAL_ASSIGNMENT_UAVS_MAX {
         best.team_of_uav = assign(uavs, left, &best)?;
     }
     Ok(best)
-}
-
-/// Returns an errand for each group: the nearest hotspot that no group before it has.
-fn errands_of(groups: &[Group], left: &[Cell]) -> Result<Vec<Errand>, OutOfMemory> {
-    let mut errands: Vec<Errand> = Vec::new();
-    for group in groups {
-        let free = |target: &&Cell| errands.iter().all(|errand| errand.target != **target);
-        let nearest = left.iter().filter(free);
-        let nearest = nearest.min_by_key(|target| group.cell.manhattan(**target));
-        let Some(&target) = nearest else { break };
-        let team = group.count;
-        push(&mut errands, Errand { target, team })?;
-    }
-    Ok(errands)
 }
 
 /// Returns the cell nearest to the mean position.
