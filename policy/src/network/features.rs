@@ -24,6 +24,33 @@ pub const fn hotspot_features(reads_reach: bool) -> usize {
     HOTSPOT_FIELDS + ALWAYS + if reads_reach { WITH_REACH } else { 0 }
 }
 
+/// Features of a neighbour besides the fields of its slot: the offset along both axes, cut off at
+/// one cell, and two nearnesses.
+const LOCAL: usize = 4;
+
+/// Returns the number of features of a neighbour, for a network that reads choices or not.
+#[must_use]
+pub const fn neighbour_features(reads_choices: bool) -> usize {
+    SLOT_FIELDS + if reads_choices { LOCAL } else { 0 }
+}
+
+/// Writes the features of the neighbour in a slot: its fields, then those of its offset in cells if
+/// `features` has room for them.
+///
+/// A UAV can then tell its own cell from the next one, and count what those before it have chosen.
+/// A position difference of 1 stands for `cells`.
+pub fn describe_neighbour(slot: &[f32], cells: [f32; 2], features: &mut [f32]) {
+    let (fields, local) = features.split_at_mut(SLOT_FIELDS);
+    fields.copy_from_slice(slot);
+    if let [right, up, here, beside] = local {
+        let apart = distance(slot[1], slot[2], cells);
+        *right = (slot[1] * cells[0]).clamp(-1.0, 1.0);
+        *up = (slot[2] * cells[1]).clamp(-1.0, 1.0);
+        *here = nearness(apart, 1.0);
+        *beside = nearness(apart, 2.0);
+    }
+}
+
 /// Returns 1 at distance 0, falling linearly to 0 at `reach` cells.
 #[must_use]
 pub fn nearness(distance: f32, reach: f32) -> f32 {
@@ -115,7 +142,26 @@ pub fn describe_hotspots(
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+
+    // A grid of 9 × 5 with a neighbour in the UAV's own cell, one in the next, and one far away.
+    #[test]
+    fn neighbours_by_hand() {
+        let described = |slot: [f32; SLOT_FIELDS]| {
+            let mut features = [9.0; neighbour_features(true)];
+            describe_neighbour(&slot, [8.0, 4.0], &mut features);
+            assert_eq!(features[..SLOT_FIELDS], slot);
+            features[SLOT_FIELDS..].to_vec()
+        };
+        assert_eq!(described([1.0, 0.0, 0.0]), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(described([CHOSEN, 0.0, -0.25]), [0.0, -1.0, 0.0, 0.5]);
+        assert_eq!(described([1.0, 0.5, 0.25]), [1.0, 1.0, 0.0, 0.0]);
+        let mut plain = [9.0; neighbour_features(false)];
+        describe_neighbour(&[1.0, 0.5, 0.25], [8.0, 4.0], &mut plain);
+        assert_eq!(plain, [1.0, 0.5, 0.25]);
+    }
 
     // A UAV in the corner of a grid of 9 × 9, two hotspots and three of four slots taken. Its
     // distances to the hotspots are 4 and 8 cells, and the hotspots lie 4 cells apart.

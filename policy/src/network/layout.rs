@@ -2,9 +2,9 @@
 
 use super::dense::{Layer, padded};
 use super::error::{ArrayName, LoadError};
-use super::features::hotspot_features;
+use super::features::{hotspot_features, neighbour_features};
 use super::file::{Array, File};
-use super::row::{OWN_FIRST, SLOT_FIELDS};
+use super::row::OWN_FIRST;
 use crate::head::Head;
 
 /// The maximum number of layers of an MLP, or of the trunk of a set network.
@@ -223,7 +223,8 @@ impl<'f> Reader<'f, '_> {
     }
 
     fn set(&mut self) -> Result<Set, LoadError> {
-        let encode = self.layer("neighbour", Some(0), [SLOT_FIELDS, 0])?;
+        let features = neighbour_features(self.choices);
+        let encode = self.layer("neighbour", Some(0), [features, 0])?;
         let neighbour = [
             encode,
             self.layer("neighbour", Some(1), [encode.outputs, 0])?,

@@ -6,7 +6,7 @@
 use jcas_core::observation::index_tag;
 
 use super::dense::{LANES, Layer, Rows, relu};
-use super::features::{CROWD, describe_hotspots};
+use super::features::{CROWD, describe_hotspots, describe_neighbour};
 use super::layout::Set;
 use super::matmul::MatmulKernel;
 use super::mlp::ROWS;
@@ -68,7 +68,7 @@ impl Set {
     /// The length of the working memory, in numbers.
     pub(crate) fn scratch_len(&self, hotspots: usize) -> usize {
         let [first, second] = &self.neighbour;
-        let slots = SLOTS * (SLOT_FIELDS + first.width() + second.width());
+        let slots = SLOTS * (first.inputs + first.width() + second.width());
         let context =
             self.own.inputs + self.own.width() + self.others.width() + self.hotspot[1].width();
         // The form of each hotspot, its score, and the row that the third layer reads.
@@ -126,7 +126,8 @@ impl Set {
         let (attended, out) = out.split_at_mut(self.score.outputs * embedded);
         let (neighbours, own) = out.split_at_mut(self.neighbour[1].outputs);
         describe_own(head, tail, tag, sizes, own);
-        self.pool_neighbours(matmul, weights, slots, neighbours, &mut *scratch);
+        let cells = sizes.row.cells.map(|cells| cells as f32);
+        self.pool_neighbours(matmul, weights, slots, cells, neighbours, &mut *scratch);
 
         let context = take(&mut scratch, self.own.inputs);
         context[..own.len()].copy_from_slice(own);
@@ -137,7 +138,6 @@ impl Set {
         self.own.apply_from(matmul, weights, bias, rows, start);
 
         let features = take(&mut scratch, n * self.hotspot[0].inputs);
-        let cells = sizes.row.cells.map(|cells| cells as f32);
         describe_hotspots(hotspots, slots, cells, sizes.reach, features);
         let width = self.embedding_width();
         let (one, other) = (take(&mut scratch, n * width), take(&mut scratch, n * width));
@@ -205,11 +205,12 @@ impl Set {
         matmul: MatmulKernel,
         weights: &[f32],
         slots: &[f32],
+        cells: [f32; 2],
         pooled: &mut [f32],
         mut scratch: &mut [f32],
     ) {
         let [first, second] = &self.neighbour;
-        let inputs = take(&mut scratch, SLOTS * SLOT_FIELDS);
+        let inputs = take(&mut scratch, SLOTS * first.inputs);
         let hidden = take(&mut scratch, SLOTS * first.width());
         let encoded = take(&mut scratch, SLOTS * second.width());
         pooled.fill(0.0);
@@ -218,12 +219,12 @@ impl Set {
             let present = slots
                 .chunks_exact(SLOT_FIELDS)
                 .filter(|slot| slot[0] != 0.0);
-            for (slot, input) in present.zip(inputs.chunks_exact_mut(SLOT_FIELDS)) {
-                input.copy_from_slice(slot);
+            for (slot, input) in present.zip(inputs.chunks_exact_mut(first.inputs)) {
+                describe_neighbour(slot, cells, input);
                 count += 1;
             }
             let hidden = &mut hidden[..count * first.width()];
-            let rows = Rows::plain(&inputs[..count * SLOT_FIELDS], SLOT_FIELDS);
+            let rows = Rows::plain(&inputs[..count * first.inputs], first.inputs);
             first.apply(matmul, weights, rows, hidden);
             let encoded = &mut encoded[..count * second.width()];
             let rows = Rows::rectified(hidden, first.width());

@@ -1,9 +1,9 @@
 //! A teacher: the baseline `squads`, asked in every state that the learner visits.
 //!
 //! A learner observes a state and no plan. So the teacher plans anew in each state, by what the
-//! members of a radio component know. In one cell, UAVs with lower indices take motions with lower
-//! indices: which UAV of a cell joins which team is no accident then. Pilot densities are those of
-//! the rule `adaptive`, which reads all confirmations.
+//! members of a radio component know. Which UAV of a cell joins which team does not matter. So the
+//! motions of a cell are dealt by turns, and its first UAVs show whether and how it divides. Pilot
+//! densities are those of the rule `adaptive`, which reads all confirmations.
 
 use crate::head::motion_of;
 use jcas_core::{Model, Motion, StateRef};
@@ -60,30 +60,33 @@ impl Teacher {
                 lesson[0] = motion_of(action[0]) as f32;
                 lesson[1] = (action[1] + 1.0) / 2.0;
             }
-            order_cells(&state, lessons);
+            deal(&state, lessons);
         }
     }
 }
 
-/// Gives the motions of each cell to its UAVs in ascending order.
-fn order_cells(state: &StateRef<'_>, lessons: &mut [f32]) {
+/// Deals the motions of each cell to its UAVs by turns, so that every motion has its share of any
+/// number of first UAVs.
+fn deal(state: &StateRef<'_>, lessons: &mut [f32]) {
     let uavs = lessons.len() / 2;
-    // The motions of a cell, counted, are kept where its first UAV is.
-    let mut left = vec![[0; Motion::ALL.len()]; uavs];
+    // The motions of a cell, all and those dealt, are counted where its first UAV is.
+    let mut all = vec![[0i32; Motion::ALL.len()]; uavs];
+    let mut dealt = all.clone();
     let flies = |uav: usize| !state.grounded(uav) && !state.returning(uav);
     let first = |uav: usize| {
         let alike = |&other: &usize| flies(other) && state.cell(other) == state.cell(uav);
         (0..uav).find(alike).unwrap_or(uav)
     };
     for uav in (0..uavs).filter(|&uav| flies(uav)) {
-        left[first(uav)][lessons[2 * uav] as usize] += 1;
+        all[first(uav)][lessons[2 * uav] as usize] += 1;
     }
     for uav in (0..uavs).filter(|&uav| flies(uav)) {
-        let left = &mut left[first(uav)];
-        if let Some(motion) = left.iter().position(|&count| count > 0) {
-            left[motion] -= 1;
-            lessons[2 * uav] = motion as f32;
-        }
+        let (all, dealt) = (&all[first(uav)], &mut dealt[first(uav)]);
+        let (size, turn) = (all.iter().sum::<i32>(), dealt.iter().sum::<i32>() + 1);
+        let behind = |motion: &usize| all[*motion] * turn - dealt[*motion] * size;
+        let motion = (0..all.len()).rev().max_by_key(behind).unwrap_or(0);
+        dealt[motion] += 1;
+        lessons[2 * uav] = motion as f32;
     }
 }
 
@@ -131,10 +134,10 @@ mod tests {
         }
     }
 
-    // Twelve UAVs of `squads` divide as they leave the depot. The lessons have the same motions in
-    // each cell, in ascending order, and the densities of `adaptive`.
+    // Twelve UAVs of `squads` divide as they leave the depot. A learner that goes by the lessons
+    // has as many of each motion in each cell, and the densities of `adaptive`.
     #[test]
-    fn the_motions_of_a_cell_are_in_order() {
+    fn a_fleet_that_follows_divides_as_the_teacher() {
         let config = Config {
             uav_count: 12,
             hotspot_count: 6,
@@ -153,33 +156,54 @@ mod tests {
                 squads.reset(&model, seed);
                 squads.act(&model, &state, &mut actions);
                 teacher.teach(&model, sim.words(), &mut lessons);
-                let mut taught = [[0.0; 2]; 12];
+                let mut chosen = [0.0; 24];
                 for uav in 0..12 {
-                    taught[uav] = [
-                        Motion::ALL[lessons[2 * uav] as usize].to_action(),
-                        actions[2 * uav + 1],
-                    ];
+                    chosen[2 * uav] = Motion::ALL[lessons[2 * uav] as usize].to_action();
+                    chosen[2 * uav + 1] = actions[2 * uav + 1];
                     let density = (actions[2 * uav + 1] + 1.0) / 2.0;
                     assert_eq!(lessons[2 * uav + 1], density);
-                    let cell = |other: &usize| state.cell(*other) == state.cell(uav);
-                    let motions = |actions: &[f32]| -> Vec<f32> {
-                        (0..12).filter(cell).map(|uav| actions[2 * uav]).collect()
-                    };
-                    let mut sorted: Vec<usize> =
-                        motions(&actions).into_iter().map(motion_of).collect();
-                    let before = sorted.clone();
-                    sorted.sort_unstable();
-                    reordered += u32::from(before != sorted);
-                    divided += u32::from(sorted.first() != sorted.last());
-                    let got: Vec<usize> =
-                        motions(&lessons).into_iter().map(|x| x as usize).collect();
-                    assert_eq!(got, sorted);
                 }
-                if sim.step(taught.as_flattened()).unwrap().terminated {
+                for uav in 0..12 {
+                    let cell = |other: &usize| state.cell(*other) == state.cell(uav);
+                    let motions = |actions: &[f32]| -> Vec<usize> {
+                        let each = (0..12).filter(cell);
+                        each.map(|uav| motion_of(actions[2 * uav])).collect()
+                    };
+                    let (mut planned, mut followed) = (motions(&actions), motions(&chosen));
+                    reordered += u32::from(planned != followed);
+                    planned.sort_unstable();
+                    followed.sort_unstable();
+                    divided += u32::from(planned.first() != planned.last());
+                    assert_eq!(planned, followed);
+                }
+                if sim.step(&chosen).unwrap().terminated {
                     break;
                 }
             }
         }
         assert!(divided > 100 && reordered > 10, "{divided} {reordered}");
+    }
+
+    // Six UAVs in one cell, of which four fly to the right and two upwards.
+    #[test]
+    fn motions_are_dealt_by_turns() {
+        let config = Config {
+            uav_count: 6,
+            ..Config::preset(Preset::Paper)
+        };
+        let model = Model::new(config).unwrap();
+        let mut sim = Sim::new(&model);
+        sim.reset(0);
+        let dealt = |motions: [Motion; 6]| {
+            let index = |motion: Motion| motion_of(motion.to_action()) as f32;
+            let mut lessons = motions.map(|motion| [index(motion), 0.5]);
+            deal(&sim.state(), lessons.as_flattened_mut());
+            lessons.map(|lesson| Motion::ALL[lesson[0] as usize])
+        };
+        let (right, up) = (Motion::Right, Motion::Up);
+        let expected = [right, up, right, right, up, right];
+        assert_eq!(dealt([right, right, right, right, up, up]), expected);
+        assert_eq!(dealt([up, right, right, up, right, right]), expected);
+        assert_eq!(dealt([up; 6]), [up; 6]);
     }
 }

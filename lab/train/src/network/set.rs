@@ -17,7 +17,7 @@ use crate::environment::Shape;
 use burn_tensor::Tensor;
 use burn_tensor::activation::{relu, softmax};
 pub(crate) use jcas_policy::network::features::CROWD;
-use jcas_policy::network::features::hotspot_features;
+use jcas_policy::network::features::{hotspot_features, neighbour_features};
 pub(crate) use jcas_policy::network::row::{HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS};
 
 /// Width of hotspot embeddings.
@@ -52,6 +52,11 @@ impl Actor {
         OWN + self.added + usize::from(self.fleet_size)
     }
 
+    /// Features of each neighbour.
+    fn neighbour_features(self) -> usize {
+        neighbour_features(self.choices)
+    }
+
     /// Features of each hotspot.
     fn hotspot_features(self) -> usize {
         hotspot_features(self.choices)
@@ -62,7 +67,7 @@ impl Actor {
     pub fn widths(self, shape: &Shape) -> [usize; 4] {
         [
             self.own(),
-            (SLOT_FIELDS + 1) * shape.neighbour_slots,
+            (self.neighbour_features() + 1) * shape.neighbour_slots,
             1,
             self.hotspot_features() * shape.hotspots,
         ]
@@ -145,7 +150,12 @@ fn trunk(shapes: &mut Shapes, inputs: usize, hidden: &[usize], outputs: usize) {
 pub(super) fn actor_blocks(hidden: &[usize], outputs: usize, actor: Actor) -> Shapes {
     let own = actor.own();
     let mut shapes = Vec::new();
-    layer(&mut shapes, "neighbour.0", SLOT_FIELDS, UAV_WIDTH);
+    layer(
+        &mut shapes,
+        "neighbour.0",
+        actor.neighbour_features(),
+        UAV_WIDTH,
+    );
     layer(&mut shapes, "neighbour.1", UAV_WIDTH, UAV_WIDTH);
     layer(
         &mut shapes,
@@ -262,7 +272,7 @@ pub(super) fn actor(
     } else {
         // An empty slot is all zeros, including the field for the bias. After the second layer it
         // holds relu(b), and subtracting that from the sum is cheaper than a mask.
-        let embedded = matrix(slots, SLOT_FIELDS + 1, &device);
+        let embedded = matrix(slots, actor.neighbour_features() + 1, &device);
         let embedded = relu(weights.augmented(embedded));
         let (weight, bias) = (weights.take(), weights.take());
         let embedded = relu(embedded.matmul(weight) + bias.clone());

@@ -4,7 +4,7 @@ use super::rollout::Rollout;
 use crate::head::LearningHead;
 use crate::network::{Network, values};
 use burn_tensor::{Device, Tensor};
-use jcas_policy::head::Head;
+use jcas_policy::head::{Head, motion_centre};
 use jcas_policy::network::choices::read_choices;
 use rand_chacha::ChaCha8Rng;
 
@@ -72,6 +72,28 @@ impl Rollout {
             }
         }
     }
+
+    /// Shows each UAV the lessons of the UAVs before it, in place of what they have chosen in step
+    /// `t`.
+    pub(super) fn show_lessons(&mut self, t: usize, network: &Network) {
+        let shape = self.shape;
+        let (rows, uavs, len) = (shape.rows(), shape.agents, shape.observation_len);
+        let first = t * rows;
+        let lessons = self.lessons[2 * first..][..2 * rows].chunks_exact(2);
+        let taught: Vec<f32> = lessons
+            .flat_map(|lesson| [motion_centre(lesson[0] as usize), 0.0])
+            .collect();
+        let mut seen = vec![0.0; rows * len];
+        for (row, seen) in seen.chunks_exact_mut(len).enumerate() {
+            let fleet = row - row % uavs;
+            let observations = &self.observations[(first + fleet) * len..];
+            let taught = &taught[2 * fleet..];
+            read_choices(shape.row_layout(), observations, taught, row % uavs, seen);
+        }
+        let features = network.features(&seen, &shape);
+        self.actor_features[first * network.features_len(&shape)..][..features.len()]
+            .copy_from_slice(&features);
+    }
 }
 
 #[cfg(test)]
@@ -82,6 +104,66 @@ mod tests {
     use crate::random::stream;
     use crate::settings::Credit;
     use jcas_policy::head::motion_centre;
+
+    // Three UAVs in one cell learn to divide. Each sees the lessons of those before it, and not
+    // what these have chosen.
+    #[test]
+    fn features_show_the_lessons_before() {
+        let shape = Shape {
+            environments: 1,
+            agents: 3,
+            hotspots: 1,
+            neighbour_slots: 2,
+            observation_len: 21,
+            grid: [9, 9],
+            reach: 2.0,
+            ..Shape::default()
+        };
+        let network = Network::new(Architecture::SetActor {
+            hidden: vec![8],
+            outputs: 7,
+            added: 0,
+            fleet_size: false,
+            choices: true,
+        });
+        let mut observations = vec![0.0; 3 * shape.observation_len];
+        for row in observations.chunks_exact_mut(shape.observation_len) {
+            row[..2].fill(0.5);
+            row[9] = 1.0;
+            row[12] = 1.0;
+        }
+        let out = StepOut::new(shape, Credit::Teacher, false);
+        let shown = |motions: [usize; 3]| {
+            let mut rollout = Rollout::new(shape, 1, &out);
+            rollout.observations.clone_from(&observations);
+            rollout.actor_features = vec![9.0; 3 * network.features_len(&shape)];
+            rollout.lessons = motions
+                .iter()
+                .flat_map(|&motion| [motion as f32, 0.5])
+                .collect();
+            rollout.show_lessons(0, &network);
+            let features = rollout.actor_features;
+            let width = network.features_len(&shape);
+            [0, 1, 2].map(|uav| features[uav * width..][..width].to_vec())
+        };
+        let expected = |motions: [usize; 3], uav: usize| {
+            let actions: Vec<f32> = motions
+                .iter()
+                .flat_map(|&motion| [motion_centre(motion), 0.0])
+                .collect();
+            let mut row = vec![0.0; shape.observation_len];
+            read_choices(shape.row_layout(), &observations, &actions, uav, &mut row);
+            network.features(&row, &shape)
+        };
+        for motions in [[0, 3, 0], [4, 2, 1]] {
+            let shown = shown(motions);
+            for (uav, shown) in shown.iter().enumerate() {
+                assert_eq!(*shown, expected(motions, uav), "{motions:?} {uav}");
+            }
+            assert_ne!(shown[0], shown[1]);
+            assert_ne!(shown[1], shown[2]);
+        }
+    }
 
     // Six episodes with the same observation: those with an even index fly its likeliest motion.
     #[test]

@@ -99,6 +99,9 @@ pub fn collect(
         let started = Instant::now();
         environment.step(&actions, &mut out);
         rollout.note(t, &out);
+        if credit == Credit::Teacher && policy.network.reads_choices() {
+            rollout.show_lessons(t, policy.network);
+        }
         rollout.simulation += started.elapsed();
     }
     rollout.note_last_states(environment);

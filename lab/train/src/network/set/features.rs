@@ -5,7 +5,7 @@
 
 use super::{Actor, COMMON, CROWD, Critic, HOTSPOT_FIELDS, OWN_FIRST, SLOT_FIELDS, UAV_FIELDS};
 use crate::environment::Shape;
-use jcas_policy::network::features::{describe_hotspots, distance, nearness};
+use jcas_policy::network::features::{describe_hotspots, describe_neighbour, distance, nearness};
 use jcas_policy::network::reach::chance;
 
 /// 1 for a slot with a neighbour, whether it has chosen or not, and 0 for an empty one.
@@ -33,7 +33,12 @@ pub(in crate::network) fn observed(rows: &[f32], shape: &Shape, actor: Actor) ->
         let mut taken = 0.0;
         for slot in slots.chunks_exact(SLOT_FIELDS) {
             let present = present(slot);
-            out.extend_from_slice(slot);
+            let first = out.len();
+            out.resize(first + actor.neighbour_features(), 0.0);
+            // An empty slot is all zeros.
+            if present > 0.0 {
+                describe_neighbour(slot, cells, &mut out[first..]);
+            }
             out.push(present);
             taken += present;
         }

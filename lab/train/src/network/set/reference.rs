@@ -107,6 +107,19 @@ fn read_in_turn(place: [f32; 2], slots: &[&[f32]], open: &[&[f32]], shape: &Shap
     read
 }
 
+/// What UAVs that choose in turn read of a neighbour. These are its offset of at most one cell
+/// along each axis, and whether it is in the same cell or the next.
+fn read_beside(slot: &[f32], shape: &Shape) -> [f32; 4] {
+    let [x_cells, y_cells] = shape.position_cells();
+    let far = apart([0.0; 2], [slot[1], slot[2]], shape);
+    [
+        (slot[1] * x_cells).max(-1.0).min(1.0),
+        (slot[2] * y_cells).max(-1.0).min(1.0),
+        near(far, 1.0),
+        near(far, 2.0),
+    ]
+}
+
 /// The actor's outputs for one observation.
 pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) -> Vec<f32> {
     let mut blocks = Blocks::of(network, parameters);
@@ -131,8 +144,15 @@ pub fn actor(network: &Network, parameters: &[f32], row: &[f32], shape: &Shape) 
     };
 
     let (first, second) = (blocks.linear(), blocks.linear());
+    let describe = |slot: &[f32]| {
+        let mut described = slot.to_vec();
+        if choices {
+            described.extend(read_beside(slot, shape));
+        }
+        described
+    };
     let neighbours: Vec<_> = present()
-        .map(|slot| relu(&second(&relu(&first(slot)))))
+        .map(|slot| relu(&second(&relu(&first(&describe(slot))))))
         .collect();
     let neighbours = pool(UAV_WIDTH, &neighbours);
 
