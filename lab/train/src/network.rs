@@ -33,8 +33,9 @@ pub enum Architecture {
         /// Whether it also reads the number of UAVs, after those.
         #[serde(default, skip_serializing_if = "is_false")]
         fleet_size: bool,
-        /// Whether UAVs choose one after the other. They read the choices of their neighbours, the
-        /// chances of detection, and their ranks, and the network attends between hotspots.
+        /// Whether UAVs choose one after the other. They read the choices of their neighbours,
+        /// those in their cell and the next, the chances of detection, and their ranks. The network
+        /// also attends between hotspots.
         #[serde(default, skip_serializing_if = "is_false")]
         choices: bool,
     },

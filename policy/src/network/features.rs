@@ -1,4 +1,5 @@
-//! Features of hotspots that set networks read: distances, and the UAVs at and around them.
+//! Features that set networks read: distances of hotspots, the UAVs at and around them, and
+//! neighbours in the own cell or the next.
 //!
 //! They are computed because learning them would take one layer or several.
 
@@ -142,8 +143,6 @@ pub fn describe_hotspots(
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
-
     use super::*;
 
     // A grid of 9 × 5 with a neighbour in the UAV's own cell, one in the next, and one far away.
@@ -152,12 +151,14 @@ mod tests {
         let described = |slot: [f32; SLOT_FIELDS]| {
             let mut features = [9.0; neighbour_features(true)];
             describe_neighbour(&slot, [8.0, 4.0], &mut features);
-            assert_eq!(features[..SLOT_FIELDS], slot);
-            features[SLOT_FIELDS..].to_vec()
+            features
         };
-        assert_eq!(described([1.0, 0.0, 0.0]), [0.0, 0.0, 1.0, 1.0]);
-        assert_eq!(described([CHOSEN, 0.0, -0.25]), [0.0, -1.0, 0.0, 0.5]);
-        assert_eq!(described([1.0, 0.5, 0.25]), [1.0, 1.0, 0.0, 0.0]);
+        let here = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0];
+        assert_eq!(described([1.0, 0.0, 0.0]), here);
+        let below = [CHOSEN, 0.0, -0.25, 0.0, -1.0, 0.0, 0.5];
+        assert_eq!(described([CHOSEN, 0.0, -0.25]), below);
+        let far = [1.0, 0.5, 0.25, 1.0, 1.0, 0.0, 0.0];
+        assert_eq!(described([1.0, 0.5, 0.25]), far);
         let mut plain = [9.0; neighbour_features(false)];
         describe_neighbour(&[1.0, 0.5, 0.25], [8.0, 4.0], &mut plain);
         assert_eq!(plain, [1.0, 0.5, 0.25]);

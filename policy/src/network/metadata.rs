@@ -24,7 +24,8 @@ pub struct PolicyMetadata {
     pub fleet_size: bool,
     /// Whether UAVs choose one after the other, by index. Each reads what its neighbours before it
     /// have chosen ([`read_choices`](super::choices::read_choices)), and how well each hotspot is
-    /// covered ([`chance`](super::reach::chance)).
+    /// covered ([`chance`](super::reach::chance)). It also reads which neighbours are in its cell
+    /// or the next ([`describe_neighbour`](super::features::describe_neighbour)).
     pub choices: bool,
 }
 

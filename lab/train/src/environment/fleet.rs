@@ -548,9 +548,8 @@ mod tests {
         let mut teacher = Teacher::of_actions();
         let mut expected = vec![0.0; out.lessons.len()];
         for step in 0..7 {
-            let actions = [0.4, 0.0].repeat(2 * model.uav_count());
             teacher.teach(&model, &fleet.states, &mut expected);
-            fleet.step(&actions, &mut out);
+            fleet.step(&[0.4, 0.0].repeat(2 * model.uav_count()), &mut out);
             assert_eq!(out.lessons, expected, "{step}");
         }
     }

@@ -42,7 +42,8 @@ pub(super) struct Actor {
     pub added: usize,
     /// The number of UAVs too, which no observation shows.
     pub fleet_size: bool,
-    /// Whether UAVs choose in turn. Then it also reads chances of detection and ranks.
+    /// Whether UAVs choose in turn. Then it also reads chances of detection, ranks, and which
+    /// neighbours are in the own cell or the next.
     pub choices: bool,
 }
 

@@ -43,13 +43,10 @@ impl Rollout {
         for turn in 0..turns {
             let own = (turn..rows).step_by(turns);
             for (row, seen) in own.clone().zip(seen.chunks_exact_mut(len)) {
-                let fleet = row - row % uavs;
-                let observations = &self.observations[(first + fleet) * len..];
                 if in_turn {
-                    let actions = &actions[2 * fleet..];
-                    read_choices(shape.row_layout(), observations, actions, turn, seen);
+                    self.read_fleet(t, row, actions, seen);
                 } else {
-                    seen.copy_from_slice(&observations[(row - fleet) * len..][..len]);
+                    seen.copy_from_slice(&self.observations[(first + row) * len..][..len]);
                 }
             }
             let features = network.features(&seen, &shape);
@@ -73,11 +70,23 @@ impl Rollout {
         }
     }
 
+    /// Copies a row's observation in step `t` to `seen`, with what the UAVs before it in its fleet
+    /// choose in `actions`.
+    fn read_fleet(&self, t: usize, row: usize, actions: &[f32], seen: &mut [f32]) {
+        let shape = self.shape;
+        let uav = row % shape.agents;
+        let fleet = row - uav;
+        let observations = (t * shape.rows() + fleet) * shape.observation_len;
+        let observations = &self.observations[observations..];
+        let actions = &actions[2 * fleet..];
+        read_choices(shape.row_layout(), observations, actions, uav, seen);
+    }
+
     /// Shows each UAV the lessons of the UAVs before it, in place of what they have chosen in step
     /// `t`.
     pub(super) fn show_lessons(&mut self, t: usize, network: &Network) {
         let shape = self.shape;
-        let (rows, uavs, len) = (shape.rows(), shape.agents, shape.observation_len);
+        let (rows, len) = (shape.rows(), shape.observation_len);
         let first = t * rows;
         let lessons = self.lessons[2 * first..][..2 * rows].chunks_exact(2);
         let taught: Vec<f32> = lessons
@@ -85,10 +94,7 @@ impl Rollout {
             .collect();
         let mut seen = vec![0.0; rows * len];
         for (row, seen) in seen.chunks_exact_mut(len).enumerate() {
-            let fleet = row - row % uavs;
-            let observations = &self.observations[(first + fleet) * len..];
-            let taught = &taught[2 * fleet..];
-            read_choices(shape.row_layout(), observations, taught, row % uavs, seen);
+            self.read_fleet(t, row, &taught, seen);
         }
         let features = network.features(&seen, &shape);
         self.actor_features[first * network.features_len(&shape)..][..features.len()]
@@ -103,7 +109,6 @@ mod tests {
     use crate::network::Architecture;
     use crate::random::stream;
     use crate::settings::Credit;
-    use jcas_policy::head::motion_centre;
 
     // Three UAVs in one cell learn to divide. Each sees the lessons of those before it, and not
     // what these have chosen.
