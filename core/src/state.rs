@@ -251,6 +251,13 @@ macro_rules! queries_of {
                 Cell::from_word(self.cells[i])
             }
 
+            /// Cell of UAV `i` before the last step.
+            #[inline]
+            #[must_use]
+            pub fn previous_cell(&self, i: usize) -> Cell {
+                Cell::from_word(self.previous[i])
+            }
+
             /// Cell of hotspot `j`.
             #[inline]
             #[must_use]

@@ -52,6 +52,7 @@ mod mlp;
 pub mod reach;
 pub mod row;
 mod set;
+mod way_back;
 
 #[cfg(any(kani, test))]
 pub(crate) use dense::Layer;
@@ -72,6 +73,7 @@ use file::File;
 use layout::Kind;
 use row::{HOTSPOT_FIELDS, RowLayout, SLOT_FIELDS};
 use set::Sizes;
+use way_back::turns_round;
 
 /// Numbers (f32) in a cache line. Weights are read fastest where they begin at one.
 pub const LINE_LEN: usize = 16;
@@ -336,7 +338,8 @@ impl Network {
 
     /// Writes (u_dir, u_pilot) of each UAV into `actions`. `observations` holds what the UAVs
     /// observe in `state`, one row for each. Draws are a function of the seed and step of the
-    /// state. With [`PolicyMetadata::choices`] the UAVs choose in the order of their indices.
+    /// state. With [`PolicyMetadata::choices`] the UAVs choose in the order of their indices. Those
+    /// whose most likely motion is the way back, without news, draw their motions.
     ///
     /// # Errors
     /// [`FlyError`] if the model or the length of a buffer does not fit, or if an output is not
@@ -373,7 +376,14 @@ impl Network {
                 uav: uav as u32,
             };
             let [direction, pilot] = match options.mode {
-                Mode::Deterministic => self.head.deterministic(outputs),
+                Mode::Deterministic => {
+                    let [direction, pilot] = self.head.deterministic(outputs);
+                    if self.metadata.choices && turns_round(state, uav, direction) {
+                        [self.head.sample(outputs, draw)[0], pilot]
+                    } else {
+                        [direction, pilot]
+                    }
+                }
                 Mode::Sampled => self.head.sample(outputs, draw),
             };
             let action = &mut actions[2 * uav..][..2];

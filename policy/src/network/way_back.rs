@@ -1,0 +1,65 @@
+//! The way back: where a UAV that chooses in turn draws its motion.
+//!
+//! A network reads no more than the present state. Its most likely motions could take a fleet that
+//! is undecided between two hotspots to and fro between two cells for ever.
+
+use jcas_core::StateRef;
+use jcas_core::action::motion;
+
+/// Returns whether an action takes a UAV back to its cell before the last step, without news.
+///
+/// News are a confirmation in that step of a hotspot that the UAV knows. A UAV that hovered in that
+/// step does not turn round.
+pub fn turns_round(state: &StateRef<'_>, uav: usize, direction: f32) -> bool {
+    let news = |j: usize| state.knows(uav, j) && state.confirmed_at(j) == Some(state.t());
+    let (here, before) = (state.cell(uav), state.previous_cell(uav));
+    let apart = |to: u32, from: u32| to as i32 - from as i32;
+    let back = (apart(before.x, here.x), apart(before.y, here.y));
+    state.moved(uav) && motion(direction).offset() == back && !(0..state.hotspot_count()).any(news)
+}
+
+#[cfg(test)]
+mod tests {
+    use jcas_core::{Cell, Config, Model, Motion, Preset, Sim};
+
+    use super::*;
+
+    // Ten UAVs fly up from the depot to a hotspot. Unless they confirm it at once, they stay over
+    // it and then fly to the right.
+    #[test]
+    fn a_uav_may_turn_round_after_rest_and_after_news() {
+        let model = Model::new(Config {
+            uav_count: 10,
+            hotspot_count: 1,
+            ..Config::preset(Preset::Mission)
+        })
+        .unwrap();
+        let mut sim = Sim::new(&model);
+        let (mut found, mut missed) = (0, 0);
+        for seed in 0..20 {
+            sim.reset(seed);
+            sim.set_hotspots(&[Cell { x: 6, y: 7 }]).unwrap();
+            let mut back_after = |motion: Motion| {
+                let action = [motion.to_action(), 1.0];
+                sim.step([action; 10].as_flattened()).unwrap();
+                let state = sim.state();
+                let turns = |motion: &Motion| turns_round(&state, 0, motion.to_action());
+                (Motion::ALL.into_iter().find(turns), state.knows(0, 0))
+            };
+            let (back, found_at_once) = back_after(Motion::Up);
+            if found_at_once {
+                found += 1;
+                assert_eq!(back, None);
+                continue;
+            }
+            missed += 1;
+            assert_eq!(back, Some(Motion::Down));
+            let (back, found_later) = back_after(Motion::Stay);
+            assert_eq!(back, None);
+            if !found_later {
+                assert_eq!(back_after(Motion::Right).0, Some(Motion::Left));
+            }
+        }
+        assert!(found > 0 && missed > 0, "{found} {missed}");
+    }
+}
