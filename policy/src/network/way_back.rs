@@ -24,13 +24,14 @@ mod tests {
 
     use super::*;
 
-    // Ten UAVs fly up from the depot to a hotspot. Unless they confirm it at once, they stay over
-    // it and then fly to the right.
+    // Ten UAVs fly up from the depot to a hotspot, and one far away flies up as well. Unless the
+    // ten confirm it at once, they stay over it and then fly to the right.
     #[test]
-    fn a_uav_may_turn_round_after_rest_and_after_news() {
+    fn a_uav_may_turn_round_after_rest_and_after_news_that_it_knows() {
         let model = Model::new(Config {
-            uav_count: 10,
+            uav_count: 11,
             hotspot_count: 1,
+            link_throughput_min: 4.0,
             ..Config::preset(Preset::Mission)
         })
         .unwrap();
@@ -39,25 +40,35 @@ mod tests {
         for seed in 0..20 {
             sim.reset(seed);
             sim.set_hotspots(&[Cell { x: 6, y: 7 }]).unwrap();
+            let mut cells = [Cell { x: 6, y: 6 }; 11];
+            cells[10] = Cell { x: 0, y: 0 };
+            sim.set_starts(&cells).unwrap();
+            // The ways back of a near UAV and of the far one, and whether the near one knows.
             let mut back_after = |motion: Motion| {
                 let action = [motion.to_action(), 1.0];
-                sim.step([action; 10].as_flattened()).unwrap();
+                sim.step([action; 11].as_flattened()).unwrap();
                 let state = sim.state();
-                let turns = |motion: &Motion| turns_round(&state, 0, motion.to_action());
-                (Motion::ALL.into_iter().find(turns), state.knows(0, 0))
+                assert!(!state.knows(10, 0));
+                let back = |uav: usize| {
+                    let turns = |motion: &Motion| turns_round(&state, uav, motion.to_action());
+                    Motion::ALL.into_iter().find(turns)
+                };
+                (back(0), back(10), state.knows(0, 0))
             };
-            let (back, found_at_once) = back_after(Motion::Up);
+            let (near, far, found_at_once) = back_after(Motion::Up);
+            assert_eq!(far, Some(Motion::Down));
             if found_at_once {
                 found += 1;
-                assert_eq!(back, None);
+                assert_eq!(near, None);
                 continue;
             }
             missed += 1;
-            assert_eq!(back, Some(Motion::Down));
-            let (back, found_later) = back_after(Motion::Stay);
-            assert_eq!(back, None);
+            assert_eq!(near, Some(Motion::Down));
+            let (near, far, found_later) = back_after(Motion::Stay);
+            assert_eq!((near, far), (None, None));
             if !found_later {
-                assert_eq!(back_after(Motion::Right).0, Some(Motion::Left));
+                let (_, far, _) = back_after(Motion::Right);
+                assert_eq!(far, Some(Motion::Left));
             }
         }
         assert!(found > 0 && missed > 0, "{found} {missed}");
