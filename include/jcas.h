@@ -265,8 +265,8 @@
 /// No motion.
 #define JCAS_MOVE_STAY 0.8f
 
-/// Actions are the most likely motion and the mean pilot density. UAVs that choose in turn draw
-/// where they would turn round without news.
+/// Actions are the most likely motion and the mean pilot density. UAVs that choose in turn stay on
+/// a depot to charge, and draw where they would turn round without news.
 #define JCAS_POLICY_DETERMINISTIC 0
 
 /// Actions are drawn from the network's distribution; the draws follow from the seed of the

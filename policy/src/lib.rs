@@ -10,6 +10,8 @@
 pub mod baselines;
 #[cfg(feature = "baselines")]
 pub use baselines::*;
+mod charge;
+pub use charge::stays_to_charge;
 pub mod head;
 pub mod network;
 #[cfg(feature = "baselines")]

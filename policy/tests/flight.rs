@@ -30,30 +30,60 @@ fn a_sampled_mission_follows_from_its_seed() {
     assert_ne!(of_seed(4).hash, of_seed(5).hash);
 }
 
-// In these episodes a fleet that may turn round without news flies to and fro between two cells
-// for ever, undecided where to go next.
-#[test]
-fn an_undecided_fleet_goes_on() {
-    let file = include_bytes!("../../policies/mission/policy.safetensors");
-    let mut policy = Trained::read("mission", file).unwrap();
-    let model = Model::new(Config {
-        uav_count: 20,
-        hotspot_count: 11,
-        horizon_steps: 1000,
-        ..Config::preset(Preset::Mission)
-    })
-    .unwrap();
+/// Flies episodes of a shipped policy and returns the greatest number of steps.
+fn slowest(policy: &[u8], config: Config, seeds: &[u64]) -> u32 {
+    let mut policy = Trained::read("shipped", policy).unwrap();
+    let model = Model::new(config).unwrap();
     let mut sim = Sim::new(&model);
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     let mut actions = vec![0.0; model.action_len()];
-    for seed in [0x1a36_af05_ddbd_c71c, 0x0d4e_c01e_770a_7f8a] {
+    let steps = |&seed| {
         sim.reset(seed);
-        while !sim.state().terminated() {
-            assert!(sim.state().t() < 100, "{seed:#x}");
+        while !sim.state().terminated() && !sim.state().truncated() {
             sim.observe(&mut observations).unwrap();
             policy.see(&observations);
             policy.act(&model, &sim.state(), &mut actions);
             sim.step(&actions).unwrap();
         }
-    }
+        sim.state().t()
+    };
+    seeds.iter().map(steps).max().unwrap()
+}
+
+const MISSION: &[u8] = include_bytes!("../../policies/mission/policy.safetensors");
+const PAPER: &[u8] = include_bytes!("../../policies/paper/policy.safetensors");
+
+// In these episodes a fleet that may turn round without news flies to and fro between two cells
+// for ever, undecided where to go next.
+#[test]
+fn an_undecided_fleet_goes_on() {
+    let config = Config {
+        uav_count: 20,
+        hotspot_count: 11,
+        horizon_steps: 1000,
+        ..Config::preset(Preset::Mission)
+    };
+    let seeds = [0x1a36_af05_ddbd_c71c, 0x0d4e_c01e_770a_7f8a];
+    assert!(slowest(MISSION, config, &seeds) < 100);
+}
+
+// In these episodes batteries run low. A fleet that leaves the depot at the threshold turns back
+// after one cell, for ever.
+#[test]
+fn a_fleet_charges_for_a_flight_that_is_worth_while() {
+    let config = Config {
+        uav_count: 3,
+        hotspot_count: 7,
+        horizon_steps: 2000,
+        ..Config::preset(Preset::Paper)
+    };
+    let seeds = [0x42cf_79cc_badf_dcc1, 0x0702_9362_dcac_144d];
+    assert!(slowest(PAPER, config, &seeds) < 2000);
+    let config = Config {
+        uav_count: 4,
+        hotspot_count: 7,
+        horizon_steps: 2000,
+        ..Config::preset(Preset::Mission)
+    };
+    assert!(slowest(MISSION, config, &[1, 2, 3, 4]) < 2000);
 }

@@ -5,7 +5,6 @@ use core::fmt::Display;
 use jcas_core::{Model, Motion, StateRef, TargetVisibility};
 
 use super::answer::Answer;
-use super::charge::stays_to_charge;
 use super::charging::Charging;
 use super::error::PolicyError;
 use super::frontier::Frontier;
@@ -21,7 +20,7 @@ use super::steering::Steering;
 use super::swarm::Swarm;
 use super::sweep::Sweep;
 use super::teams::Teams;
-use crate::Policy;
+use crate::{Policy, stays_to_charge};
 
 impl BaselineKind {
     /// Builds the baseline.

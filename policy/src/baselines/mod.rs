@@ -24,15 +24,14 @@
 //! teacher.
 //!
 //! Once every hotspot is confirmed, all baselines but `squads` gather, so that UAVs share what
-//! they know ([`gather()`]). All stay on a depot until a flight is worth while
-//! ([`stays_to_charge`]). Both rules read the knowledge and the charge of every UAV, which a real
-//! fleet would have to exchange. The baselines are centralised, but for `squads`; the learned
-//! policies are not.
+//! they know ([`gather()`]). This rule reads the cells of all UAVs, which a real fleet would have
+//! to exchange. All stay on a depot until a flight is worth while, by their own charge
+//! ([`stays_to_charge`](crate::stays_to_charge)). The baselines are centralised, but for `squads`;
+//! the learned policies are not.
 
 mod answer;
 mod assignment;
 mod baseline;
-mod charge;
 mod charging;
 mod division;
 mod error;
@@ -55,7 +54,6 @@ mod teams;
 
 pub use answer::Answer;
 pub use baseline::Baseline;
-pub use charge::stays_to_charge;
 pub use charging::Charging;
 pub use error::PolicyError;
 pub use frontier::Frontier;

@@ -64,8 +64,9 @@ pub use layout::DEPTH_MAX;
 pub use matmul::{MatmulArgs, MatmulKernel};
 pub use metadata::PolicyMetadata;
 
-use jcas_core::{Config, Model, StateRef, UavTag};
+use jcas_core::{Config, Model, Motion, StateRef, UavTag};
 
+use crate::charge::stays_to_charge;
 use crate::head::{Draw, Head, Mode};
 use choices::read_choices;
 use dense::padded;
@@ -338,8 +339,11 @@ impl Network {
 
     /// Writes (u_dir, u_pilot) of each UAV into `actions`. `observations` holds what the UAVs
     /// observe in `state`, one row for each. Draws are a function of the seed and step of the
-    /// state. With [`PolicyMetadata::choices`] the UAVs choose in the order of their indices. Those
-    /// whose most likely motion is the way back, without news, draw their motions.
+    /// state.
+    ///
+    /// With [`PolicyMetadata::choices`] the UAVs choose in the order of their indices. In the
+    /// deterministic mode those on a depot stay to charge ([`stays_to_charge`]). Those whose most
+    /// likely motion is the way back, without news, draw their motions.
     ///
     /// # Errors
     /// [`FlyError`] if the model or the length of a buffer does not fit, or if an output is not
@@ -378,7 +382,11 @@ impl Network {
             let [direction, pilot] = match options.mode {
                 Mode::Deterministic => {
                     let [direction, pilot] = self.head.deterministic(outputs);
-                    if self.metadata.choices && turns_round(state, uav, direction) {
+                    if !self.metadata.choices {
+                        [direction, pilot]
+                    } else if stays_to_charge(model, state, uav) {
+                        [Motion::Stay.to_action(), pilot]
+                    } else if turns_round(state, uav, direction) {
                         [self.head.sample(outputs, draw)[0], pilot]
                     } else {
                         [direction, pilot]

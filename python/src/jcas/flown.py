@@ -53,9 +53,9 @@ class Policy:
             path: a folder with a `policy.safetensors`, or that file.
             model: the model of the simulations that the policy will fly.
             mode: `deterministic` or `sampled`. A deterministic policy takes the most likely motion
-                and the mean pilot density. With it, UAVs that choose in turn draw where they
-                would turn round without news. A sampled one draws from the mission's seed. None
-                stands for the mode that the file names.
+                and the mean pilot density. With it, UAVs that choose in turn stay on a depot to
+                charge, and draw where they would turn round without news. A sampled one draws from
+                the mission's seed. None stands for the mode that the file names.
 
         Raises:
             PolicyError: the file is no policy, or reads other observations than the model has.
