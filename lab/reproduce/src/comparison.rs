@@ -79,7 +79,8 @@ pub fn open(out: &Path) -> Result<Vec<ComparedRow>, TrainError> {
 /// The scripts that can fly a mission with known hotspots, or with hidden ones.
 fn scripts(config: &Config) -> Vec<BaselineKind> {
     if config.target_visibility == TargetVisibility::Known {
-        return crate::flights::BASELINES.to_vec();
+        let baselines = crate::flights::BASELINES.into_iter();
+        return baselines.chain([BaselineKind::Squads]).collect();
     }
     let all = BaselineKind::ALL.into_iter();
     all.filter(|kind| !kind.reads_positions())
@@ -337,7 +338,7 @@ mod tests {
     fn the_best_script_comes_first_and_pairs_differ_by_their_mean() {
         let place = place(20);
         let rows = place.rows(Unit::Scripts, None).unwrap();
-        assert_eq!(rows.len(), 5 * 2);
+        assert_eq!(rows.len(), 6 * 2);
         assert!(rows[0].best_script && rows[1..].iter().all(|row| !row.best_script));
         let plan = place.rows(Unit::Planner(PlannedKind::Plan), None).unwrap();
         assert!(plan[0].bound_steps.unwrap() > 1.0);
