@@ -291,7 +291,7 @@ impl RunSpec {
         Ok(evaluations)
     }
 
-    /// Evaluates in every mode, keeps the best, writes policy and speed.
+    /// Evaluates in every mode, chooses one, writes policy and speed.
     fn conclude(&self, trainer: &Trainer, speed: &mut Speed) -> Result<RunOutcome, TrainError> {
         let actor = self.actor(trainer);
         let started = Instant::now();
@@ -335,18 +335,23 @@ fn json(value: &impl serde::Serialize) -> Result<serde_json::Value, TrainError> 
         .map_err(|error| TrainError::Setting(error.to_string()))
 }
 
-/// The mode in which missions went better; the deterministic one of two that are equal.
+/// The sampled mode if missions go better in it by more than twice the standard error over the
+/// configurations, or else the deterministic mode. A single configuration has no such error.
 ///
 /// Two percent of the steps weigh as much as one mission in a hundred, so that long missions do not
-/// outweigh short ones. Every mission is flown in both modes.
+/// outweigh short ones. Every configuration is flown in both modes.
 fn best_mode(evaluations: &[Evaluation]) -> Mode {
-    let score = |mode| -> f64 {
-        let flown = evaluations.iter().filter(|flown| flown.mode == mode);
-        flown
-            .map(|flown| flown.success_rate - 0.5 * flown.mission_steps_mean.ln())
-            .sum()
+    let scores = |mode| {
+        let flown = evaluations.iter().filter(move |flown| flown.mode == mode);
+        flown.map(|flown| flown.success_rate - 0.5 * flown.mission_steps_mean.ln())
     };
-    if score(Mode::Sampled) > score(Mode::Deterministic) {
+    let pairs = scores(Mode::Sampled).zip(scores(Mode::Deterministic));
+    let gains: Vec<f64> = pairs.map(|(sampled, likely)| sampled - likely).collect();
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let squares: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
+    let error = (squares / (count - 1.0).max(1.0) / count).sqrt();
+    if mean > 2.0 * error {
         Mode::Sampled
     } else {
         Mode::Deterministic
@@ -405,14 +410,29 @@ mod tests {
     // One mode saves 1 of 100 steps in long missions, the other 0.4 of 4.4 in short ones.
     #[test]
     fn short_missions_count_as_much_as_long_ones() {
-        let mut evaluations = vec![
-            flown(Mode::Deterministic, 1.0, 99.0),
-            flown(Mode::Deterministic, 1.0, 4.4),
-            flown(Mode::Sampled, 1.0, 100.0),
-            flown(Mode::Sampled, 1.0, 4.0),
+        let evaluations = |success_rate| -> Vec<Evaluation> {
+            let both = [
+                flown(Mode::Deterministic, 1.0, 99.0),
+                flown(Mode::Deterministic, 1.0, 4.4),
+                flown(Mode::Sampled, success_rate, 100.0),
+                flown(Mode::Sampled, 1.0, 4.0),
+            ];
+            vec![both; 5].into_iter().flatten().collect()
+        };
+        assert_eq!(best_mode(&evaluations(1.0)), Mode::Sampled);
+        assert_eq!(best_mode(&evaluations(0.9)), Mode::Deterministic);
+    }
+
+    // The sampled mode is better in one configuration of two by more than it is worse in the other.
+    #[test]
+    fn the_sampled_mode_has_to_be_better_than_by_chance() {
+        let evaluations = [
+            flown(Mode::Deterministic, 1.0, 40.0),
+            flown(Mode::Sampled, 1.0, 30.0),
+            flown(Mode::Deterministic, 1.0, 30.0),
+            flown(Mode::Sampled, 1.0, 35.0),
         ];
-        assert_eq!(best_mode(&evaluations), Mode::Sampled);
-        evaluations[2].success_rate = 0.9;
         assert_eq!(best_mode(&evaluations), Mode::Deterministic);
+        assert_eq!(best_mode(&evaluations[..2]), Mode::Sampled);
     }
 }
