@@ -82,9 +82,10 @@ fn everything_is_written(out: &Path, results: &str, compared: &str) {
     let paper = 2 * 4 * 17 + 2 * 2 + 2 * 2 + 2 * 2 * learners + 2 + 3 * 4 * 2 + learners;
     let beyond = 4 * 2 * 3 + 3 * 2;
     assert_eq!(results.lines().count(), 1 + paper + beyond);
-    // Each cell of three presets has five scripts with two densities each, and two planners. Ours
-    // is in two presets.
-    assert_eq!(compared.lines().count(), 1 + 3 * 4 * (5 * 2 + 2) + 2 * 4);
+    // Each cell has two planners, and scripts with two densities each: six with known hotspots, in
+    // two presets with ours, and five with hidden ones.
+    let known = 2 * 4 * (6 * 2 + 2 + 1);
+    assert_eq!(compared.lines().count(), 1 + known + 4 * (5 * 2 + 2));
     for file in [
         "success_over_range",
         "paper_success_over_uavs",
