@@ -30,10 +30,16 @@ fn a_sampled_mission_follows_from_its_seed() {
     assert_ne!(of_seed(4).hash, of_seed(5).hash);
 }
 
-/// Flies episodes of a shipped policy and returns the greatest number of steps.
-fn slowest(policy: &[u8], config: Config, seeds: &[u64]) -> u32 {
+/// Flies episodes with long horizons and returns the greatest number of steps.
+fn slowest(policy: &[u8], preset: Preset, (uavs, hotspots): (u32, u32), seeds: &[u64]) -> u32 {
     let mut policy = Trained::read("shipped", policy).unwrap();
-    let model = Model::new(config).unwrap();
+    let model = Model::new(Config {
+        uav_count: uavs,
+        hotspot_count: hotspots,
+        horizon_steps: 2000,
+        ..Config::preset(preset)
+    })
+    .unwrap();
     let mut sim = Sim::new(&model);
     let mut observations = vec![0.0; model.uav_count() * model.observation_len()];
     let mut actions = vec![0.0; model.action_len()];
@@ -57,33 +63,15 @@ const PAPER: &[u8] = include_bytes!("../../policies/paper/policy.safetensors");
 // for ever, undecided where to go next.
 #[test]
 fn an_undecided_fleet_goes_on() {
-    let config = Config {
-        uav_count: 20,
-        hotspot_count: 11,
-        horizon_steps: 1000,
-        ..Config::preset(Preset::Mission)
-    };
     let seeds = [0x1a36_af05_ddbd_c71c, 0x0d4e_c01e_770a_7f8a];
-    assert!(slowest(MISSION, config, &seeds) < 100);
+    assert!(slowest(MISSION, Preset::Mission, (20, 11), &seeds) < 100);
 }
 
 // In these episodes batteries run low. A fleet that leaves the depot at the threshold turns back
-// after one cell, for ever.
+// after one cell, and does not end within 2000 steps.
 #[test]
 fn a_fleet_charges_for_a_flight_that_is_worth_while() {
-    let config = Config {
-        uav_count: 3,
-        hotspot_count: 7,
-        horizon_steps: 2000,
-        ..Config::preset(Preset::Paper)
-    };
     let seeds = [0x42cf_79cc_badf_dcc1, 0x0702_9362_dcac_144d];
-    assert!(slowest(PAPER, config, &seeds) < 2000);
-    let config = Config {
-        uav_count: 4,
-        hotspot_count: 7,
-        horizon_steps: 2000,
-        ..Config::preset(Preset::Mission)
-    };
-    assert!(slowest(MISSION, config, &[1, 2, 3, 4]) < 2000);
+    assert!(slowest(PAPER, Preset::Paper, (3, 7), &seeds) < 500);
+    assert!(slowest(MISSION, Preset::Mission, (4, 7), &[11]) < 1000);
 }

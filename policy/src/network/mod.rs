@@ -381,16 +381,17 @@ impl Network {
             };
             let [direction, pilot] = match options.mode {
                 Mode::Deterministic => {
-                    let [direction, pilot] = self.head.deterministic(outputs);
-                    if !self.metadata.choices {
-                        [direction, pilot]
+                    let [likely, pilot] = self.head.deterministic(outputs);
+                    let direction = if !self.metadata.choices {
+                        likely
                     } else if stays_to_charge(model, state, uav) {
-                        [Motion::Stay.to_action(), pilot]
-                    } else if turns_round(state, uav, direction) {
-                        [self.head.sample(outputs, draw)[0], pilot]
+                        Motion::Stay.to_action()
+                    } else if turns_round(state, uav, likely) {
+                        self.head.sample(outputs, draw)[0]
                     } else {
-                        [direction, pilot]
-                    }
+                        likely
+                    };
+                    [direction, pilot]
                 }
                 Mode::Sampled => self.head.sample(outputs, draw),
             };
