@@ -17,6 +17,7 @@ use crate::trainer::Trainer;
 use jcas_core::{Config, Metrics, Model};
 use jcas_episode::card::{self, Card, EVALUATION_SEED, Evaluation};
 use jcas_episode::mission::{self, Campaign};
+use jcas_episode::statistics::bootstrap_means;
 use jcas_policy::head::Mode;
 use jcas_policy::{Trained, action_of};
 use std::ops::ControlFlow;
@@ -335,23 +336,21 @@ fn json(value: &impl serde::Serialize) -> Result<serde_json::Value, TrainError> 
         .map_err(|error| TrainError::Setting(error.to_string()))
 }
 
-/// The sampled mode if missions go better in it by more than twice the standard error over the
-/// configurations, or else the deterministic mode. A single configuration has no such error.
+/// The sampled mode if missions go better in it by more than chance, or else the deterministic
+/// mode. The 95 % interval of the mean over the configurations decides. One configuration alone has
+/// no interval, and its value decides.
 ///
 /// Two percent of the steps weigh as much as one mission in a hundred, so that long missions do not
-/// outweigh short ones. Every configuration is flown in both modes.
+/// outweigh short ones. Both modes have flown the same configurations, in the same order.
 fn best_mode(evaluations: &[Evaluation]) -> Mode {
     let scores = |mode| {
         let flown = evaluations.iter().filter(move |flown| flown.mode == mode);
         flown.map(|flown| flown.success_rate - 0.5 * flown.mission_steps_mean.ln())
     };
     let pairs = scores(Mode::Sampled).zip(scores(Mode::Deterministic));
-    let gains: Vec<f64> = pairs.map(|(sampled, likely)| sampled - likely).collect();
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let squares: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-    let error = (squares / (count - 1.0).max(1.0) / count).sqrt();
-    if mean > 2.0 * error {
+    let gains: Vec<[f64; 1]> = pairs.map(|(sampled, likely)| [sampled - likely]).collect();
+    let [gain] = bootstrap_means(&gains);
+    if gain.low > 0.0 {
         Mode::Sampled
     } else {
         Mode::Deterministic
