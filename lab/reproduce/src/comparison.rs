@@ -76,8 +76,8 @@ pub fn open(out: &Path) -> Result<Vec<ComparedRow>, TrainError> {
     crate::scan::lines(&out.join(COMPARISON))
 }
 
-/// The scripts that can fly a mission with known hotspots, or with hidden ones. The former are the
-/// baselines of the grid and `squads`, whose division no other of them has without a centre.
+/// The scripts that can fly a mission with known hotspots, or with hidden ones. With known
+/// ones, the decentralised `squads` joins the baselines of the grid.
 fn scripts(config: &Config) -> Vec<BaselineKind> {
     if config.target_visibility == TargetVisibility::Known {
         let baselines = crate::flights::BASELINES.into_iter();
