@@ -53,7 +53,7 @@ cargo metadata --format-version 1 --manifest-path "$work"/jcas-*/kernel/Cargo.to
 "$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
 "$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 \
     --episodes 5
-"$python" python/run_notebook.py examples/tour.ipynb
+"$venv/bin/jupyter" execute examples/tour.ipynb
 "$python" examples/radar/ofdm_radar.py --frames 100 --ranges-m 60 \
     --out "$work/p_d.csv" --figure "$work/p_d.png"
 # Sionna is large and not installed here.
