@@ -57,6 +57,34 @@ def test_an_iteration_without_samples_is_a_row():
     assert math.isnan(row["team_return"]) and math.isnan(row["entropy"])
 
 
+def test_no_two_environments_of_any_runner_begin_the_same_episode():
+    """Sixteen runners of four environments, and the run of the next seed, as RLlib seeds them."""
+    pytest.importorskip("ray")
+    from ray.rllib.env.env_context import EnvContext
+    from ray.rllib.env.multi_agent_env_runner import MultiAgentEnvRunner
+    from ray.rllib.env.vector.sync_vector_multi_agent_env import SyncVectorMultiAgentEnv
+
+    import jcas
+    from jcas.rllib import JcasMultiAgentEnv, ppo_config
+
+    seeds = []
+    for seed in (7, 8):
+        config = ppo_config(jcas.Config(MISSION), env_runners=16, envs_per_runner=4, seed=seed)
+        for runner in range(1, 17):
+            context = EnvContext(config.env_config, runner, num_workers=16)
+            envs = SyncVectorMultiAgentEnv([lambda c=context: JcasMultiAgentEnv(c)] * 4)
+            envs.reset(seed=config.seed + runner)
+            seeds += [env.unwrapped.sim.seed for env in envs.envs]
+    assert len(seeds) == len(set(seeds)) == 2 * 16 * 4
+
+    # What RLlib itself gives a runner is what this test assumes.
+    runner = MultiAgentEnvRunner(config=config, worker_index=3, num_workers=16)
+    runner.sample(num_timesteps=4, random_actions=True)
+    own = [env.unwrapped.sim.seed for env in runner.env.envs]
+    assert own == seeds[16 * 4 + 2 * 4 : 16 * 4 + 3 * 4]
+    runner.stop()
+
+
 def test_two_nodes_train_and_survive_a_killed_runner(cluster):
     import jcas
     from jcas.rllib import Hyperparameters, ppo_config

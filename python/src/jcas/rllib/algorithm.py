@@ -62,7 +62,11 @@ def ppo_config(
         "critic": check_critic(hyperparameters.critic),
     }
     module = RLModuleSpec(module_class=CentralCriticModule, model_config=settings)
-    fields: dict[str, Any] = {**config, "credit": check_credit(hyperparameters.credit)}
+    fields: dict[str, Any] = {
+        **config,
+        "credit": check_credit(hyperparameters.credit),
+        "seed": 0 if seed is None else seed,
+    }
     return (
         PPOConfig()
         .environment(JcasMultiAgentEnv, env_config=fields)

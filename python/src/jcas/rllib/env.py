@@ -10,7 +10,7 @@ from gymnasium import spaces
 from ray.rllib.env.multi_agent_env import MultiAgentEnv
 
 from ..mission import Mission
-from ..model import Model
+from ..model import Model, derive_seed
 from ..sim import Sim
 from ..spaces import check_credit, encode_uav_actions, uav_action_space
 
@@ -21,8 +21,13 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
-        config: RLlib's environment configuration; its fields are those of `jcas.Config`, and
-            `credit`: `team` (the default) or `uav`, as in `jcas.parallel_env`.
+        config: RLlib's environment configuration; its fields are those of `jcas.Config`,
+            `credit`: `team` (the default) or `uav`, as in `jcas.parallel_env`, and `seed`: of the
+            training run.
+
+    RLlib gives environment i of runner w the seed `seed + w + i`, so that runners share episodes.
+    Where RLlib says which runner it is, the seed of an episode is derived from the run's seed, the
+    runner and what RLlib gives.
 
     """
 
@@ -30,6 +35,8 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         super().__init__()
         fields = dict(config or {})
         self._credit = check_credit(fields.pop("credit", "team"))
+        run_seed, runner = fields.pop("seed", 0), getattr(config, "worker_index", None)
+        self._runner_seed = None if runner is None else derive_seed(run_seed, runner)
         self._mission = Mission(fields, {}, None)
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
@@ -56,7 +63,9 @@ class JcasMultiAgentEnv(MultiAgentEnv):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode: the one that `jcas.parallel_env` begins with that seed."""
+        """Begin an episode: outside RLlib the one that `jcas.parallel_env` begins."""
+        if seed is not None and self._runner_seed is not None:
+            seed = derive_seed(self._runner_seed, seed)
         self._mission.reset(seed, options)
         self.agents = list(self.possible_agents)
         return self._observations(), {}
