@@ -2006,10 +2006,10 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
                              char *message,
                              size_t message_capacity);
 
-/// Builds a baseline by its name. jcas_policy_free ends it. The names are random, greedy, swarm,
-/// teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for `jcas simulate
-/// --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of an episode and
-/// in each step that plans.
+/// Builds a baseline by its name. jcas_policy_free ends it. The names are random, untrained,
+/// greedy, swarm, teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for
+/// `jcas simulate --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of
+/// an episode and in each step that plans.
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
 /// `plan` follows one plan without feedback. `replan` plans again after each

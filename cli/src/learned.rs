@@ -86,7 +86,7 @@ pub fn factory(
              max, adaptive, or a density such as 0.15",
         ));
     }
-    if let Some(action) = pilot.held(model.config()) {
+    if let Some(action) = pilot.fixed(model.config()) {
         stored = stored.holding(action);
     }
     Ok(Box::new(move || Box::new(stored.policy(mode))))

@@ -111,8 +111,8 @@ impl MissionOptions {
 /// Options for the policy and its pilot density.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// A script: random, greedy, swarm, teams, squads, sweep, line, frontier, relay, answer,
-    /// charging, clean. A plan: plan, replan, or plan:FILE for a file of `jcas plan`. Or the folder
+    /// A baseline: random, untrained, greedy, swarm, teams, squads, sweep, line, frontier, relay,
+    /// answer, charging, clean. A plan: plan, replan, or plan:FILE for a file of `jcas plan`. Or the folder
     /// of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,

@@ -101,29 +101,104 @@ fn pilot_modes_ask_for_their_density() {
     }
 }
 
-#[test]
-fn a_random_walk_takes_every_motion_equally_often_and_repeats_with_its_seed() {
+/// Returns the actions of the first step of many episodes, (u_dir, u_pilot) each.
+fn first_actions(kind: BaselineKind, pilot: PilotMode) -> Vec<[f32; 2]> {
     let model = model(Config::default());
-    let sim = Sim::new(&model);
-    let draw = |seed: u64| {
-        let mut policy = BaselineKind::Random.build(&model, PilotMode::Max).unwrap();
-        let mut actions = vec![0.0; model.action_len()];
+    let mut sim = Sim::new(&model);
+    let mut policy = kind.build(&model, pilot).unwrap();
+    let mut actions = vec![0.0; model.action_len()];
+    let mut all = Vec::new();
+    for seed in 0..1000 {
+        sim.reset(seed);
         policy.reset(&model, seed);
         policy.act(&model, &sim.state(), &mut actions);
-        actions
-    };
-    assert_eq!(draw(7), draw(7));
-    assert_ne!(draw(7), draw(8));
-    let mut counts = [0u32; 5];
-    for seed in 0..1000 {
-        for pair in draw(seed).chunks_exact(2) {
-            counts[action::motion(pair[0]) as usize] += 1;
-        }
+        all.extend(actions.chunks_exact(2).map(|action| [action[0], action[1]]));
     }
+    all
+}
+
+/// Counts how often each motion was taken.
+fn motions(actions: &[[f32; 2]]) -> [u32; 5] {
+    let mut counts = [0; 5];
+    for [direction, _] in actions {
+        counts[action::motion(*direction) as usize] += 1;
+    }
+    counts
+}
+
+#[test]
+fn a_random_walk_takes_every_motion_equally_often_and_repeats_with_its_seed() {
+    let actions = first_actions(BaselineKind::Random, PilotMode::Max);
+    assert_eq!(actions, first_actions(BaselineKind::Random, PilotMode::Max));
     // 10 000 draws: 2 000 each, five standard deviations of 40.
-    for count in counts {
-        assert!(count.abs_diff(2000) < 200, "{counts:?}");
+    let counts = motions(&actions);
+    assert!(
+        counts.iter().all(|count| count.abs_diff(2000) < 200),
+        "{counts:?}"
+    );
+}
+
+/// The normal distribution gives 0.2743 for the outer bins of u_dir and 0.1464, 0.1585, 0.1464 for
+/// the others.
+#[test]
+fn an_untrained_policy_draws_clipped_normals() {
+    let actions = first_actions(BaselineKind::Untrained, PilotMode::Adaptive);
+    let counts = motions(&actions);
+    for (count, expected) in counts.into_iter().zip([2743, 1464, 1585, 1464, 2743]) {
+        assert!(count.abs_diff(expected) < 223, "{counts:?}");
     }
+    // The density is clipped as often: 0.1587 at either end.
+    for end in [-1.0, 1.0] {
+        let clipped = actions.iter().filter(|[_, pilot]| *pilot == end).count();
+        assert!(clipped.abs_diff(1587) < 185, "{clipped}");
+    }
+    let fixed = first_actions(BaselineKind::Untrained, PilotMode::Max);
+    assert!(fixed.iter().all(|[_, pilot]| *pilot == 1.0));
+}
+
+/// Fleets that have confirmed all hotspots, and do not know it alike, walk as one that is blind and
+/// low on charge does.
+#[test]
+fn a_random_walk_depends_on_no_state() {
+    let walk = |seed: u64, config: Config| {
+        let model = model(Config {
+            quorum: 1,
+            hotspot_count: 1,
+            // No link reaches this throughput.
+            link_throughput_min: 1000.0,
+            ..config
+        });
+        let mut sim = Sim::new(&model);
+        let mut policy = BaselineKind::Random.build(&model, PilotMode::Max).unwrap();
+        let mut actions = vec![0.0; model.action_len()];
+        let (mut all, mut all_confirmed) = (Vec::new(), 0);
+        sim.reset(seed);
+        policy.reset(&model, seed);
+        while all.len() < 40 && !sim.state().terminated() {
+            policy.act(&model, &sim.state(), &mut actions);
+            all.push(actions.clone());
+            all_confirmed += sim.state().confirmed_count();
+            sim.step(&actions).unwrap();
+        }
+        (all, all_confirmed)
+    };
+    let mut steps = 0;
+    for seed in 0..10 {
+        let (seeing, all_confirmed) = walk(seed, Config::default());
+        let (blind, none) = walk(
+            seed,
+            Config {
+                radar_cross_section_dbsm: -100.0,
+                initial_soc_min: 0.22,
+                initial_soc_max: 0.22,
+                ..Config::default()
+            },
+        );
+        assert_eq!(none, 0);
+        assert_eq!(seeing[..], blind[..seeing.len()]);
+        steps += all_confirmed;
+    }
+    assert!(steps > 20, "{steps}");
 }
 
 #[test]
@@ -136,6 +211,7 @@ fn only_privileged_baselines_need_positions() {
         let built = kind.build(&model, PilotMode::Adaptive);
         match kind {
             BaselineKind::Random
+            | BaselineKind::Untrained
             | BaselineKind::Sweep
             | BaselineKind::Line
             | BaselineKind::Frontier
@@ -178,6 +254,7 @@ fn what_is_hidden_is_not_read() {
     let there = [Cell { x: 0, y: 11 }, Cell { x: 11, y: 0 }];
     for kind in [
         BaselineKind::Random,
+        BaselineKind::Untrained,
         BaselineKind::Sweep,
         BaselineKind::Line,
         BaselineKind::Frontier,

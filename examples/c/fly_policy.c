@@ -6,8 +6,8 @@
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir"
  *   ./a.out policies/fleet/policy.safetensors
  *
- * The argument may also name a baseline: random, greedy, swarm, teams, squads, sweep, line,
- * frontier, relay, answer, charging or clean.
+ * The argument may also name a baseline: random, untrained, greedy, swarm, teams, squads, sweep,
+ * line, frontier, relay, answer, charging or clean.
  *
  * The mission is the first of `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy POLICY`, bit
  * for bit.

@@ -176,10 +176,10 @@ unsafe fn build(
     })
 }
 
-/// Builds a baseline by its name. jcas_policy_free ends it. The names are random, greedy, swarm,
-/// teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for `jcas simulate
-/// --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of an episode and
-/// in each step that plans.
+/// Builds a baseline by its name. jcas_policy_free ends it. The names are random, untrained,
+/// greedy, swarm, teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for
+/// `jcas simulate --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of
+/// an episode and in each step that plans.
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
 /// `plan` follows one plan without feedback. `replan` plans again after each

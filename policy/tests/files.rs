@@ -3,6 +3,7 @@
 use jcas_core::{Config, Model, Sim, TargetVisibility};
 use jcas_policy::head::{Head, Mode};
 use jcas_policy::network::{FlyError, LoadError, Network};
+use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use proptest::prelude::*;
 
 const FLEET: &[u8] = include_bytes!("../../policies/fleet/policy.safetensors");
@@ -225,6 +226,43 @@ fn an_mlp_is_the_sum_in_the_order_of_its_inputs() {
                 .fold(start, |sum, (i, x)| sum + x * (0.1 * (4 * i + j) as f32));
             assert_eq!(sum.to_bits(), out.to_bits());
         }
+    }
+}
+
+#[test]
+fn untrained_acts_as_a_network_of_zeros_does() {
+    let model = model(Config {
+        uav_count: 4,
+        hotspot_count: 1,
+        ..Config::default()
+    });
+    let zeros = file(
+        "mode=sampled",
+        &[
+            ("0.bias", &[4], vec![0.0; 4]),
+            (
+                "0.weight",
+                &[model.observation_len(), 4],
+                vec![0.0; 4 * model.observation_len()],
+            ),
+        ],
+    );
+    let mut network = Trained::read("zeros", &zeros).unwrap();
+    let mut untrained = BaselineKind::Untrained
+        .build(&model, PilotMode::Adaptive)
+        .unwrap();
+    let mut sim = Sim::new(&model);
+    let mut observations = vec![0.0; 4 * model.observation_len()];
+    let (mut expected, mut got) = (vec![0.0; 8], vec![0.0; 8]);
+    sim.reset(9);
+    untrained.reset(&model, 9);
+    for _ in 0..20 {
+        sim.observe(&mut observations).unwrap();
+        network.see(&observations);
+        network.act(&model, &sim.state(), &mut expected);
+        untrained.act(&model, &sim.state(), &mut got);
+        assert_eq!(got, expected);
+        sim.step(&got).unwrap();
     }
 }
 

@@ -54,6 +54,7 @@ def test_each_mode_flies_its_own_way() -> None:
     "name",
     [
         "random",
+        "untrained",
         "greedy",
         "swarm",
         "teams",

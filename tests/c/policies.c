@@ -158,9 +158,9 @@ static void same_everywhere(jcas_sim *sim, jcas_batch *batch, jcas_policy *polic
 
 int main(int argc, char **argv)
 {
-    static const char *const NAMES[] = {"random", "greedy", "swarm",    "teams",
-                                        "squads", "sweep",  "line",     "frontier",
-                                        "relay",  "answer", "charging", "clean"};
+    static const char *const NAMES[] = {"random", "untrained", "greedy", "swarm",  "teams",
+                                        "squads", "sweep",     "line",   "frontier", "relay",
+                                        "answer", "charging",  "clean"};
     static const uint64_t SEEDS[MEMBERS] = {11, 12, 13};
     CHECK(argc == 2);
     read_file(argv[1]);

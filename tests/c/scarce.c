@@ -308,9 +308,9 @@ static void fly_batch_with(long k, jcas_policy *policy, jcas_batch *batch)
 /* Baselines plan on the heap: the call reports an exhausted heap at any allocation. */
 static void fly_baselines(void)
 {
-    static const char *const NAMES[] = {"random", "greedy", "swarm",    "teams",
-                                        "squads", "sweep",  "line",     "frontier",
-                                        "relay",  "answer", "charging", "clean"};
+    static const char *const NAMES[] = {"random", "untrained", "greedy", "swarm",  "teams",
+                                        "squads", "sweep",     "line",   "frontier", "relay",
+                                        "answer", "charging",  "clean"};
     jcas_config fleet = config;
     jcas_model *model;
     jcas_sim *sim;

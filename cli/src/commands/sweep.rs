@@ -67,8 +67,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     hotspots: Vec<u32>,
-    /// Policies: random, greedy, swarm, teams, squads, sweep, line, frontier, relay, answer,
-    /// charging, clean. The default is teams, or every searching baseline where hotspots are hidden
+    /// Policies: random, untrained, greedy, swarm, teams, squads, sweep, line, frontier, relay,
+    /// answer, charging, clean. The default is teams, or every searching baseline where hotspots are hidden
     #[arg(
         long,
         value_name = "POLICY,POLICY",

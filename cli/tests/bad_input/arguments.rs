@@ -19,7 +19,7 @@ fn unknown_names() {
         INPUT,
         &[
             "policy = clever",
-            "random, greedy, swarm, teams, sweep, line, frontier, relay, answer, charging, clean",
+            "random, untrained, greedy, swarm, teams, squads, sweep, line, frontier, relay, answer",
         ],
     );
     refuses(
@@ -54,7 +54,7 @@ fn unknown_names() {
         &[
             "policy = swarm",
             "target_visibility = hidden",
-            "random, sweep, line, frontier, relay, answer",
+            "random, untrained, sweep, line, frontier, relay, answer",
         ],
     );
 }

@@ -153,7 +153,7 @@ impl ComparedCell<'_> {
                 let missions = self.missions(model, (self.missions, SELECTION_SEED), &make)?;
                 Ok((merit(&missions, self.config.horizon_steps), kind, pilot))
             };
-            let held = self.densities.iter().map(|&rho| of(PilotMode::Held(rho)));
+            let held = self.densities.iter().map(|&rho| of(PilotMode::Fixed(rho)));
             let held: Vec<_> = held.collect::<Result<_, TrainError>>()?;
             chosen.extend(held.into_iter().max_by(|a, b| by_merit(&a.0, &b.0)));
             chosen.push(of(PilotMode::Adaptive)?);

@@ -158,7 +158,7 @@ impl Flights<'_> {
             match who {
                 Who::Script(kind, pilot) => {
                     let mode = match pilot {
-                        PilotMode::Held(_) => HELD.to_owned(),
+                        PilotMode::Fixed(_) => HELD.to_owned(),
                         named => named.name(),
                     };
                     let key = key(campaign, preset, &config, (kind.name(), &mode), 0);

@@ -15,7 +15,7 @@ pub(crate) fn scripted(
     kind: BaselineKind,
     densities: &[f64],
 ) -> Vec<CampaignSpec> {
-    let held = densities.iter().map(|&rho| (rho, PilotMode::Held(rho)));
+    let held = densities.iter().map(|&rho| (rho, PilotMode::Fixed(rho)));
     [(0.0, PilotMode::Adaptive)]
         .into_iter()
         .chain(held)

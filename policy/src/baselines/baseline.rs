@@ -14,7 +14,7 @@ use super::kind::BaselineKind;
 use super::line::Line;
 use super::memory::{OutOfMemory, filled};
 use super::pilot::PilotMode;
-use super::random::Random;
+use super::random::{Random, Untrained};
 use super::squads::Squads;
 use super::steering::Steering;
 use super::swarm::Swarm;
@@ -45,7 +45,8 @@ impl BaselineKind {
     #[must_use]
     pub fn build_privileged(self, pilot: PilotMode) -> Baseline {
         let way = match self {
-            Self::Random => Way::Random(Random::default()),
+            Self::Random => Way::Random(Random),
+            Self::Untrained => Way::Untrained,
             Self::Greedy => Way::Greedy(Greedy),
             Self::Swarm => Way::Swarm(Swarm),
             Self::Teams => Way::Teams(Teams::new(pilot)),
@@ -81,6 +82,7 @@ impl BaselineKind {
 /// A steering rule, stored without a heap allocation.
 #[derive(Debug)]
 enum Way {
+    Untrained,
     Random(Random),
     Greedy(Greedy),
     Swarm(Swarm),
@@ -94,8 +96,10 @@ enum Way {
 }
 
 impl Way {
-    fn steering(&mut self) -> &mut dyn Steering {
-        match self {
+    /// The rule for motions; `None` for a baseline that draws whole actions.
+    fn steering(&mut self) -> Option<&mut dyn Steering> {
+        Some(match self {
+            Self::Untrained => return None,
             Self::Random(way) => way,
             Self::Greedy(way) => way,
             Self::Swarm(way) => way,
@@ -106,7 +110,7 @@ impl Way {
             Self::Frontier(way) => way,
             Self::Answer(way) => way,
             Self::Charging(way) => way,
-        }
+        })
     }
 }
 
@@ -126,7 +130,10 @@ impl Baseline {
     /// [`OutOfMemory`] if memory runs out. The call must then succeed once before the next action.
     pub fn try_reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
         self.motions = filled(Motion::Stay, model.uav_count())?;
-        self.way.steering().reset(model, seed)
+        match self.way.steering() {
+            Some(steering) => steering.reset(model, seed),
+            None => Ok(()),
+        }
     }
 
     /// Chooses the motions of a step. This is the part of [`Policy::act`] that can run out of
@@ -142,14 +149,24 @@ impl Baseline {
             gather(model, state, &mut self.motions);
             return Ok(());
         }
-        self.way.steering().steer(model, state, &mut self.motions)
+        match self.way.steering() {
+            Some(steering) => steering.steer(model, state, &mut self.motions),
+            None => Ok(()),
+        }
     }
 
     /// Writes the actions that [`Baseline::try_plan`] has chosen in this state: (u_dir, u_pilot) of
     /// each UAV.
     pub fn write(&self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         for (uav, action) in actions.chunks_exact_mut(2).enumerate() {
-            let motion = if stays_to_charge(model, state, uav) {
+            if self.kind == BaselineKind::Untrained {
+                let [direction, pilot] = Untrained::action(state, uav);
+                action[0] = direction;
+                action[1] = self.pilot.fixed(model.config()).unwrap_or(pilot);
+                continue;
+            }
+            let charges = !self.kind.is_random() && stays_to_charge(model, state, uav);
+            let motion = if charges {
                 Motion::Stay
             } else {
                 self.motions[uav]
@@ -166,6 +183,9 @@ impl Policy for Baseline {
     }
 
     fn pilot(&self) -> &dyn Display {
+        if self.kind == BaselineKind::Untrained && self.pilot == PilotMode::Adaptive {
+            return &"drawn";
+        }
         &self.pilot
     }
 

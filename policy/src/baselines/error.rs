@@ -30,8 +30,8 @@ impl fmt::Display for PolicyError<'_> {
         match self {
             Self::UnknownPolicy(name) => write!(
                 out,
-                "policy = {name}: must be one of random, greedy, swarm, teams, sweep, line, \
-                 frontier, relay, answer, charging, clean"
+                "policy = {name}: must be one of random, untrained, greedy, swarm, teams, \
+                 squads, sweep, line, frontier, relay, answer, charging, clean"
             ),
             Self::UnknownPilot(name) => write!(
                 out,
@@ -46,7 +46,7 @@ impl fmt::Display for PolicyError<'_> {
             Self::Hidden(kind) => write!(
                 out,
                 "policy = {kind}: steers by positions that target_visibility = hidden withholds; \
-                 must be one of random, sweep, line, frontier, relay, answer"
+                 must be one of random, untrained, sweep, line, frontier, relay, answer"
             ),
         }
     }

@@ -29,6 +29,8 @@ macro_rules! baselines {
 baselines! {
     /// [`Random`](super::Random).
     Random = "random",
+    /// [`Untrained`](super::Untrained).
+    Untrained = "untrained",
     /// [`Greedy`](super::Greedy).
     Greedy = "greedy",
     /// [`Swarm`](super::Swarm).
@@ -60,11 +62,17 @@ impl BaselineKind {
         self == Self::Answer
     }
 
+    /// Returns whether its motions depend on nothing but draws.
+    #[must_use]
+    pub(super) fn is_random(self) -> bool {
+        matches!(self, Self::Random | Self::Untrained)
+    }
+
     /// Returns whether all UAVs gather once every hotspot is confirmed, also those that do not know
     /// it.
     #[must_use]
     pub(super) fn gathers(self) -> bool {
-        self != Self::Squads
+        self != Self::Squads && !self.is_random()
     }
 
     /// Returns whether it steers by the positions of hotspots that no UAV knows yet.

@@ -5,6 +5,7 @@
 //! | baseline | steers by | privileged |
 //! | --- | --- | --- |
 //! | `random` | nothing: five equally likely motions | no |
+//! | `untrained` | nothing: clipped normal draws of both action components | no |
 //! | `greedy` | each UAV's own cell, the hotspots' cells and which are confirmed | positions |
 //! | `swarm` | all UAVs' cells, the hotspots' cells and which are confirmed | positions |
 //! | `teams` | cells of UAVs that can fly, hotspots' cells and which are confirmed | positions |
@@ -23,11 +24,11 @@
 //! that read them. [`BaselineKind::build_privileged`] builds them anyway, as an upper bound or as a
 //! teacher.
 //!
-//! Once every hotspot is confirmed, all baselines but `squads` gather, so that UAVs share what
-//! they know ([`gather()`]). This rule reads the cells of all UAVs, which a real fleet would have
-//! to exchange. All stay on a depot until a flight is worth while, by their own charge
-//! ([`stays_to_charge`](crate::stays_to_charge)). The baselines are centralised, but for `squads`;
-//! the learned policies are not.
+//! `random` and `untrained` read nothing at all. Once every hotspot is confirmed, the others but
+//! `squads` gather, so that UAVs share what they know ([`gather()`]). This rule reads the cells of
+//! all UAVs, which a real fleet would have to exchange. They stay on a depot until a flight is
+//! worth while, by their own charge ([`stays_to_charge`](crate::stays_to_charge)). The baselines
+//! are centralised, but for `squads`; the learned policies are not.
 
 mod answer;
 mod assignment;
@@ -64,7 +65,7 @@ pub use line::Line;
 pub use memory::OutOfMemory;
 pub use pilot::{ADAPTIVE_RANGE_CELLS, PilotMode, action_of};
 pub use quorum::quorum_probability;
-pub use random::Random;
+pub use random::{Random, Untrained};
 pub use route::route;
 pub use squads::Squads;
 pub use steering::Steering;

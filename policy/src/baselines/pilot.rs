@@ -31,7 +31,7 @@ pub enum PilotMode {
     /// next step, from the cells before the move.
     Myopic,
     /// The rule always takes this density, clipped to the bounds of the model.
-    Held(f64),
+    Fixed(f64),
 }
 
 impl PilotMode {
@@ -58,7 +58,7 @@ impl PilotMode {
             Self::Max => Some("max"),
             Self::Adaptive => Some("adaptive"),
             Self::Myopic => Some("myopic"),
-            Self::Held(_) => None,
+            Self::Fixed(_) => None,
         }
     }
 
@@ -67,7 +67,7 @@ impl PilotMode {
     /// # Errors
     /// [`PolicyError::UnknownPilot`] if the text is neither.
     pub fn named(text: &str) -> Result<Self, PolicyError<'_>> {
-        let held = || {
+        let density = || {
             text.parse()
                 .ok()
                 .filter(|density: &f64| density.is_finite())
@@ -75,7 +75,7 @@ impl PilotMode {
         Self::ALL
             .into_iter()
             .find(|mode| mode.word() == Some(text))
-            .or_else(|| held().map(Self::Held))
+            .or_else(|| density().map(Self::Fixed))
             .ok_or(PolicyError::UnknownPilot(text))
     }
 
@@ -86,7 +86,7 @@ impl PilotMode {
     pub fn check(self, config: &Config) -> Result<(), PolicyError<'static>> {
         let (low, high) = (config.pilot_density_min, config.pilot_density_max);
         match self {
-            Self::Held(density) if !(low <= density && density <= high) => {
+            Self::Fixed(density) if !(low <= density && density <= high) => {
                 Err(PolicyError::PilotOutOfRange { density, low, high })
             }
             _ => Ok(()),
@@ -96,13 +96,13 @@ impl PilotMode {
     /// The action component u_pilot that is constant throughout an episode. `None` for a mode that
     /// follows the state.
     #[must_use]
-    pub fn held(self, config: &Config) -> Option<f32> {
+    pub fn fixed(self, config: &Config) -> Option<f32> {
         match self {
             Self::Min => Some(-1.0),
             Self::Mid => Some(0.0),
             Self::Max => Some(1.0),
             Self::Adaptive | Self::Myopic => None,
-            Self::Held(density) => Some(action_of(config, density)),
+            Self::Fixed(density) => Some(action_of(config, density)),
         }
     }
 
@@ -114,7 +114,7 @@ impl PilotMode {
             _ if target_in_range(model, state, uav) => 1.0,
             _ => -1.0,
         };
-        self.held(model.config()).unwrap_or_else(adapted)
+        self.fixed(model.config()).unwrap_or_else(adapted)
     }
 
     /// The pilot density at which this mode senses a hotspot that it has reached.
@@ -128,7 +128,7 @@ impl PilotMode {
             Self::Min => low,
             Self::Mid => low + 0.5 * (high - low),
             Self::Max | Self::Adaptive | Self::Myopic => high,
-            Self::Held(density) => density.clamp(low, high),
+            Self::Fixed(density) => density.clamp(low, high),
         }
     }
 }
@@ -155,7 +155,7 @@ fn target_in_range(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> bool 
 impl fmt::Display for PilotMode {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self, self.word()) {
-            (Self::Held(density), _) => density.fmt(out),
+            (Self::Fixed(density), _) => density.fmt(out),
             (_, word) => out.write_str(word.unwrap_or_default()),
         }
     }

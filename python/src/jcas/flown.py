@@ -78,10 +78,10 @@ class Policy:
     def baseline(cls, name: str, model: Model, *, pilot: str | float = "adaptive") -> Policy:
         """Build a scripted baseline by its name.
 
-        The names are random, greedy, swarm, teams, squads, sweep, line, frontier, relay, answer,
-        charging and clean. Two more plan by themselves: `plan` follows one plan without feedback,
-        and `replan` plans again after each confirmation, meeting and report. Either takes seconds
-        for its first plan.
+        The names are random, untrained, greedy, swarm, teams, squads, sweep, line, frontier,
+        relay, answer, charging and clean. Two more plan by themselves: `plan` follows one plan
+        without feedback, and `replan` plans again after each confirmation, meeting and report.
+        Either takes seconds for its first plan.
 
         Args:
             name: which.

@@ -37,7 +37,7 @@ impl Flights<'_> {
             };
             self.ours(&key_of(OURS, seed), config, policy, Some(density))?;
             let key = key_of("teams", 0);
-            let pilot = PilotMode::Held(density);
+            let pilot = PilotMode::Fixed(density);
             self.campaign(&key, config, &|| {
                 Box::new(BaselineKind::Teams.build_privileged(pilot))
             })?;
