@@ -123,7 +123,13 @@ pub fn detects(draw: u32, odds_against: f64) -> bool {
 /// The same for 1/p, from 1 to infinity.
 #[inline(always)]
 fn inverse_detects(draw: u32, inverse_probability: f64) -> bool {
-    f64::from(draw) + 1.0 <= DRAWS / inverse_probability
+    is_below(draw, DRAWS / inverse_probability)
+}
+
+/// Whether a draw is below the whole part of a real: the next whole number is not above it.
+#[inline(always)]
+pub(crate) fn is_below(draw: u32, real: f64) -> bool {
+    f64::from(draw) + 1.0 <= real
 }
 
 #[cfg(test)]

@@ -72,6 +72,10 @@ fn is_a_throughput(value: f64) -> bool {
         crate::proofs::stubs::any_mean_throughput
     )
 )]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::graph::hear_each_other, crate::proofs::stubs::any_hearing)
+)]
 pub fn building_the_graph_keeps_its_contract() {
     given!(model);
     let before = any_radios(&model);

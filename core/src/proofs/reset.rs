@@ -7,6 +7,7 @@ use super::state::{STATE_WORDS, view};
 use crate::config::Cell;
 use crate::header::Phase;
 use crate::reset::{initial_charge_uj, place_hotspots, start_cell};
+use crate::scratch::Scratch;
 use crate::state::StateMut;
 
 /// The base case holds for any memory and any seed.
@@ -49,6 +50,11 @@ const SPREAD_WORDS: usize = super::state::SMALLEST_SPREAD_WORDS;
 #[cfg(not(kani))]
 const SPREAD_WORDS: usize = STATE_WORDS;
 
+#[cfg(kani)]
+const SPREAD_SCRATCH_WORDS: usize = super::state::SMALLEST_SPREAD_SCRATCH_WORDS;
+#[cfg(not(kani))]
+const SPREAD_SCRATCH_WORDS: usize = super::state::SCRATCH_WORDS;
+
 /// For any draws, hotspots lie in different cells of the grid without a depot.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
@@ -57,7 +63,8 @@ pub fn hotspots_lie_apart() {
     given!(model = any_spread_model);
     let mut words = [0; SPREAD_WORDS];
     let mut state = StateMut::split(*model.layout(), &mut words[..model.state_words()]);
-    given!(scratch for model);
+    let mut scratch: [u64; SPREAD_SCRATCH_WORDS] = kani::any();
+    let mut scratch = Scratch::new(&model, &mut scratch).ok().unwrap();
     place_hotspots(&model, &mut state, &mut scratch, kani::any());
     let first = state.hotspot_cell(0);
     kani::cover!(first.x == 0 && first.y == 0, "the first free cell");

@@ -13,6 +13,10 @@ const SIDE: u64 = 3;
 /// The map of one UAV that searches around its cell. Kani checks any one cell of the map.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::bits::set_range, crate::proofs::stubs::set_range_of_a_word)
+)]
 pub fn looking_around_adds_the_cells_within_the_radius() {
     let before = between(0, (1 << (SIDE * SIDE)) - 1);
     let (x, y) = (between(0, SIDE - 1) as u32, between(0, SIDE - 1) as u32);

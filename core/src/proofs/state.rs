@@ -47,6 +47,9 @@ pub(super) const STATE_WORDS: usize = 4096;
 /// Words of working memory of the smallest model.
 #[cfg(any(kani, test))]
 pub(super) const SMALLEST_SCRATCH_WORDS: usize = 15;
+/// The same with two hotspots.
+#[cfg(any(kani, test))]
+pub(super) const SMALLEST_SPREAD_SCRATCH_WORDS: usize = SMALLEST_SCRATCH_WORDS + 1;
 /// Words of working memory of any model that Kani sees.
 #[cfg(kani)]
 pub(super) const SCRATCH_WORDS: usize = SMALLEST_SCRATCH_WORDS;

@@ -227,8 +227,8 @@ super::standin::twins! {
 #[cfg(test)]
 mod sizes {
     use super::super::state::{
-        SMALLEST_REMEMBERING_WORDS, SMALLEST_SCRATCH_WORDS, SMALLEST_SPREAD_WORDS,
-        SMALLEST_STATE_WORDS,
+        SMALLEST_REMEMBERING_WORDS, SMALLEST_SCRATCH_WORDS, SMALLEST_SPREAD_SCRATCH_WORDS,
+        SMALLEST_SPREAD_WORDS, SMALLEST_STATE_WORDS,
     };
     use crate::config::Config;
     use crate::lanes;
@@ -244,6 +244,12 @@ mod sizes {
         Layout::of(config).end - (COMPONENTS - 1) - own
     }
 
+    fn scratch_words_seen_by_kani(config: Config) -> usize {
+        let mut tables = [0; SMALLEST_TABLE_WORDS];
+        let model = Model::new_in(config, &mut tables).unwrap();
+        lanes::forced::at(2, || Scratch::words_for(&model))
+    }
+
     /// Catches a change of the layout that Kani's fixed sizes do not follow.
     #[test]
     fn the_smallest_model_has_the_sizes_that_kani_is_given() {
@@ -256,9 +262,11 @@ mod sizes {
         let words = words_seen_by_kani(&remembering(smallest()));
         assert_eq!(words, SMALLEST_REMEMBERING_WORDS);
         assert_eq!(Model::table_words(&smallest()), Ok(SMALLEST_TABLE_WORDS));
-        let mut tables = [0; SMALLEST_TABLE_WORDS];
-        let model = Model::new_in(smallest(), &mut tables).unwrap();
-        let words = lanes::forced::at(2, || Scratch::words_for(&model));
-        assert_eq!(words, SMALLEST_SCRATCH_WORDS);
+        assert_eq!(
+            scratch_words_seen_by_kani(smallest()),
+            SMALLEST_SCRATCH_WORDS
+        );
+        let words = scratch_words_seen_by_kani(spread);
+        assert_eq!(words, SMALLEST_SPREAD_SCRATCH_WORDS);
     }
 }

@@ -26,6 +26,12 @@ pub(super) fn any_block(_: u64, _: u32, _: u32, _: u32, _: Purpose) -> [u32; 4] 
     kani::any()
 }
 
+/// `bits::set_range` for rows of one word, without a loop and without an index.
+pub(super) fn set_range_of_a_word(row: &mut [u64], begin: usize, end: usize) {
+    assert!(row.len() == 1 && begin <= end && end < 64);
+    row[0] |= ((1 << end) - 1) & !((1 << begin) - 1);
+}
+
 pub(super) fn any_exp(x: f64) -> f64 {
     assert!(x >= -700.0 && x <= 700.0);
     real_between(EXP_MIN, EXP_MAX)
@@ -103,6 +109,11 @@ pub(super) fn any_mean_throughput(load: f64, sum: f64, degree: u32) -> f64 {
 /// of the two loads.
 pub(super) fn any_symmetric_relation(a: f64, b: f64, full_throughput: f64, _: f64) -> bool {
     (a.to_bits() ^ b.to_bits() ^ full_throughput.to_bits()).count_ones() % 2 == 1
+}
+
+/// The same, but never true of what is not a number, so that no UAV is its own neighbour.
+pub(super) fn any_hearing(a: f64, b: f64, full_throughput: f64, least: f64) -> bool {
+    !full_throughput.is_nan() && any_symmetric_relation(a, b, full_throughput, least)
 }
 
 /// Any graph of the smallest model that `communication::building_the_graph_keeps_its_contract`

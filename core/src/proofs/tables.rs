@@ -8,7 +8,7 @@ use super::inputs::real_between;
 use super::standin as kani;
 use crate::config::Config;
 use crate::link::full_throughput;
-use crate::radar::{detects, odds_against, range_odds_against, snr_db};
+use crate::radar::{detects, is_below, odds_against, range_odds_against, snr_db};
 
 /// Bounds of `exp` on [-700, 700]; infinite beyond in neither direction that a table asks for.
 pub(super) const EXP_MIN: f64 = 1e-305;
@@ -66,20 +66,21 @@ pub fn tabulated_throughput_is_a_number() {
     throughput_is_a_number(&config, range_m);
 }
 
-/// Where a draw detects, a lower one does.
-fn is_a_threshold(low: u32, high: u32, odds_against: f64) {
-    assert!(!detects(high, odds_against) || detects(low, odds_against));
+/// Where a draw detects, a lower one does: both are compared with the same real.
+fn is_a_threshold(low: u32, high: u32, real: f64) {
+    assert!(!is_below(high, real) || is_below(low, real));
 }
 
+/// What [`detects`] compares a draw with is 2^32 over 1 and the odds: from 0 to 2^32.
 #[cfg_attr(kani, kani::proof)]
 pub fn a_lower_draw_detects_too() {
-    let odds_against = real_between(0.0, 1e300);
+    let real = real_between(0.0, 4_294_967_296.0);
     let (low, high): (u32, u32) = (kani::any(), kani::any());
     kani::assume(low <= high);
-    kani::cover!(odds_against == 0.0, "certain");
-    kani::cover!(odds_against > 1e10, "as good as never");
-    is_a_threshold(low, high, odds_against);
-    assert!(odds_against > 0.0 || detects(high, odds_against));
+    kani::cover!(real == 4_294_967_296.0, "certain");
+    kani::cover!(real < 1.0, "as good as never");
+    is_a_threshold(low, high, real);
+    assert!(detects(high, 0.0));
 }
 
 /// A range's odds times a load's are a finite number.
