@@ -79,6 +79,6 @@ def test_files_that_are_no_configuration_are_refused(tmp_path):
         jcas.Config(file)
     with pytest.raises(FileNotFoundError):
         jcas.Config(tmp_path / "absent.toml")
-    for options in ({"action_space": "discrete"}, {"render_mode": "ansi"}):
+    for options in ({"action_space": "ternary"}, {"render_mode": "ansi"}):
         with pytest.raises(jcas.ConfigError, match="must be|allowed"):
             jcas.parallel_env(**options)

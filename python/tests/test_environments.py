@@ -204,11 +204,8 @@ def test_agents_infos_are_their_own():
     env.reset(seed=1)
     while env.agents:
         infos = env.step(dict.fromkeys(env.agents, np.zeros(2)))[-1]
-    infos["uav_0"]["metrics"]["steps"] = infos["uav_0"]["reward_components"]["detect"] = -1
-    assert (
-        infos["uav_1"]["metrics"]["steps"] == 12
-        and infos["uav_1"]["reward_components"]["detect"] >= 0
-    )
+    infos["uav_0"]["steps"] = infos["uav_0"]["reward_components"][0] = -1
+    assert infos["uav_1"]["steps"] == 12 and infos["uav_1"]["reward_components"][0] >= 0
 
 
 def test_after_the_end_nothing_happens_without_actions():
@@ -308,8 +305,8 @@ def test_stable_baselines_environment_says_what_it_takes():
         rows, rewards, dones, infos = envs.step(np.zeros((6, 2), np.float32))
         assert np.array_equal(twin.step(np.zeros((6, 2), np.float32))[0], rows)
     assert dones.all() and infos[0]["TimeLimit.truncated"] and rewards.shape == (6,)
-    infos[0]["metrics"]["steps"] = infos[0]["episode"]["l"] = -1
-    assert infos[1]["metrics"]["steps"] == infos[1]["episode"]["l"] == 12
+    infos[0]["steps"] = infos[0]["episode"]["l"] = -1
+    assert infos[1]["steps"] == infos[1]["episode"]["l"] == 12
     assert np.array_equal(envs.load(saved), first)
     assert pickle.loads(pickle.dumps(envs)).save() == saved
     with pytest.raises(jcas.ActionError, match="actions"):
@@ -333,8 +330,10 @@ def test_rllibs_environment_flies_the_episodes_of_the_others():
     twin = env.fork()
     for _ in range(12):
         infos = env.step(dict.fromkeys(env.possible_agents, np.zeros(2)))[-1]
-    infos["uav_0"]["metrics"]["steps"] = -1
-    assert infos["uav_1"]["metrics"]["steps"] == 12
+    infos["uav_0"]["steps"] = -1
+    assert infos["uav_1"]["steps"] == 12 and env.agents == []
+    with pytest.raises(jcas.ArgumentError, match="options"):
+        env.reset(options={"snapshots": b""})
     assert twin.sim.t == 0 and np.array_equal(
         twin.reset()[0]["uav_0"]["state"], env.reset()[0]["uav_0"]["state"]
     )

@@ -28,13 +28,16 @@ def things():
         make(uav_count=4) for make in (jcas.parallel_env, jcas.FleetEnv, jcas.env)
     )
     hybrid = jcas.parallel_env(uav_count=4, action_space="dict")
-    envs = jcas.make_vec(num_envs=3, uav_count=4)
-    for env in (parallel, fleet, turns, hybrid, envs):
+    discrete = jcas.parallel_env(uav_count=4, action_space="discrete")
+    envs, closed = jcas.make_vec(num_envs=3, uav_count=4), jcas.FleetEnv(uav_count=4)
+    for env in (parallel, fleet, turns, hybrid, discrete, envs, closed):
         env.reset(seed=1)
+    closed.close()
     return {
         "model": model, "sim": sim, "batch": batch, "buffers": buffers, "parallel": parallel,
         "fleet": fleet,
-        "turns": turns, "hybrid": hybrid, "envs": envs, "ok": np.zeros((3, 4, 2), F32),
+        "turns": turns, "hybrid": hybrid, "envs": envs, "discrete": discrete, "closed": closed,
+        "ok": np.zeros((3, 4, 2), F32),
         "each": {agent: np.zeros(2, F32) for agent in parallel.possible_agents}, "jcas": jcas,
         "np": np,
         "F32": F32, "HUGE": HUGE, "other": jcas.Model(uav_count=5), "evaluate": evaluate,
@@ -142,7 +145,16 @@ CALLS = [
     ("batch.load(b'short')", "snapshot"),
     ("setattr(buffers, 'observations', np.zeros(1))", "observations"),
     # Environments.
-    ("jcas.parallel_env(action_space='discrete')", "action_space"),
+    ("jcas.parallel_env(action_space='ternary')", "action_space"),
+    ("jcas.parallel_env(action_space='discrete', pilot_levels=0)", "pilot_levels"),
+    ("jcas.FleetEnv(uav_count=4, frameskip=1)", "unexpected keyword argument 'frameskip'"),
+    ("jcas.make_vec(num_envs=2, seeding='random')", "seeding"),
+    ("discrete.step({agent: 15 for agent in discrete.agents})", "action of uav_0"),
+    ("discrete.step({agent: 0.5 for agent in discrete.agents})", "action of uav_0"),
+    ("discrete.step({agent: [1, 2] for agent in discrete.agents})", "action of uav_0"),
+    ("envs.step(np.where(np.arange(24).reshape(3, 4, 2) == 13, np.nan, 0))", "mission 1, UAV 2"),
+    ("closed.step(ok[0])", "close"),
+    ("fleet.render()", "render_mode"),
     ("jcas.parallel_env(render_mode='ansi')", "render_mode"),
     ("jcas.parallel_env(max_cycles=5, horizon_steps=6)", "max_cycles"),
     ("jcas.parallel_env(uav_count=4).step(each)", "reset"),

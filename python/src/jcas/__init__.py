@@ -1,7 +1,7 @@
 """Reinforcement-learning environments of UAV fleets that sense and communicate with one waveform.
 
 - `parallel_env`: PettingZoo, one agent for each UAV;
-- `FleetEnv` (`gymnasium.make("jcas/Fleet-v0")`): one joint action for the fleet;
+- `FleetEnv` (`gymnasium.make("jcas:jcas/Fleet-v0")`): one joint action for the fleet;
 - `make_vec`: many fleets stepped by one call;
 - `Sim`: the simulation itself, with every quantity, snapshots and forks;
 - `Policy`: trained fleets and baselines that fly it;
@@ -9,8 +9,7 @@
 - `jcas.rllib`: the paper's training pipeline on Ray.
 """
 
-import gymnasium as _gymnasium
-
+from . import registration as _registration
 from ._library import lib as _lib
 from .batch import Batch, BatchBuffers
 from .config import Config, ConfigLike
@@ -28,6 +27,7 @@ from .errors import (
     ResetNeededError,
     SnapshotError,
     TraceError,
+    UnknownFieldError,
 )
 from .fleet import FleetEnv
 from .flown import Policy
@@ -72,6 +72,7 @@ __all__ = [
     "StepOutcome",
     "Trace",
     "TraceError",
+    "UnknownFieldError",
     "__version__",
     "env",
     "make_vec",
@@ -83,8 +84,4 @@ __all__ = [
 __version__: str = _lib.jcas_version().decode()
 """The kernel's version, which is the package's."""
 
-_gymnasium.register(
-    id="jcas/Fleet-v0",
-    entry_point="jcas.fleet:FleetEnv",
-    vector_entry_point="jcas.vector:FleetVectorEnv",
-)
+_registration.register()

@@ -43,6 +43,8 @@ def seed_of(name: str, value: Any) -> int:
 
 def seeds_of(name: str, values: Any, count: int) -> npt.NDArray[np.uint64]:
     """Return `count` seeds as an array for the kernel."""
+    if type(values) is np.ndarray and values.dtype == np.uint64 and values.shape == (count,):
+        return np.ascontiguousarray(values)
     try:
         given = list(values)
     except TypeError:

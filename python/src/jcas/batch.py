@@ -13,14 +13,15 @@ import numpy.typing as npt
 
 from . import _abi
 from ._library import check, fail_saying, lib
-from .arguments import floats, seeds_of, shown, snapshot_of, whole
-from .errors import ArgumentError, ResetNeededError, SnapshotError
+from .arguments import flags, floats, seeds_of, shown, snapshot_of, whole
+from .errors import ActionError, ArgumentError, ResetNeededError, SnapshotError
 from .in_use import Mark
 from .model import Model, check_model
-from .sim import REWARD_NAMES, Sim
+from .sim import EPISODE_INFO, REWARD_NAMES, Sim
 
 METRICS = np.dtype(_abi.jcas_metrics)
-METRIC_NAMES = tuple(name for name in METRICS.names or () if name != "struct_size")
+WHOLE_METRICS = tuple(name for name, zero in EPISODE_INFO.items() if type(zero) is int)
+REAL_METRICS = tuple(name for name, zero in EPISODE_INFO.items() if type(zero) is float)
 
 ENVS_MAX = 2**20
 THREADS_MAX = 256
@@ -90,11 +91,25 @@ class BatchBuffers:
                     fresh = self._arrays[name] = np.empty_like(array)
                     setattr(self._record, _FIELDS[name][0], fresh.ctypes.data)
 
-    def final_metrics_by_name(self, ended: npt.NDArray[np.bool_]) -> dict[str, npt.NDArray[Any]]:
+    def episode_info(self, ended: npt.NDArray[np.bool_]) -> dict[str, npt.NDArray[Any]]:
         """Metrics of the episodes that just ended, by name; zeros elsewhere."""
-        metrics = np.zeros_like(self.final_metrics)
-        metrics[ended] = self.final_metrics[ended]
-        return {name: metrics[name] for name in METRIC_NAMES}
+        whole = np.zeros((len(WHOLE_METRICS), len(ended)), np.int64)
+        real = np.zeros((len(REAL_METRICS), len(ended)))
+        if ended.any():
+            for names, rows in ((WHOLE_METRICS, whole), (REAL_METRICS, real)):
+                for name, row in zip(names, rows, strict=True):
+                    row[ended] = self.final_metrics[name][ended]
+        return {
+            "success": ended & self.terminated,
+            **dict(zip(WHOLE_METRICS, whole, strict=True)),
+            **dict(zip(REAL_METRICS, real, strict=True)),
+        }
+
+    def forget_rewards(self, members: npt.NDArray[np.bool_]) -> None:
+        """Set what the last step of some members gave to zero."""
+        for name in ("rewards", "uav_rewards", "reward_components", "terminated", "truncated"):
+            if (array := self._arrays.get(name)) is not None:
+                array[members] = 0
 
     def observed(self) -> tuple[int | None, int, int | None, int]:
         """Addresses and lengths of what a reset writes."""
@@ -183,16 +198,23 @@ class Batch:
             (self.model, self.num_envs, self.threads, self.save() if self.begun else None),
         )
 
-    def reset(self, seeds: npt.ArrayLike, buffers: BatchBuffers) -> None:
-        """Begin the episodes of M seeds, and observe."""
-        chosen = seeds_of("seeds", seeds, self.num_envs)
+    def reset(
+        self,
+        seeds: npt.ArrayLike,
+        buffers: BatchBuffers,
+        chosen: npt.NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Begin the episodes of M seeds, and observe; or of the chosen members alone."""
+        numbers = seeds_of("seeds", seeds, self.num_envs)
         self._check_buffers(buffers)
+        begun = (numbers.ctypes.data, numbers.size, *buffers.observed())
         with buffers.in_use:
-            observed = buffers.observed()
-            self._check(
-                lib.jcas_batch_reset(self.handle, chosen.ctypes.data, chosen.size, *observed)
-            )
-        self.begun = True
+            if chosen is None:
+                self._check(lib.jcas_batch_reset(self.handle, *begun))
+                self.begun = True
+                return
+            mask = flags("chosen", chosen, self.num_envs).astype(np.uint8)
+            self._check(lib.jcas_batch_reset_some(self.handle, mask.ctypes.data, mask.size, *begun))
 
     def step(self, actions: npt.ArrayLike, buffers: BatchBuffers, auto_reset: bool = True) -> None:
         """Step every environment. `actions` is [M, N, 2]; contiguous float32 is read in place."""
@@ -206,7 +228,17 @@ class Batch:
                 self.handle, pairs.ctypes.data, pairs.size, bool(auto_reset), out
             )
         if status:
+            self.check_numbers(pairs)
             self._check(status)
+
+    def check_numbers(self, actions: npt.NDArray[np.float32]) -> None:
+        """Refuse NaN by the mission and the UAV."""
+        if np.isnan(actions).any():
+            mission, uav, place = np.argwhere(np.isnan(actions))[0].tolist()
+            raise ActionError(
+                f"actions[{mission}, {uav}, {place}] = NaN (mission {mission}, UAV {uav}): must be "
+                "a number, clipped to -1 to 1"
+            )
 
     def observe(self, buffers: BatchBuffers) -> None:
         """Write what the environments observe now."""

@@ -21,7 +21,7 @@ from . import _abi
 from ._fields import Fields
 from ._library import check, check_with_message, lib, read_text
 from .arguments import read_file, shown
-from .errors import ConfigError
+from .errors import ConfigError, UnknownFieldError
 from .signature import shows_fields
 
 ConfigLike = Union["Config", Mapping[str, Any], str, "os.PathLike[str]", None]
@@ -62,9 +62,12 @@ class Config(Mapping[str, Any]):
                 )
             )
         except ConfigError as error:
-            raise ConfigError(
-                str(error).replace("`jcas config show`", "jcas.Config.fields()"), error.status
-            ) from None
+            words = str(error).replace("`jcas config show`", "jcas.Config.fields()")
+            strange = next((name for name in fields if name not in {"preset", *_described()}), None)
+            if strange is not None and strange in words:
+                told = f"got an unexpected keyword argument '{strange}': {words}"
+                raise UnknownFieldError(told, error.status) from None
+            raise ConfigError(words, error.status) from None
         self._record = record
         self._json = read_text(
             lambda out, capacity, length: lib.jcas_config_to_json(

@@ -15,6 +15,10 @@ class ConfigError(JcasError, ValueError):
     """A configuration is not legal; the message names the field, its value and its range."""
 
 
+class UnknownFieldError(ConfigError, TypeError):
+    """A keyword is no field of the configuration, nor an argument."""
+
+
 class ArgumentError(JcasError, ValueError):
     """An argument is not allowed; the message names it, its value and the allowed values."""
 

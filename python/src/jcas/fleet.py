@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import gymnasium
@@ -13,30 +12,23 @@ from typing_extensions import Unpack
 from ._fields import Fields
 from .arguments import options_of, seed_of
 from .config import ConfigLike
-from .mission import RENDER_FPS, RENDER_MODES, Mission
-from .model import Model
+from .mission import RENDER_FPS, RENDER_MODES, Mission, MissionEnv
 from .signature import shows_fields
-from .sim import Sim
-from .spaces import (
-    ActionSpaceKind,
-    Credit,
-    check_credit,
-    check_kind,
-    encode_fleet_action,
-    fleet_action_space,
-)
+from .sim import StepOutcome
+from .spaces import ActionForm, ActionSpaceKind, Credit, check_credit
 
 Observation = npt.NDArray[np.float32]
 
 
-class FleetEnv(gymnasium.Env[Observation, Any]):
+class FleetEnv(MissionEnv, gymnasium.Env[Observation, Any]):
     """One fleet: observations [N, observation length], actions [N, 2] (or hybrid), one team reward.
 
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
             for the preset `mission`.
-        action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-            Hybrid actions have a discrete motion and a continuous pilot density.
+        action_space: `box` (u_dir, u_pilot), the hybrids `dict` and `tuple` of a discrete motion
+            and a continuous pilot density, or `discrete`: `motion * pilot_levels + level`.
+        pilot_levels: pilot densities of `discrete`, evenly spaced.
         credit: with `uav`, `info["uav_rewards"]` holds each UAV's own reward. Their mean is the
             team's reward.
         render_mode: `rgb_array`, `human`, or None.
@@ -53,31 +45,19 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
         config: ConfigLike = None,
         *,
         action_space: ActionSpaceKind = "box",
+        pilot_levels: int = 3,
         credit: Credit = "team",
         render_mode: str | None = None,
         **fields: Unpack[Fields],
     ) -> None:
         self._mission = Mission(config, dict(fields), render_mode)
-        self._kind = check_kind(action_space)
+        self._form = ActionForm(action_space, pilot_levels)
         self._credit = check_credit(credit)
         self.render_mode = render_mode
         uavs = self.model.uav_count
         self._shape = (uavs, 2)
         self.observation_space = self.model.observation_space(uavs)
-        self.action_space = fleet_action_space(self._kind, uavs)
-
-    @property
-    def model(self) -> Model:
-        """The immutable model behind the environment."""
-        return self._mission.model
-
-    @property
-    def sim(self) -> Sim:
-        """The simulation itself, with every quantity of its state."""
-        return self._mission.sim
-
-    def __repr__(self) -> str:
-        return self._mission.describe("jcas.FleetEnv")
+        self.action_space = self._form.fleet_space(uavs)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -89,45 +69,33 @@ class FleetEnv(gymnasium.Env[Observation, Any]):
         given = options_of(options, "snapshot")
         super().reset(seed=None if seed is None else seed_of("seed", seed))
         self._mission.reset(seed, given)
-        return self._mission.sim.observe(), {}
+        return self._observe(None)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Step the fleet. `info` holds the reward components and finally the episode's metrics."""
-        outcome = self._mission.step(encode_fleet_action(self._kind, action, self._shape))
-        info = self._mission.step_info(outcome)
-        if self._credit == "uav":
-            info["uav_rewards"] = self._mission.sim.uav_rewards()
-        return (
-            self._mission.sim.observe(),
-            outcome.reward,
-            outcome.terminated,
-            outcome.truncated,
-            info,
-        )
+        """Step the fleet.
 
-    def state(self) -> Observation:
-        """Return the global state, for a centralised critic."""
-        return self._mission.state()
+        `info` has the same keys at every step: `reward_components` in the order of
+        `jcas.REWARD_NAMES`, and the episode's metrics (`success`, `steps`, `confirmed`, ...), which
+        are 0 until its end.
+        """
+        outcome = self._mission.step(self._form.encode_fleet(action, self._shape))
+        observation, info = self._observe(outcome)
+        return observation, outcome.reward, outcome.terminated, outcome.truncated, info
 
-    def render(self) -> Any:
-        """Give or show the picture, as `render_mode` says."""
-        return self._mission.render()
-
-    def close(self) -> None:
-        """Close the window, if there is one."""
-        self._mission.close()
-
-    def save(self) -> bytes:
-        """Save the whole state of the episode."""
-        return self._mission.save()
+    def action_masks(self) -> npt.NDArray[np.bool_]:
+        """Which discrete actions make a difference, [N * 5 levels], as MaskablePPO asks."""
+        return self._form.mask(self.model, self.sim.observe()).astype(bool).reshape(-1)
 
     def load(self, snapshot: bytes) -> Observation:
         """Take up a saved state of the same configuration and return its observation."""
         self._mission.reset(None, {"snapshot": snapshot})
-        return self._mission.sim.observe()
+        return self.sim.observe()
 
-    def fork(self) -> FleetEnv:
-        """Return an independent environment in the same state and with the same seeds to come."""
-        twin = copy.deepcopy(self)
-        twin.render_mode = twin._mission.render_mode
-        return twin
+    def _observe(self, outcome: StepOutcome | None) -> tuple[Observation, dict[str, Any]]:
+        observation, info = self.sim.observe(), self._mission.info(outcome)
+        if self._credit == "uav":
+            own = np.zeros(len(observation)) if outcome is None else self.sim.uav_rewards()
+            info["uav_rewards"] = own
+        if self._form.kind == "discrete":
+            info["action_mask"] = self._form.mask(self.model, observation)
+        return observation, info

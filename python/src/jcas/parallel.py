@@ -18,23 +18,16 @@ from ._fields import Fields
 from .arguments import options_of, shown
 from .config import ConfigLike
 from .errors import ArgumentError, ConfigError, SnapshotError
-from .mission import RENDER_FPS, RENDER_MODES, Mission
+from .mission import RENDER_FPS, RENDER_MODES, Mission, MissionEnv
 from .model import Model
-from .signature import shows_fields
-from .sim import Sim
-from .spaces import (
-    ActionSpaceKind,
-    Credit,
-    check_credit,
-    check_kind,
-    encode_uav_actions,
-    uav_action_space,
-)
+from .signature import shows_fields, takes_what
+from .sim import Sim, StepOutcome
+from .spaces import ActionForm, ActionSpaceKind, Credit, check_credit
 
 Observation = npt.NDArray[np.float32]
 
 
-class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
+class JcasParallelEnv(MissionEnv, ParallelEnv[str, Observation, Any]):
     """A fleet as PettingZoo sees it. Made by `parallel_env`."""
 
     metadata: dict[str, Any] = {
@@ -50,6 +43,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         config: ConfigLike = None,
         *,
         action_space: ActionSpaceKind = "box",
+        pilot_levels: int = 3,
         credit: Credit = "team",
         render_mode: str | None = None,
         max_cycles: int | None = None,
@@ -62,7 +56,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
                 )
             fields["horizon_steps"] = max_cycles
         self._mission = Mission(config, dict(fields), render_mode)
-        self._kind = check_kind(action_space)
+        self._form = ActionForm(action_space, pilot_levels)
         self._credit = check_credit(credit)
         self.render_mode = render_mode
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
@@ -71,23 +65,10 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         self.observation_spaces = {
             agent: copy.deepcopy(observation_space) for agent in self.possible_agents
         }
-        self.action_spaces = {agent: uav_action_space(self._kind) for agent in self.possible_agents}
+        self.action_spaces = {agent: self._form.uav_space() for agent in self.possible_agents}
         self.state_space = self.model.global_space()
         self.np_random = np.random.default_rng()
         self._actions = np.zeros((self.model.uav_count, 2), dtype=np.float32)
-
-    @property
-    def model(self) -> Model:
-        """The immutable model behind the environment."""
-        return self._mission.model
-
-    @property
-    def sim(self) -> Sim:
-        """The simulation itself, with every quantity of its state."""
-        return self._mission.sim
-
-    def __repr__(self) -> str:
-        return self._mission.describe("jcas.parallel_env")
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """Return the observation space of one UAV, always the same object."""
@@ -109,7 +90,7 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         if seed is not None:
             self.np_random = np.random.default_rng(seed)
         self.agents = [] if self._mission.over else list(self.possible_agents)
-        return self._observations(), {agent: {} for agent in self.agents}
+        return self._observe(None)
 
     def step(
         self, actions: dict[str, Any]
@@ -123,17 +104,17 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
         """Step every UAV at once.
 
         The reward is the team's, the same for each agent, or with `credit="uav"` the agent's own.
-        `infos` hold the components of the team's and, at the end of the episode, its metrics. After
+        `infos` have the same keys at every step: `reward_components` of the team's reward, and the
+        episode's metrics (`success`, `steps`, `confirmed`, ...), which are 0 until its end. After
         the end, a step without actions changes nothing and returns nothing.
         """
         self._mission.need_reset("step")
         if not self.agents and isinstance(actions, Mapping) and not actions:
             return {}, {}, {}, {}, {}
-        encode_uav_actions(self._kind, self.possible_agents, actions, self._actions)
+        self._form.encode_uavs(self.possible_agents, actions, self._actions)
         outcome = self._mission.step(self._actions)
         agents = self.agents
-        observations = self._observations()
-        infos = self._infos(self._mission.step_info(outcome))
+        observations, infos = self._observe(outcome)
         if outcome.terminated or outcome.truncated:
             self.agents = []
         return (
@@ -144,40 +125,22 @@ class JcasParallelEnv(ParallelEnv[str, Observation, Any]):
             infos,
         )
 
-    def state(self) -> Observation:
-        """Return the global state, for a centralised critic."""
-        return self._mission.state()
-
-    def render(self) -> npt.NDArray[np.uint8] | None:
-        """Give or show the picture, as `render_mode` says."""
-        return self._mission.render()
-
-    def close(self) -> None:
-        """Close the window, if there is one."""
-        self._mission.close()
-
-    def save(self) -> bytes:
-        """Save the whole state of the episode."""
-        return self._mission.save()
-
     def load(self, snapshot: bytes) -> dict[str, Observation]:
         """Take up a saved state of the same configuration and return its observations."""
         return self.reset(options={"snapshot": snapshot})[0]
 
-    def fork(self) -> JcasParallelEnv:
-        """Return an independent environment in the same state and with the same seeds to come."""
-        twin = copy.deepcopy(self)
-        twin.render_mode = twin._mission.render_mode
-        return twin
-
-    def _observations(self) -> dict[str, Observation]:
-        return dict(zip(self.possible_agents, self._mission.sim.observe(), strict=True))
-
-    def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
-        """Give each agent its own copy, for wrappers that write into it."""
-        return {
-            agent: {name: values.copy() for name, values in info.items()} for agent in self.agents
-        }
+    def _observe(
+        self, outcome: StepOutcome | None
+    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        """Observe, and give each agent infos of its own, for wrappers that write into them."""
+        rows, info = self.sim.observe(), self._mission.info(outcome)
+        components = info.pop("reward_components")
+        infos = {agent: {"reward_components": components.copy(), **info} for agent in self.agents}
+        if self._form.kind == "discrete":
+            masks = self._form.mask(self.model, rows)
+            for agent, mask in zip(self.agents, masks, strict=False):
+                infos[agent]["action_mask"] = mask
+        return dict(zip(self.possible_agents, rows, strict=True)), infos
 
     def _known(self, agent: str) -> str:
         if agent not in self.action_spaces:
@@ -209,7 +172,7 @@ class JcasEnv(OrderEnforcingWrapper[str, Observation, Any]):
         return self.fleet.sim
 
     def __repr__(self) -> str:
-        return self.fleet._mission.describe("jcas.env")
+        return repr(self.fleet).replace(type(self.fleet).__name__, type(self).__name__)
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Begin an episode, or take up `options["snapshot"]`, as `JcasParallelEnv.reset`."""
@@ -240,23 +203,17 @@ class JcasEnv(OrderEnforcingWrapper[str, Observation, Any]):
         return twin
 
 
-@shows_fields
-def parallel_env(
-    config: ConfigLike = None,
-    *,
-    action_space: ActionSpaceKind = "box",
-    credit: Credit = "team",
-    render_mode: str | None = None,
-    max_cycles: int | None = None,
-    **fields: Unpack[Fields],
-) -> JcasParallelEnv:
+@takes_what(JcasParallelEnv.__init__)
+def parallel_env(*arguments: Any, **options: Any) -> JcasParallelEnv:
     """Make a PettingZoo parallel environment with one agent for each UAV.
 
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
             for the preset `mission`.
-        action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-            Hybrid actions have a discrete motion and a continuous pilot density.
+        action_space: `box` (u_dir, u_pilot), the hybrids `dict` and `tuple` of a discrete motion
+            and a continuous pilot density, or `discrete`: `motion * pilot_levels + level`. The
+            infos then hold an `action_mask`.
+        pilot_levels: pilot densities of `discrete`, evenly spaced.
         credit: with `team`, as in the paper, each agent receives the team's reward. With `uav` it
             receives its own. The mean of these over the fleet is the team's reward.
         render_mode: `rgb_array`, `human`, or None.
@@ -265,34 +222,10 @@ def parallel_env(
             them.
 
     """
-    return JcasParallelEnv(
-        config,
-        action_space=action_space,
-        credit=credit,
-        render_mode=render_mode,
-        max_cycles=max_cycles,
-        **fields,
-    )
+    return JcasParallelEnv(*arguments, **options)
 
 
-@shows_fields
-def env(
-    config: ConfigLike = None,
-    *,
-    action_space: ActionSpaceKind = "box",
-    credit: Credit = "team",
-    render_mode: str | None = None,
-    max_cycles: int | None = None,
-    **fields: Unpack[Fields],
-) -> JcasEnv:
+@takes_what(JcasParallelEnv.__init__)
+def env(*arguments: Any, **options: Any) -> JcasEnv:
     """Make the turn-based PettingZoo environment, with the options of `parallel_env`."""
-    return JcasEnv(
-        parallel_env(
-            config,
-            action_space=action_space,
-            credit=credit,
-            render_mode=render_mode,
-            max_cycles=max_cycles,
-            **fields,
-        )
-    )
+    return JcasEnv(JcasParallelEnv(*arguments, **options))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,12 +16,13 @@ from gymnasium.vector import AutoresetMode
 from typing_extensions import Unpack
 
 from ._fields import Fields
-from .arguments import floats
+from .arguments import shown
 from .config import ConfigLike
-from .errors import ArgumentError, MissingDependencyError
+from .errors import ActionError, ArgumentError, MissingDependencyError
 from .signature import shows_fields
-from .spaces import Credit, uav_action_space
-from .vector import make_vec
+from .sim import EPISODE_INFO
+from .spaces import Credit
+from .vector import Seeding, make_vec
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
@@ -36,7 +37,10 @@ class FleetVecEnv(VecEnv):
         config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
             for the preset `mission`.
         missions: the number of missions, M.
+        action_space: `box`, or `discrete` for algorithms such as DQN; MaskablePPO finds the masks.
+        pilot_levels: pilot densities of `discrete`, evenly spaced.
         credit: with `team` each member receives its team's reward. With `uav` it receives its own.
+        seeding: `consecutive` or `derived`, as of `jcas.make_vec`.
         threads: threads that step missions, 1 to 256. None stands for one for each core.
         render_mode: `rgb_array` or None.
         **fields: configuration fields that replace those of `config`; `jcas.Config.fields()` lists
@@ -50,12 +54,17 @@ class FleetVecEnv(VecEnv):
         config: ConfigLike = None,
         missions: int = 16,
         *,
+        action_space: Literal["box", "discrete"] = "box",
+        pilot_levels: int = 3,
         credit: Credit = "team",
+        seeding: Seeding = "consecutive",
         threads: int | None = 1,
         render_mode: str | None = None,
         **fields: Unpack[Fields],
     ) -> None:
-        refused = {"action_space", "autoreset_mode", "copy", "global_state"} & set(fields)
+        if action_space not in ("box", "discrete"):
+            raise ArgumentError(f"action_space = {shown(action_space)}: must be box or discrete")
+        refused = {"autoreset_mode", "copy", "global_state"} & set(fields)
         if refused:
             name = sorted(refused)[0]
             raise ArgumentError(
@@ -65,7 +74,10 @@ class FleetVecEnv(VecEnv):
         self.envs = make_vec(
             config,
             missions,
+            action_space=action_space,
+            pilot_levels=pilot_levels,
             credit=credit,
+            seeding=seeding,
             threads=threads,
             render_mode=render_mode,
             autoreset_mode=mode,
@@ -77,7 +89,7 @@ class FleetVecEnv(VecEnv):
         super().__init__(
             self.envs.num_envs * self.uavs,
             self.envs.model.observation_space(),
-            uav_action_space("box"),
+            self.envs._form.uav_space(),
         )
 
     def reset(self) -> npt.NDArray[np.float32]:
@@ -88,8 +100,10 @@ class FleetVecEnv(VecEnv):
 
     def step_async(self, actions: npt.NDArray[np.float32]) -> None:
         """Take the actions of the coming step."""
-        rows = floats("actions", actions, (self.num_envs, 2))
-        self._actions = rows.reshape(self.envs.num_envs, self.uavs, 2)
+        given = np.asarray(actions)
+        if len(given) != self.num_envs:
+            raise ActionError(f"actions: the length is {len(given)}, must be {self.num_envs}")
+        self._actions = given.reshape(self.envs.num_envs, self.uavs, *given.shape[1:])
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
         """Step every fleet. Ended episodes restart; the infos keep their last observations."""
@@ -97,15 +111,13 @@ class FleetVecEnv(VecEnv):
         members: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = terminated | truncated
         for mission in np.flatnonzero(ended).tolist():
-            metrics = {
-                name: values[mission] for name, values in infos["final_info"]["metrics"].items()
-            }
+            metrics = {name: infos[name][mission].item() for name in EPISODE_INFO}
             episode = {"r": float(metrics["return_sum"]), "l": int(metrics["steps"]), "t": 0.0}
             for uav in range(self.uavs):
                 members[mission * self.uavs + uav] = {
                     "terminal_observation": infos["final_obs"][mission, uav],
                     "TimeLimit.truncated": bool(truncated[mission]),
-                    "metrics": dict(metrics),
+                    **metrics,
                     "episode": dict(episode),
                     "is_success": bool(terminated[mission]),
                 }
@@ -138,7 +150,19 @@ class FleetVecEnv(VecEnv):
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Read an attribute of the missions, once for each member asked for."""
+        if attr_name == "action_masks":  # MaskablePPO asks whether there are masks.
+            return [self.action_masks] * len(self._chosen(indices))
         return [getattr(self.envs, attr_name)] * len(self._chosen(indices))
+
+    def action_masks(self) -> npt.NDArray[np.bool_]:
+        """Which discrete actions make a difference, [M * N, 5 levels]."""
+        if self.envs._form.kind != "discrete":
+            raise AttributeError("action_masks: there are none without action_space='discrete'")
+        return (
+            self.envs._form.mask(self.envs.model, self._seen)
+            .astype(bool)
+            .reshape(self.num_envs, -1)
+        )
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Refuse: members of a batch have no attributes of their own."""
@@ -148,6 +172,8 @@ class FleetVecEnv(VecEnv):
         self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
     ) -> list[Any]:
         """Call a method of the missions, once for each member asked for."""
+        if method_name == "action_masks":
+            return list(self.action_masks()[self._chosen(indices)])
         return [
             getattr(self.envs, method_name)(*method_args, **method_kwargs)
             for _ in self._chosen(indices)
@@ -158,6 +184,7 @@ class FleetVecEnv(VecEnv):
         return [False] * len(self._chosen(indices))
 
     def _rows(self, observations: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        self._seen = observations
         return observations.reshape(self.num_envs, -1)
 
     def _chosen(self, indices: Any) -> Sequence[int]:

@@ -34,6 +34,16 @@ def _reward_names() -> tuple[str, ...]:
 REWARD_NAMES = _reward_names()
 """The components of a reward, in the order in which they are summed."""
 
+EPISODE_INFO: dict[str, Any] = {
+    "success": False,
+    **{
+        name: 0.0 if kind is ctypes.c_double else 0
+        for name, kind, *_ in _abi.jcas_metrics._fields_
+        if name not in ("struct_size", "terminated", "truncated")
+    },
+}
+"""What the infos of environments say of an episode at its end; these zeros before."""
+
 
 @dataclass(frozen=True)
 class StepOutcome:
@@ -245,9 +255,13 @@ class Sim:
 
     def reward_components(self) -> dict[str, float]:
         """Give the components of the last reward by name; their sum, in order, is the reward."""
+        return dict(zip(REWARD_NAMES, self.reward_component_array().tolist(), strict=True))
+
+    def reward_component_array(self) -> npt.NDArray[np.float64]:
+        """Return the components of the last reward, [12], in the order of `REWARD_NAMES`."""
         values = np.empty(len(REWARD_NAMES))
         self._check(lib.jcas_sim_get_rewards(self.handle, values.ctypes.data, values.size))
-        return dict(zip(REWARD_NAMES, values.tolist(), strict=True))
+        return values
 
     def uav_rewards(self) -> npt.NDArray[np.float64]:
         """Give the reward of each UAV in the last step, [N]; their mean is the team's."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy as copying
 import os
 from collections.abc import Sequence
-from typing import Any
+from functools import cache
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -17,21 +18,14 @@ from ._fields import Fields
 from .arguments import flags, options_of, seed_of, shown, whole
 from .batch import ENVS_MAX, THREADS_MAX, Batch, BatchBuffers
 from .config import Config, ConfigLike
-from .errors import ActionError, ArgumentError, ConfigError, ResetNeededError
+from .errors import ArgumentError, ConfigError, ResetNeededError
 from .in_use import Mark
 from .model import Model, derive_seed
-from .signature import shows_fields
-from .sim import Sim
-from .spaces import (
-    ActionSpaceKind,
-    Credit,
-    check_credit,
-    check_kind,
-    encode_fleet_action,
-    fleet_action_space,
-)
+from .signature import shows_fields, takes_what
+from .spaces import ActionForm, ActionSpaceKind, Credit, check_credit
 
 Array = npt.NDArray[Any]
+Seeding = Literal["consecutive", "derived"]
 
 
 class FleetVectorEnv(VectorEnv[Array, Any, Array]):
@@ -54,7 +48,9 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         num_envs: int = 1,
         *,
         action_space: ActionSpaceKind = "box",
+        pilot_levels: int = 3,
         credit: Credit = "team",
+        seeding: Seeding = "consecutive",
         threads: int | None = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         global_state: bool = False,
@@ -71,7 +67,10 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self.num_envs = whole("num_envs", num_envs, 1, ENVS_MAX)
         if render_mode not in (None, "rgb_array"):
             raise ConfigError(f"render_mode = {shown(render_mode)}: must be 'rgb_array' or None")
-        self._kind = check_kind(action_space)
+        self._form = ActionForm(action_space, pilot_levels)
+        if seeding not in get_args(Seeding):
+            raise ConfigError(f"seeding = {shown(seeding)}: must be consecutive or derived")
+        self._seeding = seeding
         self._autoreset = _check_autoreset(autoreset_mode)
         self.autoreset_mode = self._autoreset  # As Gymnasium's own vector environments name it.
         self.metadata = {
@@ -84,7 +83,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self.batch = Batch(self.model, self.num_envs, threads=_check_threads(threads))
         uavs = self.model.uav_count
         self.single_observation_space = self.model.observation_space(uavs)
-        self.single_action_space = fleet_action_space(self._kind, uavs)
+        self.single_action_space = self._form.fleet_space(uavs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._action_shape = (self.num_envs, uavs, 2)
@@ -98,7 +97,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self._turn = 0
         self._in_use = Mark("the environment")
         self._ended = np.zeros(self.num_envs, np.bool_)
-        self._begun: list[Sim] = []
+        self._seeds = np.zeros(self.num_envs, np.uint64)
 
     def __repr__(self) -> str:
         return (
@@ -114,9 +113,10 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     ) -> tuple[Array, dict[str, Any]]:
         """Begin an episode in every sub-environment, or in those of `options["reset_mask"]`.
 
-        Sub-environment m gets the seed `seed + m` (after 2^64 - 1 comes 0), as in Gymnasium's own
-        vector environments, or the m-th of a list. Without a seed, the next ones of the stream that
-        the last seed began.
+        Sub-environment m gets the m-th seed of a list, or of one seed `seed + m` (after 2^64 - 1
+        comes 0), as in Gymnasium's own vector environments. With `seeding="derived"` it gets a seed
+        derived from `seed` and m, so that neighbouring seeds share no episode. Without a seed
+        follows the episode that each would have begun by itself.
         """
         mask = options_of(options, "reset_mask").get("reset_mask")
         chosen = None if mask is None else flags("reset_mask", mask, self.num_envs)
@@ -126,14 +126,14 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def step(self, actions: Any) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Step every fleet.
 
-        `infos["reward_components"]` is [M, 12], in the order of `jcas.REWARD_NAMES`. Where an
-        episode ended, `infos["final_info"]` holds its metrics. With `SameStep`,
-        `infos["final_obs"]` holds its last observation, and `infos["_final_obs"]` marks the ended
-        fleets. With `NextStep`, the step after ignores the ended fleet's action, begins its next
-        episode and gives a reward of 0. With `global_state=True`, `infos["global_state"]` is the
-        critic's view, [M, global length].
+        The infos have the same keys at every step. `reward_components` is [M, 12], in the order of
+        `jcas.REWARD_NAMES`. The metrics of an episode that the step ended (`success`, `steps`,
+        `confirmed`, ...) are [M]; elsewhere they are 0. With `SameStep`, `final_obs` holds the last
+        observation of ended episodes, and `_final_obs` marks them. With `NextStep`, the step after
+        ignores the ended fleet's action, begins its next episode and gives a reward of 0. With
+        `global_state=True`, `global_state` is the critic's view, [M, global length].
         """
-        encoded = encode_fleet_action(self._kind, actions, self._action_shape)
+        encoded = self._form.encode_fleet(actions, self._action_shape)
         self._need_reset("step")
         with self._in_use:
             buffers = self._next_buffers()
@@ -143,12 +143,14 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
                 at_once = self._autoreset is AutoresetMode.SAME_STEP
                 self.batch.step(encoded, buffers, auto_reset=at_once)
             self._ended = buffers.terminated | buffers.truncated
+            if self._autoreset is AutoresetMode.SAME_STEP:
+                self._follow(self._ended)
             return (
                 buffers.observations,
                 buffers.rewards,
                 buffers.terminated,
                 buffers.truncated,
-                self._infos(buffers),
+                self._infos(buffers, self._ended),
             )
 
     def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
@@ -171,6 +173,7 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
             self.batch.load(snapshot)
             members = [self.batch.member(member) for member in range(self.num_envs)]
             self._ended = np.array([sim.terminated or sim.truncated for sim in members])
+            self._seeds = np.array([sim.seed for sim in members], np.uint64)
             buffers = self._next_buffers()
             self.batch.observe(buffers)
             return buffers.observations
@@ -188,70 +191,57 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         if chosen is None:
             self.batch.reset(seeds, buffers)
             self._ended[:] = False
+            self._seeds = seeds
         else:
             self._need_reset("reset_mask")
-            for member in np.flatnonzero(chosen).tolist():
-                self.batch.set_member(member, Sim(self.model, int(seeds[member])))
             self.batch.observe(buffers)
+            self.batch.reset(seeds, buffers, chosen)
             self._ended &= ~chosen
-        infos: dict[str, Any] = {}
-        if buffers.global_state is not None:
-            infos["global_state"] = buffers.global_state
-            infos["_global_state"] = self._everywhere()
-        return buffers.observations, infos
+            self._seeds = np.where(chosen, seeds, self._seeds)
+        buffers.forget_rewards(np.ones(self.num_envs, np.bool_))
+        self.closed = False
+        return buffers.observations, self._infos(buffers, np.zeros(self.num_envs, np.bool_))
 
     def _step_and_begin(self, encoded: npt.NDArray[np.float32], buffers: BatchBuffers) -> None:
         """Step the fleets that fly, and begin the next episode of those that ended a step ago.
 
-        The kernel steps all fleets or none. So the ended ones are reset, stepped along and then put
-        back to their start.
+        The kernel steps all fleets or none. So the ended ones are reset, stepped along and reset
+        again.
         """
-        waiting = np.flatnonzero(self._ended).tolist()
+        waiting = self._ended.copy()
         moving = encoded.copy()
         moving[waiting] = 0
-        if np.isnan(moving).any():
-            raise ActionError("actions hold NaN: must be numbers, clipped to -1 to 1")
-        while len(self._begun) < len(waiting):
-            self._begun.append(Sim(self.model))
-        for member, sim in zip(waiting, self._begun, strict=False):
-            self.batch.member(member, sim)
-            sim.reset(derive_seed(sim.seed, 0))
-            self.batch.set_member(member, sim)
+        self.batch.check_numbers(moving)
+        self._follow(waiting)
+        self.batch.reset(self._seeds, buffers, waiting)
         self.batch.step(moving, buffers, auto_reset=False)
-        for member, sim in zip(waiting, self._begun, strict=False):
-            self.batch.set_member(member, sim)
-            sim.observe(buffers.observations[member])
-            if buffers.global_state is not None:
-                sim.observe_global(buffers.global_state[member])
-        paid = (buffers.rewards, buffers.uav_rewards, buffers.reward_components)
-        for array in (*paid, buffers.terminated, buffers.truncated):
-            if array is not None:
-                array[waiting] = 0
+        self.batch.reset(self._seeds, buffers, waiting)
+        buffers.forget_rewards(waiting)
 
-    def _infos(self, buffers: BatchBuffers) -> dict[str, Any]:
+    def _follow(self, chosen: npt.NDArray[np.bool_]) -> None:
+        """Take the seeds of the episodes that follow, as the kernel derives them."""
+        for member in np.flatnonzero(chosen).tolist():
+            self._seeds[member] = derive_seed(int(self._seeds[member]), 0)
+
+    def _infos(self, buffers: BatchBuffers, ended: npt.NDArray[np.bool_]) -> dict[str, Any]:
         infos: dict[str, Any] = {
             "reward_components": buffers.reward_components,
-            "_reward_components": self._everywhere(),
+            **buffers.episode_info(ended),
         }
         if buffers.uav_rewards is not None:
             infos["uav_rewards"] = buffers.uav_rewards
-            infos["_uav_rewards"] = self._everywhere()
         if buffers.global_state is not None:
             infos["global_state"] = buffers.global_state
-            infos["_global_state"] = self._everywhere()
-        ended = self._ended
-        if ended.any():
-            infos["final_info"] = {
-                "metrics": buffers.final_metrics_by_name(ended),
-                "_metrics": ended.copy(),
-            }
-            infos["_final_info"] = ended.copy()
-            if self._autoreset is AutoresetMode.SAME_STEP:
-                infos["final_obs"] = self._given(buffers.final_observations)
-                infos["_final_obs"] = ended.copy()
-                if buffers.final_global_state is not None:
-                    infos["final_global_state"] = self._given(buffers.final_global_state)
-                    infos["_final_global_state"] = ended.copy()
+        if self._form.kind == "discrete":
+            infos["action_mask"] = self._form.mask(self.model, buffers.observations)
+        everywhere = np.ones(self.num_envs, np.bool_)
+        infos.update(dict.fromkeys(_mask_names(tuple(infos)), everywhere))
+        if self._autoreset is AutoresetMode.SAME_STEP and ended.any():
+            infos["final_obs"] = self._given(buffers.final_observations)
+            infos["_final_obs"] = ended.copy()
+            if buffers.final_global_state is not None:
+                infos["final_global_state"] = self._given(buffers.final_global_state)
+                infos["_final_global_state"] = ended.copy()
         return infos
 
     def _next_buffers(self) -> BatchBuffers:
@@ -264,12 +254,11 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
     def _given(self, array: Array) -> Array:
         return array.copy() if self._copy else array
 
-    def _everywhere(self) -> npt.NDArray[np.bool_]:
-        return np.ones(self.num_envs, np.bool_)
-
     def _need_reset(self, what: str) -> None:
-        if not self.batch.begun:
-            raise ResetNeededError(f"{what} before the first reset: call reset first")
+        if self.closed or not self.batch.begun:
+            raise ResetNeededError(
+                f"{what} before the first reset, or after close: call reset first"
+            )
 
     def _reset_seeds(self, seed: int | Sequence[int | None] | None) -> npt.NDArray[np.uint64]:
         if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes):
@@ -278,20 +267,33 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
                     f"seed has {len(seed)} entries: "
                     f"must have one for each of {self.num_envs} missions"
                 )
-            own = [
-                None if one is None else seed_of(f"seed[{place}]", one)
-                for place, one in enumerate(seed)
-            ]
-            drawn = self.np_random.integers(0, 2**64, self.num_envs, dtype=np.uint64)
+            following = self._following_seeds()
             return np.array(
-                [int(other) if one is None else one for one, other in zip(own, drawn, strict=True)],
+                [
+                    int(other) if one is None else seed_of(f"seed[{place}]", one)
+                    for place, (one, other) in enumerate(zip(seed, following, strict=True))
+                ],
                 np.uint64,
             )
         if seed is None:
-            return self.np_random.integers(0, 2**64, self.num_envs, dtype=np.uint64)
+            return self._following_seeds()
         first = seed_of("seed", seed)
         super().reset(seed=first)
-        return np.uint64(first) + np.arange(self.num_envs, dtype=np.uint64)
+        members = range(self.num_envs)
+        if self._seeding == "derived":
+            return np.array([derive_seed(first, member) for member in members], np.uint64)
+        return np.array([(first + member) % 2**64 for member in members], np.uint64)
+
+    def _following_seeds(self) -> npt.NDArray[np.uint64]:
+        """Give the seeds of the next episodes: any before the first reset."""
+        if not self.batch.begun:
+            return np.random.default_rng().integers(0, 2**64, self.num_envs, dtype=np.uint64)
+        return np.array([derive_seed(int(seed), 0) for seed in self._seeds], np.uint64)
+
+
+@cache
+def _mask_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"_{name}" for name in names)
 
 
 def _check_autoreset(mode: AutoresetMode | str) -> AutoresetMode:
@@ -308,31 +310,22 @@ def _check_threads(threads: int | None) -> int:
     return whole("threads", threads, 1, THREADS_MAX)
 
 
-@shows_fields
-def make_vec(
-    config: ConfigLike = None,
-    num_envs: int = 1,
-    *,
-    action_space: ActionSpaceKind = "box",
-    credit: Credit = "team",
-    threads: int | None = 1,
-    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-    global_state: bool = False,
-    copy: bool = True,
-    buffer_sets: int = 2,
-    render_mode: str | None = None,
-    **fields: Unpack[Fields],
-) -> FleetVectorEnv:
+@takes_what(FleetVectorEnv.__init__)
+def make_vec(*arguments: Any, **options: Any) -> FleetVectorEnv:
     """Make a Gymnasium vector environment of `num_envs` fleets.
 
     Args:
         config: a preset's name, a TOML or JSON file, a mapping, or a `jcas.Config`. None stands
             for the preset `mission`.
         num_envs: the number of missions, M.
-        action_space: `box` (u_dir, u_pilot), or the hybrids `dict` and `tuple` of (motion, pilot).
-            Hybrid actions have a discrete motion and a continuous pilot density.
+        action_space: `box` (u_dir, u_pilot), the hybrids `dict` and `tuple` of a discrete motion
+            and a continuous pilot density, or `discrete`: `motion * pilot_levels + level`. The
+            infos then hold an `action_mask`, [M, N, 5 levels].
+        pilot_levels: pilot densities of `discrete`, evenly spaced.
         credit: with `uav`, `infos["uav_rewards"]` holds each UAV's own reward, [M, N]. Their mean
             is the team's reward.
+        seeding: how the missions' seeds follow from one seed. `consecutive` is Gymnasium's way.
+            With `derived`, neighbouring seeds share no episode.
         threads: threads that step missions, 1 to 256. None stands for one for each core. Results
             do not depend on the number.
         autoreset_mode: `NextStep`, `SameStep` or `Disabled`. `NextStep` is Gymnasium's default.
@@ -346,16 +339,4 @@ def make_vec(
             them.
 
     """
-    return FleetVectorEnv(
-        config,
-        num_envs,
-        action_space=action_space,
-        credit=credit,
-        threads=threads,
-        autoreset_mode=autoreset_mode,
-        global_state=global_state,
-        copy=copy,
-        buffer_sets=buffer_sets,
-        render_mode=render_mode,
-        **fields,
-    )
+    return FleetVectorEnv(*arguments, **options)

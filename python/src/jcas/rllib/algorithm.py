@@ -40,7 +40,7 @@ class Hyperparameters:
 
 PAPER = Hyperparameters()
 
-METRIC_OF = {"team_return": "return_sum", "success": "terminated", "mission_steps": "steps"}
+METRIC_OF = {"team_return": "return_sum", "success": "success", "mission_steps": "steps"}
 """Names in RLlib's results, and the metrics of an episode behind them. Means over 100 missions."""
 
 
@@ -106,7 +106,7 @@ class MissionMetrics(RLlibCallback):
     def on_episode_end(self, *, episode: Any, metrics_logger: Any, **_: Any) -> None:
         """Take the metrics that the environment left in the last info."""
         agent = next(iter(episode.agent_episodes.values()))
-        metrics = agent.get_infos(-1)["metrics"]
+        metrics = agent.get_infos(-1)
         for name, metric in METRIC_OF.items():
             metrics_logger.log_value(name, float(metrics[metric]), reduce="mean", window=100)
 

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 from ray.rllib.env.multi_agent_env import MultiAgentEnv
 
-from ..mission import Mission
-from ..model import Model, derive_seed
-from ..sim import Sim
-from ..spaces import check_credit, encode_uav_actions, uav_action_space
+from ..arguments import options_of
+from ..mission import Mission, MissionEnv
+from ..model import derive_seed
+from ..sim import StepOutcome
+from ..spaces import ActionForm, check_credit
 
 SHARED_POLICY = "shared"
 
 
-class JcasMultiAgentEnv(MultiAgentEnv):
+class JcasMultiAgentEnv(MissionEnv, MultiAgentEnv):
     """Observations are dicts: `observation` for the actor, `state` for the critic alone.
 
     Args:
@@ -38,27 +38,15 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         run_seed, runner = fields.pop("seed", 0), getattr(config, "worker_index", None)
         self._runner_seed = None if runner is None else derive_seed(run_seed, runner)
         self._mission = Mission(fields, {}, None)
+        self._form = ActionForm()
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]
         self.agents = list(self.possible_agents)
         observation = spaces.Dict(
             {"observation": self.model.observation_space(), "state": self.model.global_space()}
         )
         self.observation_spaces = dict.fromkeys(self.possible_agents, observation)
-        self.action_spaces = dict.fromkeys(self.possible_agents, uav_action_space("box"))
+        self.action_spaces = dict.fromkeys(self.possible_agents, self._form.uav_space())
         self._actions = np.zeros((self.model.uav_count, 2), np.float32)
-
-    @property
-    def model(self) -> Model:
-        """The immutable model behind the environment."""
-        return self._mission.model
-
-    @property
-    def sim(self) -> Sim:
-        """The simulation itself, with every quantity of its state."""
-        return self._mission.sim
-
-    def __repr__(self) -> str:
-        return self._mission.describe("jcas.rllib.JcasMultiAgentEnv")
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -66,39 +54,29 @@ class JcasMultiAgentEnv(MultiAgentEnv):
         """Begin an episode: outside RLlib the one that `jcas.parallel_env` begins."""
         if seed is not None and self._runner_seed is not None:
             seed = derive_seed(self._runner_seed, seed)
-        self._mission.reset(seed, options)
+        self._mission.reset(seed, options_of(options, "snapshot"))
         self.agents = list(self.possible_agents)
-        return self._observations(), {}
+        return self._observations(), self._infos(None)
 
     def step(
         self, action_dict: dict[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
-        """Step every UAV. The last infos of an episode hold its metrics."""
+        """Step every UAV. The infos are those of `jcas.parallel_env`."""
         self._mission.need_reset("step")
-        encode_uav_actions("box", self.possible_agents, action_dict, self._actions)
+        self._form.encode_uavs(self.possible_agents, action_dict, self._actions)
         outcome = self._mission.step(self._actions)
         terminated = dict.fromkeys(self.possible_agents, outcome.terminated)
         truncated = dict.fromkeys(self.possible_agents, outcome.truncated)
         terminated["__all__"] = outcome.terminated
         truncated["__all__"] = outcome.truncated
         rewards = self._mission.rewards(self._credit, outcome, self.possible_agents)
-        infos: dict[str, Any] = {}
         if outcome.terminated or outcome.truncated:
-            metrics = self.sim.metrics()
-            infos = {agent: {"metrics": dict(metrics)} for agent in self.possible_agents}
-        return self._observations(), rewards, terminated, truncated, infos
-
-    def save(self) -> bytes:
-        """Save the whole state of the episode."""
-        return self._mission.save()
+            self.agents = []
+        return self._observations(), rewards, terminated, truncated, self._infos(outcome)
 
     def load(self, snapshot: bytes) -> dict[str, Any]:
         """Take up a saved state of the same configuration and return its observations."""
         return self.reset(options={"snapshot": snapshot})[0]
-
-    def fork(self) -> JcasMultiAgentEnv:
-        """Return an independent environment in the same state and with the same seeds to come."""
-        return copy.deepcopy(self)
 
     def _observations(self) -> dict[str, Any]:
         state = self.sim.observe_global()
@@ -107,3 +85,7 @@ class JcasMultiAgentEnv(MultiAgentEnv):
             agent: {"observation": row, "state": state}
             for agent, row in zip(self.possible_agents, rows, strict=True)
         }
+
+    def _infos(self, outcome: StepOutcome | None) -> dict[str, Any]:
+        info = self._mission.info(outcome)
+        return {agent: dict(info) for agent in self.possible_agents}
