@@ -21,8 +21,7 @@ tasks:
             verdicts in verification/results.toml and RESULTS.md
   mutants   show that the test twin of each proof catches its deliberate fault
             (with --kani also that Kani does)
-  tidy      hold sources, documents and commits against the rules of style
-            (--bless lowers the accepted counts of xtask/tidy.toml)
+  tidy      find long and vague sentences, and files that nothing names
   fmu       pack the kernel as a Functional Mock-up Unit, FMI 3.0 (--out FILE)
   web       write the playground as one page, with the kernel inside
             (--out FILE; --wasm FILE for a kernel that is built already)

@@ -1,98 +1,49 @@
 //! Files that no other file names.
 
-use super::Finding;
-use super::files::{File, Language};
+use super::File;
 
 /// Documents that a reader finds by their names, and files that a tool finds by theirs.
-const FOUND_BY_NAME: [&str; 14] = [
-    "README",
-    "CHANGELOG",
-    "CONTRIBUTING",
-    "SECURITY",
-    "ARCHITECTURE",
-    "lib",
-    "main",
-    "mod",
-    "build",
-    "conftest",
-    "setup",
-    "__init__",
-    "__main__",
-    "_version",
-];
+const FOUND_BY_NAME: &str = "README CHANGELOG CONTRIBUTING SECURITY ARCHITECTURE lib main mod \
+                             build conftest setup __init__ __main__ _version";
 
 /// Suffixes of files that another file has to name.
-const NAMED: [&str; 13] = [
-    "rs", "md", "sh", "py", "c", "cc", "cpp", "js", "mjs", "png", "svg", "webp", "css",
-];
+const NAMED: &str = "rs md sh py c cc cpp js mjs png svg webp css";
 
-/// Finds Rust modules that no `mod` declares, and other files that no file mentions.
-pub fn check(files: &[File]) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for file in files {
+/// Folders whose Rust files Cargo builds because they lie there.
+const TARGETS: &str = "tests examples benches bin";
+
+/// Finds Rust modules that no file declares, and other files that no file mentions.
+pub fn check(files: &[File]) -> Vec<String> {
+    let is_one_of = |word: &str, list: &str| list.split(' ').any(|listed| listed == word);
+    let is_dead = |file: &&File| {
         let (folder, name) = file.path.rsplit_once('/').unwrap_or(("", &file.path));
-        let Some((stem, suffix)) = name.rsplit_once('.') else {
-            continue;
+        let (stem, suffix) = name.split_once('.').unwrap_or((name, ""));
+        let last = folder.rsplit('/').next().unwrap_or("");
+        // Others import a module, or run a program, without its suffix.
+        let word = match suffix {
+            "rs" => format!("mod {stem}"),
+            "md" | "png" | "svg" | "webp" | "css" => name.to_owned(),
+            _ => stem.to_owned(),
         };
-        if !NAMED.contains(&suffix) || FOUND_BY_NAME.contains(&stem) {
-            continue;
-        }
-        let is_alive = match file.language {
-            Language::Rust => is_target(&file.path) || is_declared(file, stem, files),
-            _ if stem.starts_with("test_") => true,
-            _ => is_mentioned(file, folder, name, files),
-        };
-        if !is_alive {
-            findings.push(Finding {
-                rule: "dead",
-                path: file.path.clone(),
-                line: 0,
-                what: "no other file names it".to_owned(),
-            });
-        }
-    }
-    findings
-}
-
-/// Whether Cargo builds the file because of its location.
-fn is_target(path: &str) -> bool {
-    let mut parts = path.rsplit('/').skip(1);
-    parts
-        .next()
-        .is_some_and(|folder| ["tests", "examples", "benches", "bin"].contains(&folder))
-}
-
-/// Whether another Rust file of the tree declares the module or includes the file.
-fn is_declared(file: &File, stem: &str, files: &[File]) -> bool {
-    let top = file.path.split('/').next().unwrap_or("");
-    let declared = [
-        format!("mod {stem};"),
-        format!("mod {stem} {{"),
-        format!("{stem}.rs\""),
-    ];
-    let others = files.iter().filter(|other| {
-        other.language == Language::Rust && other.path != file.path && other.path.starts_with(top)
-    });
-    others
-        .into_iter()
-        .any(|other| declared.iter().any(|text| other.text.contains(text)))
-}
-
-/// Whether another file contains the name, or for a program its stem.
-fn is_mentioned(file: &File, folder: &str, name: &str, files: &[File]) -> bool {
-    let stem = name.split('.').next().unwrap_or(name);
-    let by_stem = matches!(file.language, Language::Python | Language::Braces) || folder == ".ci";
-    let others = files.iter().filter(|other| other.path != file.path);
-    others
-        .into_iter()
-        .any(|other| other.text.contains(name) || by_stem && has_word(&other.text, stem))
+        let names = |other: &File| other.text.contains(name) || has_word(&other.text, &word);
+        is_one_of(suffix, NAMED)
+            && !(is_one_of(stem, FOUND_BY_NAME) || stem.starts_with("test_"))
+            && !(suffix == "rs" && is_one_of(last, TARGETS))
+            && !files
+                .iter()
+                .any(|other| other.path != file.path && names(other))
+    };
+    let dead = files.iter().filter(is_dead);
+    dead.map(|file| format!("{}: no other file names it", file.path))
+        .collect()
 }
 
 /// Whether the text contains the word as a whole word.
 fn has_word(text: &str, word: &str) -> bool {
     let inner = |c: char| c.is_alphanumeric() || c == '_';
+    let ends = |text: &str, rest: &str| !text.ends_with(inner) && !rest.starts_with(inner);
     text.match_indices(word)
-        .any(|(at, _)| !text[..at].ends_with(inner) && !text[at + word.len()..].starts_with(inner))
+        .any(|(at, _)| ends(&text[..at], &text[at + word.len()..]))
 }
 
 #[cfg(test)]
@@ -102,24 +53,26 @@ mod tests {
     #[test]
     fn files_that_nothing_names_are_found() {
         let files = [
-            File::new("core/src/lib.rs", "mod used;\n"),
-            File::new("core/src/used.rs", ""),
-            File::new("core/src/unused.rs", "mod unused_too;"),
-            File::new("core/tests/target.rs", ""),
-            File::new("docs/linked.md", ""),
-            File::new("docs/alone.md", "See alone.md."),
-            File::new("README.md", "[linked](docs/linked.md)\n"),
-            File::new(".ci/lint.sh", ""),
-            File::new(".ci/stray.sh", ""),
-            File::new(".ci/run", "lint        formatting; astray\n"),
+            ("src/lib.rs", "mod used;"),
+            ("src/used.rs", ""),
+            ("src/unused.rs", "mod unused_too;"),
+            ("core/tests/target.rs", ""),
+            ("docs/linked.md", ""),
+            ("docs/alone.md", "See alone.md."),
+            ("README.md", "[linked](docs/linked.md)"),
+            (".ci/lint.sh", ""),
+            (".ci/stray.sh", ""),
+            (".ci/run", "lint        astray"),
         ];
-        let found: Vec<_> = check(&files)
-            .into_iter()
-            .map(|finding| finding.path)
-            .collect();
+        let file = |(path, text): (&str, &str)| File {
+            path: path.into(),
+            text: text.into(),
+        };
+        let found = check(&files.map(file));
+        let dead = ["src/unused.rs", "docs/alone.md", ".ci/stray.sh"];
         assert_eq!(
             found,
-            ["core/src/unused.rs", "docs/alone.md", ".ci/stray.sh"]
+            dead.map(|path| format!("{path}: no other file names it"))
         );
     }
 }

@@ -1,123 +1,100 @@
-//! Paragraphs of comments and documents, without code.
+//! Sentences of comments and documents: at most 25 words, and no vague word.
 
-use super::files::{File, Language};
+use super::File;
 
-/// A run of sentences without a break.
-#[derive(Debug, Default, PartialEq)]
-pub struct Paragraph {
-    /// Line number of its first line, from 1.
-    pub line: usize,
-    pub text: String,
+const WORDS_MAX: usize = 25;
+
+/// Phrases that a reader has to guess at, in lower case.
+const VAGUE: &str = "so many, who, whatever, that there is, that there are, be spared";
+
+/// Finds sentences that are too long and sentences with a vague phrase.
+pub fn check(file: &File) -> Vec<String> {
+    let mut findings = Vec::new();
+    for (line, text) in paragraphs(file) {
+        for sentence in sentences(&text) {
+            let lower = sentence.to_lowercase();
+            let words = lower.split_whitespace();
+            let words = words.map(|word| word.trim_matches(|c: char| !c.is_alphanumeric()));
+            let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
+            let joined = format!(" {} ", words.join(" "));
+            let mut find = |what| {
+                findings.push(format!("{}:{line}: {what} in \"{sentence}\"", file.path));
+            };
+            if words.len() > WORDS_MAX {
+                find(format!("{} words", words.len()));
+            }
+            let is_in = |phrase: &&str| joined.contains(&format!(" {phrase} "));
+            VAGUE
+                .split(", ")
+                .filter(is_in)
+                .for_each(|phrase| find(format!("\"{phrase}\"")));
+        }
+    }
+    findings
 }
 
-/// What opens and closes a Python string of several lines.
-const MARK: &str = "\"\"\"";
-
-/// What a line begins in.
-#[derive(Clone, Copy, PartialEq)]
-enum Within {
-    Code,
-    Comment,
-    /// A Python string of several lines that is data, not a docstring.
-    String,
-}
-
-/// The paragraphs of a file: comments of a source, running text of a document.
-pub fn paragraphs(file: &File) -> Vec<Paragraph> {
-    let mut found: Vec<Paragraph> = Vec::new();
-    let mut open = false;
-    let mut in_code = false;
-    let mut within = Within::Code;
+/// The paragraphs of comments, or of a document, with the lines where they begin. Code, tables and
+/// headings are left out.
+fn paragraphs(file: &File) -> Vec<(usize, String)> {
+    let mut found: Vec<(usize, String)> = Vec::new();
+    let (mut is_open, mut is_fenced, mut string) = (false, false, None);
+    let suffix = file.path.rsplit('.').next().unwrap_or("");
     for (index, line) in file.text.lines().enumerate() {
-        let prose = prose_of(line, file.language, &mut within).map(str::trim);
-        let Some(prose) = prose else {
-            open = false;
-            continue;
-        };
-        if prose.starts_with("```") {
-            in_code = !in_code;
-            open = false;
+        let prose = prose_of(line, suffix, &mut string).map_or("", str::trim);
+        let is_fence = prose.starts_with("```");
+        is_fenced ^= is_fence;
+        let is_code = is_fence || is_fenced || prose.is_empty();
+        if is_code || prose.starts_with(['|', '#', '$', '>', '!']) {
+            is_open = false;
             continue;
         }
-        let skipped = prose.is_empty() || prose.starts_with(['|', '#', '$', '>', '!']);
-        if in_code || skipped {
-            open = false;
-            continue;
+        let item = prose.strip_prefix(['-', '*']).unwrap_or(prose);
+        let number = prose.split_once(". ").map_or("", |(number, _)| number);
+        let is_numbered = number.parse::<u32>().is_ok();
+        if !is_open || is_numbered || item.starts_with(' ') {
+            found.push((index + 1, String::new()));
+            is_open = true;
         }
-        let item = prose
-            .strip_prefix("- ")
-            .or_else(|| prose.strip_prefix("* "));
-        if !open || item.is_some() || numbered(prose) {
-            found.push(Paragraph {
-                line: index + 1,
-                text: String::new(),
-            });
-            open = true;
-        }
-        if let Some(paragraph) = found.last_mut() {
-            paragraph.text.push_str(item.unwrap_or(prose));
-            paragraph.text.push(' ');
+        if let Some((_, text)) = found.last_mut() {
+            *text += item.trim();
+            text.push(' ');
         }
     }
-    for paragraph in &mut found {
-        paragraph.text = plain(&paragraph.text);
-    }
+    found.iter_mut().for_each(|(_, text)| *text = plain(text));
     found
 }
 
-/// The prose of a line, or `None` where it is code.
-fn prose_of<'a>(line: &'a str, language: Language, within: &mut Within) -> Option<&'a str> {
-    let trimmed = line.trim_start();
-    match language {
-        Language::Markdown => Some(line),
-        Language::Rust | Language::Braces => {
-            if *within == Within::Comment || trimmed.starts_with("/*") {
-                *within = if line.contains("*/") {
-                    Within::Code
-                } else {
-                    Within::Comment
-                };
-                let inner = trimmed.trim_start_matches(['/', '*']);
-                return Some(inner.trim_end().trim_end_matches("*/"));
+/// The prose of a line, or `None` where it is code. `string` says whether a Python string of
+/// several lines is open, and then whether it is a docstring.
+fn prose_of<'a>(line: &'a str, suffix: &str, string: &mut Option<bool>) -> Option<&'a str> {
+    let text = line.trim();
+    match suffix {
+        "md" => Some(line),
+        "rs" | "c" | "cc" | "cpp" | "h" | "hpp" | "js" | "mjs" => {
+            let block = text.strip_prefix("/*").or(text.strip_prefix("* "));
+            let line = text.strip_prefix("//");
+            line.map(|rest| rest.trim_start_matches(['/', '!']))
+                .or(block.map(|rest| rest.trim_end_matches("*/")))
+        }
+        "py" => {
+            let begun = *string;
+            let is_docstring = begun.unwrap_or(text.starts_with("\"\"\""));
+            if text.matches("\"\"\"").count() % 2 == 1 {
+                *string = begun.is_none().then_some(is_docstring);
             }
-            let comment = trimmed.strip_prefix("//")?;
-            Some(comment.trim_start_matches(['/', '!']))
+            let comment = text.strip_prefix('#').filter(|_| begun.is_none());
+            comment.or(is_docstring.then_some(text.trim_matches('"')))
         }
-        Language::Python if *within != Within::Code || trimmed.contains(MARK) => {
-            let begun = match *within {
-                Within::Code if trimmed.starts_with(MARK) => Within::Comment,
-                Within::Code => Within::String,
-                begun => begun,
-            };
-            if trimmed.matches(MARK).count() % 2 == 1 {
-                *within = if *within == Within::Code {
-                    begun
-                } else {
-                    Within::Code
-                };
-            }
-            (begun == Within::Comment).then(|| trimmed.trim_matches('"'))
-        }
-        Language::Python | Language::Hashes => {
-            let comment = trimmed.strip_prefix('#')?;
-            (!comment.starts_with('!')).then_some(comment)
-        }
-        Language::Other => None,
+        "sh" | "toml" | "yml" | "cmake" => text.strip_prefix('#'),
+        _ => None,
     }
-}
-
-/// Whether a line begins an item such as "2. ".
-fn numbered(line: &str) -> bool {
-    line.split_once(". ")
-        .is_some_and(|(number, _)| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
 /// The text with each `code` span as one word and each link as its words.
 fn plain(text: &str) -> String {
-    let mut plain = String::new();
-    for (index, part) in text.split('`').enumerate() {
-        plain.push_str(if index % 2 == 0 { part } else { "Code" });
-    }
+    let spans = text.split('`').enumerate();
+    let words = spans.map(|(index, part)| if index % 2 == 0 { part } else { "Code" });
+    let mut plain = words.collect::<String>();
     while let Some(begin) = plain.find("](") {
         let end = plain[begin..]
             .find(')')
@@ -127,27 +104,20 @@ fn plain(text: &str) -> String {
     plain.replace('[', "").trim().to_owned()
 }
 
-/// The sentences of a paragraph: each ends with a full stop, a question or an exclamation mark.
-pub fn sentences(text: &str) -> Vec<&str> {
+/// The sentences of a paragraph: each ends with a mark that no lower-case word follows.
+fn sentences(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut begin = 0;
-    for (at, mark) in text
-        .char_indices()
-        .filter(|(_, c)| ['.', '?', '!'].contains(c))
-    {
-        let rest = &text[at + mark.len_utf8()..];
-        let rest = rest.trim_start_matches([')', '"', '*']);
+    for (at, mark) in text.match_indices(['.', '?', '!']) {
+        let rest = text[at + mark.len()..].trim_start_matches([')', '"', '*']);
         let next = rest.trim_start().chars().next();
-        let ends =
-            rest.is_empty() || rest.starts_with(' ') && next.is_none_or(|c| !c.is_lowercase());
-        if ends {
+        if rest.is_empty() || rest.starts_with(' ') && next.is_none_or(|c| !c.is_lowercase()) {
             let end = text.len() - rest.len();
             found.push(text[begin..end].trim());
             begin = end;
         }
     }
     found.push(text[begin..].trim());
-    found.retain(|sentence| !sentence.is_empty());
     found
 }
 
@@ -155,34 +125,39 @@ pub fn sentences(text: &str) -> Vec<&str> {
 mod tests {
     use super::*;
 
-    fn texts(path: &str, text: &str) -> Vec<(usize, String)> {
-        let found = paragraphs(&File::new(path, text));
-        found.into_iter().map(|p| (p.line, p.text)).collect()
+    fn found(path: &str, text: &str) -> Vec<(usize, String)> {
+        let (path, text) = (path.to_owned(), text.to_owned());
+        paragraphs(&File { path, text })
     }
 
     #[test]
-    fn comments_are_read_and_code_is_not() {
+    fn comments_are_prose_and_code_is_not() {
         let rust = "//! One `x + y` is\n//! this.\nlet a = 1; // no\n/* Two\n * lines. */\n\
                     /// ```\n/// code\n/// ```\n";
-        let expected = [
-            (1, "One Code is this.".to_owned()),
-            (4, "Two lines.".to_owned()),
-        ];
-        assert_eq!(texts("a.rs", rust), expected);
-        let python = "#!/usr/bin/env python3\n# One.\n\"\"\"Two\nlines.\"\"\"\nx = 1\n";
-        let expected = [(2, "One. Two lines.".to_owned())];
-        assert_eq!(texts("a.py", python), expected);
-        let data = "TEXT = \"\"\"\nno prose\n\"\"\"\ndef f():\n    \"\"\"Three.\"\"\"\n";
-        assert_eq!(texts("a.py", data), [(5, "Three.".to_owned())]);
+        let two = (4, "Two lines.".to_owned());
+        assert_eq!(
+            found("a.rs", rust),
+            [(1, "One Code is this.".to_owned()), two]
+        );
+        let python = "#!/usr/bin/python\nTEXT = \"\"\"\nno prose\n\"\"\"\ndef f():\n    \
+                      \"\"\"Three\n    lines.\"\"\"\n    x = 1  # no\n    # One.\n";
+        let three = (6, "Three lines.".to_owned());
+        assert_eq!(found("a.py", python), [three, (9, "One.".to_owned())]);
         let document = "# Title\n\nSee [this](a.md) page.\n- An item\n| a | 1 |\n```\ncode\n```\n";
-        let expected = [(3, "See this page.".to_owned()), (4, "An item".to_owned())];
-        assert_eq!(texts("a.md", document), expected);
+        let page = (3, "See this page.".to_owned());
+        assert_eq!(found("a.md", document), [page, (4, "An item".to_owned())]);
     }
 
     #[test]
-    fn a_sentence_ends_before_a_capital() {
-        let text = "It is 1.5 of e.g. these. Then (so.) Who? none";
-        let expected = ["It is 1.5 of e.g. these.", "Then (so.)", "Who? none"];
-        assert_eq!(sentences(text), expected);
+    fn long_and_vague_sentences_are_found() {
+        let words = "word ".repeat(24);
+        let text =
+            format!("Short (one.) Word {words}end.\n\n{words}1.5. So many, whatever\nthey do.");
+        let path = "a.md".to_owned();
+        let findings = check(&File { path, text });
+        assert_eq!(findings.len(), 3, "{findings:?}");
+        assert!(findings[0].starts_with("a.md:1: 26 words in \"Word word"));
+        assert!(findings[1].starts_with("a.md:3: \"so many\""));
+        assert!(findings[2].starts_with("a.md:3: \"whatever\""));
     }
 }
