@@ -8,7 +8,7 @@ use std::path::Path;
 use support::{jcas, succeed};
 
 /// Each file, and what the message says after the file's name.
-const REFUSED: [(&str, &str); 11] = [
+const REFUSED: [(&str, &str); 13] = [
     (
         "",
         "line 1: must name the columns range_m and p_d; it is \"\"",
@@ -53,6 +53,15 @@ const REFUSED: [(&str, &str); 11] = [
          with the range",
     ),
     (
+        "range_m,p_d\n0,0.99\n50,0.6\n",
+        "line 3: detection_table = [50.0, 0.6]: must be pairs [m, P_d] that end with a P_d of at \
+         most 0.1, which holds at longer ranges",
+    ),
+    (
+        "range_m,p\u{1b}[31mRED\n1,2\n",
+        "line 1: must name the columns range_m and p_d; it is \"range_m,p\\u{1b}[31mRED\"",
+    ),
+    (
         "range_m,pilot_density,p_d\n50,0.2,0.9\n50,0.1,0.8\n",
         "must have lines with pilot_density = 0.3, the configured pilot_density_max; it has 0.2, \
          0.1",
@@ -87,7 +96,7 @@ fn a_file_that_is_no_table_is_refused_by_line_and_value() {
 fn a_table_has_at_most_64_points() {
     let folder = tempfile::tempdir().unwrap();
     let lines = |count: u32| -> String {
-        let rows = (0..count).map(|row| format!("{row},{}\n", 0.9 - 0.01 * f64::from(row)));
+        let rows = (0..count).map(|row| format!("{row},{}\n", 0.9 - 0.0128 * f64::from(row)));
         "range_m,p_d\n"
             .chars()
             .chain(rows.flat_map(|row| row.chars().collect::<Vec<_>>()))
@@ -150,7 +159,7 @@ fn a_file_flies_as_the_same_table_in_the_configuration() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(
         folder.path().join("p_d.csv"),
-        "\u{feff}\"range_m\",\"p_d\",pilot_density\r\n0,0.9,0.3\r\n0,0.1,0.01\r\n\r\n100,0.2,0.3",
+        "\u{feff}\"range_m\",\"p_d\",pilot_density\r\n0,0.9,0.3\r\n0,0.1,0.01\r\n\r\n100,0.1,0.3",
     )
     .unwrap();
     let file = ["--radar-table", "p_d.csv"];
@@ -158,7 +167,7 @@ fn a_file_flies_as_the_same_table_in_the_configuration() {
         "--set",
         "detection_curve=table",
         "--set",
-        "detection_table=[[0, 0.9], [100, 0.2]]",
+        "detection_table=[[0, 0.9], [100, 0.1]]",
     ];
     for command in [
         &["config", "show", "--json"][..],

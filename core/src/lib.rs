@@ -57,6 +57,7 @@ mod model;
 pub mod motion;
 pub mod observation;
 mod potential;
+mod printable;
 #[cfg(any(kani, test))]
 mod proofs;
 mod radar;
@@ -83,6 +84,7 @@ pub use config::{
 pub use error::{ConfigError, Error};
 pub use metrics::Metrics;
 pub use model::Model;
+pub use printable::Printable;
 pub use scratch::Scratch;
 #[cfg(feature = "alloc")]
 pub use sim::Sim;

@@ -29,12 +29,12 @@ def test_keywords_dicts_and_files_agree(tmp_path):
 
 
 def test_a_detection_table_is_a_list_of_pairs():
-    table = [[20.0, 0.9], [80.0, 0.2]]
-    config = jcas.Config(detection_curve="table", detection_table=[(20, 0.9), (80, 0.2)])
+    table = [[20.0, 0.9], [80.0, 0.1]]
+    config = jcas.Config(detection_curve="table", detection_table=[(20, 0.9), (80, 0.1)])
     assert config["detection_table"] == table
     assert jcas.Config(dict(config)) == config
-    # One cell is 50 m, half way: the logit is that of 9 and of 1/4, averaged.
-    assert jcas.Model(config).radio(1, 0, 0.3).detection_probability == pytest.approx(0.6)
+    # One cell is 50 m, half way: the logit is that of 9 and of 1/9, averaged.
+    assert jcas.Model(config).radio(1, 0, 0.3).detection_probability == pytest.approx(0.5)
     assert jcas.Config()["detection_table"] is None
     with pytest.raises(jcas.ConfigError, match="does not rise with the range"):
         config.replace(detection_table=[(20, 0.1), (80, 0.2)])

@@ -103,7 +103,7 @@ static void abuse_fields(const struct subject *subject)
 /* A table in the struct is the same as one in a text; one that rises is refused. */
 static void abuse_detection_table(void)
 {
-    const char *text = "detection_curve = 'table'\ndetection_table = [[20, 0.9], [80, 0.2]]";
+    const char *text = "detection_curve = 'table'\ndetection_table = [[20, 0.9], [80, 0.1]]";
     jcas_config given, read;
     uint64_t hash, of_text;
     char message[256];
@@ -113,14 +113,17 @@ static void abuse_detection_table(void)
     CHECK(strstr(message, "detection_table = []: must be a list of 1 to 64") != NULL);
     given.detection_point_count = 2;
     given.detection_table[0] = (jcas_detection_point){20, 0.9};
-    given.detection_table[1] = (jcas_detection_point){80, 0.2};
+    given.detection_table[1] = (jcas_detection_point){80, 0.1};
     given.detection_table[2] = (jcas_detection_point){-1, 7}; /* which is not read */
     OK(jcas_config_hash(&given, &hash));
     OK(jcas_config_from_toml(text, strlen(text), &read, sizeof read, NULL, 0));
     OK(jcas_config_hash(&read, &of_text));
     CHECK(hash == of_text);
     CHECK(read.detection_point_count == 2 && read.detection_table[1].range_m == 80);
-    CHECK(read.detection_table[1].probability == 0.2 && read.detection_table[2].range_m == 0);
+    CHECK(read.detection_table[1].probability == 0.1 && read.detection_table[2].range_m == 0);
+    given.detection_table[1].probability = 0.6;
+    EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&given, message, sizeof message));
+    CHECK(strstr(message, "end with a P_d of at most 0.1") != NULL);
     given.detection_table[1].probability = 0.95;
     EXPECT(JCAS_ERROR_CONFIG, jcas_config_validate(&given, message, sizeof message));
     CHECK(strstr(message, "detection_table = [80.0, 0.95]: must be pairs") != NULL);

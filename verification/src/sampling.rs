@@ -261,10 +261,11 @@ fn detection(dice: &mut Dice, c: &mut Config) {
     c.sensing_range_m = None;
 }
 
-/// Draws a table of one to 64 points, whose P_d falls or stays from one to the next.
+/// Draws a table of one to 64 points, whose P_d falls or stays from one to the next, and ends at
+/// 0.1 or below.
 fn detection_table(dice: &mut Dice) -> DetectionTable {
     let (mut range_m, mut probability) = (dice.real(0.0, 50.0), dice.real(0.3, 1.0));
-    let points: Vec<_> = (0..dice.integer(1, 64))
+    let mut points: Vec<_> = (0..dice.integer(1, 64))
         .map(|_| {
             let point = DetectionPoint {
                 range_m,
@@ -279,6 +280,9 @@ fn detection_table(dice: &mut Dice) -> DetectionTable {
             point
         })
         .collect();
+    if let Some(last) = points.last_mut() {
+        last.probability = last.probability.min(0.1);
+    }
     DetectionTable::from_slice(&points).expect("at most 64 points")
 }
 

@@ -130,8 +130,22 @@ fn preset_of((value, raw): (TextValue<'_>, &str)) -> Result<Preset, TextError> {
         .map_err(|error| TextError::Preset(Excerpt::of(name), error))
 }
 
-/// The field that a wrong key most likely meant: the one that shares the longest beginning with it.
+/// Names that other libraries use, each with the field that it means here.
+const FOREIGN: [(&str, &str); 6] = [
+    ("max_episode_steps", "horizon_steps"),
+    ("max_steps", "horizon_steps"),
+    ("max_cycles", "horizon_steps"),
+    ("num_agents", "uav_count"),
+    ("n_agents", "uav_count"),
+    ("grid_size", "grid_width"),
+];
+
+/// The field that a wrong key most likely meant: the one of another library's name, else the one
+/// that shares the longest beginning with it.
 fn nearest(key: &str) -> Option<&'static str> {
+    if let Some((_, field)) = FOREIGN.iter().find(|(name, _)| *name == key) {
+        return Some(field);
+    }
     let shared = |name: &str| {
         name.bytes()
             .zip(key.bytes())

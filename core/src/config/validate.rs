@@ -11,6 +11,10 @@ const MAP_BITS_MAX: u64 = 1 << 28;
 /// Longest range of a detection table.
 const RANGE_MAX_M: f64 = 1e6;
 
+/// Largest P_d at the end of a detection table. Beyond its last range the table keeps this value, so
+/// a table that ends high would be a radar without an end.
+const LAST_PROBABILITY_MAX: f64 = 0.1;
+
 impl Config {
     /// Checks every field and the rules between fields.
     ///
@@ -202,7 +206,14 @@ impl Config {
             };
             return refused("detection_table", Value::Pair(range_m, probability), rule);
         }
-        Ok(())
+        match before {
+            Some(last) if last.probability > LAST_PROBABILITY_MAX => refused(
+                "detection_table",
+                Value::Pair(last.range_m, last.probability),
+                "pairs [m, P_d] that end with a P_d of at most 0.1, which holds at longer ranges",
+            ),
+            _ => Ok(()),
+        }
     }
 
     fn each_field_is_in_range(&self) -> Result<(), ConfigError> {

@@ -57,9 +57,9 @@ fn a_detection_table_is_a_text_in_json() {
         unit.set(reference_of(name), Values::String(vec![text.to_owned()]))
     };
     assert_eq!(set("detection_curve", "table"), Ok(()));
-    assert_eq!(set("detection_table", "[[20, 0.9], [80, 0.2]]"), Ok(()));
+    assert_eq!(set("detection_table", "[[20, 0.9], [80, 0.1]]"), Ok(()));
     assert!(set("detection_table", "[[20, 0.9").is_err());
     let config = unit.setup.config().expect("a legal configuration");
     let points = config.detection_table.as_slice();
-    assert_eq!(points, [(20.0, 0.9).into(), (80.0, 0.2).into()]);
+    assert_eq!(points, [(20.0, 0.9).into(), (80.0, 0.1).into()]);
 }

@@ -18,7 +18,8 @@ use crate::radar_table::RadarTable;
 const EXAMPLES: &str = "\
 The file is a CSV with names in its first line. It has the columns
   range_m        distance between UAV and hotspot in metres, from 0 to 1e6, ascending
-  p_d            probability of detection, above 0 and below 1, not rising with the range
+  p_d            probability of detection, above 0 and below 1, not rising with the range; the
+                 last one is at most 0.1, since it holds at longer ranges
   pilot_density  optional; the table is made of the lines with pilot_density_max
 At most 64 lines make a table. Other columns are not read.
 
@@ -112,14 +113,19 @@ impl Flown {
         rows.load_preset(NOTHING)
             .set_header(["pilot density", "range at P_d = 0.5"]);
         for &density in &self.densities {
-            let within = self.curve(density).take_while(|&(_, p_d)| p_d >= 0.5);
-            let range = within.last().map_or_else(
-                || "none".to_owned(),
-                |(range_m, _)| format!("{range_m:.1} m"),
-            );
-            rows.add_row([density.to_string(), range]);
+            rows.add_row([density.to_string(), self.range_at_half(density)]);
         }
         rows
+    }
+
+    fn range_at_half(&self, density: f64) -> String {
+        let within = self.curve(density).take_while(|&(_, p_d)| p_d >= 0.5);
+        match within.enumerate().last() {
+            None => "none".to_owned(),
+            // A lower density can have a higher P_d where the pilots' load costs more than they gain.
+            Some((step, _)) if step == STEPS as usize => "not reached within the table".to_owned(),
+            Some((_, (range_m, _))) => format!("{range_m:.1} m"),
+        }
     }
 
     fn draw(&self, table: &RadarTable, path: &Path) -> Result<(), CliError> {

@@ -4,6 +4,7 @@ use core::fmt;
 
 use crate::config::{Config, FieldValue, UnknownName};
 use crate::error::ConfigError;
+use crate::printable::Printable;
 
 /// Error in a configuration text.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +140,7 @@ impl fmt::Display for Excerpt {
         let quote = if self.quoted { "\"" } else { "" };
         let text = core::str::from_utf8(&self.bytes[..self.len.into()]).unwrap_or_default();
         let dots = if self.cut { "..." } else { "" };
-        write!(out, "{quote}{text}{dots}{quote}")
+        write!(out, "{quote}{}{dots}{quote}", Printable(text))
     }
 }
 

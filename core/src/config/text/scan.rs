@@ -68,7 +68,9 @@ impl<'t> Scanner<'t> {
         let key = match self.peek() {
             None => return Ok(None),
             Some(b'"' | b'\'') => self.string()?,
-            Some(b'[') => return Err(self.unknown_line()),
+            Some(b'[') => {
+                return Err(self.expected("a line FIELD = VALUE; a configuration has no tables"));
+            }
             _ => self.bare("a key")?,
         };
         self.skip_space(false);

@@ -55,6 +55,19 @@ const REFUSED: &[(&str, &str)] = &[
         "uav_cuont: no such field; did you mean uav_count?",
     ),
     (
+        "max_episode_steps = 5",
+        "max_episode_steps: no such field; did you mean horizon_steps?",
+    ),
+    ("\u{9b}31m\u{202e} = 5", "line 1 column 1: must be a key"),
+    (
+        "'\u{9b}31m\u{202e}' = 5",
+        "\\u{9b}31m\\u{202e}: no such field (`jcas config show` lists all)",
+    ),
+    (
+        "\n[radar",
+        "line 2 column 1: must be a line FIELD = VALUE; a configuration has no tables",
+    ),
+    (
         "cell_size_m = nan",
         "cell_size_m = NaN: must be a number from 0.001 to 1000000",
     ),
@@ -80,7 +93,7 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "[fleet]\nquorum = 3",
-        "[fleet]: no such field (`jcas config show` lists all)",
+        "line 1 column 1: must be a line FIELD = VALUE; a configuration has no tables",
     ),
     (
         "fleet.quorum = 3",
@@ -286,6 +299,11 @@ fn a_detection_table_that_does_not_fit_is_refused_by_name() {
              the range",
         ),
         (
+            "detection_curve = 'table'\ndetection_table = [[0, 0.99], [50, 0.6]]",
+            "detection_table = [50.0, 0.6]: must be pairs [m, P_d] that end with a P_d of at most \
+             0.1, which holds at longer ranges",
+        ),
+        (
             "detection_table = 3",
             "detection_table = 3: must be a list of at most 64 pairs [m, P_d]",
         ),
@@ -306,7 +324,7 @@ fn a_detection_table_that_does_not_fit_is_refused_by_name() {
 fn a_detection_table_of_64_points_is_read_back_and_one_of_65_refused() {
     let list = |count: u32| {
         let pairs: std::vec::Vec<_> = (0..count)
-            .map(|index| format!("[{index}, {}]", 0.9 - f64::from(index) / 100.0))
+            .map(|index| format!("[{index}, {}]", 0.9 - f64::from(index) / 76.0))
             .collect();
         format!(
             "detection_table = [{}]\ndetection_curve = 'table'",
@@ -315,7 +333,7 @@ fn a_detection_table_of_64_points_is_read_back_and_one_of_65_refused() {
     };
     let config = Config::from_toml(&list(64)).unwrap();
     let last = config.detection_table.as_slice()[63];
-    assert_eq!((last.range_m, last.probability), (63.0, 0.9 - 0.63));
+    assert_eq!((last.range_m, last.probability), (63.0, 0.9 - 63.0 / 76.0));
     let (mut toml, mut json) = (String::new(), String::new());
     config.write_toml(&mut toml).unwrap();
     config.write_json(&mut json).unwrap();
