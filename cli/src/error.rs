@@ -8,6 +8,8 @@ use jcas_episode::mission::FlightError;
 use jcas_episode::trace::TraceError;
 use jcas_policy::PolicyError;
 
+use crate::files;
+
 /// The outcome of a command that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -48,7 +50,7 @@ pub fn exit_code(result: Result<Outcome, CliError>) -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Different) => ExitCode::from(EXIT_DIFFERENT),
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", files::lines(&error.to_string()));
             error.exit_code()
         }
     }

@@ -176,7 +176,7 @@ pub fn is_part(path: &Path) -> bool {
     struct Named {
         evaluation: Option<IgnoredAny>,
     }
-    let bytes = std::fs::read(path).unwrap_or_default();
+    let bytes = files::read_bytes(path).unwrap_or_default();
     serde_json::from_slice(&bytes).is_ok_and(|Named { evaluation }| evaluation.is_some())
 }
 

@@ -4,17 +4,28 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use jcas_core::Printable;
+use jcas_episode::files::{self, TEXT_BYTES_MAX};
+
 use crate::error::CliError;
 
 /// Reads a text.
 ///
 /// # Errors
-/// The file cannot be read, or is not UTF-8.
+/// The file cannot be read, is not regular, is too long, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, CliError> {
-    fs::read_to_string(path).map_err(|error| match error.kind() {
+    files::read_text(path, TEXT_BYTES_MAX).map_err(|error| match error.kind() {
         std::io::ErrorKind::InvalidData => CliError::file(path, "is not UTF-8 text"),
         _ => CliError::Io(path.to_owned(), error),
     })
+}
+
+/// Reads the bytes of a text.
+///
+/// # Errors
+/// As [`read_text`].
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    files::read(path, TEXT_BYTES_MAX).map_err(CliError::io(path))
 }
 
 /// Writes a file under a temporary name in its folder and renames it. A reader, a crash or a full
@@ -55,15 +66,32 @@ pub fn prepare_folder(path: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Prints to standard output. A closed pipe (`| head`) is no error.
+/// Prints lines to standard output. A closed pipe (`| head`) is no error. What could steer a terminal
+/// is escaped, since names and fields of files are printed, too.
 pub fn print(text: &str) -> Result<(), CliError> {
+    print_raw(lines(text).as_bytes())
+}
+
+/// Prints bytes for another program to standard output.
+pub fn print_raw(bytes: &[u8]) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(CliError::Io("standard output".into(), error))
         }
         _ => Ok(()),
     }
+}
+
+/// A text with each line as a terminal may show it.
+pub fn lines(text: &str) -> String {
+    let shown = text
+        .split_inclusive('\n')
+        .map(|line| match line.strip_suffix('\n') {
+            Some(line) => format!("{}\n", Printable(line)),
+            None => Printable(line).to_string(),
+        });
+    shown.collect()
 }
 
 /// A value as indented JSON, with the end of its last line.
@@ -72,7 +100,18 @@ pub fn json(value: &impl serde::Serialize) -> Result<String, CliError> {
     Ok(text + "\n")
 }
 
-/// Prints a value as indented JSON.
+/// Prints a value as indented JSON, with the escapes of JSON for what could steer a terminal.
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
-    print(&json(value)?)
+    let mut text = String::new();
+    for c in json(value)?.chars() {
+        if c < '\u{7f}' || Printable(c).to_string().starts_with(c) {
+            text.push(c);
+        } else {
+            let mut units = [0; 2];
+            for unit in c.encode_utf16(&mut units) {
+                text += &format!("\\u{unit:04x}");
+            }
+        }
+    }
+    print(&text)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use jcas_core::Model;
+use jcas_core::{Model, Printable};
 use jcas_episode::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
 use jcas_plan::PlannedKind;
 use jcas_policy::head::Mode;
@@ -62,10 +62,11 @@ pub fn card(folder: &Path) -> Result<Card, CliError> {
 pub fn say_changes(policy: &str, changes: &[(&str, String)]) {
     if !changes.is_empty() {
         let words: Vec<&str> = changes.iter().map(|(_, words)| words.as_str()).collect();
-        eprintln!(
+        let line = format!(
             "{policy}: its card's configuration, but {}",
             words.join(", ")
         );
+        eprintln!("{}", Printable(line));
     }
 }
 

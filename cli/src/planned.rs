@@ -6,6 +6,7 @@ use jcas_core::Model;
 use jcas_plan::{PlanFile, Planned, PlannedKind};
 
 use crate::error::CliError;
+use crate::files;
 use crate::learned::PolicyFactory;
 
 /// Prefix of the name of a policy that is read from a plan.
@@ -28,7 +29,7 @@ pub fn is_plan(policy: &str) -> bool {
 /// # Errors
 /// The file cannot be read or is no plan.
 pub fn read(path: &Path) -> Result<PlanFile, CliError> {
-    let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
+    let text = files::read_text(path)?;
     PlanFile::parse(&text).map_err(|error| CliError::file(path, error))
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use jcas_core::hash::Fnv1a;
 use jcas_episode::card::{CARD, WEIGHTS};
+use jcas_episode::files::{WEIGHTS_BYTES_MAX, read};
 use jcas_episode::shard::Shard;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -109,7 +110,7 @@ pub trait Manifest: Serialize + DeserializeOwned {
     /// # Errors
     /// The file cannot be read, or is no such manifest.
     fn read(path: &Path) -> Result<Self, CliError> {
-        let bytes = fs::read(path).map_err(CliError::io(path))?;
+        let bytes = files::read_bytes(path)?;
         let refuse = |what: &dyn fmt::Display| {
             let what = format!("is no manifest of {}: {what}", Self::DESCRIBES);
             CliError::file(path, what)
@@ -151,7 +152,7 @@ pub fn hash_of_policy(policy: &str) -> Result<String, CliError> {
     }
     let mut hash = Fnv1a::new();
     for path in files {
-        let bytes = fs::read(&path).map_err(CliError::io(&path))?;
+        let bytes = read(&path, WEIGHTS_BYTES_MAX).map_err(CliError::io(&path))?;
         hash.write_u64(bytes.len() as u64);
         hash.write(&bytes);
     }
@@ -193,7 +194,7 @@ pub fn require_equal<T: PartialEq + fmt::Display>(
 /// # Errors
 /// The file has another content, or cannot be read.
 pub fn require_replaceable(path: &Path, bytes: &[u8], overwrite: bool) -> Result<(), CliError> {
-    if overwrite || !path.exists() || fs::read(path).map_err(CliError::io(path))? == bytes {
+    if overwrite || !path.exists() || files::read_bytes(path)? == bytes {
         return Ok(());
     }
     let what = "holds another table; give another place, or --overwrite to replace it";

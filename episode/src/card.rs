@@ -4,13 +4,15 @@
 use core::fmt;
 use std::path::{Path, PathBuf};
 
-use jcas_core::{Config, Model, TargetVisibility};
+use jcas_core::{Config, Model, Printable, TargetVisibility};
 use jcas_policy::head::{Head, Mode};
 use jcas_policy::network::{ActOptions, FlyError};
 use jcas_policy::{Trained, action_of};
 use jcas_simd::InstructionSet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+use crate::files;
 
 /// File of the weights in a policy's folder.
 pub const WEIGHTS: &str = "policy.safetensors";
@@ -96,9 +98,11 @@ pub enum CardError {
 impl fmt::Display for CardError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::File(path, error) => write!(out, "{}: {error}", path.display()),
-            Self::Format(path, what) => write!(out, "{}: {what}", path.display()),
-            Self::Fit(what) => out.write_str(what),
+            Self::File(path, error) => write!(out, "{}: {error}", Printable(path.display())),
+            Self::Format(path, what) => {
+                write!(out, "{}: {}", Printable(path.display()), Printable(what))
+            }
+            Self::Fit(what) => Printable(what).fmt(out),
         }
     }
 }
@@ -121,8 +125,8 @@ pub struct StoredPolicy {
 /// [`CardError::File`] or [`CardError::Format`].
 pub fn load_card(folder: &Path) -> Result<Card, CardError> {
     let path = folder.join(CARD);
-    let text =
-        std::fs::read_to_string(&path).map_err(|error| CardError::File(path.clone(), error))?;
+    let text = files::read_text(&path, files::TEXT_BYTES_MAX)
+        .map_err(|error| CardError::File(path.clone(), error))?;
     let card: Card = serde_json::from_str(&text)
         .map_err(|error| CardError::Format(path.clone(), error.to_string()))?;
     if card.format != FORMAT {
@@ -142,7 +146,8 @@ pub fn load_card(folder: &Path) -> Result<Card, CardError> {
 pub fn load(folder: &Path) -> Result<StoredPolicy, CardError> {
     let card = load_card(folder)?;
     let path = folder.join(WEIGHTS);
-    let bytes = std::fs::read(&path).map_err(|error| CardError::File(path.clone(), error))?;
+    let bytes = files::read(&path, files::WEIGHTS_BYTES_MAX)
+        .map_err(|error| CardError::File(path.clone(), error))?;
     let trained = Trained::read(&card.name, &bytes)
         .map_err(|error| CardError::Format(path, error.to_string()))?
         .with_matmul(InstructionSet::best().matmul());

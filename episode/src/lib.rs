@@ -1,5 +1,6 @@
 //! Runs episodes of jcas and reports on them, without learning:
 //!
+//! - [`files`]: regular files of bounded size;
 //! - [`card`]: trained policies on disk, with their cards;
 //! - [`mission`]: one episode, or a campaign of many on all cores;
 //! - [`statistics`]: success, mission time, energy, CO2 and throughput with 95 % intervals;
@@ -14,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod card;
+pub mod files;
 pub mod mission;
 pub mod replay;
 pub mod shard;

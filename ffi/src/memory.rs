@@ -6,8 +6,8 @@ use std::ffi::c_char;
 use std::fmt::{self, Display, Write};
 use std::slice;
 
-use jcas_core::Error;
 use jcas_core::config::text::Counter;
+use jcas_core::{Error, Printable};
 
 use crate::status::{
     Fault, JCAS_ERROR_ALIGNMENT, JCAS_ERROR_INTERNAL, JCAS_ERROR_LENGTH, JCAS_ERROR_NULL,
@@ -285,12 +285,12 @@ impl Text for str {
     }
 }
 
-/// A displayable value as a reason.
+/// A displayable value as a reason, in which text from input is escaped.
 pub(crate) struct Message<T>(pub(crate) T);
 
 impl<T: Display> Text for Message<T> {
     fn write_to(&self, out: &mut impl Write) -> fmt::Result {
-        write!(out, "{}", self.0)
+        write!(out, "{}", Printable(&self.0))
     }
 }
 

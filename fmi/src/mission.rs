@@ -226,6 +226,22 @@ impl Mission {
     }
 }
 
+/// The most bytes of a resource.
+const RESOURCE_BYTES_MAX: u64 = 1 << 30;
+
+/// Reads a regular file among the unit's resources.
+fn resource(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
+    let bytes = std::fs::metadata(path)?.len();
+    if bytes > RESOURCE_BYTES_MAX {
+        let message = format!("has {bytes} bytes: must have at most {RESOURCE_BYTES_MAX}");
+        return Err(std::io::Error::new(
+            std::io::ErrorKind::FileTooLarge,
+            message,
+        ));
+    }
+    std::fs::read(path)
+}
+
 /// The source of actions: the importer, a trained policy or a plan among the unit's resources, or a
 /// baseline.
 fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, String> {
@@ -234,7 +250,7 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
     }
     let said = |problem: String| format!("policy = {}: {problem}", setup.policy);
     if let Some(path) = setup.resource("safetensors") {
-        let bytes = std::fs::read(&path).map_err(|error| said(error.to_string()))?;
+        let bytes = resource(&path).map_err(|error| said(error.to_string()))?;
         let trained =
             Trained::read(&setup.policy, &bytes).map_err(|error| said(error.to_string()))?;
         trained
@@ -244,8 +260,9 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
         return Ok(Some(Box::new(trained)));
     }
     if let Some(path) = setup.resource("json") {
-        let text = std::fs::read_to_string(&path).map_err(|error| said(error.to_string()))?;
-        let plan = PlanFile::parse(&text).and_then(|file| file.plan(model));
+        let text = resource(&path).map_err(|error| said(error.to_string()))?;
+        let plan =
+            PlanFile::parse(&String::from_utf8_lossy(&text)).and_then(|file| file.plan(model));
         let plan = plan.map_err(|error| said(error.to_string()))?;
         return Ok(Some(Box::new(Planned::following(plan))));
     }

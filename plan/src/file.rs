@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-use jcas_core::{Cell, Config, Model};
+use jcas_core::{Cell, Config, Model, Printable};
 use serde::{Deserialize, Serialize};
 
 use crate::objective::Expectation;
@@ -79,9 +79,10 @@ pub enum PlanFileError {
 impl fmt::Display for PlanFileError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Json(error) => write!(out, "no plan: {error}"),
+            Self::Json(error) => write!(out, "no plan: {}", Printable(error)),
             Self::Content(what) => write!(out, "no plan: {what}"),
             Self::Configuration { planned, flown } => {
+                let planned = Printable(planned);
                 write!(out, "made for the configuration {planned}, not for {flown}")
             }
         }

@@ -3,8 +3,8 @@
 use core::error::Error as StdError;
 use core::fmt;
 
-use jcas_core::Error;
 use jcas_core::config::text::TextError;
+use jcas_core::{Error, Printable};
 
 /// The reason why a trace is not reproduced, and its line.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,9 @@ impl fmt::Display for Problem<'_> {
             Self::OtherModel => out.write_str("the simulation has another configuration"),
             Self::Kernel(error) => error.fmt(out),
             Self::Config(error) => error.fmt(out),
-            Self::Differs(field) => write!(out, "{field} differs from the replay"),
+            Self::Differs(field) => {
+                write!(out, "{} differs from the replay", Printable(field))
+            }
             Self::Memory => out.write_str("a fault of the library itself"),
         }
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jcas_core::Model;
+use jcas_episode::files::{TRACE_BYTES_MAX, read_text};
 use jcas_episode::{replay, trace};
 
 use super::trace::read_from;
@@ -60,7 +61,7 @@ impl Replay {
                 // The strict reader runs first, since its messages name what is wrong with the
                 // file.
                 read_from(path)?;
-                let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
+                let text = read_text(path, TRACE_BYTES_MAX).map_err(CliError::io(path))?;
                 write_page(&self.out, &text)?;
             }
             None => {

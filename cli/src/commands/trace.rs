@@ -1,11 +1,10 @@
 //! `jcas trace`: records, verifies and compares episodes on file.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use jcas_core::Model;
+use jcas_episode::files::{TRACE_BYTES_MAX, open};
 use jcas_episode::trace::{self, Difference, End, Trace as Recorded};
 use serde::Serialize;
 
@@ -126,8 +125,8 @@ pub fn record_to(
 
 /// Reads a trace from a file.
 pub fn read_from(path: &Path) -> Result<Recorded, CliError> {
-    let file = File::open(path).map_err(CliError::io(path))?;
-    trace::read(BufReader::new(file)).map_err(|error| CliError::trace(path, error))
+    let file = open(path, TRACE_BYTES_MAX).map_err(CliError::io(path))?;
+    trace::read(file).map_err(|error| CliError::trace(path, error))
 }
 
 fn describe(end: &End) -> String {

@@ -114,7 +114,7 @@ impl Store {
     fn read(&mut self, advice: &str) -> Result<(), CliError> {
         let refuse = |what: &str| CliError::file(&self.path, format!("{what}; {advice}"));
         let key_len = self.frame.key_len();
-        let bytes = std::fs::read(&self.path).map_err(CliError::io(&self.path))?;
+        let bytes = files::read_bytes(&self.path)?;
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let header = reader
             .headers()

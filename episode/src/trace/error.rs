@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use jcas_core::Printable;
 use jcas_trace::FORMAT_VERSION;
 
 use super::format::{FORMAT, Hex};
@@ -54,14 +55,17 @@ impl fmt::Display for TraceError {
             Self::NotATrace(problem) => {
                 write!(
                     out,
-                    "line 1: {problem}: must be the header of a {FORMAT} file"
+                    "line 1: {}: must be the header of a {FORMAT} file",
+                    Printable(problem)
                 )
             }
             Self::Version(found) => write!(
                 out,
                 "format_version = {found}: this build reads versions 1 to {FORMAT_VERSION}"
             ),
-            Self::Malformed { line, problem } => write!(out, "line {line}: {problem}"),
+            Self::Malformed { line, problem } => {
+                write!(out, "line {line}: {}", Printable(problem))
+            }
             Self::Truncated { steps } => write!(
                 out,
                 "the trace is truncated: it stops after {steps} whole steps, without its end line"

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use jcas_core::Printable;
+
 use super::kind::BaselineKind;
 
 /// A reason for which a baseline cannot be built.
@@ -30,13 +32,15 @@ impl fmt::Display for PolicyError<'_> {
         match self {
             Self::UnknownPolicy(name) => write!(
                 out,
-                "policy = {name}: must be one of random, untrained, greedy, swarm, teams, \
-                 squads, sweep, line, frontier, relay, answer, charging, clean"
+                "policy = {}: must be one of random, untrained, greedy, swarm, teams, squads, \
+                 sweep, line, frontier, relay, answer, charging, clean",
+                Printable(name)
             ),
             Self::UnknownPilot(name) => write!(
                 out,
-                "pilot = {name}: must be one of min, mid, max, adaptive, myopic, or a density \
-                 such as 0.15"
+                "pilot = {}: must be one of min, mid, max, adaptive, myopic, or a density such as \
+                 0.15",
+                Printable(name)
             ),
             Self::PilotOutOfRange { density, low, high } => write!(
                 out,

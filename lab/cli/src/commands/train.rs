@@ -225,7 +225,7 @@ impl Train {
         };
         let mut table = Table::try_from(Settings::preset(preset)).map_err(CliError::input)?;
         if let Some(path) = &self.train_file {
-            let text = std::fs::read_to_string(path).map_err(CliError::io(path))?;
+            let text = files::read_text(path)?;
             let json = path
                 .extension()
                 .is_some_and(|extension| extension == "json");

@@ -7,6 +7,7 @@ use crate::ppo::normalise::Affine;
 use crate::store::{Array, Arrays, encode, write_whole};
 use jcas_core::TargetVisibility;
 use jcas_episode::card::{CARD, Card, WEIGHTS, load_card};
+use jcas_episode::files::{WEIGHTS_BYTES_MAX, read};
 use jcas_policy::action_of;
 use serde::Deserialize;
 use std::path::Path;
@@ -119,7 +120,7 @@ fn read_actor(bytes: &[u8], card: &Card) -> Result<Actor, String> {
 pub fn load(folder: &Path) -> Result<(Card, Actor), TrainError> {
     let card = load_card(folder)?;
     let path = folder.join(WEIGHTS);
-    let bytes = std::fs::read(&path).map_err(TrainError::file(&path))?;
+    let bytes = read(&path, WEIGHTS_BYTES_MAX).map_err(TrainError::file(&path))?;
     let actor = read_actor(&bytes, &card).map_err(TrainError::format(&path))?;
     Ok((card, actor))
 }
