@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod answering;
 mod commands;
 pub mod config_source;
 pub mod error;

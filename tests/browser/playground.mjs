@@ -86,7 +86,11 @@ async function nativeHash(
 ) {
   const config = { preset, ...set };
   const question = { ask: 'fly', config, policy, pilot, seed, moved, interventions };
-  const reply = await fetch(`${base}answer`, { method: 'POST', body: JSON.stringify(question) });
+  const reply = await fetch(`${base}answer`, {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json' },
+    body: JSON.stringify(question),
+  });
   const answer = await reply.json();
   assert.equal(answer.error, undefined);
   return answer.state_hash;
@@ -266,7 +270,9 @@ try {
     await fitsAPhone(page);
     assert.deepEqual(page.complaints, [], 'console errors');
     assert.deepEqual(
-      page.requests.filter((address) => !address.startsWith(base) && !address.startsWith('data:')),
+      page.requests.filter(
+        (address) => ![base, 'data:', 'blob:'].some((own) => address.startsWith(own)),
+      ),
       [],
       'the page loads something',
     );

@@ -21,6 +21,8 @@ const MOST_AGENT_STEPS: u64 = 200_000;
 
 /// The largest fleet times grid that the page plans for.
 const MOST_UAV_CELLS: u64 = 10_000;
+/// The longest episode that the page plans for.
+const MOST_PLANNED_STEPS: u32 = 2_000;
 /// The moves of a plan of a search: a part of what the command takes, as a person waits for it.
 const SEARCH_ITERATIONS: u64 = 50_000;
 
@@ -244,6 +246,12 @@ fn planned(kind: PlannedKind, model: &Model<'_>) -> Result<Planned, String> {
              {MOST_UAV_CELLS}"
         ));
     }
+    let steps = model.config().horizon_steps;
+    if steps > MOST_PLANNED_STEPS {
+        return Err(format!(
+            "horizon_steps = {steps}: the page plans for at most {MOST_PLANNED_STEPS}"
+        ));
+    }
     kind.build_in(model, SEARCH_ITERATIONS)
         .map_err(|error| error.to_string())
 }
@@ -360,6 +368,14 @@ mod tests {
             let reason = refused["error"].as_str().unwrap();
             assert!(
                 reason.contains("= 14400: the page plans for at most 10000"),
+                "{reason}"
+            );
+            question["config"]["uav_count"] = json!(6);
+            question["config"]["horizon_steps"] = json!(2001);
+            let refused = fly(&question);
+            let reason = refused["error"].as_str().unwrap();
+            assert!(
+                reason.contains("horizon_steps = 2001: the page plans for at most 2000"),
                 "{reason}"
             );
         }

@@ -22,7 +22,10 @@ pub fn whole(wasm_base64: &str) -> String {
     let kernel = format!(
         "{CONTROLS}<script type=\"application/wasm+base64\" id=\"kernel\">{wasm_base64}</script>\n"
     );
-    page("script-src 'unsafe-inline' 'wasm-unsafe-eval'", &kernel)
+    page(
+        "script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:",
+        &kernel,
+    )
 }
 
 fn page(sources: &str, controls: &str) -> String {
