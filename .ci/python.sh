@@ -33,11 +33,6 @@ export SDL_VIDEODRIVER=dummy RAY_USAGE_STATS_ENABLED=0 OMP_NUM_THREADS=1
 [[ ! -x $CARGO_TARGET_DIR/release/jcas ]] || export JCAS_COMMAND=$CARGO_TARGET_DIR/release/jcas
 "$python" -m pytest -q python/tests --run-heavy
 
-# Exported networks pass onnx.checker and give the same actions in onnxruntime.
-# The packages of the section lab, so that nothing is built again.
-JCAS_ONNX_PYTHON=$python cargo test --locked --release --manifest-path lab/Cargo.toml --workspace \
-    --test runs onnxruntime
-
 # The README's lines, as they stand.
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

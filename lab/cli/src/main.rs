@@ -6,13 +6,13 @@ mod manifest;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use commands::{export, merge, reproduce, train};
+use commands::{merge, reproduce, train};
 
 /// Keeps the large blocks that training frees and asks for again in every minibatch.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The laboratory of jcas: train policies, export them, reproduce the paper's results.
+/// The laboratory of jcas: train policies, reproduce the paper's results.
 #[derive(Parser)]
 #[command(
     name = "jcas-lab",
@@ -28,7 +28,6 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Train(train::Train),
-    Export(export::Export),
     Reproduce(reproduce::Reproduce),
     Merge(merge::Merge),
 }
@@ -38,7 +37,6 @@ fn main() -> ExitCode {
     jcas_cli::interrupt::listen();
     jcas_cli::error::exit_code(match cli.command {
         Command::Train(command) => command.run(),
-        Command::Export(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Merge(command) => command.run(),
     })

@@ -140,27 +140,3 @@ fn hidden_hotspots_are_left_to_the_planner() {
     let named = [&search[..], &["--train-preset=tuned"]].concat();
     assert!(succeed(folder.path(), &named).contains("clip = 0.2"));
 }
-
-/// A shipped policy as a graph for a fleet of another size than its card's.
-#[test]
-fn a_shipped_policy_is_exported_for_the_size_asked_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let fleet = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/fleet");
-    let export = |more: &[&str]| {
-        succeed(
-            folder.path(),
-            &[&["export", fleet, "-o", "fleet.onnx"], more].concat(),
-        );
-        fs::read(folder.path().join("fleet.onnx")).unwrap()
-    };
-    let of_card = export(&[]);
-    assert!(of_card.len() > 100_000);
-    assert_ne!(export(&["--uavs=15", "--hotspots=7"]), of_card);
-    let nothing = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/nothing");
-    let refused = lab(folder.path(), &["export", nothing]);
-    assert_eq!(refused.status.code(), Some(3));
-    let in_turns = concat!(env!("CARGO_MANIFEST_DIR"), "/../../policies/paper");
-    let refused = lab(folder.path(), &["export", in_turns]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("an ONNX graph has no turns"));
-}

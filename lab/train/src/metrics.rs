@@ -1,6 +1,4 @@
-//! Metrics of each iteration, as CSV and as TensorBoard events.
-
-pub mod tensorboard;
+//! Metrics of each iteration, as CSV.
 
 use crate::environment::Episode;
 use crate::error::TrainError;
@@ -110,35 +108,6 @@ impl Row {
             (Some(rate), false) => format!("{rate:.2}"),
             (Some(rate), true) => format!("{rate:.2} of the first to end"),
         }
-    }
-
-    /// Names and values of what is plotted.
-    pub fn scalars(&self) -> Vec<(&'static str, f64)> {
-        let mut scalars = vec![
-            ("losses/actor", self.actor_loss),
-            ("losses/critic", self.critic_loss),
-            ("losses/entropy", self.entropy),
-            ("losses/kl", self.kl),
-            ("losses/clip_fraction", self.clip_fraction),
-            ("losses/explained_variance", self.explained_variance),
-            ("losses/gradient_norm", self.gradient_norm),
-            ("losses/learning_rate", self.learning_rate),
-            ("speed/steps_per_s", self.steps_per_s),
-            ("speed/samples_per_s", self.samples_per_s),
-        ];
-        let missions = [
-            ("missions/return", self.return_mean),
-            ("missions/success_rate", self.success_rate),
-            ("missions/steps", self.mission_steps_mean),
-            ("missions/energy_kwh", self.energy_kwh_mean),
-            ("missions/throughput", self.throughput_mean),
-        ];
-        scalars.extend(
-            missions
-                .into_iter()
-                .filter_map(|(name, value)| Some((name, value?))),
-        );
-        scalars
     }
 }
 

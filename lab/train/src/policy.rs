@@ -1,7 +1,6 @@
-//! A trained actor as a policy: inference, files and exports.
+//! A trained actor as a policy: inference and files.
 
 pub mod files;
-pub mod onnx;
 
 use crate::environment::Shape;
 use crate::network::Network;

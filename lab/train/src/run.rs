@@ -5,7 +5,6 @@ use crate::environment::VectorEnvironment;
 use crate::environment::fleet::{Fleet, RewardShaping};
 use crate::environment::task::TrainingTask;
 use crate::error::TrainError;
-use crate::metrics::tensorboard::EventFile;
 use crate::metrics::{MetricsFile, Row};
 use crate::policy::Actor;
 use crate::policy::files::{self, Precision, save};
@@ -218,7 +217,6 @@ impl RunSpec {
             checkpoint::save(&trainer, &self.identity(), &checkpoint)?;
         }
         let mut metrics = MetricsFile::open(&self.out.join(METRICS), trainer.iterations)?;
-        let mut events = EventFile::create(&self.out)?;
         let mut speed = Speed::default();
         let horizons = self.configs.iter().map(|c| u64::from(c.horizon_steps));
         let horizon = horizons.max().unwrap_or(0);
@@ -239,7 +237,6 @@ impl RunSpec {
             row.first_to_end = flown < horizon;
             speed.add(&row);
             metrics.push(&row)?;
-            events.scalars(row.iteration, &row.scalars())?;
             let total = trainer.total_iterations();
             let left_s = speed.seconds_per_iteration() * (total - trainer.iterations) as f64;
             observer.iteration(&row, total, left_s);

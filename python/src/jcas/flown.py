@@ -1,7 +1,6 @@
 """Policies flown by the library itself: trained fleets of any size, scripted baselines and plans.
 
 The same code flies in C, C++, the command and the browser, with the same bits on every platform.
-For other runtimes `jcas-lab export` writes an ONNX graph.
 """
 
 from __future__ import annotations

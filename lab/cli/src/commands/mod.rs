@@ -3,7 +3,6 @@
 use jcas_cli::error::CliError;
 use jcas_train::error::TrainError;
 
-pub mod export;
 pub mod merge;
 pub mod reproduce;
 pub mod train;

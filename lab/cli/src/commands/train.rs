@@ -46,7 +46,7 @@ pub enum TrainingPreset {
 
 /// Train a policy with PPO and write it as safetensors and a JSON card
 ///
-/// Metrics go to metrics.csv and TensorBoard event files in the run's folder. Ctrl-C saves; a run
+/// Metrics go to metrics.csv in the run's folder. Ctrl-C saves; a run
 /// that was stopped or killed goes on with --resume, bit for bit. Several fleet sizes or numbers of
 /// hotspots, and drawn configurations, train one policy for all of them. That needs the network
 /// `set` or `turns`.

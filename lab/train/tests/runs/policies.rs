@@ -1,5 +1,4 @@
-//! What a run leaves flies as it was trained: from its files, over any fleet that it fits, in
-//! onnxruntime too.
+//! What a run leaves flies as it was trained: from its files, over any fleet that it fits.
 
 use crate::{config, fleets, plan, settings};
 use burn_tensor::Device;
@@ -12,7 +11,7 @@ use jcas_policy::network::row::RowLayout;
 use jcas_train::draw::draw;
 use jcas_train::network::{Architecture, values};
 use jcas_train::policy::files::{self, Precision};
-use jcas_train::policy::{Actor, onnx, shape_of};
+use jcas_train::policy::{Actor, shape_of};
 use jcas_train::run::{NoObserver, Start};
 use jcas_train::settings::{NetworkKind, Settings};
 use std::path::Path;
@@ -252,85 +251,4 @@ fn a_policy_in_turns_reads_the_choices_of_its_neighbours() {
         }
     }
     std::fs::remove_dir_all(&plan.out).unwrap();
-}
-
-/// onnxruntime gives the same outputs and actions to 1e-5, for both networks and both heads. The
-/// test needs a Python with `onnx` and `onnxruntime`. A Python that `JCAS_ONNX_PYTHON` names must
-/// have both; without the variable, `python3` is used if it has both.
-#[test]
-fn onnxruntime_gives_the_same_actions() {
-    let named = std::env::var("JCAS_ONNX_PYTHON").ok();
-    let python = named.clone().unwrap_or_else(|| "python3".into());
-    let has = std::process::Command::new(&python)
-        .args(["-c", "import onnx, onnxruntime"])
-        .output();
-    if !has.is_ok_and(|output| output.status.success()) {
-        assert!(named.is_none(), "{python} has no onnx or onnxruntime");
-        eprintln!("{python} has no onnx or onnxruntime: not compared");
-        return;
-    }
-    for (network, head, configs) in [
-        (NetworkKind::Mlp, Head::Gaussian, vec![config()]),
-        (NetworkKind::Mlp, Head::Hybrid, vec![config()]),
-        (NetworkKind::Set, Head::Hybrid, vec![config()]),
-        (NetworkKind::Set, Head::Gaussian, fleets()),
-    ] {
-        let mut plan = plan(
-            &format!("onnx-{network:?}-{head:?}"),
-            Settings {
-                head,
-                ..settings(network)
-            },
-        );
-        plan.configs = configs;
-        plan.train(&Start::Fresh, &mut NoObserver).unwrap();
-        let model = Model::new(config()).unwrap();
-        compare(&python, &files::load(&plan.out).unwrap().1, &model);
-        std::fs::remove_dir_all(&plan.out).unwrap();
-    }
-    let (actor, model) = shipped();
-    compare(&python, &actor, &model);
-}
-
-fn compare(python: &str, actor: &Actor, model: &Model<'static>) {
-    let graph = std::env::temp_dir().join(format!("jcas-train-{}.onnx", std::process::id()));
-    std::fs::write(&graph, onnx::encode(actor, &shape_of(model))).unwrap();
-    let input = observations(model);
-    let mut policy = actor.fly("p", Mode::Deterministic);
-    let outputs = policy.outputs(model, &input).unwrap();
-    let actions: Vec<f32> = outputs
-        .chunks_exact(actor.head.outputs())
-        .flat_map(|row| actor.head.deterministic(row))
-        .collect();
-    let (expected, rows) = ([outputs, actions], model.uav_count());
-    let script = "
-import json, sys, numpy, onnx, onnxruntime
-onnx.checker.check_model(sys.argv[1], full_check=True)
-given = json.load(sys.stdin)
-x = numpy.array(given['input'], dtype=numpy.float32).reshape(given['rows'], -1)
-session = onnxruntime.InferenceSession(sys.argv[1])
-for name, want in zip(('distribution', 'actions'), given['expected']):
-    got = session.run([name], {'observations': x})[0].ravel()
-    want = numpy.array(want, dtype=numpy.float32)
-    gap = float(numpy.abs(got - want).max())
-    # Logits of a trained policy come near 70, where one unit in the last place is 7.6e-6.
-    largest = float(numpy.abs(want).max())
-    assert gap < 1e-5 * max(1.0, largest), (name, gap, largest)
-";
-    use std::io::Write;
-    let mut child = std::process::Command::new(python)
-        .args(["-c", script])
-        .arg(&graph)
-        .stdin(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let given = serde_json::json!({ "input": input, "rows": rows, "expected": expected });
-    child
-        .stdin
-        .take()
-        .unwrap()
-        .write_all(given.to_string().as_bytes())
-        .unwrap();
-    assert!(child.wait().unwrap().success());
-    std::fs::remove_file(&graph).unwrap();
 }
