@@ -23,7 +23,7 @@ SITE = ROOT / "site"
 LINK = re.compile(r"(?<=\]\()([^)\s#]+)(?=[)#])")
 # The pages from which links are followed.
 PAGES = ("docs/*.md", "python/README.md", "examples/ns3/README.md", "policies/README.md")
-PAGES += ("lab/*.md", "lab/log/*.md", "verification/*.md")
+PAGES += ("lab/*.md", "verification/*.md")
 PAGES += ("ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 # The libraries of the Rust reference.
 CRATES = ("jcas-core", "jcas-policy", "jcas-plan", "jcas-simd", "jcas-trace", "jcas-episode")

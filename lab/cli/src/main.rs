@@ -1,18 +1,17 @@
 //! The command `jcas-lab`.
 
 mod commands;
-mod manifest;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use commands::{merge, reproduce, train};
+use commands::train;
 
 /// Keeps the large blocks that training frees and asks for again in every minibatch.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The laboratory of jcas: train policies, reproduce the paper's results.
+/// The laboratory of jcas: train policies.
 #[derive(Parser)]
 #[command(
     name = "jcas-lab",
@@ -28,8 +27,6 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Train(train::Train),
-    Reproduce(reproduce::Reproduce),
-    Merge(merge::Merge),
 }
 
 fn main() -> ExitCode {
@@ -37,7 +34,5 @@ fn main() -> ExitCode {
     jcas_cli::interrupt::listen();
     jcas_cli::error::exit_code(match cli.command {
         Command::Train(command) => command.run(),
-        Command::Reproduce(command) => command.run(),
-        Command::Merge(command) => command.run(),
     })
 }

@@ -3,11 +3,9 @@
 use jcas_cli::error::CliError;
 use jcas_train::error::TrainError;
 
-pub mod merge;
-pub mod reproduce;
 pub mod train;
 
-/// The command's error for an error of training or reproduction.
+/// The command's error for an error of training.
 fn failed(error: TrainError) -> CliError {
     match error {
         TrainError::File(path, error) => CliError::Io(path, error),

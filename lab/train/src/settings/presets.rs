@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub enum Preset {
     /// The paper's table; what it leaves open is RLlib's habit.
     Paper,
-    /// What the measurements in `lab/log` kept.
+    /// What the measurements kept.
     Tuned,
     /// The same for missions whose radar detects in the own cell only: it is eased in, and pilot
     /// densities are judged by their own step.

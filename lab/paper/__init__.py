@@ -1,0 +1,1 @@
+"""The paper's study: experiments, the test of their agreement, figures and the page."""
