@@ -1,55 +1,83 @@
-//! Reads what `cargo kani` prints (regular output format).
+//! Reads what `cargo kani --export-json` writes.
 //!
-//! Kani's own verdict is not enough: it also says SUCCESSFUL when a cover property is unsatisfiable
-//! or when every assertion is unreachable. This module therefore derives the verdict from the
-//! single checks.
+//! Kani's own verdict is not enough: it also says Success when a cover property is unsatisfiable or
+//! when every assertion is unreachable. This module therefore derives the verdict from the single
+//! checks.
 
-/// One `Check n: name` entry.
-#[derive(Debug, PartialEq)]
-pub struct Check {
-    /// `function.class.number`.
-    pub name: String,
-    pub status: String,
-    pub description: String,
-    pub location: String,
+use jcas_ledger::ProofVerdict;
+use serde::Deserialize;
+
+/// The export of one call, which may have checked many harnesses.
+#[derive(Debug, Deserialize)]
+pub struct Export {
+    tools: Tools,
+    harness_metadata: Vec<Metadata>,
+    error_details: Vec<Exit>,
+    verification_results: Results,
+}
+
+#[derive(Debug, Deserialize)]
+struct Tools {
+    kani: String,
+    cbmc: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Metadata {
+    pretty_name: String,
+    goto_file: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Exit {
+    harness_id: String,
+    exit_status: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Results {
+    results: Vec<Report>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Report {
+    harness_id: String,
+    status: String,
+    duration_ms: u64,
+    checks: Vec<Check>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Check {
+    function: String,
+    status: String,
+    description: String,
+    location: Location,
+    category: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Location {
+    file: String,
+    line: String,
 }
 
 impl Check {
-    fn is_cover(&self) -> bool {
-        self.class() == "cover"
-    }
-
-    /// The second part of the name, counted from its end.
-    fn class(&self) -> &str {
-        self.name.rsplit('.').nth(1).unwrap_or("")
-    }
-
     /// Whether this is an assertion in a harness or in a property that it checks.
     fn is_claim(&self) -> bool {
-        self.class() == "assertion"
+        self.category == "assertion"
             && self.description.starts_with("assertion failed")
-            && self.location.contains("proofs")
+            && self.location.file.contains("proofs")
+    }
+
+    fn place(&self) -> String {
+        let Location { file, line } = &self.location;
+        format!("{} ({file}:{line} in {})", self.description, self.function)
     }
 }
 
-/// Kani's output for one harness.
-#[derive(Debug, Default)]
-pub struct HarnessReport {
-    /// Full path of the harness within its crate.
-    pub harness: String,
-    pub checks: Vec<Check>,
-    pub verdicts: Vec<String>,
-    pub seconds: Option<f64>,
-    /// Kani stopped CBMC at the harness's time limit.
-    pub timed_out: bool,
-    /// `(satisfied, all)` cover properties, by Kani's own count.
-    pub covers: Option<(u32, u32)>,
-    /// Name and version of the SAT solver.
-    pub solver: Option<String>,
-}
-
-/// The verdict of a run.
-#[derive(Debug, PartialEq)]
+/// What a run showed.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Proven {
     pub checks: usize,
     /// Checks in library code that the harness's inputs never reach.
@@ -58,337 +86,278 @@ pub struct Proven {
     pub seconds: f64,
 }
 
-/// The version in "CBMC version 6.6.0 (cbmc-6.6.0) 64-bit x86_64 linux".
-pub fn cbmc_version(output: &str) -> Option<String> {
-    let mut versions = output
-        .lines()
-        .filter_map(|line| line.strip_prefix("CBMC version "));
-    Some(versions.next()?.split(' ').next()?.to_owned())
+/// Why a run is no proof.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    pub verdict: ProofVerdict,
+    pub why: String,
 }
 
-impl HarnessReport {
-    /// One report for each harness that Kani began to check.
-    pub fn parse_all(output: &str) -> Vec<Self> {
-        let mut reports: Vec<HarnessReport> = Vec::new();
-        for line in output.lines().map(str::trim) {
-            if let Some(rest) = line.strip_prefix("Checking harness ") {
-                reports.push(HarnessReport {
-                    harness: rest.trim_end_matches("...").to_owned(),
-                    ..HarnessReport::default()
-                });
-            } else if let Some(report) = reports.last_mut() {
-                report.read_line(line);
-            }
-        }
-        reports
+impl Refused {
+    pub fn new(verdict: ProofVerdict, why: impl Into<String>) -> Self {
+        let why = why.into();
+        Self { verdict, why }
     }
 
-    fn read_line(&mut self, line: &str) {
-        if let Some(rest) = line.strip_prefix("Check ") {
-            if let Some((number, name)) = rest.split_once(": ")
-                && number.bytes().all(|byte| byte.is_ascii_digit())
-            {
-                self.checks.push(Check {
-                    name: name.to_owned(),
-                    status: String::new(),
-                    description: String::new(),
-                    location: String::new(),
-                });
+    fn failed(why: impl Into<String>) -> Self {
+        Self::new(ProofVerdict::Failed, why)
+    }
+}
+
+impl Export {
+    pub fn parse(text: &str) -> Result<Self, String> {
+        serde_json::from_str(text).map_err(|error| format!("Kani's export is broken: {error}"))
+    }
+
+    pub fn kani(&self) -> &str {
+        &self.tools.kani
+    }
+
+    /// The version in "6.6.0 (cbmc-6.6.0)".
+    pub fn cbmc(&self) -> &str {
+        let version = self.tools.cbmc.as_deref().unwrap_or("unknown");
+        version.split(' ').next().unwrap_or(version)
+    }
+
+    /// The program of a harness after it was linked, which CBMC checks.
+    pub fn program(&self, harness: &str) -> Option<String> {
+        let of = |one: &&Metadata| one.pretty_name == harness;
+        let symbols = self.harness_metadata.iter().find(of)?.goto_file.as_ref()?;
+        Some(symbols.replace(".symtab.out", ".out"))
+    }
+
+    /// Accepts a harness's run as a proof with `covers` witnesses, or says why not.
+    pub fn accept(&self, harness: &str, covers: u32) -> Result<Proven, Refused> {
+        let results = self.verification_results.results.iter();
+        let reports: Vec<_> = results
+            .filter(|report| report.harness_id == harness)
+            .collect();
+        let [report] = reports[..] else {
+            let why = format!("Kani checked {} harnesses of this name", reports.len());
+            return Err(Refused::failed(why));
+        };
+        self.ended_by_itself(harness)?;
+        report.accept(covers)
+    }
+
+    /// Whether CBMC gave its results.
+    fn ended_by_itself(&self, harness: &str) -> Result<(), Refused> {
+        let of = |one: &&Exit| one.harness_id == harness;
+        let exit = self
+            .error_details
+            .iter()
+            .find(of)
+            .and_then(|one| one.exit_status.as_deref());
+        match exit {
+            None | Some("properties_failed") => Ok(()),
+            Some("timeout") => Err(Refused::new(ProofVerdict::NotSolved, "CBMC timed out")),
+            Some("out_of_memory") => {
+                let why = "CBMC was killed, as where memory runs out";
+                Err(Refused::new(ProofVerdict::Unfinished, why))
             }
-        } else if let Some(verdict) = line.strip_prefix("VERIFICATION:- ") {
-            self.verdicts.push(without_colour(verdict));
-        } else if let Some(time) = line.strip_prefix("Verification Time: ") {
-            self.seconds = time.trim_end_matches('s').parse().ok();
-        } else if let Some(solver) = line.strip_prefix("Solving with ") {
-            self.solver = Some(solver.to_owned());
-        } else if line.starts_with("CBMC timed out") {
-            self.timed_out = true;
-        } else if line.starts_with("** ") && line.contains("cover properties satisfied") {
-            self.covers = satisfied(line);
-        } else if let Some(check) = self.checks.last_mut() {
-            if let Some(status) = line.strip_prefix("- Status: ") {
-                check.status = without_colour(status);
-            } else if let Some(description) = line.strip_prefix("- Description: ") {
-                check.description = description.trim_matches('"').to_owned();
-            } else if let Some(location) = line.strip_prefix("- Location: ") {
-                check.location = location.to_owned();
+            Some(other) => {
+                let why = format!("CBMC gave no results: {other}");
+                Err(Refused::new(ProofVerdict::Unfinished, why))
             }
         }
     }
+}
 
-    /// Accepts the run as a proof with `covers` witnesses, or says why not.
-    pub fn accept(&self, covers: u32) -> Result<Proven, String> {
-        self.is_one_success()?;
-        let (witnesses, checks): (Vec<_>, Vec<_>) = self.checks.iter().partition(|c| c.is_cover());
-        if checks.is_empty() {
-            return Err("no check was made".to_owned());
-        }
+impl Report {
+    fn accept(&self, covers: u32) -> Result<Proven, Refused> {
+        let is_cover = |check: &&Check| check.category == "cover";
+        let (witnesses, checks): (Vec<_>, Vec<_>) = self.checks.iter().partition(is_cover);
+        let mut unreachable = 0;
         for check in &checks {
             match check.status.as_str() {
-                "SUCCESS" => {}
-                "UNREACHABLE" if !check.is_claim() => {}
-                status => return Err(format!("{status}: {} ({})", check.description, check.name)),
+                "Success" => {}
+                "Unreachable" if !check.is_claim() => unreachable += 1,
+                status => return Err(Refused::failed(format!("{status}: {}", check.place()))),
             }
         }
         if !checks.iter().any(|check| check.is_claim()) {
-            return Err("no assertion of the harness was checked".to_owned());
+            return Err(Refused::failed("no assertion of the harness was checked"));
         }
-        for witness in &witnesses {
-            if witness.status != "SATISFIED" {
-                return Err(format!("cover {}: {}", witness.status, witness.description));
-            }
+        if self.status != "Success" {
+            return Err(Refused::failed(format!("Kani's verdict: {}", self.status)));
         }
-        if self.covers != Some((covers, covers)) {
-            return Err(format!(
-                "Kani counts {:?} cover properties, the ledger says {covers}",
-                self.covers
-            ));
+        let lost = witnesses
+            .iter()
+            .find(|witness| witness.status != "Satisfied");
+        if let Some(lost) = lost {
+            return Err(Refused::failed(format!(
+                "cover {}: {}",
+                lost.status,
+                lost.place()
+            )));
         }
         if witnesses.len() != covers as usize {
-            return Err(format!(
-                "{} cover properties, the ledger says {covers}",
-                witnesses.len()
-            ));
+            let why = format!("{} covers, the ledger says {covers}", witnesses.len());
+            return Err(Refused::failed(why));
         }
-        let unreachable = checks
-            .iter()
-            .filter(|check| check.status == "UNREACHABLE")
-            .count();
         Ok(Proven {
             checks: checks.len(),
             unreachable,
             covers: witnesses.len(),
-            seconds: self.seconds.unwrap_or(0.0),
+            seconds: self.duration_ms as f64 / 1000.0,
         })
     }
-
-    /// Whether Kani finished with exactly one verdict, and that verdict is success.
-    fn is_one_success(&self) -> Result<(), String> {
-        if self.timed_out {
-            return Err("CBMC timed out".to_owned());
-        }
-        if self.verdicts != ["SUCCESSFUL"] {
-            let failed = self.checks.iter().find(|check| check.status == "FAILURE");
-            return Err(match failed {
-                Some(check) => format!("FAILURE: {} ({})", check.description, check.name),
-                None => format!("verdict {:?}", self.verdicts),
-            });
-        }
-        Ok(())
-    }
 }
 
-/// "** 3 of 3 cover properties satisfied"
-fn satisfied(line: &str) -> Option<(u32, u32)> {
-    let numbers: Vec<u32> = line
-        .split(' ')
-        .filter_map(|word| word.parse().ok())
-        .collect();
-    match numbers[..] {
-        [satisfied, all] => Some((satisfied, all)),
-        _ => None,
-    }
-}
-
-/// Drops the escape sequences with which Kani colours a verdict.
-fn without_colour(text: &str) -> String {
-    let mut plain = String::new();
-    let mut rest = text.chars();
-    while let Some(c) = rest.next() {
-        if c == '\u{1b}' {
-            for escaped in rest.by_ref() {
-                if escaped == 'm' {
-                    break;
-                }
-            }
-        } else {
-            plain.push(c);
-        }
-    }
-    plain.trim().to_owned()
+/// Name and version of the SAT solver that ran for a harness, from what Kani prints: the export
+/// names the one that was asked for.
+pub fn solver(output: &str, harness: &str) -> Option<String> {
+    let begin = format!("Checking harness {harness}...");
+    let part = output.split_once(&begin)?.1;
+    let part = part.split("Checking harness ").next()?;
+    let mut lines = part
+        .lines()
+        .filter_map(|line| line.strip_prefix("Solving with "));
+    lines.next().map(str::to_owned)
 }
 
 #[cfg(test)]
 pub mod tests {
     use super::*;
 
-    /// Kani's output for a proven harness.
-    pub const PROVEN: &str = r#"
-Kani Rust Verifier 0.67.0 (cargo plugin)
-   Compiling jcas-core v0.1.0
-    Finished `dev` profile [unoptimized + debuginfo] target(s) in 1.20s
-Checking harness proofs::energy::the_ledger_balances...
-CBMC version 6.6.0 (cbmc-6.6.0) 64-bit x86_64 linux
-Solving with MiniSAT 2.2.1 with simplifier
-85905 variables, 92661 clauses
-SAT checker: instance is UNSATISFIABLE
+    pub const HARNESS: &str = "proofs::energy::the_ledger_balances";
 
-RESULTS:
-Check 1: energy::spend.arithmetic_overflow.1
-	 - Status: SUCCESS
-	 - Description: "attempt to subtract with overflow"
-	 - Location: core/src/energy.rs:40:5 in function energy::spend
+    /// Kani's export for a harness that was proven.
+    pub const PROVEN: &str = r#"{
+        "tools": {"kani": "0.68.0", "cbmc": "6.6.0 (cbmc-6.6.0)", "solvers": []},
+        "harness_metadata": [{"pretty_name": "proofs::energy::the_ledger_balances",
+            "goto_file": "/target/a__balances.symtab.out"}],
+        "error_details": [{"harness_id": "proofs::energy::the_ledger_balances",
+            "has_errors": false}],
+        "verification_results": {"results": [{
+            "harness_id": "proofs::energy::the_ledger_balances",
+            "status": "Success", "duration_ms": 815,
+            "checks": [
+                {"id": 1, "function": "energy::spend", "status": "Success",
+                 "description": "attempt to subtract with overflow", "category": "assertion",
+                 "location": {"file": "core/src/energy.rs", "line": "40", "column": "5"}},
+                {"id": 2, "function": "balances", "status": "Success",
+                 "description": "assertion failed: after <= capacity", "category": "assertion",
+                 "location": {"file": "core/src/proofs/energy.rs", "line": "20", "column": "5"}},
+                {"id": 3, "function": "energy::spend", "status": "Unreachable",
+                 "description": "attempt to divide by zero", "category": "assertion",
+                 "location": {"file": "core/src/energy.rs", "line": "44", "column": "9"}},
+                {"id": 4, "function": "balances", "status": "Satisfied",
+                 "description": "the battery runs empty", "category": "cover",
+                 "location": {"file": "core/src/proofs/energy.rs", "line": "22", "column": "5"}}
+            ]}]}
+    }"#;
 
-Check 2: proofs::energy::the_ledger_balances.assertion.1
-	 - Status: SUCCESS
-	 - Description: "assertion failed: after <= capacity"
-	 - Location: core/src/proofs/energy.rs:20:5 in function proofs::energy::the_ledger_balances
+    /// The same for a run of CBMC that ended without results.
+    pub fn ended(exit_status: &str) -> String {
+        let begin = PROVEN.find("\"checks\": [").unwrap();
+        let end = PROVEN.rfind("]}]}").unwrap();
+        let text = format!("{}\"checks\": [{}", &PROVEN[..begin], &PROVEN[end..]);
+        let error = format!("\"has_errors\": true, \"exit_status\": \"{exit_status}\"");
+        text.replace("\"has_errors\": false", &error)
+            .replace("Success", "Failure")
+    }
 
-Check 3: energy::spend.assertion.1
-	 - Status: UNREACHABLE
-	 - Description: "attempt to divide by zero"
-	 - Location: core/src/energy.rs:44:9 in function energy::spend
+    fn accept(text: &str) -> Result<Proven, Refused> {
+        Export::parse(text).unwrap().accept(HARNESS, 1)
+    }
 
-Check 4: proofs::energy::the_ledger_balances.cover.1
-	 - Status: SATISFIED
-	 - Description: "the battery runs empty"
-	 - Location: core/src/proofs/energy.rs:22:5 in function proofs::energy::the_ledger_balances
-
-
-SUMMARY:
- ** 0 of 3 failed (1 unreachable)
-
- ** 1 of 1 cover properties satisfied
-
-
-VERIFICATION:- SUCCESSFUL
-Verification Time: 0.8153s
-
-Manual Harness Summary:
-Complete - 1 successfully verified harnesses, 0 failures, 1 total.
-"#;
-
-    /// Kani's output for a harness that reached its time limit.
-    pub const TIMED_OUT: &str = "
-Checking harness proofs::energy::the_ledger_balances...
-CBMC failed
-VERIFICATION:- FAILED
-CBMC timed out. You may want to rerun your proof with a larger timeout or use stubbing to \
-reduce the size of the code the verifier reasons about.
-
-Manual Harness Summary:
-Verification failed for - proofs::energy::the_ledger_balances
-Complete - 0 successfully verified harnesses, 1 failures, 1 total.
-";
-
-    /// Catches a phrase of Kani's output that the reader no longer recognises.
-    #[test]
-    fn the_phrases_of_kani_are_read() {
-        let proven = &HarnessReport::parse_all(PROVEN)[0];
-        assert_eq!(proven.harness, "proofs::energy::the_ledger_balances");
-        assert_eq!(proven.verdicts, ["SUCCESSFUL"]);
-        assert_eq!(
-            proven.solver.as_deref(),
-            Some("MiniSAT 2.2.1 with simplifier")
-        );
-        assert_eq!(cbmc_version(PROVEN).as_deref(), Some("6.6.0"));
-        assert_eq!(proven.covers, Some((1, 1)));
-        assert!(!proven.timed_out);
-        let stopped = &HarnessReport::parse_all(TIMED_OUT)[0];
-        assert_eq!(stopped.verdicts, ["FAILED"]);
-        assert!(stopped.timed_out && stopped.covers.is_none());
+    fn why(text: &str) -> String {
+        accept(text).unwrap_err().why
     }
 
     #[test]
-    fn covers_that_kani_does_not_count_are_rejected() {
-        let output = PROVEN.replace("** 1 of 1 cover", "** 0 of 1 cover");
-        assert!(verdict(&output).unwrap_err().contains("Kani counts"));
+    fn a_proof_is_accepted() {
+        let proven = Proven {
+            checks: 3,
+            unreachable: 1,
+            covers: 1,
+            seconds: 0.815,
+        };
+        assert_eq!(accept(PROVEN), Ok(proven));
+        let export = Export::parse(PROVEN).unwrap();
+        assert_eq!((export.kani(), export.cbmc()), ("0.68.0", "6.6.0"));
+        assert_eq!(export.program(HARNESS).unwrap(), "/target/a__balances.out");
     }
 
-    fn verdict(output: &str) -> Result<Proven, String> {
-        HarnessReport::parse_all(output)[0].accept(1)
+    /// Catches a harness that is misspelt in the ledger, for which Kani checks nothing.
+    #[test]
+    fn a_harness_that_was_not_checked_is_no_proof() {
+        let export = Export::parse(PROVEN).unwrap();
+        let refused = export
+            .accept("proofs::energy::the_ledger_balance", 1)
+            .unwrap_err();
+        assert_eq!(refused.why, "Kani checked 0 harnesses of this name");
+        let begin = PROVEN.find("[{\n            \"harness_id\"").unwrap();
+        let end = PROVEN.rfind("}\n    }").unwrap();
+        let none = format!("{}[]{}", &PROVEN[..begin], &PROVEN[end..]);
+        assert_eq!(why(&none), "Kani checked 0 harnesses of this name");
     }
 
     #[test]
-    fn a_proof_with_its_witness_is_accepted() {
-        let proven = verdict(PROVEN).unwrap();
-        assert_eq!(
-            proven,
-            Proven {
-                checks: 3,
-                unreachable: 1,
-                covers: 1,
-                seconds: 0.8153
-            }
-        );
+    fn a_run_without_results_is_no_proof() {
+        for (exit, verdict) in [
+            ("timeout", ProofVerdict::NotSolved),
+            ("out_of_memory", ProofVerdict::Unfinished),
+            ("exit_code_6", ProofVerdict::Unfinished),
+        ] {
+            assert_eq!(accept(&ended(exit)).unwrap_err().verdict, verdict, "{exit}");
+        }
+        // A run that ended well but has no check.
+        let empty = ended("").replace("\"exit_status\": \"\"", "\"exit_status\": null");
+        assert_eq!(why(&empty), "no assertion of the harness was checked");
     }
 
+    /// Catches an export that was cut where the disk was full.
     #[test]
-    fn colours_do_not_matter() {
-        let coloured = PROVEN
-            .replace("Status: SUCCESS", "Status: \u{1b}[32mSUCCESS\u{1b}[0m")
-            .replace(":- SUCCESSFUL", ":- \u{1b}[32mSUCCESSFUL\u{1b}[0m");
-        assert!(verdict(&coloured).is_ok());
-    }
-
-    #[test]
-    fn a_harness_that_is_missing_has_no_report() {
-        let none = "error: no harnesses matched the name: `proofs::x`\n";
-        assert!(HarnessReport::parse_all(none).is_empty());
-    }
-
-    #[test]
-    fn an_unsatisfied_cover_is_rejected_though_kani_says_successful() {
-        for status in ["UNSATISFIABLE", "UNREACHABLE", "UNDETERMINED"] {
-            let output = PROVEN.replace("SATISFIED", status);
-            assert!(verdict(&output).unwrap_err().contains(status), "{status}");
+    fn half_an_export_is_an_error() {
+        for length in [0, 1, PROVEN.len() / 2, PROVEN.len() - 2] {
+            let error = Export::parse(&PROVEN[..length]).unwrap_err();
+            assert!(error.contains("broken"), "{error}");
         }
     }
 
+    /// Catches a success of Kani's that shows nothing.
     #[test]
-    fn a_lost_cover_is_rejected() {
+    fn a_success_that_shows_nothing_is_no_proof() {
+        let claim = PROVEN.replacen(
+            "\"balances\", \"status\": \"Success\"",
+            "\"balances\", \"status\": \"Unreachable\"",
+            1,
+        );
+        assert!(why(&claim).starts_with("Unreachable: assertion failed"));
+        let cover = PROVEN.replace("Satisfied", "Unsatisfiable");
+        assert!(why(&cover).starts_with("cover Unsatisfiable: the battery"));
+        let failed = PROVEN.replacen(
+            "\"status\": \"Success\",\n                 \"desc",
+            "\"status\": \"Failure\",\n                 \"desc",
+            1,
+        );
         assert!(
-            HarnessReport::parse_all(PROVEN)[0]
-                .accept(2)
-                .unwrap_err()
-                .contains("ledger says 2")
+            why(&failed).starts_with("Failure: attempt to subtract"),
+            "{}",
+            why(&failed)
+        );
+        let unknown = PROVEN.replace("Unreachable", "Undetermined");
+        assert!(why(&unknown).starts_with("Undetermined"));
+        let verdict = PROVEN.replace(
+            "\"status\": \"Success\", \"dur",
+            "\"status\": \"Failure\", \"dur",
+        );
+        assert_eq!(why(&verdict), "Kani's verdict: Failure");
+        let export = Export::parse(PROVEN).unwrap();
+        assert_eq!(
+            export.accept(HARNESS, 2).unwrap_err().why,
+            "1 covers, the ledger says 2"
         );
     }
 
     #[test]
-    fn an_unreachable_claim_is_rejected_though_kani_says_successful() {
-        let claim = "Status: SUCCESS\n\t - Description: \"assertion failed: after";
-        assert!(PROVEN.contains(claim));
-        let output = PROVEN.replace(claim, &claim.replace("SUCCESS", "UNREACHABLE"));
-        assert!(verdict(&output).unwrap_err().contains("UNREACHABLE"));
-    }
-
-    #[test]
-    fn a_run_without_checks_or_without_claims_is_rejected() {
-        let empty = PROVEN.replace("Check ", "Chuck ");
-        assert_eq!(verdict(&empty).unwrap_err(), "no check was made");
-        let foreign = PROVEN
-            .replace("core/src/proofs", "core/src")
-            .replace("proofs::", "x::");
-        let foreign = foreign.replace("Checking harness x::", "Checking harness proofs::");
-        assert!(
-            verdict(&foreign)
-                .unwrap_err()
-                .contains("no assertion of the harness")
-        );
-    }
-
-    #[test]
-    fn failures_undetermined_checks_and_time_outs_are_rejected() {
-        let failed = PROVEN
-            .replace("Status: SUCCESS", "Status: FAILURE")
-            .replace(":- SUCCESSFUL", ":- FAILED")
-            .replace(
-                "1 successfully verified harnesses, 0",
-                "0 successfully verified harnesses, 1",
-            );
-        assert!(
-            verdict(&failed)
-                .unwrap_err()
-                .starts_with("FAILURE: attempt to subtract")
-        );
-
-        let undetermined = PROVEN.replace("Status: SUCCESS", "Status: UNDETERMINED");
-        assert!(verdict(&undetermined).unwrap_err().contains("UNDETERMINED"));
-
-        assert_eq!(verdict(TIMED_OUT).unwrap_err(), "CBMC timed out");
-
-        let cut = PROVEN.split("VERIFICATION").next().unwrap();
-        assert!(verdict(cut).unwrap_err().contains("verdict []"));
+    fn the_solver_is_the_one_that_ran() {
+        let output = "Checking harness a::b...\nSolving with MiniSAT 2.2.1\n\
+                      Checking harness a::c...\nnothing\n";
+        assert_eq!(solver(output, "a::b").as_deref(), Some("MiniSAT 2.2.1"));
+        assert_eq!(solver(output, "a::c"), None);
+        assert_eq!(solver(output, "a"), None);
     }
 }

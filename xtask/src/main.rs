@@ -18,7 +18,8 @@ usage: cargo xtask <task> [name ...]
 
 tasks:
   prove     run the Kani harnesses of verification/proofs.toml and record the
-            verdicts in verification/results.toml and RESULTS.md
+            verdicts in verification/results.toml and RESULTS.md (--changed
+            leaves out those that are verified on these sources)
   mutants   show that the test twin of each proof catches its deliberate fault
             (with --kani also that Kani does)
   tidy      find long and vague sentences, and files that nothing names

@@ -3,10 +3,13 @@
 //! A mutant is one edit of the kernel's text, named in the ledger. The edit is made
 //! in a copy of the sources, never in the sources. The proof's test twin must pass
 //! in the copy without the edit and fail with it; and with `--kani`, so must the proof.
+//! RESULTS.md tells what Kani said.
 
-use crate::kani_output::Proven;
+use crate::kani_output::{Proven, Refused};
 use crate::{process, prove, report};
-use jcas_ledger::{Ledger, Mutant, Proof, read, workspace_root, write};
+use jcas_ledger::{
+    Ledger, Mutant, Proof, ProofVerdict, Results, Sources, read, workspace_root, write,
+};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -32,7 +35,11 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
         .filter(|name| *name != "--kani")
         .cloned()
         .collect();
-    let proofs = Ledger::read()?.select(&names)?;
+    let ledger = Ledger::read()?;
+    let (proofs, sources) = (
+        ledger.select(&names)?,
+        Sources::read(&workspace_root(), &ledger)?,
+    );
     if with_kani {
         prove::require_kani()?;
     }
@@ -50,8 +57,13 @@ pub fn run(arguments: &[String]) -> Result<bool, String> {
     let mut all_caught = true;
     for (proof, before) in proofs.iter().zip(before) {
         eprint!("{} {} ... ", proof.id, proof.name());
-        let (twin, kani) = copy.verdicts(proof, before, with_kani)?;
-        eprintln!("{twin}");
+        let (twin, kani) = copy.verdicts(proof, before, with_kani.then_some(&sources))?;
+        eprintln!("{twin}, under Kani {kani}");
+        if with_kani {
+            let mut results = Results::read()?;
+            results.tell_mutant(proof, &sources, &kani);
+            prove::publish(&ledger, results, &sources)?;
+        }
         all_caught &= twin == "caught" && (!with_kani || kani == "caught");
         rows.push(vec![
             proof.id.clone(),
@@ -94,39 +106,37 @@ impl Copy {
         Ok(Copy { root })
     }
 
-    /// The result of the twin, and if requested of Kani, for the mutant; `before` is the twin's
-    /// result without it.
+    /// The result of the twin, and where `sources` are given of Kani, for the mutant; `before` is
+    /// the twin's result without it.
     fn verdicts(
         &self,
         proof: &Proof,
         before: Twin,
-        with_kani: bool,
+        sources: Option<&Sources>,
     ) -> Result<(String, String), String> {
-        let proven = if with_kani {
-            Some(self.prove(proof)?)
-        } else {
-            None
+        // A harness that is verified on these sources need not be proven once more.
+        let proven = match sources {
+            Some(now) if Results::read()?.is_current(proof, now) => None,
+            Some(now) => self.prove(proof, now)?.err(),
+            None => None,
         };
         let original = read(&self.root.join(&proof.mutant.file))?;
         let mutated = apply(&proof.mutant, &original)?;
         write(&self.root.join(&proof.mutant.file), &mutated)?;
         let after = self.run_twin(proof);
-        let kani = match proven {
-            None => Ok("not asked".to_owned()),
-            Some(Err(why)) => Ok(not_proven(&why)),
-            Some(Ok(_)) => self.prove(proof).map(kani_verdict),
+        let kani = match (sources, proven) {
+            (None, _) => Ok("not asked".to_owned()),
+            (_, Some(refused)) => Ok(not_proven(&refused)),
+            (Some(now), None) => self.prove(proof, now).map(kani_verdict),
         };
         write(&self.root.join(&proof.mutant.file), &original)?;
         Ok((twin_verdict(before, after?).to_owned(), kani?))
     }
 
-    /// Kani's result for the harness in the unchanged copy.
-    fn prove(&self, proof: &Proof) -> Result<Result<Proven, String>, String> {
-        let (judged, _) = prove::prove(&[proof], &self.root)?;
-        let mut verdicts = judged.into_iter().map(|one| one.verdict);
-        Ok(verdicts
-            .next()
-            .unwrap_or_else(|| Err("no verdict".to_owned())))
+    /// Kani's result for the harness in the copy as it is.
+    fn prove(&self, proof: &Proof, now: &Sources) -> Result<Result<Proven, Refused>, String> {
+        let (mut judged, _) = prove::prove(&[proof], &self.root, now)?;
+        Ok(judged.remove(0).verdict)
     }
 
     fn run_twin(&self, proof: &Proof) -> Result<Twin, String> {
@@ -160,17 +170,20 @@ impl Copy {
 }
 
 /// Kani's result for a harness that it proved without the mutant.
-fn kani_verdict(with_the_mutant: Result<Proven, String>) -> String {
+fn kani_verdict(with_the_mutant: Result<Proven, Refused>) -> String {
     match with_the_mutant {
-        Err(why) if why.starts_with("FAILURE") => "caught".to_owned(),
-        Err(why) => format!("UNCLEAR: {}", why.replace('|', "/")),
+        Err(refused) if refused.verdict == ProofVerdict::Failed => "caught".to_owned(),
+        Err(refused) => format!("UNCLEAR: {}", refused.why.replace('|', "/")),
         Ok(_) => "MISSED".to_owned(),
     }
 }
 
 /// A harness that is not proven without the mutant catches nothing.
-fn not_proven(why: &str) -> String {
-    format!("NOT PROVEN WITHOUT THE MUTANT: {}", why.replace('|', "/"))
+fn not_proven(refused: &Refused) -> String {
+    format!(
+        "NOT PROVEN WITHOUT THE MUTANT: {}",
+        refused.why.replace('|', "/")
+    )
 }
 
 fn twin_verdict(before: Twin, after: Twin) -> &'static str {
@@ -276,9 +289,11 @@ mod tests {
 
     #[test]
     fn kani_catches_only_what_it_proves_without_the_mutant() {
-        let failure = Err("FAILURE: assertion failed: x".to_owned());
-        assert_eq!(kani_verdict(failure), "caught");
-        assert!(kani_verdict(Err("CBMC timed out".to_owned())).starts_with("UNCLEAR"));
+        let failed = Refused::new(ProofVerdict::Failed, "Failure: assertion failed: x");
+        assert_ne!(not_proven(&failed), "caught");
+        assert_eq!(kani_verdict(Err(failed)), "caught");
+        let late = Refused::new(ProofVerdict::NotSolved, "CBMC timed out");
+        assert!(kani_verdict(Err(late)).starts_with("UNCLEAR"));
         let proven = Proven {
             checks: 1,
             unreachable: 0,
@@ -286,6 +301,5 @@ mod tests {
             seconds: 1.0,
         };
         assert_eq!(kani_verdict(Ok(proven)), "MISSED");
-        assert_ne!(not_proven("FAILURE: assertion failed: x"), "caught");
     }
 }

@@ -12,7 +12,7 @@ mod sources;
 pub use page::{page, replace_summary, summary};
 pub use proofs::{Ledger, Mutant, Proof, Solver};
 pub use results::{Outcome, ProofVerdict, Results, Run};
-pub use sources::fingerprint;
+pub use sources::Sources;
 
 use std::path::{Path, PathBuf};
 

@@ -2,15 +2,14 @@
 
 use crate::{read, workspace_root};
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// The whole ledger.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ledger {
-    /// Files and folders that the harnesses of a package depend on, from the workspace's root.
-    pub sources: BTreeMap<String, Vec<String>>,
+    /// Files and folders that harnesses may depend on, from the workspace's root.
+    pub sources: Vec<String>,
     /// One row for each harness.
     pub proof: Vec<Proof>,
 }
@@ -33,12 +32,6 @@ pub struct Proof {
     pub assumptions: Vec<String>,
     /// Number of its cover properties; all must be satisfied.
     pub covers: u32,
-    /// Seconds that Kani took on two busy cores; 0 if it has not been measured.
-    #[serde(default)]
-    pub measured_s: u64,
-    /// Estimated seconds, for a harness that has not been measured.
-    #[serde(default)]
-    pub estimated_s: u64,
     /// SAT solver that Kani is asked to use.
     #[serde(default)]
     pub solver: Solver,
@@ -88,12 +81,6 @@ impl Proof {
     /// The harness's own name, without its modules.
     pub fn name(&self) -> &str {
         self.harness.rsplit("::").next().unwrap_or(&self.harness)
-    }
-
-    /// Seconds after which it counts as failed: five times its own time, and at least a minute.
-    /// A machine may be half as fast, and busy.
-    pub fn time_limit_s(&self) -> u64 {
-        (5 * (self.measured_s + self.estimated_s)).max(60)
     }
 
     /// The test that runs the harness body without Kani.

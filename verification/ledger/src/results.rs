@@ -1,8 +1,7 @@
 //! `verification/results.toml`: what the model checker said of each harness, and when.
 
-use crate::{Ledger, Proof, read, workspace_root, write};
+use crate::{Ledger, Proof, Sources, read, workspace_root, write};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// All recorded results.
@@ -31,8 +30,6 @@ pub struct Run {
     pub cbmc: String,
     /// Processors and load.
     pub machine: String,
-    /// Fingerprint of the sources of each package at that commit.
-    pub sources: BTreeMap<String, String>,
 }
 
 /// The outcome of one run for one harness.
@@ -59,12 +56,16 @@ pub struct Outcome {
     /// Name and version of the SAT solver that ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<String>,
-    /// The verdict after a mend of the harness, which `note` describes.
+    /// What Kani said of the harness's mutant, where it was asked.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mended: Option<ProofVerdict>,
+    pub mutant: Option<String>,
     /// Why it failed, or how it was run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// The workspace's files that the checked program has a line of.
+    pub files: Vec<String>,
+    /// Fingerprint of these files and of what they import; empty where there was no program.
+    pub sources: String,
 }
 
 /// The verdict of a run about a claim.
@@ -138,9 +139,25 @@ impl Results {
             .find(|outcome| outcome.package == proof.package && outcome.harness == proof.harness)
     }
 
-    /// Whether the sources of an outcome are those of `now`.
-    pub fn is_current(&self, outcome: &Outcome, now: &BTreeMap<String, String>) -> bool {
-        let run = self.run.iter().find(|run| run.commit == outcome.commit);
-        run.and_then(|run| run.sources.get(&outcome.package)) == now.get(&outcome.package)
+    /// Keeps what Kani said of a mutant beside the verdict of its harness on these sources.
+    pub fn tell_mutant(&mut self, proof: &Proof, now: &Sources, said: &str) {
+        let of = |row: &&mut Outcome| row.package == proof.package && row.harness == proof.harness;
+        let row = self.outcome.iter_mut().find(of);
+        if let Some(row) = row.filter(|row| row.is_of(now)) {
+            row.mutant = Some(said.to_owned());
+        }
+    }
+
+    /// Whether a harness is verified on these sources.
+    pub fn is_current(&self, proof: &Proof, now: &Sources) -> bool {
+        self.of(proof)
+            .is_some_and(|outcome| outcome.verdict == ProofVerdict::Verified && outcome.is_of(now))
+    }
+}
+
+impl Outcome {
+    /// Whether it is of these sources.
+    pub fn is_of(&self, now: &Sources) -> bool {
+        now.fingerprint(&self.files).as_ref() == Some(&self.sources)
     }
 }

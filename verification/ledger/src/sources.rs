@@ -1,41 +1,82 @@
-//! Fingerprints of the sources that the proofs of a package depend on.
+//! Fingerprints of the sources that a checked program was made of.
 
 use crate::{Ledger, read};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-impl Ledger {
-    /// The fingerprint of each package's sources below `root`.
-    pub fn fingerprints(&self, root: &Path) -> Result<BTreeMap<String, String>, String> {
-        let mut found = BTreeMap::new();
-        for (package, paths) in &self.sources {
-            found.insert(package.clone(), fingerprint(root, paths)?);
+/// The Rust files that harnesses depend on, by their paths from the workspace's root.
+pub struct Sources(BTreeMap<String, String>);
+
+impl Sources {
+    /// Reads the files of a ledger's sources below `root`.
+    pub fn read(root: &Path, ledger: &Ledger) -> Result<Self, String> {
+        let mut paths = Vec::new();
+        for source in &ledger.sources {
+            collect(&root.join(source), &mut paths)?;
         }
-        Ok(found)
+        let mut files = BTreeMap::new();
+        for path in paths {
+            let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
+            files.insert(name.into_owned(), read(&path)?);
+        }
+        Ok(Self(files))
+    }
+
+    /// Whether it holds the file.
+    pub fn has(&self, path: &str) -> bool {
+        self.0.contains_key(path)
+    }
+
+    /// A 64-bit FNV-1a hash, in hexadecimal, of the files of a program and of the modules that
+    /// these import; none where a file is gone.
+    ///
+    /// A program contains its functions. Its constants and types may be those of other modules.
+    /// Comments on lines of their own, blank lines and indentation do not count: no proof depends
+    /// on them.
+    pub fn fingerprint(&self, program: &[String]) -> Option<String> {
+        let mut imported = BTreeSet::new();
+        for path in program {
+            imported.extend(imports(self.0.get(path)?));
+        }
+        let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
+        for (path, text) in &self.0 {
+            if program.contains(path) || imported.contains(module(path)) {
+                hash.write(path.as_bytes());
+                for line in lines(text) {
+                    hash.write(line.as_bytes());
+                }
+            }
+        }
+        Some(format!("{:016x}", hash.0))
     }
 }
 
-/// A 64-bit FNV-1a hash, in hexadecimal, of the Rust files at and below `paths`.
-///
-/// Comments on lines of their own, blank lines and indentation do not count: no proof depends on
-/// them.
-pub fn fingerprint(root: &Path, paths: &[String]) -> Result<String, String> {
-    let mut files = Vec::new();
-    for path in paths {
-        collect(&root.join(path), &mut files)?;
+/// The lines that count.
+fn lines(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.lines().map(str::trim);
+    lines.filter(|line| !line.is_empty() && !line.starts_with("//"))
+}
+
+/// The name of a file's module.
+fn module(path: &str) -> &str {
+    let path = path.trim_end_matches(".rs").trim_end_matches("/mod");
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// Every word of a text's `use` declarations and of its paths from the crate's root.
+fn imports(text: &str) -> BTreeSet<&str> {
+    let mut words = BTreeSet::new();
+    let text = text.split("#[cfg(test)]\nmod ").next().unwrap_or(text);
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    for part in text.split("use ").skip(1) {
+        let declaration = part.split(';').next().unwrap_or(part);
+        words.extend(declaration.split(|c| !is_word(c)));
     }
-    files.sort();
-    let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
-    for file in files {
-        let name = file.strip_prefix(root).unwrap_or(&file);
-        hash.write(name.to_string_lossy().as_bytes());
-        for line in read(&file)?.lines().map(str::trim) {
-            if !line.is_empty() && !line.starts_with("//") {
-                hash.write(line.as_bytes());
-            }
-        }
+    for part in text.split("crate::").skip(1) {
+        let path = part.split(|c| !is_word(c) && c != ':').next();
+        words.extend(path.unwrap_or(part).split("::"));
     }
-    Ok(format!("{:016x}", hash.0))
+    words
 }
 
 /// Adds the Rust files at or below a path.
@@ -69,51 +110,65 @@ impl Fnv1a {
 mod tests {
     use super::*;
 
-    /// A folder that is removed with the value.
-    struct Folder(PathBuf);
+    const ENERGY: &str = "use crate::config::{Capacity, limits::MOST};\nfn settle() {}\n";
 
-    impl Folder {
-        fn new(name: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("jcas-{name}-{}", std::process::id()));
-            std::fs::create_dir_all(path.join("src/deep")).unwrap();
-            Folder(path)
-        }
-
-        fn hash_of(&self, file: &str, text: &str) -> String {
-            std::fs::write(self.0.join(file), text).unwrap();
-            fingerprint(&self.0, &["src".into()]).unwrap()
-        }
+    fn hash_with(changed: &str, text: &str) -> Option<String> {
+        let mut files = BTreeMap::from([
+            ("src/energy.rs".to_owned(), ENERGY.to_owned()),
+            (
+                "src/config/mod.rs".to_owned(),
+                "struct Capacity;\n".to_owned(),
+            ),
+            (
+                "src/config/limits.rs".to_owned(),
+                "const MOST: u8 = 1;\n".to_owned(),
+            ),
+            (
+                "src/observation.rs".to_owned(),
+                "fn observe() {}\n".to_owned(),
+            ),
+        ]);
+        files.insert(changed.to_owned(), text.to_owned());
+        Sources(files).fingerprint(&["src/energy.rs".to_owned()])
     }
 
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
-    /// Catches a change of code that goes unseen, and a comment that counts as one.
+    /// Catches a change of code that goes unseen, and one elsewhere that makes a verdict old.
     #[test]
-    fn code_counts_and_comments_do_not() {
-        let folder = Folder::new("fingerprint");
-        let before = folder.hash_of("src/deep/a.rs", "fn a() {\n    1 + 1;\n}\n");
-        let commented = "// Why.\nfn a() {\n\n  1 + 1;\n    // Because.\n}\n";
-        assert_eq!(folder.hash_of("src/deep/a.rs", commented), before);
-        assert_ne!(
-            folder.hash_of("src/deep/a.rs", "fn a() {\n    1 - 1;\n}\n"),
-            before
-        );
-        assert_eq!(
-            folder.hash_of("src/notes.md", "not a source"),
-            folder.hash_of("src/x.md", "")
-        );
-        let other = folder.hash_of("src/b.rs", "fn b() {}\n");
-        std::fs::rename(folder.0.join("src/b.rs"), folder.0.join("src/c.rs")).unwrap();
-        assert_ne!(fingerprint(&folder.0, &["src".into()]).unwrap(), other);
+    fn what_the_program_contains_and_imports_counts() {
+        let now = hash_with("src/energy.rs", ENERGY);
+        let commented = format!("// Why.\n\n  {ENERGY}    // Because.\n");
+        assert_eq!(hash_with("src/energy.rs", &commented), now);
+        assert_eq!(hash_with("src/observation.rs", "fn other() {}\n"), now);
+        for (path, text) in [
+            (
+                "src/energy.rs",
+                "use crate::config::{Capacity, limits::MOST};\nfn s() {}\n",
+            ),
+            ("src/config/mod.rs", "struct Capacity(u8);\n"),
+            ("src/config/limits.rs", "const MOST: u8 = 2;\n"),
+        ] {
+            assert_ne!(hash_with(path, text), now, "{path}");
+        }
     }
 
     #[test]
-    fn a_path_that_is_gone_is_an_error() {
-        let error = fingerprint(Path::new("/"), &["no/such/folder".into()]).unwrap_err();
+    fn a_program_whose_file_is_gone_has_no_fingerprint() {
+        let sources = Sources(BTreeMap::new());
+        assert_eq!(sources.fingerprint(&["src/energy.rs".to_owned()]), None);
+    }
+
+    /// Catches a folder that is not read, or read beside Rust files.
+    #[test]
+    fn the_workspaces_sources_are_found() {
+        let ledger = Ledger::read().unwrap();
+        let sources = Sources::read(&crate::workspace_root(), &ledger).unwrap();
+        assert!(sources.has("core/src/proofs/energy.rs") && sources.has("ffi/src/memory.rs"));
+        assert!(sources.0.keys().all(|path| path.ends_with(".rs")));
+        let missing = Ledger {
+            sources: vec!["no/such/folder".into()],
+            proof: Vec::new(),
+        };
+        let error = Sources::read(Path::new("/"), &missing).err().unwrap();
         assert!(error.contains("no/such/folder"), "{error}");
     }
 }
