@@ -1,7 +1,7 @@
 //! Actions of UAVs: a motion and a pilot density.
 
 use crate::error::Error;
-use crate::lanes::{self, Block, at_width, ones};
+use crate::lanes::{self, Block, Lanes, at_width, ones};
 use crate::model::Model;
 use crate::motion;
 use crate::state::StateMut;
@@ -106,6 +106,21 @@ pub fn pilot_density(u_pilot: f32, min: f64, max: f64) -> f64 {
     }
 }
 
+/// [`pilot_density`] of each lane of a block, as bits of f64.
+// Proof: proofs/fleet.rs, a_blocks_pilot_densities_stay_in_range
+#[inline(always)]
+pub(crate) fn densities<const W: usize>(
+    u_pilot: &Lanes<f32, W>,
+    min: f64,
+    max: f64,
+) -> Lanes<u64, W> {
+    let mut pilot = [0; W];
+    for lane in 0..W {
+        pilot[lane] = canonical_bits(pilot_density(u_pilot[lane], min, max));
+    }
+    pilot
+}
+
 /// Applies every UAV's action: its pilot density, then its motion. A UAV with an empty battery
 /// stays, and one with a low battery moves toward a depot.
 // Proof: proofs/step.rs, beginning_a_step_keeps_the_state_valid
@@ -138,9 +153,9 @@ fn act_in<const W: usize>(
     lanes::force_vector(&mut u_dir);
     lanes::force_vector(&mut u_pilot);
     let battery = block.load(state.battery);
-    let (mut pilot, mut grounded, mut returning) = ([0; W], [0; W], [0; W]);
+    let pilot = densities(&u_pilot, low, high);
+    let (mut grounded, mut returning) = ([0; W], [0; W]);
     for lane in 0..W {
-        pilot[lane] = canonical_bits(pilot_density(u_pilot[lane], low, high));
         grounded[lane] = ones(battery[lane] == 0);
         returning[lane] = ones(battery[lane] < model.energy().rtb_uj) & !grounded[lane];
     }

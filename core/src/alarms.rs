@@ -67,15 +67,34 @@ pub fn thresholds(cells: u32, per_cell: f64) -> [u64; ALARMS_MAX] {
         if k as u32 >= cells {
             break;
         }
-        let scaled = at_most * DRAWS as f64;
-        if scaled < DRAWS as f64 {
-            *threshold = scaled as u64;
-        }
-        let k = k as f64;
-        probability *= (all - k) / (k + 1.0) * odds;
-        at_most += probability;
+        *threshold = threshold_of(at_most);
+        probability = next(k as f64, all, odds, probability);
+        at_most = plus(at_most, probability);
     }
     row
+}
+
+/// The whole part of a probability times 2^32, at most 2^32.
+// Proof: proofs/alarms.rs, thresholds_rise_with_their_probability
+pub(crate) fn threshold_of(at_most: f64) -> u64 {
+    let scaled = at_most * DRAWS as f64;
+    if scaled < DRAWS as f64 {
+        scaled as u64
+    } else {
+        DRAWS
+    }
+}
+
+/// P(X = k + 1), from P(X = k).
+// Proof: proofs/alarms.rs, a_probability_is_not_negative
+pub(crate) fn next(k: f64, all: f64, odds: f64, probability: f64) -> f64 {
+    probability * ((all - k) / (k + 1.0) * odds)
+}
+
+/// P(X ≤ k + 1), from P(X ≤ k) and P(X = k + 1).
+// Proof: proofs/alarms.rs, a_sum_is_not_below_its_part
+pub(crate) fn plus(at_most: f64, probability: f64) -> f64 {
+    at_most + probability
 }
 
 /// The exponent, or -700 below it: e^-700 counts as 0 at the resolution of a draw.

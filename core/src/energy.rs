@@ -177,7 +177,11 @@ fn settle_in<const W: usize>(
     let depots = model.depot_distances(&Cells::of(&cells));
     let there = lanes::spread::<W>(block.mask());
     let battery = block.load(state.battery);
-    let (mut charge, mut spent, mut billed) = ([0; W], [0; W], [0; W]);
+    let (mut offered, mut billed) = ([0; W], [0; W]);
+    for lane in 0..W {
+        offered[lane] = ones(depots[lane] == 0) & there[lane] & plan.charge_uj;
+    }
+    let settled = settle_lanes(&battery, &asked, &offered, plan.capacity_uj);
     let (mut total_spent, mut total_accepted, mut total_shortfall) = (
         block.load(state.spent),
         block.load(state.accepted),
@@ -185,27 +189,62 @@ fn settle_in<const W: usize>(
     );
     let nameplate = ones(model.carbon().billing == ChargeBilling::Nameplate);
     for lane in 0..W {
-        let offered = ones(depots[lane] == 0) & there[lane] & plan.charge_uj;
-        let settled = settle(battery[lane], asked[lane], offered, plan.capacity_uj);
-        charge[lane] = settled.battery_uj;
-        spent[lane] = settled.spent_uj;
-        billed[lane] = offered & nameplate | settled.accepted_uj & !nameplate;
-        total_spent[lane] += settled.spent_uj;
-        total_accepted[lane] += settled.accepted_uj;
-        total_shortfall[lane] += settled.shortfall_uj;
+        billed[lane] = offered[lane] & nameplate | settled.accepted_uj[lane] & !nameplate;
+        total_spent[lane] += settled.spent_uj[lane];
+        total_accepted[lane] += settled.accepted_uj[lane];
+        total_shortfall[lane] += settled.shortfall_uj[lane];
     }
-    block.store(&charge, state.battery);
+    block.store(&settled.battery_uj, state.battery);
     block.store(&total_spent, state.spent);
     block.store(&total_accepted, state.accepted);
     block.store(&total_shortfall, state.shortfall);
-    block.store(&spent, per_uav.spent_uj);
+    block.store(&settled.spent_uj, per_uav.spent_uj);
     block.store(&billed, per_uav.billed_uj);
     // A spare lane requests no energy and receives no offer.
-    sums.spent_uj += lanes::sum(&spent);
+    sums.spent_uj += lanes::sum(&settled.spent_uj);
     sums.billed_uj += lanes::sum(&billed);
     sums.moves += moves;
     for &density in &state.pilot[block.first..][..block.count] {
         sums.pilot += f64::from_bits(density);
+    }
+}
+
+/// [`Settlement`] of each lane of a block.
+pub(crate) struct Settlements<const W: usize> {
+    pub(crate) battery_uj: Lanes<u64, W>,
+    pub(crate) spent_uj: Lanes<u64, W>,
+    pub(crate) accepted_uj: Lanes<u64, W>,
+    pub(crate) shortfall_uj: Lanes<u64, W>,
+}
+
+/// Settles each lane of a block by itself.
+// Proof: proofs/fleet.rs, a_blocks_batteries_stay_in_their_bounds
+#[inline(always)]
+pub(crate) fn settle_lanes<const W: usize>(
+    battery_uj: &Lanes<u64, W>,
+    asked_uj: &Lanes<u64, W>,
+    offered_uj: &Lanes<u64, W>,
+    capacity_uj: u64,
+) -> Settlements<W> {
+    let (mut charge, mut spent) = ([0; W], [0; W]);
+    let (mut accepted, mut shortfall) = ([0; W], [0; W]);
+    for lane in 0..W {
+        let one = settle(
+            battery_uj[lane],
+            asked_uj[lane],
+            offered_uj[lane],
+            capacity_uj,
+        );
+        charge[lane] = one.battery_uj;
+        spent[lane] = one.spent_uj;
+        accepted[lane] = one.accepted_uj;
+        shortfall[lane] = one.shortfall_uj;
+    }
+    Settlements {
+        battery_uj: charge,
+        spent_uj: spent,
+        accepted_uj: accepted,
+        shortfall_uj: shortfall,
     }
 }
 

@@ -112,34 +112,55 @@ pub fn consensus(
         }
         bits::assign(unreached, start, false);
         let begin = reached;
-        order[reached] = start as u64;
-        reached += 1;
-        union.fill(0);
-        // Breadth first: order[begin..reached] is the part of the component found so far.
-        let mut next = begin;
-        while next < reached {
-            let i = order[next] as usize;
-            next += 1;
-            for word in 0..row_words {
-                union[word] |= rows[i * row_words + word];
-            }
-            for word in 0..uav_words {
-                let mut fresh = links[i * uav_words + word] & unreached[word];
-                unreached[word] &= !fresh;
-                while fresh != 0 {
-                    order[reached] = (word * 64) as u64 + u64::from(fresh.trailing_zeros());
-                    reached += 1;
-                    fresh &= fresh - 1;
-                }
-            }
-        }
+        order[begin] = start as u64;
+        reached = reach(links, rows, order, begin, unreached, union);
         for member in begin..reached {
             let i = order[member] as usize;
             for word in 0..row_words {
-                rows[i * row_words + word] = union[word];
+                receive(&mut rows[i * row_words + word], union[word]);
             }
         }
     }
+}
+
+/// Adds to a row what its component holds. Rows change by this alone, so that nothing is forgotten.
+// Proof: proofs/knowledge.rs, what_is_received_is_added
+#[inline(always)]
+pub(crate) fn receive(row: &mut u64, union: u64) {
+    *row |= union;
+}
+
+/// Finds the component of `order[begin]`, breadth first, and the union of its rows. Returns the end
+/// of the component in `order`.
+#[inline(always)]
+fn reach(
+    links: &[u64],
+    rows: &[u64],
+    order: &mut [u64],
+    begin: usize,
+    unreached: &mut [u64],
+    union: &mut [u64],
+) -> usize {
+    let (uav_words, row_words) = (unreached.len(), union.len());
+    union.fill(0);
+    let (mut next, mut reached) = (begin, begin + 1);
+    while next < reached {
+        let i = order[next] as usize;
+        next += 1;
+        for word in 0..row_words {
+            union[word] |= rows[i * row_words + word];
+        }
+        for word in 0..uav_words {
+            let mut fresh = links[i * uav_words + word] & unreached[word];
+            unreached[word] &= !fresh;
+            while fresh != 0 {
+                order[reached] = (word * 64) as u64 + u64::from(fresh.trailing_zeros());
+                reached += 1;
+                fresh &= fresh - 1;
+            }
+        }
+    }
+    reached
 }
 
 /// [`consensus`] for at most 64 UAVs and 64 hotspots: one word holds the component found so far.
@@ -158,7 +179,7 @@ pub(crate) fn consensus_of_words(links: &[u64], rows: &mut [u64]) {
         }
         unreached &= !component;
         while component != 0 {
-            rows[component.trailing_zeros() as usize] = union;
+            receive(&mut rows[component.trailing_zeros() as usize], union);
             component &= component - 1;
         }
     }

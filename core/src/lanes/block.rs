@@ -29,21 +29,26 @@ pub(crate) fn blocks<const W: usize>(uavs: usize) -> impl Iterator<Item = Block<
 #[inline(always)]
 pub(crate) fn blocks_of<const W: usize>(uavs: Range<usize>) -> impl Iterator<Item = Block<W>> {
     let end = uavs.end;
-    uavs.step_by(W).map(move |first| Block {
-        first,
-        // A block of width one is always full, which the compiler does not deduce.
-        count: if W == 1 || end - first >= W {
-            W
-        } else {
-            end - first
-        },
-    })
+    uavs.step_by(W).map(move |first| Block::of(first, end))
 }
 
 impl<const W: usize> Block<W> {
     /// Number of lanes in the first half; a width of one has no second half.
     const HALF: usize = W.div_ceil(2);
     const FIRST_HALF: u64 = (1 << Self::HALF) - 1;
+
+    /// The block that begins with UAV `first` of the UAVs before `end`.
+    // Proof: proofs/fleet.rs, blocks_cover_each_uav_once
+    #[inline(always)]
+    pub(crate) const fn of(first: usize, end: usize) -> Self {
+        // A block of width one is always full, which the compiler does not deduce.
+        let count = if W == 1 || end - first >= W {
+            W
+        } else {
+            end - first
+        };
+        Self { first, count }
+    }
 
     /// Number of spare lanes, which come first in the second half.
     #[inline(always)]

@@ -94,7 +94,7 @@ impl<const W: usize> Rows<W> {
     }
 
     #[inline(always)]
-    fn offsets(&self, to: Cell, width: u32) -> Lanes<u32, W> {
+    pub(crate) fn offsets(&self, to: Cell, width: u32) -> Lanes<u32, W> {
         let (x, begin) = (to.x as i32, (to.y * width) as i32);
         let mut index = [0; W];
         for lane in 0..W {
@@ -105,7 +105,7 @@ impl<const W: usize> Rows<W> {
     }
 
     #[inline(always)]
-    fn byte_offsets(&self, to: Cell, width: u32) -> Lanes<u8, W> {
+    pub(crate) fn byte_offsets(&self, to: Cell, width: u32) -> Lanes<u8, W> {
         let (x, begin) = (to.x as u8, (to.y * width) as u8);
         let mut index = [0; W];
         for lane in 0..W {

@@ -4,8 +4,7 @@
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
-use super::tables::{EXP_MAX, EXP_MIN};
-use crate::alarms::{ALARMS_MAX, sample, thresholds};
+use crate::alarms::{ALARMS_MAX, next, plus, sample, threshold_of, thresholds};
 use crate::config::Cell;
 use crate::search::Disc;
 
@@ -17,6 +16,8 @@ const SIDE: u32 = 3;
 #[cfg_attr(kani, kani::unwind(10))]
 #[cfg_attr(kani, kani::stub(libm::exp, crate::proofs::stubs::any_alarm_exp))]
 #[cfg_attr(kani, kani::stub(libm::log1p, crate::proofs::stubs::any_log1p))]
+#[cfg_attr(kani, kani::stub(crate::alarms::next, crate::proofs::stubs::any_next))]
+#[cfg_attr(kani, kani::stub(crate::alarms::plus, crate::proofs::stubs::any_sum))]
 pub fn thresholds_rise_within_the_draws() {
     let cells = between(0, 1 << 20) as u32;
     let row = thresholds(cells, real_between(0.0, 0.5));
@@ -27,6 +28,47 @@ pub fn thresholds_rise_within_the_draws() {
         assert!(k == 0 || row[k] >= row[k - 1]);
         assert!((k as u32) < cells || row[k] == 1 << 32);
     }
+}
+
+/// The next probability is not below 0, whatever was rounded or overflowed before.
+#[cfg_attr(kani, kani::proof)]
+pub fn a_probability_is_not_negative() {
+    let k = f64::from(between(0, ALARMS_MAX as u64 - 1) as u32);
+    let (all, odds, probability): (f64, f64, f64) = (kani::any(), kani::any(), kani::any());
+    kani::assume(all > k && odds >= 0.0 && !(probability < 0.0));
+    let following = next(k, all, odds, probability);
+    kani::cover!(following > probability, "a larger one");
+    kani::cover!(following < probability, "a smaller one");
+    assert!(!(following < 0.0));
+}
+
+/// Whether `sum` is not below its part: once a sum is not a number, it stays so.
+pub(super) fn does_not_fall(at_most: f64, sum: f64) -> bool {
+    !(sum < at_most) && (!at_most.is_nan() || sum.is_nan())
+}
+
+/// A sum is not below its first part where the second is not below 0.
+#[cfg_attr(kani, kani::proof)]
+pub fn a_sum_is_not_below_its_part() {
+    let (at_most, probability): (f64, f64) = (kani::any(), kani::any());
+    kani::assume(!(at_most < 0.0) && !(probability < 0.0));
+    let sum = plus(at_most, probability);
+    kani::cover!(
+        probability > 0.0 && sum == at_most,
+        "a part that is rounded away"
+    );
+    assert!(does_not_fall(at_most, sum));
+}
+
+/// The threshold of a sum that does not fall does not fall, and is at most 2^32.
+#[cfg_attr(kani, kani::proof)]
+pub fn thresholds_rise_with_their_sum() {
+    let (low, high): (f64, f64) = (kani::any(), kani::any());
+    kani::assume(!(low < 0.0) && does_not_fall(low, high));
+    let (below, above) = (threshold_of(low), threshold_of(high));
+    kani::cover!(below < above && above < 1 << 32, "two thresholds");
+    kani::cover!(low < high && below == above, "one threshold");
+    assert!(below <= above && above <= 1 << 32);
 }
 
 /// The ranks of a sample lie apart and below the size of the footprint.
@@ -145,6 +187,9 @@ pub fn a_kept_false_alarm_counts_once() {
 
 #[cfg(not(kani))]
 super::standin::twins! {
+    a_probability_is_not_negative: 4000 cases, 2 covers;
+    a_sum_is_not_below_its_part: 4000 cases, 1 covers;
+    thresholds_rise_with_their_sum: 4000 cases, 2 covers;
     thresholds_rise_within_the_draws: 4000 cases, 2 covers;
     sampled_ranks_lie_apart: 4000 cases, 2 covers;
     a_rank_names_a_cell_of_the_footprint: 4000 cases, 2 covers;
@@ -155,7 +200,7 @@ super::standin::twins! {
 /// The real functions on dense grids of what the stubs assume.
 #[cfg(test)]
 mod dense {
-    use super::*;
+    use super::super::tables::{EXP_MAX, EXP_MIN};
 
     #[test]
     fn exp_and_log1p_stay_within_their_stubs() {

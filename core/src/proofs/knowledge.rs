@@ -7,7 +7,7 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::knowledge::{consensus, consensus_of_words};
+use crate::knowledge::{consensus, consensus_of_words, receive};
 use crate::sensing::{confirms, count_rows, learn, remember};
 
 /// UAVs in the harness. All graphs of up to six are tried one by one in `exhaustive`.
@@ -261,8 +261,19 @@ pub fn a_remembered_detection_counts_once() {
     assert!(counts[0] == expected);
 }
 
+/// Consensus of any fleet changes rows by `receive` alone, which takes nothing away.
+#[cfg_attr(kani, kani::proof)]
+pub fn what_is_received_is_added() {
+    let (before, union): (u64, u64) = (kani::any(), kani::any());
+    let mut row = before;
+    receive(&mut row, union);
+    kani::cover!(row != before, "something new");
+    assert!(row & before == before && row == before | union);
+}
+
 #[cfg(not(kani))]
 super::standin::twins! {
+    what_is_received_is_added: 4000 cases, 1 covers;
     a_remembered_detection_counts_once: 500 cases, 2 covers;
     consensus_equals_the_papers_iterations: 4000 cases, 3 covers;
     fast_consensus_equals_the_papers_iterations: 4000 cases, 3 covers;

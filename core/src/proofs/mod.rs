@@ -33,6 +33,7 @@ mod carbon;
 mod communication;
 mod curves;
 mod energy;
+mod fleet;
 mod host;
 mod knowledge;
 mod lanes;

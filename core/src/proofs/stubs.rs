@@ -6,6 +6,7 @@
 // Named in attributes alone, which the compiler does not count as a use.
 #![allow(dead_code)]
 
+use super::alarms::does_not_fall;
 use super::carbon::{FLEET_NG, FLEET_UJ, INTENSITY_MG_PER_KWH};
 use super::curves::{
     FALSE_ALARM_EXPONENT_MAX, INVERSE_PROBABILITY_MAX, LOG_MAX, LOG_PROBABILITY_MIN, UAV_ODDS_MAX,
@@ -50,6 +51,22 @@ pub(super) fn any_uav_exp(x: f64) -> f64 {
 pub(super) fn any_alarm_exp(x: f64) -> f64 {
     assert!(x >= -700.0 && x <= 0.0);
     real_between(EXP_MIN, 1.0)
+}
+
+/// What `alarms::a_probability_is_not_negative` shows.
+pub(super) fn any_next(k: f64, all: f64, odds: f64, probability: f64) -> f64 {
+    assert!(all > k && odds >= 0.0 && !(probability < 0.0));
+    let following: f64 = kani::any();
+    kani::assume(!(following < 0.0));
+    following
+}
+
+/// What `alarms::a_sum_is_not_below_its_part` shows.
+pub(super) fn any_sum(at_most: f64, probability: f64) -> f64 {
+    assert!(!(at_most < 0.0) && !(probability < 0.0));
+    let sum: f64 = kani::any();
+    kani::assume(does_not_fall(at_most, sum));
+    sum
 }
 
 pub(super) fn any_log1p(x: f64) -> f64 {
