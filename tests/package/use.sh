@@ -54,7 +54,7 @@ cmake)
     ctest --test-dir build --output-on-failure
     ;;
 subdirectory)
-    cmake -B build -DJCAS_SOURCE="$root" \
+    cmake -B build -DJCAS_SOURCE="$root" -DJCAS_CARGO_PROFILE=release \
         ${CARGO_TARGET_DIR:+"-DJCAS_CARGO_TARGET_DIR=$CARGO_TARGET_DIR"} >/dev/null
     cmake --build build >/dev/null
     ctest --test-dir build --output-on-failure

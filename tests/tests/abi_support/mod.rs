@@ -6,7 +6,6 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
 
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -42,20 +41,23 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
-/// Compilers of a language: the first one that is installed, or all of them with
-/// `JCAS_COMPILERS=all`.
+/// Compilers of a language: the first one that is installed, or those that `JCAS_COMPILERS` names.
 fn compilers(names: &[&'static str]) -> Vec<&'static str> {
     let here = |name: &&'static str| {
-        Command::new(name)
-            .arg("--version")
-            .output()
-            .is_ok_and(|output| output.status.success())
+        let version = Command::new(name).arg("--version").output();
+        version.is_ok_and(|output| output.status.success())
     };
-    if std::env::var("JCAS_COMPILERS").is_ok_and(|which| which == "all") {
-        assert!(names.iter().all(here), "not all of {names:?} are installed");
-        return names.to_vec();
-    }
-    names.iter().copied().find(here).into_iter().collect()
+    let Ok(wanted) = std::env::var("JCAS_COMPILERS") else {
+        return names.iter().copied().find(here).into_iter().collect();
+    };
+    let is_wanted = |name: &&'static str| wanted.split(' ').any(|word| word == *name);
+    let found: Vec<_> = names.iter().copied().filter(is_wanted).collect();
+    assert!(
+        !found.is_empty(),
+        "JCAS_COMPILERS={wanted} has none of {names:?}"
+    );
+    assert!(found.iter().all(here), "not all of {found:?} are installed");
+    found
 }
 
 /// Reports on standard error that a check did not run; the harness hides the output of a passed
@@ -80,32 +82,15 @@ pub fn cpp_compilers() -> Vec<&'static str> {
     found
 }
 
-/// The libraries that cargo built: static, shared.
-pub fn libraries() -> &'static (PathBuf, PathBuf) {
-    static BUILT: OnceLock<(PathBuf, PathBuf)> = OnceLock::new();
-    BUILT.get_or_init(|| {
-        let mut build = Command::new(env!("CARGO"));
-        build.current_dir(root()).args([
-            "build",
-            "--locked",
-            "--quiet",
-            "--package",
-            "jcas-ffi",
-            "--lib",
-            "--message-format",
-            "json",
-        ]);
-        let output = String::from_utf8(run(&mut build).stdout).expect("cargo writes UTF-8");
-        let file = |ending: &str| {
-            output
-                .split('"')
-                .filter(|text| text.ends_with(ending))
-                .map(PathBuf::from)
-                .next_back()
-                .unwrap_or_else(|| panic!("cargo names no {ending}"))
-        };
-        (file("libjcas.a"), file("libjcas.so"))
-    })
+/// The libraries that Cargo built for this test, beside which they lie: static, shared.
+pub fn libraries() -> (PathBuf, PathBuf) {
+    let test = std::env::current_exe().expect("the test has a path");
+    let library = |name| {
+        let path = test.with_file_name(name);
+        assert!(path.is_file(), "{} is not built", path.display());
+        path
+    };
+    (library("libjcas.a"), library("libjcas.so"))
 }
 
 /// Compiles a program and links it with the static library.
