@@ -33,15 +33,16 @@
 //! ```
 
 use crate::error::Error;
-use crate::header::{self, HeaderRef, Phase};
-use crate::metrics::Metrics;
 use crate::model::Model;
 use crate::observation::{observe, observe_global, observe_inline};
-use crate::reward::COMPONENTS;
-use crate::rng::derive_seed;
-use crate::scratch::Scratch;
+use crate::rules::action;
+use crate::rules::metrics::Metrics;
+use crate::rules::reward::COMPONENTS;
+use crate::state::header::{self, HeaderRef, Phase};
+use crate::state::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
-use crate::{action, step};
+use crate::step;
+use crate::words::rng::derive_seed;
 
 /// Declares the outputs of a batch step once. Each has a name, a type, and a number of elements for
 /// one environment; an optional one may be omitted.
@@ -130,7 +131,7 @@ batch_outputs! { $ |model|
     required truncated: [u8; 1];
     /// Global states, `[M][global_len]`; optional.
     optional global: [f32; model.global_len()];
-    /// Components of the team's reward, `[M][12]`, in the order of [`crate::reward::NAMES`];
+    /// Components of the team's reward, `[M][12]`, in the order of [`crate::rules::reward::NAMES`];
     /// optional.
     optional components: [f64; COMPONENTS];
     /// Last observations of the episodes that were reset, `[M][N][observation_len]`; optional.

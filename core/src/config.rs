@@ -18,7 +18,7 @@ pub use detection_table::{DetectionPoint, DetectionTable, MAX_DETECTION_POINTS};
 pub use field::{FieldInfo, FieldValue, FieldValues};
 pub use list::{Element, List};
 
-use crate::hash::Fnv1a;
+use crate::words::hash::Fnv1a;
 use field::Field;
 
 /// Declares the configuration once: the record, its defaults and the description of each field.

@@ -34,62 +34,55 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
-pub mod action;
-mod alarms;
-pub mod batch;
-pub mod bits;
-pub mod carbon;
-pub mod config;
-mod coverage;
-pub mod energy;
+// The rooms in the order of their imports: each uses those above it.
 pub mod error;
-mod footprint;
-mod graph;
-pub mod hash;
-pub mod header;
-pub mod host;
-mod knowledge;
+mod words;
+
 mod lanes;
-mod layout;
-pub mod link;
-mod metrics;
+
+pub mod config;
+
+mod radio;
+
+mod constants;
+
 mod model;
-pub mod motion;
+
+mod state;
+
+mod rules;
+
 pub mod observation;
-mod potential;
-mod printable;
-#[cfg(any(kani, test))]
-mod proofs;
-mod radar;
-mod reports;
-mod reset;
-pub mod reward;
-pub mod rng;
-mod scratch;
-mod search;
-mod sensing;
+
+mod step;
+
+pub mod batch;
+pub mod host;
+mod snapshot;
+
 #[cfg(feature = "alloc")]
 mod sim;
-mod snapshot;
-mod state;
-mod step;
-mod validity;
-mod word;
 
-pub use action::Motion;
+#[cfg(any(kani, test))]
+mod proofs;
+
 pub use config::{
     Cell, ChargeBilling, Config, DetectionCurve, InformPayment, LearnedDetections, MapDirections,
     PilotGain, Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 pub use error::{ConfigError, Error};
-pub use metrics::Metrics;
 pub use model::Model;
-pub use printable::Printable;
-pub use scratch::Scratch;
+pub use radio::link;
+pub use rules::action::Motion;
+pub use rules::metrics::Metrics;
+pub use rules::{action, carbon, energy, motion, reward};
 #[cfg(feature = "alloc")]
 pub use sim::Sim;
-pub use state::{StateMut, StateRef};
+pub use state::scratch::Scratch;
+pub use state::{StateMut, StateRef, header};
 pub use step::StepOutcome;
+pub use words::printable::Printable;
+pub use words::{bits, hash, rng};
 
 /// Version of the kernel, which every trace records.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -5,13 +5,13 @@ use alloc::vec::Vec;
 
 use crate::config::Cell;
 use crate::error::Error;
-use crate::hash;
 use crate::host::Call;
 use crate::model::Model;
 use crate::observation;
-use crate::scratch::Scratch;
+use crate::state::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::step::StepOutcome;
+use crate::words::hash;
 
 /// A simulation: a state of a model together with its working memory.
 ///

@@ -14,9 +14,9 @@
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use crate::error::{Corruption, Error};
-use crate::hash::Fnv1a;
 use crate::model::Model;
 use crate::state::StateRef;
+use crate::words::hash::Fnv1a;
 
 /// Version of the snapshot format.
 pub const FORMAT_VERSION: u64 = 2;

@@ -4,15 +4,15 @@
 //! parts of the model between them, for example positions before sensing.
 
 use crate::error::Error;
-use crate::header::Phase;
 use crate::model::Model;
-use crate::reward::{self, Billed, StepTotals};
-use crate::scratch::Scratch;
-use crate::state::StateMut;
-use crate::{
+use crate::rules::reward::{self, Billed, StepTotals};
+use crate::rules::{
     action, alarms, carbon, coverage, energy, graph, knowledge, metrics, potential, reports,
     sensing,
 };
+use crate::state::StateMut;
+use crate::state::header::Phase;
+use crate::state::scratch::Scratch;
 
 /// The result of a step: the team's reward, and whether the episode has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use super::{
     TargetVisibility, UavTag,
 };
 use crate::error::Value;
-use crate::hash::Fnv1a;
+use crate::words::hash::Fnv1a;
 
 /// Description of a field.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! The rules of a legal configuration.
 
 use super::{Config, DetectionCurve, DetectionPoint, MapDirections, SearchMaps};
-use crate::carbon::milligrams;
-use crate::energy::EnergyPlan;
 use crate::error::{Allowed, ConfigError, Value};
+use crate::rules::carbon::milligrams;
+use crate::rules::energy::EnergyPlan;
 
 /// Largest number of bits of the maps of a fleet: 32 MiB.
 const MAP_BITS_MAX: u64 = 1 << 28;

@@ -3,8 +3,8 @@
 use crate::config::Cell;
 use crate::error::Error;
 use crate::model::Model;
-use crate::scratch::Scratch;
 use crate::state::StateMut;
+use crate::state::scratch::Scratch;
 
 /// Declares the calls once: the enum, the name of each, the list of names, and which calls come
 /// within a step.

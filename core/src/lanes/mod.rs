@@ -24,7 +24,6 @@
 mod block;
 mod cells;
 mod gather;
-pub(crate) mod neighbours;
 pub(crate) mod real;
 
 pub(crate) use block::{Block, blocks, blocks_of};

@@ -3,8 +3,9 @@
 use super::Model;
 use crate::config::{Cell, Config};
 use crate::lanes::{self, Cells, Lanes, Rows};
-use crate::radar::curve;
-use crate::{alarms, link, motion, radar};
+use crate::radio::radar::curve;
+use crate::radio::{link, radar};
+use crate::rules::{alarms, motion};
 
 /// The memory of a model's tables: the caller's, or with the feature `alloc` the model's own.
 #[derive(Clone, Debug)]

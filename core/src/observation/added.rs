@@ -4,10 +4,10 @@
 //! and the nearest reported cells.
 
 use super::{View, flag, index_tag};
-use crate::bits;
 use crate::config::{Cell, Config, MapDirections, SearchMaps, UavTag};
-use crate::reports;
-use crate::search::{DIRECTIONS, unsearched_shares};
+use crate::rules::reports;
+use crate::words::bits;
+use crate::words::geometry::{DIRECTIONS, unsearched_shares};
 
 /// Number of entries for a reported cell.
 pub(super) const REPORT: usize = 3;

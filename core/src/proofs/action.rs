@@ -3,7 +3,7 @@
 use super::inputs::real_between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::action::{clip, motion, pilot_density};
+use crate::rules::action::{clip, motion, pilot_density};
 
 /// A clipped value lies in [-1, 1] for any bits, and a value inside does not change.
 fn clips(value: f32) {

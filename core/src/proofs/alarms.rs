@@ -4,9 +4,9 @@
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::alarms::{ALARMS_MAX, next, plus, sample, threshold_of, thresholds};
 use crate::config::Cell;
-use crate::search::Disc;
+use crate::rules::alarms::{ALARMS_MAX, next, plus, sample, threshold_of, thresholds};
+use crate::words::geometry::Disc;
 
 /// Cells along a side of the harness's grid: one beside the middle on every side.
 const SIDE: u32 = 3;
@@ -16,8 +16,14 @@ const SIDE: u32 = 3;
 #[cfg_attr(kani, kani::unwind(10))]
 #[cfg_attr(kani, kani::stub(libm::exp, crate::proofs::stubs::any_alarm_exp))]
 #[cfg_attr(kani, kani::stub(libm::log1p, crate::proofs::stubs::any_log1p))]
-#[cfg_attr(kani, kani::stub(crate::alarms::next, crate::proofs::stubs::any_next))]
-#[cfg_attr(kani, kani::stub(crate::alarms::plus, crate::proofs::stubs::any_sum))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::rules::alarms::next, crate::proofs::stubs::any_next)
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::rules::alarms::plus, crate::proofs::stubs::any_sum)
+)]
 pub fn thresholds_rise_within_the_draws() {
     let cells = between(0, 1 << 20) as u32;
     let row = thresholds(cells, real_between(0.0, 0.5));
@@ -74,7 +80,10 @@ pub fn thresholds_rise_with_their_sum() {
 /// The ranks of a sample lie apart and below the size of the footprint.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(10))]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
+)]
 pub fn sampled_ranks_lie_apart() {
     let size = between(0, 12) as u32;
     let count = between(0, ALARMS_MAX as u64) as u32;
@@ -145,7 +154,7 @@ pub fn a_false_confirmation_is_never_taken_back() {
     let (alarms, quorum) = ([0; 4].map(|_: u64| between(0, 3)), between(1, 3));
     let before = between(0, 7);
     let (mut confirmed, mut counts) = ([before], kani::any::<[u64; 3]>());
-    let fresh = crate::alarms::confirm_cells(&alarms, quorum, &mut confirmed, &mut counts);
+    let fresh = crate::rules::alarms::confirm_cells(&alarms, quorum, &mut confirmed, &mut counts);
     kani::cover!(fresh == 2, "two cells");
     kani::cover!(fresh == 0 && before == 7, "nothing is left to confirm");
     assert!(confirmed[0] & before == before);
@@ -167,7 +176,7 @@ pub fn a_kept_false_alarm_counts_once() {
     let (alarms, quorum) = ([0; 3].map(|_: u64| between(0, 3)), between(1, 3));
     let (before, kept) = (between(0, 7), [0; 3].map(|_: u64| between(0, 7)));
     let mut confirmed = [before];
-    let fresh = crate::alarms::confirm_kept(&alarms, &kept, quorum, &mut confirmed);
+    let fresh = crate::rules::alarms::confirm_kept(&alarms, &kept, quorum, &mut confirmed);
     kani::cover!(fresh == 2, "two cells");
     kani::cover!(
         alarms[0] == 1 && alarms[1] == 1 && fresh == 1,

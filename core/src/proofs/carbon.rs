@@ -3,8 +3,8 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::carbon::{CarbonPlan, emitted_ng};
 use crate::config::Config;
+use crate::rules::carbon::{CarbonPlan, emitted_ng};
 
 /// Largest legal carbon intensity: 10 kg/kWh.
 const INTENSITY_MAX_MG_PER_KWH: u64 = 10_000_000;
@@ -77,8 +77,8 @@ super::standin::twins! {
 #[cfg(test)]
 mod wide {
     use super::*;
-    use crate::energy::EnergyPlan;
     use crate::model::any_model::smallest;
+    use crate::rules::energy::EnergyPlan;
     use proptest::prelude::*;
 
     proptest! {

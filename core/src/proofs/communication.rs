@@ -8,12 +8,12 @@ use super::state::{
     REMEMBERING_WORDS, SCRATCH_WORDS, STATE_WORDS, any_fleet, any_fleet_in, carries_scalars,
     differ, links_join_two, nothing_is_forgotten, open, radios_are_valid, view,
 };
-use crate::bits;
 use crate::config::Cell;
-use crate::header::{self, Phase};
 use crate::model::Model;
-use crate::scratch::Scratch;
+use crate::state::header::{self, Phase};
+use crate::state::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
+use crate::words::bits;
 
 /// Any words whose radios are valid.
 #[cfg(kani)]
@@ -37,7 +37,7 @@ pub fn a_mean_throughput_is_bounded() {
     let load = real_between(0.0, 1.0);
     let sum = real_between(0.0, 1e6);
     let degree = between(0, 1) as u32;
-    let mean = crate::graph::mean_throughput(load, sum, degree);
+    let mean = crate::rules::graph::mean_throughput(load, sum, degree);
     kani::cover!(mean > 1.0, "a throughput");
     kani::cover!(degree == 0, "no neighbour");
     assert!(mean >= 0.0 && mean <= 1e6);
@@ -68,20 +68,23 @@ fn is_a_throughput(value: f64) -> bool {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::graph::mean_throughput,
+        crate::rules::graph::mean_throughput,
         crate::proofs::stubs::any_mean_throughput
     )
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::hear_each_other, crate::proofs::stubs::any_hearing)
+    kani::stub(
+        crate::rules::graph::hear_each_other,
+        crate::proofs::stubs::any_hearing
+    )
 )]
 pub fn building_the_graph_keeps_its_contract() {
     given!(model);
     let before = any_radios(&model);
     let mut after = before;
     given!(scratch for model);
-    crate::graph::build_graph(&model, &mut open(&model, &mut after), &mut scratch);
+    crate::rules::graph::build_graph(&model, &mut open(&model, &mut after), &mut scratch);
     let new = view(&model, &after);
     kani::cover!(model.uav_count() > 1 && new.linked(0, 1), "a link");
     kani::cover!(new.grounded(0), "a grounded UAV");
@@ -105,7 +108,7 @@ pub fn building_the_graph_keeps_its_contract() {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::graph::mean_throughput,
+        crate::rules::graph::mean_throughput,
         crate::proofs::stubs::any_mean_throughput
     )
 )]
@@ -114,7 +117,7 @@ pub fn measuring_the_throughput_keeps_its_contract() {
     let before = any_radios(&model);
     kani::assume(links_join_two(&model, &view(&model, &before)));
     let mut after = before;
-    crate::graph::measure_throughput(&model, &mut open(&model, &mut after));
+    crate::rules::graph::measure_throughput(&model, &mut open(&model, &mut after));
     let new = view(&model, &after);
     kani::cover!(new.throughput(0) > 0.0, "a throughput");
     kani::cover!(new.mean_throughput() == 0.0, "none");
@@ -143,13 +146,13 @@ const TRIO_WORDS: usize = STATE_WORDS;
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::graph::hear_each_other,
+        crate::rules::graph::hear_each_other,
         crate::proofs::stubs::any_symmetric_relation
     )
 )]
 pub fn buckets_link_the_pairs_that_pairs_link() {
     given!(model = any_bucketed_model);
-    kani::assume(crate::graph::by_pairs(model.uav_count()));
+    kani::assume(crate::rules::graph::by_pairs(model.uav_count()));
     let mut words: [u64; TRIO_WORDS] = kani::any();
     place_radios(&model, &mut words);
     let (mut pairs, mut buckets) = (words, words);
@@ -159,7 +162,7 @@ pub fn buckets_link_the_pairs_that_pairs_link() {
     let mut pairs = StateMut::split(layout, &mut pairs[..model.state_words()]);
     let mut buckets = StateMut::split(layout, &mut buckets[..model.state_words()]);
     link_pairs(&model, &mut pairs, &mut scratch);
-    crate::graph::link_by_buckets(&model, &mut buckets, &mut scratch);
+    crate::rules::graph::link_by_buckets(&model, &mut buckets, &mut scratch);
     let linked = pairs.links[0] != 0;
     kani::cover!(
         linked && pairs.cells[0] != pairs.cells[1],
@@ -170,7 +173,7 @@ pub fn buckets_link_the_pairs_that_pairs_link() {
         assert!(pairs.links[word] == buckets.links[word]);
     }
     if !cfg!(kani) {
-        crate::graph::measure_throughput(&model, &mut buckets);
+        crate::rules::graph::measure_throughput(&model, &mut buckets);
         assert!(pairs.throughput == buckets.throughput);
     }
 }
@@ -195,7 +198,7 @@ fn place_radios(model: &Model<'_>, words: &mut [u64; TRIO_WORDS]) {
 }
 
 fn link_pairs(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch<'_>) {
-    use crate::graph::link_by_pairs;
+    use crate::rules::graph::link_by_pairs;
     crate::lanes::at_width!(model, link_by_pairs(model, state, scratch));
 }
 
@@ -205,7 +208,7 @@ fn link_pairs(model: &Model<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::rules::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 pub fn spreading_keeps_the_state_valid() {
     given!(model);
@@ -240,7 +243,7 @@ fn spread<const W: usize>(model: &Model<'_>, before: &[u64; W]) -> [u64; W] {
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::rules::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 pub fn spreading_with_memory_keeps_the_state_valid() {
     given!(model = any_remembering_model);
@@ -265,8 +268,8 @@ pub fn working_memory_does_not_matter_to_consensus() {
     let mut zeros = [0; SCRATCH_WORDS];
     let mut scratch = Scratch::new(&model, &mut scratch).ok().unwrap();
     let mut zeros = Scratch::new(&model, &mut zeros).ok().unwrap();
-    crate::knowledge::communicate(&model, &mut open(&model, &mut one), &mut scratch);
-    crate::knowledge::communicate(&model, &mut open(&model, &mut other), &mut zeros);
+    crate::rules::knowledge::communicate(&model, &mut open(&model, &mut one), &mut scratch);
+    crate::rules::knowledge::communicate(&model, &mut open(&model, &mut other), &mut zeros);
     kani::cover!(view(&model, &one).informed(0), "an informed hotspot");
     assert!(!differ(&one, &other));
 }

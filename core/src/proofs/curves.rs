@@ -8,7 +8,7 @@ use super::inputs::real_between;
 use super::standin as kani;
 use super::tables::{ODDS_MAX, ODDS_MIN};
 use crate::config::{Config, DetectionCurve, DetectionTable};
-use crate::radar::curve::{Coherent, Curve, Swerling1, tabulated};
+use crate::radio::radar::curve::{Coherent, Curve, Swerling1, tabulated};
 
 /// Bounds of `exp` on [-380, 380], where a UAV's exponent is clipped to.
 pub(super) const UAV_ODDS_MIN: f64 = 1e-166;

@@ -4,8 +4,8 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Config;
-use crate::energy::{Activity, EnergyPlan, settle};
 use crate::lanes::ones;
+use crate::rules::energy::{Activity, EnergyPlan, settle};
 
 /// A legal configuration's ledgers stay below this (`Config::validate`).
 pub(super) const ROOM_UJ: u64 = 1 << 62;
@@ -34,7 +34,7 @@ pub fn battery_ledger_balances() {
 }
 
 /// `settle` keeps the contract that the end of a step relies on in its place.
-#[cfg_attr(kani, kani::proof_for_contract(crate::energy::settle))]
+#[cfg_attr(kani, kani::proof_for_contract(crate::rules::energy::settle))]
 pub fn settling_keeps_its_contract() {
     let capacity = between(0, ROOM_UJ);
     let battery = between(0, capacity);

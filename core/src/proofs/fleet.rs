@@ -21,9 +21,9 @@ use super::energy::ROOM_UJ;
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::action::densities;
-use crate::energy::settle_lanes;
 use crate::lanes::{Block, Lanes};
+use crate::rules::action::densities;
+use crate::rules::energy::settle_lanes;
 
 /// The largest legal fleet.
 const UAVS_MAX: u64 = 4096;

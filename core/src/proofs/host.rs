@@ -10,9 +10,9 @@ use super::state::{
     nothing_is_forgotten, open, view,
 };
 use crate::config::Cell;
-use crate::header::Phase;
 use crate::host::given_after;
 use crate::model::Model;
+use crate::state::header::Phase;
 
 /// UAVs of the smallest model, and of any that the stand-in makes; no model has more hotspots.
 #[cfg(kani)]
@@ -193,7 +193,7 @@ fn any_throughputs() -> [f64; MOST] {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::graph::measure_throughput,
+        crate::rules::graph::measure_throughput,
         crate::proofs::stubs::any_measured_throughput
     )
 )]
@@ -234,7 +234,7 @@ pub fn communicating_over_measured_links_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_hotspots_keeps_the_state_valid() {
     given!(model);
@@ -255,7 +255,7 @@ pub fn setting_hotspots_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn moving_a_hotspot_keeps_the_state_valid() {
     given!(model);
@@ -279,11 +279,11 @@ pub fn moving_a_hotspot_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::rules::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_starts_keeps_the_state_valid() {
     given!(model);
@@ -309,11 +309,11 @@ fn any_charge(model: &Model<'_>) -> u64 {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::rules::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_a_battery_keeps_the_state_valid() {
     given!(model);
@@ -335,11 +335,11 @@ pub fn setting_a_battery_keeps_the_state_valid() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(crate::rules::graph::build_graph, crate::proofs::stubs::any_graph)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn setting_batteries_keeps_the_state_valid() {
     given!(model);

@@ -7,8 +7,8 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::knowledge::{consensus, consensus_of_words, receive};
-use crate::sensing::{confirms, count_rows, learn, remember};
+use crate::rules::knowledge::{consensus, consensus_of_words, receive};
+use crate::rules::sensing::{confirms, count_rows, learn, remember};
 
 /// UAVs in the harness. All graphs of up to six are tried one by one in `exhaustive`.
 const UAVS: usize = 4;
@@ -344,7 +344,7 @@ mod exhaustive {
 #[cfg(test)]
 mod wide {
     use super::*;
-    use crate::bits;
+    use crate::words::bits;
     use proptest::prelude::*;
 
     /// Fleets of 70 take two words a row; 64-bit knowledge.

@@ -17,7 +17,7 @@ macro_rules! given {
     };
     ($scratch:ident for $model:ident) => {
         let mut words: [u64; $crate::proofs::state::SCRATCH_WORDS] = kani::any();
-        let mut $scratch = $crate::scratch::Scratch::new(&$model, &mut words)
+        let mut $scratch = $crate::state::scratch::Scratch::new(&$model, &mut words)
             .ok()
             .unwrap();
     };

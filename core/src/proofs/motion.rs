@@ -3,9 +3,9 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::action::Motion;
 use crate::config::Cell;
-use crate::motion::{destination, toward};
+use crate::rules::action::Motion;
+use crate::rules::motion::{destination, toward};
 
 /// Longest side of a legal grid.
 const SIDE_MAX: u64 = 1024;

@@ -10,8 +10,8 @@ use super::standin as kani;
 use super::state::{ACTIONS, STATE_WORDS, any_actions, any_fleet, any_phase, differ, open, view};
 use crate::config::Cell;
 use crate::error::Error;
-use crate::header::{self, Phase};
 use crate::model::Model;
+use crate::state::header::{self, Phase};
 
 /// Room for a cell or a charge more than the smallest model, or any that the stand-in makes, has
 /// UAVs.

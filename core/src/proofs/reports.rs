@@ -5,7 +5,7 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::reports::{level, raise};
+use crate::rules::reports::{level, raise};
 
 /// Cells of the harness, and the set of all of them.
 const CELLS: u64 = 3;

@@ -5,26 +5,32 @@
 use super::standin as kani;
 use super::state::{STATE_WORDS, view};
 use crate::config::Cell;
-use crate::header::Phase;
-use crate::reset::{initial_charge_uj, place_hotspots, start_cell};
-use crate::scratch::Scratch;
+use crate::rules::reset::{initial_charge_uj, place_hotspots, start_cell};
 use crate::state::StateMut;
+use crate::state::header::Phase;
+use crate::state::scratch::Scratch;
 
 /// The base case holds for any memory and any seed.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(64))]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::reset::initial_charge_uj, crate::proofs::stubs::any_charge)
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::graph::build_graph, crate::proofs::stubs::any_graph)
+    kani::stub(
+        crate::rules::reset::initial_charge_uj,
+        crate::proofs::stubs::any_charge
+    )
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::rules::graph::build_graph, crate::proofs::stubs::any_graph)
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 pub fn reset_makes_a_valid_state() {
     given!(model = any_charged_model);
@@ -58,7 +64,10 @@ const SPREAD_SCRATCH_WORDS: usize = super::state::SCRATCH_WORDS;
 /// For any draws, hotspots lie in different cells of the grid without a depot.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
+)]
 pub fn hotspots_lie_apart() {
     given!(model = any_spread_model);
     let mut words = [0; SPREAD_WORDS];
@@ -81,7 +90,10 @@ pub fn hotspots_lie_apart() {
 
 /// For any draw and any range of charges, a battery holds at most its capacity.
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
+)]
 pub fn a_drawn_charge_fits_the_battery() {
     given!(model = any_charged_model);
     let charge_uj = initial_charge_uj(&model, kani::any(), 0);
@@ -92,7 +104,10 @@ pub fn a_drawn_charge_fits_the_battery() {
 
 /// For any draw, a UAV that starts anywhere starts on the grid.
 #[cfg_attr(kani, kani::proof)]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
+)]
 pub fn a_drawn_start_is_on_the_grid() {
     given!(model = any_scattered_model);
     let cell = start_cell(&model, kani::any(), 0);

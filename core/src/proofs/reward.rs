@@ -3,10 +3,10 @@
 use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::carbon;
 use crate::config::Config;
-use crate::reward::{RewardPlan, StepTotals, total};
-use crate::validity::THROUGHPUT_MAX;
+use crate::rules::carbon;
+use crate::rules::reward::{RewardPlan, StepTotals, total};
+use crate::state::validity::THROUGHPUT_MAX;
 
 /// Bound of the reward of a step of any legal size with the default weights. At most half of it is
 /// for the highest throughput that a host can give.

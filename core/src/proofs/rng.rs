@@ -3,7 +3,7 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::rng::{Purpose, below, counter, unit};
+use crate::words::rng::{Purpose, below, counter, unit};
 
 fn any_purpose() -> Purpose {
     match between(1, 7) {

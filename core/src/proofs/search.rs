@@ -5,7 +5,7 @@ use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Cell;
-use crate::search::Disc;
+use crate::words::geometry::Disc;
 
 /// Cells along a side of the harness's grid: one beside the middle on every side.
 const SIDE: u64 = 3;
@@ -15,7 +15,10 @@ const SIDE: u64 = 3;
 #[cfg_attr(kani, kani::unwind(4))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::bits::set_range, crate::proofs::stubs::set_range_of_a_word)
+    kani::stub(
+        crate::words::bits::set_range,
+        crate::proofs::stubs::set_range_of_a_word
+    )
 )]
 pub fn looking_around_adds_the_cells_within_the_radius() {
     let before = between(0, (1 << (SIDE * SIDE)) - 1);
@@ -55,7 +58,7 @@ super::standin::twins! {
 #[cfg(test)]
 mod exhaustive {
     use super::*;
-    use crate::bits;
+    use crate::words::bits;
 
     /// Every cell of the map afterwards was there before or lies within the radius.
     fn marks_the_cells_within(before: u64, cell: Cell, squared: u32, width: u32, height: u32) {

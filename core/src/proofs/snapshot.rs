@@ -8,10 +8,10 @@ use super::inputs::between;
 use super::standin as kani;
 use super::state::{STATE_WORDS, any_fleet, any_state, differ, view};
 use crate::error::{Corruption, Error};
-use crate::hash::Fnv1a;
-use crate::header::Phase;
 use crate::model::Model;
 use crate::snapshot::put;
+use crate::state::header::Phase;
+use crate::words::hash::Fnv1a;
 
 /// Bytes around a state: magic, version, fingerprint, checksum.
 const FRAME_WORDS: usize = 4;
@@ -35,7 +35,7 @@ fn any_bytes(model: &Model<'_>) -> [u8; SNAPSHOT_BYTES] {
     if kani::any() {
         bytes[between(0, len as u64 - 1) as usize] ^= 1 << between(0, 7);
         if kani::any() {
-            let mut hash = crate::hash::Fnv1a::new();
+            let mut hash = crate::words::hash::Fnv1a::new();
             hash.write(&bytes[..len - 8]);
             bytes[len - 8..len].copy_from_slice(&hash.finish().to_le_bytes());
         }
@@ -87,7 +87,7 @@ pub fn any_words_can_be_judged() {
 #[cfg_attr(kani, kani::unwind(10))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::hash::Fnv1a::write, crate::proofs::stubs::keep_bytes)
+    kani::stub(crate::words::hash::Fnv1a::write, crate::proofs::stubs::keep_bytes)
 )]
 pub fn both_writers_of_the_checksum_agree() {
     let word: u64 = kani::any();
@@ -106,11 +106,11 @@ pub fn both_writers_of_the_checksum_agree() {
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
+    kani::stub(crate::words::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::hash::Fnv1a::write_u64, crate::proofs::stubs::skip_word)
+    kani::stub(crate::words::hash::Fnv1a::write_u64, crate::proofs::stubs::skip_word)
 )]
 pub fn loading_accepts_only_snapshots_of_valid_states() {
     given!(model);
@@ -136,11 +136,11 @@ pub fn loading_accepts_only_snapshots_of_valid_states() {
 #[cfg_attr(kani, kani::solver(cadical))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
+    kani::stub(crate::words::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::hash::Fnv1a::write_u64, crate::proofs::stubs::skip_word)
+    kani::stub(crate::words::hash::Fnv1a::write_u64, crate::proofs::stubs::skip_word)
 )]
 pub fn loading_what_was_saved_is_the_identity() {
     given!(model);
@@ -175,7 +175,7 @@ fn any_short_bytes(model: &Model<'_>, len: usize) -> [u8; SHORT_BYTES] {
     let mut bytes: [u8; SHORT_BYTES] = kani::any();
     bytes[..24].copy_from_slice(&any_bytes(model)[..24]);
     if len >= 8 {
-        let mut hash = crate::hash::Fnv1a::new();
+        let mut hash = crate::words::hash::Fnv1a::new();
         hash.write(&bytes[..len - 8]);
         bytes[len - 8..len].copy_from_slice(&hash.finish().to_le_bytes());
     }
@@ -186,7 +186,7 @@ fn any_short_bytes(model: &Model<'_>, len: usize) -> [u8; SHORT_BYTES] {
 #[cfg_attr(kani, kani::unwind(10))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
+    kani::stub(crate::words::hash::Fnv1a::write, crate::proofs::stubs::skip_bytes)
 )]
 pub fn bytes_of_another_length_are_refused() {
     given!(model);

@@ -10,17 +10,17 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::bits;
 use crate::config::QuorumWindow;
-use crate::header::{self, Phase};
 use crate::model::Model;
 #[cfg(not(kani))]
 use crate::model::any_model::UAVS_MAX;
-use crate::reward::OWN_KEPT;
+use crate::rules::reward::OWN_KEPT;
+use crate::state::header::{self, Phase};
 #[cfg(not(kani))]
-use crate::scratch::Scratch;
+use crate::state::scratch::Scratch;
+use crate::state::validity::THROUGHPUT_MAX;
 use crate::state::{StateMut, StateRef};
-use crate::validity::THROUGHPUT_MAX;
+use crate::words::bits;
 
 /// Words of a state of the smallest model as Kani sees it, with one component of each reward.
 #[cfg(any(kani, test))]

@@ -10,14 +10,14 @@ use super::state::{
     carries_mean_throughput, carries_scalars, changes_before_the_end, confirms_by_quorum,
     nothing_is_forgotten, open, view,
 };
-use crate::bits;
-use crate::header::{self, Phase};
 use crate::model::Model;
 use crate::model::any_model::HOTSPOTS_MAX;
-use crate::reward::OWN_KEPT;
-use crate::sensing::{confirm_and_learn, look_around};
+use crate::rules::reward::OWN_KEPT;
+use crate::rules::sensing::{confirm_and_learn, look_around};
 use crate::state::StateRef;
-use crate::validity::THROUGHPUT_MAX;
+use crate::state::header::{self, Phase};
+use crate::state::validity::THROUGHPUT_MAX;
+use crate::words::bits;
 
 /// Actions, return to base, move; time goes on by one and never past the horizon.
 #[cfg_attr(kani, kani::proof)]
@@ -48,14 +48,20 @@ pub fn beginning_a_step_keeps_the_state_valid() {
 /// Sense and learn.
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(4))]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::radar::load_odds_against, crate::proofs::stubs::any_load_odds)
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::radar::detects, crate::proofs::stubs::any_detects)
+    kani::stub(
+        crate::radio::radar::load_odds_against,
+        crate::proofs::stubs::any_load_odds
+    )
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::radio::radar::detects, crate::proofs::stubs::any_detects)
 )]
 pub fn sensing_keeps_the_state_valid() {
     given!(model);
@@ -168,35 +174,41 @@ pub fn carried_scalars_stay_valid() {
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(kani, kani::solver(cadical))]
-#[cfg_attr(kani, kani::stub(crate::rng::block, crate::proofs::stubs::any_block))]
 #[cfg_attr(
     kani,
-    kani::stub(crate::potential::update, crate::proofs::stubs::any_potentials)
+    kani::stub(crate::words::rng::block, crate::proofs::stubs::any_block)
+)]
+#[cfg_attr(
+    kani,
+    kani::stub(crate::rules::potential::update, crate::proofs::stubs::any_potentials)
 )]
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::reward::RewardPlan::components,
+        crate::rules::reward::RewardPlan::components,
         crate::proofs::stubs::any_rewards
     )
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::reward::total, crate::proofs::stubs::any_total)
+    kani::stub(crate::rules::reward::total, crate::proofs::stubs::any_total)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::energy::EnergyPlan::asked_uj, crate::proofs::stubs::any_asked)
+    kani::stub(
+        crate::rules::energy::EnergyPlan::asked_uj,
+        crate::proofs::stubs::any_asked
+    )
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::carbon::emitted_ng, crate::proofs::stubs::any_emission)
+    kani::stub(crate::rules::carbon::emitted_ng, crate::proofs::stubs::any_emission)
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::carbon::share_ng, crate::proofs::stubs::any_share)
+    kani::stub(crate::rules::carbon::share_ng, crate::proofs::stubs::any_share)
 )]
-#[cfg_attr(kani, kani::stub_verified(crate::energy::settle))]
+#[cfg_attr(kani, kani::stub_verified(crate::rules::energy::settle))]
 pub fn ending_a_step_keeps_the_state_valid() {
     given!(model);
     let before = any_state(&model, Phase::Communicated);
@@ -231,12 +243,12 @@ mod sizes {
         SMALLEST_SPREAD_WORDS, SMALLEST_STATE_WORDS,
     };
     use crate::config::Config;
+    use crate::constants::layout::Layout;
     use crate::lanes;
-    use crate::layout::Layout;
     use crate::model::Model;
     use crate::model::any_model::{SMALLEST_TABLE_WORDS, remembering, smallest};
-    use crate::reward::{COMPONENTS, OWN_COMPONENTS};
-    use crate::scratch::Scratch;
+    use crate::rules::reward::{COMPONENTS, OWN_COMPONENTS};
+    use crate::state::scratch::Scratch;
 
     /// Words of a state in which each reward has one component.
     fn words_seen_by_kani(config: &Config) -> usize {

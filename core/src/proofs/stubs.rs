@@ -16,12 +16,12 @@ use super::inputs::{between, real_between};
 use super::reward::REWARD_MAX;
 use super::state::{links_join_two, radios_are_valid};
 use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
-use crate::energy::{Activity, EnergyPlan};
 use crate::model::Model;
-use crate::reward::{COMPONENTS, RewardPlan, Rewards, StepTotals};
-use crate::rng::Purpose;
-use crate::scratch::Scratch;
+use crate::rules::energy::{Activity, EnergyPlan};
+use crate::rules::reward::{COMPONENTS, RewardPlan, Rewards, StepTotals};
 use crate::state::StateMut;
+use crate::state::scratch::Scratch;
+use crate::words::rng::Purpose;
 
 pub(super) fn any_block(_: u64, _: u32, _: u32, _: u32, _: Purpose) -> [u32; 4] {
     kani::any()
@@ -213,16 +213,16 @@ pub(super) fn any_share(co2_ng: u64, billed_uj: u64, billed_fleet_uj: u64) -> f6
 }
 
 /// The checksum of nothing.
-pub(super) fn skip_bytes(_: &mut crate::hash::Fnv1a, _: &[u8]) {}
+pub(super) fn skip_bytes(_: &mut crate::words::hash::Fnv1a, _: &[u8]) {}
 
 /// The checksum of nothing.
-pub(super) fn skip_word(_: &mut crate::hash::Fnv1a, _: u64) {}
+pub(super) fn skip_word(_: &mut crate::words::hash::Fnv1a, _: u64) {}
 
 /// Keeps the last eight bytes in place of the product: what any two writers of the same bytes leave
 /// is the same.
-pub(super) fn keep_bytes(hash: &mut crate::hash::Fnv1a, bytes: &[u8]) {
+pub(super) fn keep_bytes(hash: &mut crate::words::hash::Fnv1a, bytes: &[u8]) {
     for index in 0..bytes.len() {
         let kept = hash.finish() << 8 | u64::from(bytes[index]);
-        *hash = crate::hash::Fnv1a::resumed(kept);
+        *hash = crate::words::hash::Fnv1a::resumed(kept);
     }
 }

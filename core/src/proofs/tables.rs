@@ -7,8 +7,8 @@ use super::inputs::real_between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Config;
-use crate::link::full_throughput;
-use crate::radar::{detects, is_below, odds_against, range_odds_against, snr_db};
+use crate::radio::link::full_throughput;
+use crate::radio::radar::{detects, is_below, odds_against, range_odds_against, snr_db};
 
 /// Bounds of `exp` on [-700, 700]; infinite beyond in neither direction that a table asks for.
 pub(super) const EXP_MIN: f64 = 1e-305;
@@ -107,7 +107,7 @@ super::standin::twins! {
 #[cfg(test)]
 mod dense {
     use super::*;
-    use crate::radar::load_odds_against;
+    use crate::radio::radar::load_odds_against;
 
     #[test]
     fn exp_stays_within_its_stub() {

@@ -1,10 +1,10 @@
 //! What may be read from a state: the methods of [`StateRef`] that [`super::StateMut`] lacks.
 
 use super::StateRef;
-use crate::bits;
-use crate::header::Phase;
-use crate::reports;
-use crate::reward::{self, OWN, OWN_KEPT, Rewards};
+use crate::rules::reports;
+use crate::rules::reward::{self, OWN, OWN_KEPT, Rewards};
+use crate::state::header::Phase;
+use crate::words::bits;
 
 impl<'a> StateRef<'a> {
     /// Number of steps begun since the reset (t).
@@ -299,15 +299,15 @@ impl<'a> StateRef<'a> {
         self.header.grid_uj()
     }
 
-    /// Components of the team's last reward, in the order of [`crate::reward::NAMES`].
+    /// Components of the team's last reward, in the order of [`crate::rules::reward::NAMES`].
     #[must_use]
     pub fn rewards(&self) -> Rewards {
         self.header.rewards()
     }
 
-    /// Components of the last reward of UAV `i`, in the order of [`crate::reward::NAMES`].
+    /// Components of the last reward of UAV `i`, in the order of [`crate::rules::reward::NAMES`].
     ///
-    /// The components in [`crate::reward::OWN`] are the UAV's own; the others are the team's.
+    /// The components in [`crate::rules::reward::OWN`] are the UAV's own; the others are the team's.
     #[inline]
     #[must_use]
     pub fn uav_rewards(&self, i: usize) -> Rewards {

@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::config::{Config, FieldValue, UnknownName};
 use crate::error::ConfigError;
-use crate::printable::Printable;
+use crate::words::printable::Printable;
 
 /// Error in a configuration text.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Where each quantity of a state lies in its slab of words.
 
-use crate::alarms::ALARMS_MAX;
-use crate::bits::words_for;
 use crate::config::{Config, QuorumWindow, SearchMaps};
-use crate::header;
-use crate::reward::OWN_KEPT;
+use crate::rules::alarms::ALARMS_MAX;
+use crate::rules::reward::OWN_KEPT;
+use crate::state::header;
+use crate::words::bits::words_for;
 
 /// Layout of a state: its sizes, from which the position of each quantity follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,14 +7,14 @@
 
 use libm::{exp, log1p};
 
-use crate::bits;
 use crate::config::{Cell, Config};
-use crate::footprint;
 use crate::lanes::{self, Block, at_width};
 use crate::model::Model;
-use crate::rng::{self, Purpose};
-use crate::scratch::Scratch;
+use crate::radio::footprint;
 use crate::state::StateMut;
+use crate::state::scratch::Scratch;
+use crate::words::bits;
+use crate::words::rng::{self, Purpose};
 
 /// The most false alarms of a UAV in a step. More of them count as this.
 pub const ALARMS_MAX: usize = 8;

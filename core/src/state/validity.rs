@@ -1,13 +1,13 @@
 //! Invariants of every state that a run of the kernel can reach.
 
-use crate::bits;
-use crate::carbon;
 use crate::config::{Cell, LearnedDetections};
-use crate::header::Phase;
 use crate::model::Model;
-use crate::potential;
-use crate::reward::OWN_KEPT;
+use crate::rules::carbon;
+use crate::rules::potential;
+use crate::rules::reward::OWN_KEPT;
 use crate::state::StateRef;
+use crate::state::header::Phase;
+use crate::words::bits;
 
 impl StateRef<'_> {
     /// Whether this state keeps every invariant of the model.

@@ -3,13 +3,13 @@
 //! The sum of the components, left to right, is R_t for the team and R_i for one UAV. The mean of
 //! R_i over the fleet is R_t.
 
-use crate::carbon;
 use crate::config::{Config, InformPayment};
 use crate::lanes::{self, Block, Lanes, at_width};
 use crate::model::Model;
-use crate::scratch::UavStepScratch;
+use crate::rules::carbon;
 use crate::state::StateMut;
-use crate::word::canonical_bits;
+use crate::state::scratch::UavStepScratch;
+use crate::words::word::canonical_bits;
 
 /// Number of components of a reward.
 pub const COMPONENTS: usize = 12;
@@ -116,7 +116,8 @@ impl RewardPlan {
             inform_once: config.inform_payment == InformPayment::Once,
             complete: config.reward_complete,
             coverage_per_cell: config.reward_coverage / config.cell_count() as f64,
-            energy_per_uj: config.penalty_energy_per_kwh / crate::energy::MICROJOULES_PER_KWH,
+            energy_per_uj: config.penalty_energy_per_kwh
+                / crate::rules::energy::MICROJOULES_PER_KWH,
             carbon_per_ng: config.penalty_carbon_per_kg / 1e12,
             revisit: config.penalty_revisit,
             truncation: config.penalty_truncation,

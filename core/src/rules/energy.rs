@@ -1,14 +1,14 @@
 //! Battery and its ledger, in whole microjoules, so that the balance is exact on every platform:
 //! initial + accepted = stored + spent.
 
-use crate::bits;
 use crate::config::{ChargeBilling, Config};
 use crate::lanes::real::floor_to_u64;
 use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
-use crate::reward::StepTotals;
-use crate::scratch::UavStepScratch;
+use crate::rules::reward::StepTotals;
 use crate::state::StateMut;
+use crate::state::scratch::UavStepScratch;
+use crate::words::bits;
 
 /// Microjoules in a kilowatt-hour.
 pub const MICROJOULES_PER_KWH: f64 = 3.6e12;

@@ -18,17 +18,20 @@
 //! | N × n bits or none    | N × W H bits or none    |
 //! ```
 
+pub mod header;
 mod queries;
+pub(crate) mod scratch;
+pub(crate) mod validity;
 
-use crate::alarms::ALARMS_MAX;
-use crate::bits;
+use self::header::{HeaderMut, HeaderRef};
 use crate::config::Cell;
+use crate::constants::layout::Layout;
 use crate::error::Error;
-use crate::header::{self, HeaderMut, HeaderRef};
-use crate::layout::Layout;
 use crate::model::Model;
-use crate::reward::OWN_KEPT;
-use crate::word::canonical_bits;
+use crate::rules::alarms::ALARMS_MAX;
+use crate::rules::reward::OWN_KEPT;
+use crate::words::bits;
+use crate::words::word::canonical_bits;
 
 /// Declares both views of a state from one list, so that they cannot disagree on the layout.
 macro_rules! state {

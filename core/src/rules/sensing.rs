@@ -1,14 +1,14 @@
 //! Sensing and learning: search maps, independent detections, the quorum that confirms a hotspot,
 //! and the UAVs that learn it.
 
-use crate::bits;
 use crate::config::{Cell, LearnedDetections};
 use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
-use crate::radar::curve::{AnyCurve, Curve};
-use crate::rng::{self, Purpose};
-use crate::scratch::Scratch;
+use crate::radio::radar::curve::{AnyCurve, Curve};
 use crate::state::StateMut;
+use crate::state::scratch::Scratch;
+use crate::words::bits;
+use crate::words::rng::{self, Purpose};
 
 /// Number of hotspots whose draws share a block of the generator.
 const DRAWS: usize = 4;

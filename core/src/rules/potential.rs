@@ -1,13 +1,13 @@
 //! The potentials of reward shaping (A. Y. Ng, D. Harada, S. Russell, ICML 1999): they speed up
 //! learning without changing which policy is best.
 
-use crate::bits;
 use crate::config::Cell;
 use crate::lanes::{self, Block, Cells, Lanes, at_width};
 use crate::model::Model;
-use crate::scratch::{Scratch, UavStepScratch};
 use crate::state::StateMut;
-use crate::word::canonical_bits;
+use crate::state::scratch::{Scratch, UavStepScratch};
+use crate::words::bits;
+use crate::words::word::canonical_bits;
 
 /// Computes and stores both potentials of each UAV and their means; all are 0 in a terminal state.
 #[inline(always)]

@@ -1,12 +1,12 @@
 //! The radio graph: the pairs of UAVs that hear each other, and the throughput of each UAV.
 
-use crate::bits;
 use crate::config::Cell;
 use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
-use crate::scratch::Scratch;
 use crate::state::StateMut;
-use crate::word::canonical_bits;
+use crate::state::scratch::Scratch;
+use crate::words::bits;
+use crate::words::word::canonical_bits;
 
 /// Largest fleet for which checking every pair is faster than sorting the UAVs into buckets.
 const FEW: usize = 48;

@@ -25,15 +25,15 @@ mod call;
 
 pub use call::Call;
 
-use crate::bits;
 use crate::config::Cell;
 use crate::error::{Allowed, ConfigError, Error, Value};
-use crate::header::Phase;
 use crate::model::Model;
-use crate::scratch::Scratch;
+use crate::rules::{alarms, graph, knowledge, potential, reports, sensing};
+use crate::state::header::Phase;
+use crate::state::scratch::Scratch;
 use crate::state::{StateMut, StateRef};
 use crate::step::require_phase;
-use crate::{alarms, graph, knowledge, potential, reports, sensing};
+use crate::words::bits;
 
 fn check_len(what: &'static str, expected: usize, got: usize) -> Result<(), Error> {
     if expected == got {

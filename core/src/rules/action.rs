@@ -3,9 +3,9 @@
 use crate::error::Error;
 use crate::lanes::{self, Block, Lanes, at_width, ones};
 use crate::model::Model;
-use crate::motion;
+use crate::rules::motion;
 use crate::state::StateMut;
-use crate::word::canonical_bits;
+use crate::words::word::canonical_bits;
 
 /// One of the five motions, in the order of the action's bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

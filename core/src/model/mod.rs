@@ -2,22 +2,23 @@
 
 mod tables;
 
-use crate::bits::words_for;
-use crate::carbon::CarbonPlan;
 use crate::config::{Cell, Config, Depots, MAX_DEPOTS};
-use crate::energy::EnergyPlan;
+use crate::constants::layout::Layout;
 use crate::error::{ConfigError, Error};
-use crate::layout::Layout;
 use crate::observation::added::added_len;
-use crate::radar::curve::AnyCurve;
-use crate::reward::RewardPlan;
-use crate::search::Disc;
-use crate::{alarms, footprint, link, radar};
+use crate::radio::radar::curve::AnyCurve;
+use crate::radio::{footprint, link, radar};
+use crate::rules::alarms;
+use crate::rules::carbon::CarbonPlan;
+use crate::rules::energy::EnergyPlan;
+use crate::rules::reward::RewardPlan;
+use crate::words::bits::words_for;
+use crate::words::geometry::Disc;
 
 use tables::{Tables, Words};
 
 #[cfg(any(kani, test))]
-#[path = "proofs/any_model.rs"]
+#[path = "../proofs/any_model.rs"]
 pub(crate) mod any_model;
 
 /// An immutable model, which any number of threads and states can share.

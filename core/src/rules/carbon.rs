@@ -2,11 +2,11 @@
 //! nanograms.
 
 use crate::config::{ChargeBilling, Config};
-use crate::energy::round_half_up;
 use crate::model::Model;
-use crate::reward::StepTotals;
-use crate::rng::{self, Purpose};
+use crate::rules::energy::round_half_up;
+use crate::rules::reward::StepTotals;
 use crate::state::StateMut;
+use crate::words::rng::{self, Purpose};
 
 /// Parts in a billion.
 const BILLION: u64 = 1_000_000_000;

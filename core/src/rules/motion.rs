@@ -1,9 +1,9 @@
 //! Where a UAV goes: its own motion, or back to a depot.
 
-use crate::action::Motion;
 use crate::config::Cell;
 use crate::lanes::{Block, Cells, Lanes};
 use crate::model::Model;
+use crate::rules::action::Motion;
 use crate::state::StateMut;
 
 /// The cell after a motion; a move off the grid is a stay.

@@ -1,8 +1,8 @@
 //! The footprint of a UAV's radar: the cells in which it may raise a false alarm.
 
 use crate::config::{Cell, Config};
-use crate::radar::curve::{self, AnyCurve};
-use crate::search::Disc;
+use crate::radio::radar::curve::{self, AnyCurve};
+use crate::words::geometry::Disc;
 
 /// Halvings of the longest distance on a grid: more than the bits of a real's fraction.
 const HALVINGS: u32 = 64;

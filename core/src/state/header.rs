@@ -1,7 +1,7 @@
 //! The header of a state: its scalars, one word each.
 
-use crate::reward::{COMPONENTS, KEPT, Rewards};
-use crate::word::canonical_bits;
+use crate::rules::reward::{COMPONENTS, KEPT, Rewards};
+use crate::words::word::canonical_bits;
 
 /// Phase of an episode: the part of the step that came last, which decides what may be called next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,17 +4,18 @@ pub(crate) mod added;
 pub mod fields;
 mod hotspots;
 mod neighbours;
+mod ranking;
 
 use core::ops::Range;
 
-use crate::bits;
 use crate::config::{Cell, TargetVisibility};
 use crate::error::Error;
-use crate::lanes::neighbours::Ranking;
 use crate::lanes::{self, Block, Cells, Lanes, at_width, force_vector};
 use crate::model::Model;
-use crate::scratch::Scratch;
+use crate::observation::ranking::Ranking;
 use crate::state::StateRef;
+use crate::state::scratch::Scratch;
+use crate::words::bits;
 
 /// Number of UAVs whose rows are written at a time.
 const ROWS: usize = 16;

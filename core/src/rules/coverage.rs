@@ -1,11 +1,11 @@
 //! Coverage: cells that the fleet visits for the first time, and moves into cells visited before.
 
-use crate::bits;
 use crate::lanes::{self, Cells, at_width, ones};
 use crate::model::Model;
-use crate::reward::StepTotals;
-use crate::scratch::UavStepScratch;
+use crate::rules::reward::StepTotals;
 use crate::state::StateMut;
+use crate::state::scratch::UavStepScratch;
+use crate::words::bits;
 
 /// Counts new cells and revisits, of each UAV and of the fleet, and marks the cells as visited.
 #[inline(always)]

@@ -1,15 +1,15 @@
 //! The start of an episode.
 
-use crate::bits;
 use crate::config::{Cell, StartCells};
-use crate::energy::round_half_up;
 use crate::error::Error;
-use crate::header::Phase;
 use crate::model::Model;
-use crate::rng::{self, Purpose};
-use crate::scratch::Scratch;
+use crate::rules::energy::round_half_up;
+use crate::rules::{graph, potential};
 use crate::state::StateMut;
-use crate::{graph, potential};
+use crate::state::header::Phase;
+use crate::state::scratch::Scratch;
+use crate::words::bits;
+use crate::words::rng::{self, Purpose};
 
 impl Model<'_> {
     /// Begins an episode in `words`; their earlier content is overwritten.

@@ -1,7 +1,7 @@
 //! Summary of an episode.
 
-use crate::carbon;
-use crate::energy::{MICROJOULES_PER_KWH, Settled};
+use crate::rules::carbon;
+use crate::rules::energy::{MICROJOULES_PER_KWH, Settled};
 use crate::state::{StateMut, StateRef};
 
 /// Summary of an episode, so far or at its end.

@@ -1,12 +1,12 @@
 //! OR-consensus over the radio graph. All UAVs of a connected component receive the union of the
 //! hotspots that its members know, and the unions of their search maps and reports.
 
-use crate::bits;
 use crate::config::LearnedDetections;
 use crate::model::Model;
-use crate::reward::StepTotals;
-use crate::scratch::Scratch;
+use crate::rules::reward::StepTotals;
 use crate::state::StateMut;
+use crate::state::scratch::Scratch;
+use crate::words::bits;
 
 /// Spreads knowledge, search maps and reports over the graph. Records the hotspots that all UAVs
 /// now know.
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn both_ways_agree_on_any_graph() {
         for seed in 0..20_000u64 {
-            let draw = |index| crate::rng::derive_seed(seed, index);
+            let draw = |index| crate::words::rng::derive_seed(seed, index);
             let uavs = 1 + (draw(0) % 64) as usize;
             let (mut links, mut rows) = ([0u64; 64], [0u64; 64]);
             for edge in 0..draw(1) % (2 * uavs as u64 + 1) {

@@ -1,8 +1,8 @@
 //! Search maps: the cells that a UAV has searched, and the fractions of a map that are unsearched.
-//! Maps spread over the radio graph as knowledge does ([`crate::knowledge::consensus`]).
+//! Maps spread over the radio graph as knowledge does ([`crate::rules::knowledge::consensus`]).
 
-use crate::bits;
 use crate::config::{Cell, Config};
+use crate::words::bits;
 
 /// The disc of cells that a UAV searches: offsets from its own cell with Δx² + Δy² ≤ `squared`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

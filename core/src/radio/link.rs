@@ -3,7 +3,7 @@
 use libm::{exp, log2, log10};
 
 use crate::config::Config;
-use crate::radar::LIGHT_M_PER_S;
+use crate::radio::radar::LIGHT_M_PER_S;
 
 /// Communication SNR in dB at a range in metres: P_t + G_t + G_r - PL - P_n, with the path loss
 /// PL = 20 log10(4π f_c/c) + 10 n log10(R).

@@ -1,11 +1,11 @@
 //! Working memory of a step. Its content is lost after a call, so that one per thread serves any
 //! number of states.
 
-use crate::bits;
 use crate::error::Error;
-use crate::graph;
 use crate::lanes::{self, Lanes};
 use crate::model::Model;
+use crate::rules::graph;
+use crate::words::bits;
 
 /// Working memory for steps of the states of one model.
 #[derive(Debug)]

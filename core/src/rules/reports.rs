@@ -3,12 +3,12 @@
 //! A UAV keeps one set of cells for each level. Level ℓ of its own sightings has the cells in which
 //! it saw a hotspot, true or false, in at least ℓ steps. Level ℓ of its reports has the cells in
 //! which some UAV, as far as it knows, did so. Reports spread over the radio graph as knowledge
-//! does ([`crate::knowledge::consensus`]).
+//! does ([`crate::rules::knowledge::consensus`]).
 
-use crate::bits;
 use crate::config::Cell;
 use crate::model::Model;
 use crate::state::{StateMut, StateRef};
+use crate::words::bits;
 
 /// Adds the detections and the false alarms of the step to each UAV's sightings and reports.
 // Proof: proofs/reports.rs, a_sighting_raises_one_cell_by_one_level

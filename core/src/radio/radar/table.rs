@@ -44,7 +44,7 @@ fn between(near: (f64, f64), far: (f64, f64), range_m: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::config::{Config, DetectionCurve, PilotGain};
-    use crate::radar::curve::{AnyCurve, tabulated};
+    use crate::radio::radar::curve::{AnyCurve, tabulated};
 
     /// Rounding moves the logit by less than 1e-12 beyond those of the two points.
     #[test]

@@ -1,0 +1,3 @@
+//! Numbers that follow from a configuration alone.
+
+pub(crate) mod layout;

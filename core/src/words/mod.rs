@@ -1,0 +1,8 @@
+//! Words, bits, hashes, draws and cells: the vocabulary of all other rooms, which uses none of them.
+
+pub mod bits;
+pub(crate) mod geometry;
+pub mod hash;
+pub(crate) mod printable;
+pub mod rng;
+pub(crate) mod word;
