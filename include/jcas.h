@@ -2007,9 +2007,9 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
                              size_t message_capacity);
 
 /// Builds a baseline by its name. jcas_policy_free ends it. The names are random, untrained,
-/// greedy, swarm, teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for
-/// `jcas simulate --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of
-/// an episode and in each step that plans.
+/// greedy, teams, squads, line and answer, as for `jcas simulate --policy`; jcas_policy_name lists
+/// them. Plans are on the heap: jcas_policy_act allocates in the first step of an episode and in
+/// each step that plans.
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
 /// `plan` follows one plan without feedback. `replan` plans again after each
@@ -2017,8 +2017,7 @@ jcas_status jcas_policy_load(const struct jcas_model *model,
 /// which takes seconds; otherwise the first step of each episode does.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
-/// max, adaptive, myopic or a density such as 0.15; NULL means adaptive. A plan has its own
-/// densities.
+/// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
 /// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
 /// means that the name is unknown, or that the baseline needs positions that the model hides. It
 /// also means that the fleet or the grid is too large for a plan.
@@ -2032,6 +2031,16 @@ jcas_status jcas_policy_baseline(const struct jcas_model *model,
                                  struct jcas_policy **policy,
                                  char *message,
                                  size_t message_capacity);
+
+/// Returns the name of a policy for jcas_policy_baseline: a static string, or NULL for an index
+/// beyond the last one. The baselines come first.
+/// Threads: any.
+JCAS_API const char *jcas_policy_name(uint32_t index);
+
+/// Returns what the policy with this index does, in a few words: a static string, or NULL for an
+/// index beyond the last one.
+/// Threads: any.
+JCAS_API const char *jcas_policy_summary(uint32_t index);
 
 /// Sets how a trained policy derives actions from its network. Baselines are not affected.
 ///

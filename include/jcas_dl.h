@@ -100,6 +100,8 @@ typedef jcas_status jcas_policy_layout_fn(const struct jcas_model *model, const 
 typedef jcas_status jcas_policy_init_fn(void *memory, size_t size, const struct jcas_model *model, const uint8_t *file, size_t length, struct jcas_policy **policy, char *message, size_t message_capacity);
 typedef jcas_status jcas_policy_load_fn(const struct jcas_model *model, const uint8_t *file, size_t length, struct jcas_policy **policy, char *message, size_t message_capacity);
 typedef jcas_status jcas_policy_baseline_fn(const struct jcas_model *model, const char *name, const char *pilot, struct jcas_policy **policy, char *message, size_t message_capacity);
+typedef const char *jcas_policy_name_fn(uint32_t index);
+typedef const char *jcas_policy_summary_fn(uint32_t index);
 typedef jcas_status jcas_policy_set_mode_fn(struct jcas_policy *policy, int32_t mode);
 typedef jcas_status jcas_policy_act_fn(struct jcas_policy *policy, const struct jcas_sim *sim, float *actions, size_t action_count);
 typedef jcas_status jcas_policy_act_batch_fn(struct jcas_policy *policy, const struct jcas_batch *batch, float *actions, size_t action_count);

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use jcas_core::{Model, Printable};
 use jcas_episode::card::{CARD, Card, CardError, StoredPolicy, load, load_card};
-use jcas_plan::PlannedKind;
 use jcas_policy::head::Mode;
-use jcas_policy::{PilotMode, Policy, PolicyError};
+use jcas_policy::{PilotMode, Policy, PolicyNames, similar};
 
 use crate::error::CliError;
 use crate::planned;
@@ -20,15 +19,16 @@ pub fn is_policy(name: &str) -> bool {
 }
 
 /// The error of a name that is neither that of a baseline nor a folder with a trained policy.
-pub fn absent(name: &str, error: &PolicyError<'_>) -> CliError {
+pub fn absent(name: &str) -> CliError {
     let reason = if Path::new(name).is_dir() {
         format!("the folder holds no {CARD}")
     } else {
         "there is no such folder".to_owned()
     };
+    let hint = similar(name).map_or(String::new(), |near| format!("; did you mean {near}?"));
     CliError::input(format!(
-        "{error}, {}, plan:FILE, or the folder of a trained policy, with a {CARD}; {reason}",
-        PlannedKind::NAMES
+        "policy = {name}: must be one of {PolicyNames}, plan:FILE, or the folder of a trained \
+         policy, with a {CARD}; {reason}{hint}"
     ))
 }
 
@@ -81,12 +81,6 @@ pub fn factory(
     let mut stored = open(folder, model)?;
     let pilot = PilotMode::named(pilot)?;
     pilot.check(model.config())?;
-    if pilot == PilotMode::Myopic {
-        return Err(CliError::input(
-            "pilot = myopic: a rule of baselines; for a trained policy it must be one of min, mid, \
-             max, adaptive, or a density such as 0.15",
-        ));
-    }
     if let Some(action) = pilot.fixed(model.config()) {
         stored = stored.holding(action);
     }

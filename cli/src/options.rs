@@ -111,14 +111,12 @@ impl MissionOptions {
 /// Options for the policy and its pilot density.
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
-    /// A baseline: random, untrained, greedy, swarm, teams, squads, sweep, line, frontier, relay,
-    /// answer, charging, clean. A plan: plan, replan, or plan:FILE for a file of `jcas plan`. Or the folder
-    /// of a trained policy
+    /// A policy by name (`jcas policies` lists them), plan:FILE for a file of `jcas plan`, or the
+    /// folder of a trained policy
     #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
     pub policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, adaptive, or myopic. With adaptive, a
-    /// baseline takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its
-    /// own density. With myopic, a baseline takes what promises most in the next step
+    /// Pilot density: a number such as 0.15, min, mid, max or adaptive. With adaptive, a baseline
+    /// takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its own density
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }
@@ -140,7 +138,7 @@ pub fn policy_factory(
     if let Some(factory) = planned::factory(policy, model)? {
         return Ok(factory);
     }
-    let kind = BaselineKind::named(policy).map_err(|error| learned::absent(policy, &error))?;
+    let kind = BaselineKind::named(policy).map_err(|_| learned::absent(policy))?;
     let pilot = PilotMode::named(pilot)?;
     // A baseline that reads what the model withholds is refused here, once.
     kind.build(model, pilot)?;

@@ -201,7 +201,7 @@ fn a_sweep_draws_and_plays() {
             "--vary",
             "horizon_steps=20,40",
             "--policy",
-            "swarm,teams",
+            "greedy,teams",
             "--episodes",
             "4",
             "--json",

@@ -49,7 +49,7 @@ fn a_c_program_flies_the_shipped_fleet_as_the_command_does() {
     let file = trained.join("policy.safetensors");
     for (named, given) in [
         (trained.to_str(), file.to_str()),
-        (Some("swarm"), Some("swarm")),
+        (Some("greedy"), Some("greedy")),
     ] {
         let (named, given) = (named.expect("a path"), given.expect("a path"));
         succeed(

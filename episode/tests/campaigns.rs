@@ -12,7 +12,7 @@ use jcas_episode::trace;
 use jcas_policy::{BaselineKind, PilotMode, Policy};
 
 fn swarm() -> Box<dyn Policy> {
-    Box::new(BaselineKind::Swarm.build_privileged(PilotMode::Adaptive))
+    Box::new(BaselineKind::Greedy.build_privileged(PilotMode::Adaptive))
 }
 
 const GO_ON: &(dyn Fn() -> ControlFlow<()> + Sync) = &|| ControlFlow::Continue(());
@@ -177,7 +177,7 @@ fn a_recorded_episode_is_the_one_that_a_campaign_flies() {
     assert_eq!(end.metrics, missions[0]);
     let read = trace::read(text.as_slice()).unwrap();
     assert_eq!(read.end, end);
-    assert_eq!(read.header.policy, "swarm");
+    assert_eq!(read.header.policy, "greedy");
     assert_eq!(read.header.pilot, "adaptive");
     assert_eq!(trace::verify(&read).unwrap(), None);
 

@@ -6,8 +6,7 @@
  *   cc fly_policy.c $(pkg-config --cflags --libs jcas) -Wl,-rpath,"$libdir"
  *   ./a.out policies/fleet/policy.safetensors
  *
- * The argument may also name a baseline: random, untrained, greedy, swarm, teams, squads, sweep,
- * line, frontier, relay, answer, charging or clean.
+ * The argument may also name a baseline: random, untrained, greedy, teams, squads, line or answer.
  *
  * The mission is the first of `jcas simulate --seed 1 --uavs 15 --hotspots 7 --policy POLICY`, bit
  * for bit.
@@ -29,7 +28,7 @@ int main(int argc, char **argv)
     jcas_sim *sim;
     jcas_policy *policy;
     char message[256] = "";
-    const char *name = argc > 1 ? argv[1] : "swarm";
+    const char *name = argc > 1 ? argv[1] : "teams";
 
     jcas_config_default(&config, sizeof config);
     config.uav_count = N;

@@ -8,7 +8,7 @@
 // The same mission is flown twice by the same policy: once over the links that Wi-Fi made, once
 // over those of jcas's own link budget.
 //
-//     ./fleet [--policy=swarm] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
+//     ./fleet [--policy=greedy] [--uavs=10] [--hotspots=4] [--seed=3] [--exponent=3]
 //     ./fleet --policy=../../policies/fleet/policy.safetensors --trace=flight.jsonl
 //     ./fleet --preset=search --policy=line --uavs=15 --hotspots=7 --exponent=3.5
 //
@@ -41,7 +41,7 @@ constexpr std::uint32_t BEACON_BYTES = 64;
 
 struct Options {
     std::string preset = "mission";
-    std::string policy = "swarm";
+    std::string policy = "greedy";
     std::uint32_t uavs = 10;
     std::uint32_t hotspots = 4;
     std::uint32_t seed = 3;

@@ -6,7 +6,7 @@ use std::fmt::Display;
 
 use ::jcas_policy::head::Mode;
 use ::jcas_policy::network::Network;
-use ::jcas_policy::{BaselineKind, PilotMode, PolicyError};
+use ::jcas_policy::{BaselineKind, PLAN, PilotMode, PolicyError, REPLAN};
 use jcas_core::Model;
 use jcas_plan::PlannedKind;
 
@@ -16,6 +16,7 @@ use crate::handle::Memory;
 use crate::memory::{Message, bytes, message, output, place, put_layout};
 use crate::model::jcas_model;
 use crate::model_block::model;
+use crate::names::{joined, joined_len, name_at};
 use crate::policy_block::{PolicyBlock, fault};
 use crate::scripted::Script;
 use crate::sim::jcas_sim;
@@ -177,9 +178,9 @@ unsafe fn build(
 }
 
 /// Builds a baseline by its name. jcas_policy_free ends it. The names are random, untrained,
-/// greedy, swarm, teams, squads, sweep, line, frontier, relay, answer, charging and clean, as for
-/// `jcas simulate --policy`. Plans are on the heap: jcas_policy_act allocates in the first step of
-/// an episode and in each step that plans.
+/// greedy, teams, squads, line and answer, as for `jcas simulate --policy`; jcas_policy_name lists
+/// them. Plans are on the heap: jcas_policy_act allocates in the first step of an episode and in
+/// each step that plans.
 ///
 /// Two more names stand for policies that anneal plans, as jcas_plan_search and jcas_plan_tour do.
 /// `plan` follows one plan without feedback. `replan` plans again after each
@@ -187,8 +188,7 @@ unsafe fn build(
 /// which takes seconds; otherwise the first step of each episode does.
 ///
 /// `model`: not NULL; must not be freed before the policy. `name`: not NULL. `pilot`: min, mid,
-/// max, adaptive, myopic or a density such as 0.15; NULL means adaptive. A plan has its own
-/// densities.
+/// max, adaptive or a density such as 0.15; NULL means adaptive. A plan has its own densities.
 /// `policy`: not NULL; receives the handle. `message`: see the rules below. JCAS_ERROR_ARGUMENT
 /// means that the name is unknown, or that the baseline needs positions that the model hides. It
 /// also means that the fleet or the grid is too large for a plan.
@@ -237,6 +237,47 @@ pub unsafe extern "C" fn jcas_policy_baseline(
     })
 }
 
+/// The names of all policies, and what each does.
+const NAMES: [&str; NAMED] = listed(true);
+const SUMMARIES: [&str; NAMED] = listed(false);
+/// The number of policies that go by a name.
+const NAMED: usize = BaselineKind::ALL.len() + 2;
+
+const fn listed(names: bool) -> [&'static str; NAMED] {
+    let mut texts = [""; NAMED];
+    let mut index = 0;
+    while index < NAMED {
+        let policy = if index < BaselineKind::ALL.len() {
+            BaselineKind::ALL[index].named_policy()
+        } else if index == BaselineKind::ALL.len() {
+            PLAN
+        } else {
+            REPLAN
+        };
+        texts[index] = if names { policy.name } else { policy.summary };
+        index += 1;
+    }
+    texts
+}
+
+/// Returns the name of a policy for jcas_policy_baseline: a static string, or NULL for an index
+/// beyond the last one. The baselines come first.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_policy_name(index: u32) -> *const c_char {
+    static TEXT: [u8; joined_len(&NAMES)] = joined(&NAMES);
+    name_at(&TEXT, index)
+}
+
+/// Returns what the policy with this index does, in a few words: a static string, or NULL for an
+/// index beyond the last one.
+/// Threads: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn jcas_policy_summary(index: u32) -> *const c_char {
+    static TEXT: [u8; joined_len(&SUMMARIES)] = joined(&SUMMARIES);
+    name_at(&TEXT, index)
+}
+
 /// Returns the script of a name. The reason for a refusal goes to the caller's buffer.
 ///
 /// # Safety
@@ -261,10 +302,7 @@ unsafe fn script(
         let planned = planned.map_err(|error| refuse(&error, Fault::from(error)))?;
         return Ok(Script::Planned(planned));
     }
-    let kind = BaselineKind::named(name).map_err(|error| {
-        let reason = format_args!("{error}, {}", PlannedKind::NAMES);
-        refuse(&reason, Fault::Status(JCAS_ERROR_ARGUMENT))
-    })?;
+    let kind = BaselineKind::named(name).map_err(argument)?;
     kind.build(model, mode).map_err(argument)?;
     Ok(Script::Baseline(kind, mode))
 }

@@ -270,8 +270,7 @@ fn pilot(setup: &Setup, model: &Model<'_>) -> Result<Option<Box<dyn Policy>>, St
         let planned = kind.build(model).map_err(|error| said(error.to_string()))?;
         return Ok(Some(Box::new(planned)));
     }
-    let kind = BaselineKind::named(&setup.policy)
-        .map_err(|error| format!("policy: {error}, {}", PlannedKind::NAMES))?;
+    let kind = BaselineKind::named(&setup.policy).map_err(|error| error.to_string())?;
     let mode = PilotMode::named(&setup.pilot).map_err(|error| format!("pilot: {error}"))?;
     let baseline = kind.build(model, mode).map_err(|error| error.to_string())?;
     Ok(Some(Box::new(baseline)))

@@ -186,7 +186,7 @@ const SPECIAL: [Special; 12] = {
          "Baseline, or trained policy or plan among the resources, that controls the fleet; \
           if empty, the input actions do."),
         (PILOT, "pilot", VariableType::String, Parameter, &[], None, None,
-         "Pilot density of a baseline: a number, min, mid, max, adaptive or myopic."),
+         "Pilot density of a baseline: a number, min, mid, max or adaptive."),
         (OWN_POSITIONS, "own_positions", VariableType::Boolean, Parameter, &[], None, None,
          "Whether the input positions replaces the kernel's motion."),
         (OWN_LINKS, "own_links", VariableType::Boolean, Parameter, &[], None, None,

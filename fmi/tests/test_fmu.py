@@ -99,9 +99,9 @@ def test_actions_fly_the_same_bits_as_through_python(unpacked):
 
 
 def test_two_units_in_one_process_do_not_know_of_each_other(unpacked):
-    alone = Unit(unpacked, policy="swarm", seed=3).begin()
+    alone = Unit(unpacked, policy="greedy", seed=3).begin()
     alone.step(20)
-    one = Unit(unpacked, policy="swarm", seed=3).begin()
+    one = Unit(unpacked, policy="greedy", seed=3).begin()
     other = Unit(unpacked, 4, 2, policy="random", seed=8).begin()
     for _ in range(20):
         one.step()

@@ -26,7 +26,7 @@ export type Intervention =
 export interface Mission {
   policy: string;
   seed: number;
-  /** Pilot density of a baseline: a number, 'min', 'mid', 'max', 'adaptive' (default) or 'myopic'. */
+  /** Pilot density of a baseline: a number, 'min', 'mid', 'max' or 'adaptive' (default). */
   pilot?: string;
   /** Fields of the configuration over those of the preset in its field `preset`. */
   config?: Record<string, unknown>;

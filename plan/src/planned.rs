@@ -40,15 +40,13 @@ pub enum PlannedKind {
 impl PlannedKind {
     /// All policies that plan.
     pub const ALL: [Self; 2] = [Self::Plan, Self::Replan];
-    /// Their names, for a message that lists all policies.
-    pub const NAMES: &str = "plan, replan";
 
     /// The name of the policy.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Plan => "plan",
-            Self::Replan => "replan",
+            Self::Plan => jcas_policy::PLAN.name,
+            Self::Replan => jcas_policy::REPLAN.name,
         }
     }
 

@@ -13,6 +13,8 @@ pub use baselines::*;
 mod charge;
 pub use charge::stays_to_charge;
 pub mod head;
+mod names;
+pub use names::{BaselineKind, NamedPolicy, PLAN, PolicyNames, REPLAN, named_policies};
 pub mod network;
 #[cfg(feature = "baselines")]
 mod trained;
@@ -23,7 +25,13 @@ mod proofs;
 
 use core::fmt::Display;
 
-use jcas_core::{Model, StateRef};
+use jcas_core::{Config, Model, StateRef, action};
+
+/// The action component u_pilot, in [-1, 1], that asks for a density.
+#[must_use]
+pub fn action_of(config: &Config, density: f64) -> f32 {
+    action::pilot_action(density, config.pilot_density_min, config.pilot_density_max)
+}
 
 /// A policy: it chooses the actions of a whole fleet, step by step.
 pub trait Policy: Send {

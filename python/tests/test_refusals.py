@@ -69,7 +69,7 @@ def test_policies_can_be_copied(model, how):
     sim = jcas.Sim(model, seed=3)
     for policy in (
         jcas.Policy.load(FLEET, model, mode="sampled"),
-        jcas.Policy.baseline("swarm", model, pilot=0.2),
+        jcas.Policy.baseline("greedy", model, pilot=0.2),
     ):
         twin = how(policy)
         assert (twin.name, repr(twin)) == (policy.name, repr(policy))

@@ -23,13 +23,13 @@ const MISSIONS = [
   { set: { uav_count: 15, hotspot_count: 7 }, seed: 4 },
   { preset: 'paper', policy: 'random', pilot: 'mid', set: { uav_count: 100, hotspot_count: 11 } },
   {
-    policy: 'swarm',
+    policy: 'greedy',
     pilot: '0.15',
     set: { sensing_range_m: 150, quorum: 2 },
     moved: [[0, [0, 0]]],
   },
   {
-    policy: 'sweep',
+    policy: 'line',
     set: { target_visibility: 'hidden', uav_count: 5 },
     interventions: [
       { do: 'steer', t: 2, uav: 1, motion: 0 },

@@ -137,7 +137,7 @@ static void fly_policies(const jcas::model &model)
 {
     CHECK(jcas::policy::load(model, {}).code() == JCAS_ERROR_CORRUPT);
     CHECK(!jcas::policy::baseline(model, "swan"));
-    jcas::policy policy = jcas::policy::baseline(model, "swarm", "max").take();
+    jcas::policy policy = jcas::policy::baseline(model, "greedy", "max").take();
     CHECK(policy.sampled(true));
     jcas::sim sim = jcas::sim::create(model).take();
     CHECK(sim.reset(3));

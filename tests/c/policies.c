@@ -91,16 +91,22 @@ static void abuse_names(const jcas_model *model)
     char why[160] = "";
     EXPECT(JCAS_ERROR_ARGUMENT,
            jcas_policy_baseline(model, "swan", NULL, &policy, why, sizeof why));
-    CHECK(strstr(why, "swarm") != NULL && strstr(why, "replan") != NULL);
+    CHECK(strstr(why, "greedy") != NULL && strstr(why, "replan") != NULL);
     EXPECT(JCAS_ERROR_ARGUMENT,
-           jcas_policy_baseline(model, "swarm", "2", &policy, why, sizeof why));
+           jcas_policy_baseline(model, "tems", NULL, &policy, why, sizeof why));
+    CHECK(strstr(why, "did you mean teams?") != NULL);
+    CHECK(strcmp(jcas_policy_name(3), "teams") == 0 && strcmp(jcas_policy_name(8), "replan") == 0);
+    CHECK(strstr(jcas_policy_summary(3), "quorum") != NULL);
+    CHECK(jcas_policy_name(9) == NULL && jcas_policy_summary(9) == NULL);
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_policy_baseline(model, "greedy", "2", &policy, why, sizeof why));
     CHECK(strstr(why, "pilot") != NULL);
     EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(model, NULL, NULL, &policy, NULL, 0));
-    EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(model, "swarm", NULL, NULL, NULL, 0));
-    EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(NULL, "swarm", NULL, &policy, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(model, "greedy", NULL, NULL, NULL, 0));
+    EXPECT(JCAS_ERROR_NULL, jcas_policy_baseline(NULL, "greedy", NULL, &policy, NULL, 0));
     jcas_model *hidden = build(UAVS, JCAS_VISIBILITY_HIDDEN);
     EXPECT(JCAS_ERROR_ARGUMENT,
-           jcas_policy_baseline(hidden, "swarm", NULL, &policy, why, sizeof why));
+           jcas_policy_baseline(hidden, "greedy", NULL, &policy, why, sizeof why));
     CHECK(policy == FOREIGN(jcas_policy) && strstr(why, "target_visibility") != NULL);
     OK(jcas_model_free(hidden));
 }
@@ -158,9 +164,8 @@ static void same_everywhere(jcas_sim *sim, jcas_batch *batch, jcas_policy *polic
 
 int main(int argc, char **argv)
 {
-    static const char *const NAMES[] = {"random", "untrained", "greedy", "swarm",  "teams",
-                                        "squads", "sweep",     "line",   "frontier", "relay",
-                                        "answer", "charging",  "clean"};
+    static const char *const NAMES[] = {"random", "untrained", "greedy", "teams",
+                                        "squads", "line",      "answer"};
     static const uint64_t SEEDS[MEMBERS] = {11, 12, 13};
     CHECK(argc == 2);
     read_file(argv[1]);

@@ -308,9 +308,8 @@ static void fly_batch_with(long k, jcas_policy *policy, jcas_batch *batch)
 /* Baselines plan on the heap: the call reports an exhausted heap at any allocation. */
 static void fly_baselines(void)
 {
-    static const char *const NAMES[] = {"random", "untrained", "greedy", "swarm",  "teams",
-                                        "squads", "sweep",     "line",   "frontier", "relay",
-                                        "answer", "charging",  "clean"};
+    static const char *const NAMES[] = {"random", "untrained", "greedy", "teams",
+                                        "squads", "line",      "answer"};
     jcas_config fleet = config;
     jcas_model *model;
     jcas_sim *sim;
@@ -325,7 +324,7 @@ static void fly_baselines(void)
     FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT,
                    jcas_policy_baseline(model, "swan", NULL, &policy, message, sizeof message));
     FREE_OF_MEMORY(JCAS_ERROR_ARGUMENT,
-                   jcas_policy_baseline(model, "swarm", "2", &policy, message, sizeof message));
+                   jcas_policy_baseline(model, "greedy", "2", &policy, message, sizeof message));
     for (size_t name = 0; name < sizeof NAMES / sizeof *NAMES; name++) {
         uint64_t hash = 0;
         int refusals = 0;

@@ -2,7 +2,7 @@
  *
  *   traces FOLDER TRACE...
  *
- * The program verifies each trace. It then writes FOLDER/policy.jsonl with the policy `swarm`, and
+ * The program verifies each trace. It then writes FOLDER/policy.jsonl with the policy `greedy`, and
  * FOLDER/hosted.jsonl with every kind of host call. */
 #include "check.h"
 
@@ -72,8 +72,8 @@ static void fly_policy(jcas_model *model, jcas_sim *sim, jcas_recorder recorder)
     jcas_outcome outcome;
     memset(&outcome, 0, sizeof outcome);
     outcome.struct_size = sizeof outcome;
-    OK(jcas_policy_baseline(model, "swarm", "max", &policy, NULL, 0));
-    recorder.policy = "swarm";
+    OK(jcas_policy_baseline(model, "greedy", "max", &policy, NULL, 0));
+    recorder.policy = "greedy";
     recorder.pilot = "max";
     OK(jcas_sim_record(sim, SEED, &recorder));
     while (!outcome.terminated && !outcome.truncated) {

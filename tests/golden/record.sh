@@ -17,7 +17,7 @@ record() {
 record completion --uavs 20 --hotspots 7 --policy teams --pilot max --episode 2
 record completion_on_horizon --uavs 20 --hotspots 7 --policy teams --pilot max --episode 2 \
     --set horizon_steps=31
-record truncation --uavs 5 --hotspots 9 --policy swarm --pilot max --set horizon_steps=60
+record truncation --uavs 5 --hotspots 9 --policy greedy --pilot max --set horizon_steps=60
 record paper_preset --preset paper --uavs 12 --hotspots 3 --policy teams --pilot max --episode 26 \
     --set charge_power_kw=3
 record return_to_base --uavs 6 --hotspots 4 --policy greedy --pilot adaptive \
@@ -31,7 +31,7 @@ record grounded_on_depot --uavs 4 --hotspots 3 --policy random --pilot min \
     --set initial_soc_min=0 --set initial_soc_max=0 --set horizon_steps=40
 record link_on_threshold --uavs 8 --hotspots 6 --policy random --pilot max \
     --set link_throughput_min=1.0190404702277611 --set horizon_steps=40
-record hidden_targets --uavs 9 --hotspots 4 --policy sweep --pilot adaptive \
+record hidden_targets --uavs 9 --hotspots 4 --policy line --pilot adaptive \
     --set target_visibility=hidden --set radar_cross_section_dbsm=10
 record one_uav --uavs 1 --hotspots 4 --policy greedy --pilot max \
     --set quorum=1 --set radar_cross_section_dbsm=10
@@ -49,7 +49,7 @@ record ten_uavs --uavs 10 --hotspots 4 --policy random --pilot max --episode 3 \
     --set link_throughput_min=1.2 --set grid_width=7 --set grid_height=5 \
     --set initial_soc_min=0.17 --set initial_soc_max=0.3 --set horizon_steps=24
 record fifteen_uavs --preset paper --uavs 15 --hotspots 5 --policy random --pilot mid
-record twenty_uavs --preset search --uavs 20 --hotspots 5 --policy sweep --pilot adaptive \
+record twenty_uavs --preset search --uavs 20 --hotspots 5 --policy line --pilot adaptive \
     --set horizon_steps=20
 record coherent_pilots --uavs 12 --hotspots 4 --policy teams --pilot adaptive \
     --set pilot_gain=coherent --set radar_cross_section_dbsm=20 --set horizon_steps=40

@@ -108,7 +108,7 @@ fn the_example_flies_the_shipped_policy() {
             text.contains(&format!("state 0x{hash:016x}")),
             "{compiler}: {text}, not 0x{hash:016x}"
         );
-        assert!(fly("swarm".as_ref()).contains("7 of 7"));
+        assert!(fly("greedy".as_ref()).contains("7 of 7"));
         let head = fs::read_to_string(root().join("examples/c/fly_policy.c")).expect("it is there");
         let head = head.split("*/").next().unwrap_or_default();
         for kind in BaselineKind::ALL {

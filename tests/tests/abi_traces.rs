@@ -27,7 +27,7 @@ fn recorded_here() -> Vec<u8> {
         ..Config::default()
     };
     let model = Model::new(config).expect("legal");
-    let mut policy = BaselineKind::Swarm
+    let mut policy = BaselineKind::Greedy
         .build(&model, PilotMode::Max)
         .expect("nothing is hidden");
     let mut text = Vec::new();

@@ -2,8 +2,7 @@
 
 use crate::mission::SHIPPED;
 use jcas_core::{Config, Preset};
-use jcas_plan::PlannedKind;
-use jcas_policy::BaselineKind;
+use jcas_policy::named_policies;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -34,9 +33,8 @@ pub(crate) fn about() -> String {
         .map(|preset| (preset.name().to_owned(), json!(Config::preset(*preset))))
         .collect();
     let shipped = SHIPPED.iter().map(|(name, _)| *name);
-    let baselines = BaselineKind::ALL.iter().map(|kind| kind.name());
-    let planned = PlannedKind::ALL.iter().map(|kind| kind.name());
-    let policies: Vec<&str> = baselines.chain(planned).chain(shipped).collect();
+    let named = named_policies().map(|policy| policy.name);
+    let policies: Vec<&str> = named.chain(shipped).collect();
     json!({
         "version": jcas_core::VERSION,
         "fields": fields,

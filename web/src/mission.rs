@@ -47,7 +47,7 @@ pub struct Mission {
     config: Map<String, Value>,
     /// Name of a baseline, of a policy that plans or of a shipped policy.
     policy: String,
-    /// Flyer mode: a number, `min`, `mid`, `max`, `adaptive` or `myopic`.
+    /// Pilot mode: a number, `min`, `mid`, `max` or `adaptive`.
     pilot: String,
     /// Seed of the episode.
     seed: u32,
@@ -120,8 +120,7 @@ impl Mission {
         if let Some(kind) = PlannedKind::named(&self.policy) {
             return Ok(Flyer::Planned(planned(kind, model)?));
         }
-        let kind = BaselineKind::named(&self.policy)
-            .map_err(|error| format!("{error}, {}", PlannedKind::NAMES))?;
+        let kind = BaselineKind::named(&self.policy).map_err(|error| error.to_string())?;
         let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
         let baseline = kind
             .build(model, pilot)
@@ -319,7 +318,7 @@ mod tests {
 
     fn mission(interventions: Value) -> Value {
         json!({
-            "ask": "fly", "policy": "swarm", "pilot": "max", "seed": 7,
+            "ask": "fly", "policy": "teams", "pilot": "max", "seed": 7,
             "interventions": interventions,
             "config": { "uav_count": 6, "hotspot_count": 2, "detection_threshold_db": -23.75 },
         })
@@ -338,7 +337,7 @@ mod tests {
         )
         .unwrap();
         let model = Model::new(config).unwrap();
-        let mut policy = BaselineKind::Swarm.build(&model, PilotMode::Max).unwrap();
+        let mut policy = BaselineKind::Teams.build(&model, PilotMode::Max).unwrap();
         let mut sim = jcas_core::Sim::new(&model);
         let seed = derive_seed(7, 0);
         sim.reset(seed);
@@ -430,10 +429,10 @@ mod tests {
             question[key] = value;
             refused(question)
         };
-        assert!(with("policy", json!("fly")).ends_with("charging, clean, plan, replan"));
+        assert!(with("policy", json!("fly")).ends_with("answer, plan, replan"));
         assert!(with("config", json!({ "uav_count": 401 })).contains("uav_count = 401"));
         assert!(with("config", json!({ "quorum": -1 })).contains("quorum"));
-        assert!(with("config", json!({ "target_visibility": "hidden" })).contains("swarm"));
+        assert!(with("config", json!({ "target_visibility": "hidden" })).contains("teams"));
         let given = |intervention: Value| refused(mission(json!([intervention])));
         assert!(given(json!({ "do": "steer", "t": 1, "uav": 6, "motion": 0 })).contains("uav = 6"));
         assert!(

@@ -48,8 +48,8 @@ pub enum ModeName {
 pub struct Evaluate {
     /// Folder of a trained policy, or a baseline's name
     policy: String,
-    /// Pilot density: a number such as 0.15, min, mid, max, adaptive, or myopic; adaptive uses a
-    /// trained policy's own density
+    /// Pilot density: a number such as 0.15, min, mid, max or adaptive; adaptive uses a trained
+    /// policy's own density
     #[arg(long, value_name = "MODE", default_value = crate::options::DEFAULT_PILOT)]
     pilot: String,
     /// How a learned policy turns its outputs into actions

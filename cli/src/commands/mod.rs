@@ -6,6 +6,7 @@ mod evaluate;
 mod merge;
 mod plan;
 mod play;
+mod policies;
 mod replay;
 pub mod simulate;
 mod sweep;
@@ -31,6 +32,7 @@ pub enum Command {
     Trace(trace::Trace),
     Replay(replay::Replay),
     Play(play::Play),
+    Policies(policies::Policies),
     #[command(subcommand)]
     Config(config::ConfigCommand),
     Bench(bench::Bench),
@@ -50,6 +52,7 @@ impl Command {
             | Self::Sweep(_)
             | Self::Merge(_)
             | Self::Play(_)
+            | Self::Policies(_)
             | Self::Config(_)
             | Self::Bench(_) => Vec::new(),
         }
@@ -67,6 +70,7 @@ impl Command {
             Self::Trace(command) => command.run(),
             Self::Replay(command) => command.run(),
             Self::Play(command) => command.run(),
+            Self::Policies(command) => command.run(),
             Self::Config(command) => command.run(),
             Self::Bench(command) => command.run(),
         }

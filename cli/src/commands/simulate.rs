@@ -18,8 +18,8 @@ use crate::{files, interrupt, learned, numbers, progress};
 const EXAMPLES: &str = "\
 Examples:
   jcas simulate
-  jcas simulate --uavs 15 --hotspots 7 --policy swarm --pilot max --episodes 1000
-  jcas simulate --set target_visibility=hidden --policy sweep --json
+  jcas simulate --uavs 15 --hotspots 7 --policy greedy --pilot max --episodes 1000
+  jcas simulate --set target_visibility=hidden --policy line --json
   jcas simulate --preset paper --config mine.toml --trace first.jsonl";
 
 /// Run many missions of one fleet and report success, time, energy, CO2 and throughput

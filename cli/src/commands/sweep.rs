@@ -24,7 +24,7 @@ use crate::{files, learned, numbers};
 const EXAMPLES: &str = "\
 Examples:
   jcas sweep
-  jcas sweep --policy greedy,swarm,teams --pilot max,adaptive --hotspots 7 --out baselines
+  jcas sweep --policy greedy,teams,squads --pilot max,adaptive --hotspots 7 --out baselines
   jcas sweep --preset search --hotspots 3,7,11 --out searchers
   jcas sweep --uavs 10 --hotspots 5,11 --pilot 0.01,0.1,0.2,0.3 --out pilot
   jcas sweep --uavs 4,6,8 --vary battery_capacity_kwh=0.02,0.05,0.2 --episodes 500 --out battery
@@ -67,8 +67,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     hotspots: Vec<u32>,
-    /// Policies: random, untrained, greedy, swarm, teams, squads, sweep, line, frontier, relay,
-    /// answer, charging, clean. The default is teams, or every searching baseline where hotspots are hidden
+    /// Policies (`jcas policies` lists them). The default is teams, or every searching baseline
+    /// where hotspots are hidden
     #[arg(
         long,
         value_name = "POLICY,POLICY",
@@ -76,8 +76,8 @@ pub struct Sweep {
         help_heading = "Lists"
     )]
     policy: Vec<String>,
-    /// Pilot densities: numbers such as 0.15, min, mid, max, adaptive, or myopic; adaptive uses a
-    /// trained policy's own density
+    /// Pilot densities: numbers such as 0.15, min, mid, max or adaptive; adaptive uses a trained
+    /// policy's own density
     #[arg(
         long,
         value_name = "MODE,MODE",

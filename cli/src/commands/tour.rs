@@ -52,11 +52,9 @@ const GRIDS: [Grid; 2] = [
         name: "paper",
         heading: "The paper's grid",
         text: "Every UAV knows where the hotspots are; three detections in one step confirm a \
-               hotspot. `policies/paper` was trained with PPO, the others are scripts. `greedy` \
-               and `swarm` fly alike here: all UAVs start in one cell, so that the hotspot \
-               nearest to each is also the one nearest to their centroid.",
+               hotspot. `policies/paper` was trained with PPO, the others are baselines.",
         preset: PresetName::Paper,
-        baselines: &["random", "greedy", "swarm", "teams", "sweep"],
+        baselines: &["random", "greedy", "teams", "squads"],
         trained: Some("paper"),
         hotspots: &HOTSPOTS,
     },
@@ -64,9 +62,9 @@ const GRIDS: [Grid; 2] = [
         name: "search",
         heading: "The search for hidden hotspots",
         text: "No UAV knows where the hotspots are. `plan` flies the trajectories of least \
-               expected time that the planner has found, the others are scripts that search.",
+               expected time that the planner has found, `line` is a baseline.",
         preset: PresetName::Search,
-        baselines: &["sweep", "line", "frontier", "plan"],
+        baselines: &["line", "plan"],
         trained: None,
         hotspots: &[7],
     },

@@ -19,17 +19,14 @@ fn unknown_names() {
         INPUT,
         &[
             "policy = clever",
-            "random, untrained, greedy, swarm, teams, squads, sweep, line, frontier, relay, answer",
+            "random, untrained, greedy, teams, squads, line, answer, plan, replan, plan:FILE",
         ],
     );
     refuses(
         folder.path(),
         &["simulate", "--pilot", "most"],
         INPUT,
-        &[
-            "pilot = most",
-            "min, mid, max, adaptive, myopic, or a density",
-        ],
+        &["pilot = most", "min, mid, max, adaptive, or a density"],
     );
     refuses(
         folder.path(),
@@ -46,15 +43,15 @@ fn unknown_names() {
         &[
             "simulate",
             "--policy",
-            "swarm",
+            "greedy",
             "--set",
             "target_visibility=hidden",
         ],
         INPUT,
         &[
-            "policy = swarm",
+            "policy = greedy",
             "target_visibility = hidden",
-            "random, untrained, sweep, line, frontier, relay, answer",
+            "random, untrained, line, answer, plan, replan",
         ],
     );
 }
@@ -63,7 +60,7 @@ fn unknown_names() {
 fn folders_without_a_policy() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("empty")).unwrap();
-    let choices = "clean, plan, replan, plan:FILE, or the folder of a trained policy";
+    let choices = "answer, plan, replan, plan:FILE, or the folder of a trained policy";
     for (policy, reason) in [
         ("runs/absent", "no such folder"),
         ("empty", "holds no policy.json"),

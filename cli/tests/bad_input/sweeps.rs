@@ -54,7 +54,7 @@ fn lists_of_a_sweep() {
         (["--vary", "quorum"], ["--vary quorum", "field=value,value"]),
         (["--vary", "uav_count=3,4"], ["uav_count", "listed twice"]),
         (["--uavs", "5,0"], ["uav_count = 0", "1 to 4096"]),
-        (["--policy", "swarm,clever"], ["policy = clever", "teams"]),
+        (["--policy", "greedy,clever"], ["policy = clever", "teams"]),
         (
             ["--vary", "cell_size_m=50,nan"],
             ["cell_size_m = NaN", "0.001"],

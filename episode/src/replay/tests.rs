@@ -18,7 +18,7 @@ fn flight() -> String {
         ..Config::default()
     };
     let model = Model::new(config).unwrap();
-    let mut policy = BaselineKind::Swarm.build(&model, PilotMode::Max).unwrap();
+    let mut policy = BaselineKind::Greedy.build(&model, PilotMode::Max).unwrap();
     let mut text = Vec::new();
     trace::record(&model, &mut policy, 42, &mut text).unwrap();
     String::from_utf8(text).unwrap()
@@ -63,7 +63,7 @@ fn the_title_tells_the_episode() {
         (trace.end.terminated, trace.end.truncated) = (terminated, !terminated);
         let link = if terminated { "in" } else { "after" };
         let title = format!(
-            "<title>swarm, pilot max, N = 4, n = 2, seed 0x000000000000002a: \
+            "<title>greedy, pilot max, N = 4, n = 2, seed 0x000000000000002a: \
              {result} {link} {} steps (jcas replay)</title>",
             trace.end.steps
         );
@@ -167,7 +167,7 @@ fn a_trace_that_was_cut_or_changed_is_refused() {
     assert!(page(cut).unwrap_err().to_string().contains("truncated"));
     let changed = whole.replacen("\"t\":1", "\"t\":9", 1);
     assert!(page(&changed).unwrap_err().to_string().contains("t = 9"));
-    let changed = whole.replacen("swarm", "worm", 1);
+    let changed = whole.replacen("greedy", "worm", 1);
     assert!(page(&changed).unwrap_err().to_string().contains("checksum"));
     assert!(page("").is_err());
 }

@@ -140,8 +140,8 @@ impl Steering for Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::BaselineKind;
     use crate::Policy;
-    use crate::baselines::BaselineKind;
     use jcas_core::{Config, Preset, Sim};
 
     fn flown(config: Config, kind: BaselineKind) -> Vec<f32> {

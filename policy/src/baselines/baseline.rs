@@ -5,22 +5,17 @@ use core::fmt::Display;
 use jcas_core::{Model, Motion, StateRef, TargetVisibility};
 
 use super::answer::Answer;
-use super::charging::Charging;
 use super::error::PolicyError;
-use super::frontier::Frontier;
 use super::gather::gather;
 use super::greedy::Greedy;
-use super::kind::BaselineKind;
 use super::line::Line;
 use super::memory::{OutOfMemory, filled};
 use super::pilot::PilotMode;
 use super::random::{Random, Untrained};
 use super::squads::Squads;
 use super::steering::Steering;
-use super::swarm::Swarm;
-use super::sweep::Sweep;
 use super::teams::Teams;
-use crate::{Policy, stays_to_charge};
+use crate::{BaselineKind, Policy, stays_to_charge};
 
 impl BaselineKind {
     /// Builds the baseline.
@@ -48,16 +43,10 @@ impl BaselineKind {
             Self::Random => Way::Random(Random),
             Self::Untrained => Way::Untrained,
             Self::Greedy => Way::Greedy(Greedy),
-            Self::Swarm => Way::Swarm(Swarm),
             Self::Teams => Way::Teams(Teams::new(pilot)),
             Self::Squads => Way::Squads(Squads::new(pilot)),
-            Self::Sweep => Way::Sweep(Sweep::new(pilot)),
             Self::Line => Way::Line(Line::new(pilot)),
-            Self::Frontier => Way::Frontier(Frontier::new(pilot)),
-            Self::Relay => Way::Frontier(Frontier::connected(pilot)),
             Self::Answer => Way::Answer(Answer::new(pilot)),
-            Self::Charging => Way::Charging(Charging::greedy(pilot)),
-            Self::Clean => Way::Charging(Charging::clean(pilot)),
         };
         Baseline {
             kind: self,
@@ -85,14 +74,10 @@ enum Way {
     Untrained,
     Random(Random),
     Greedy(Greedy),
-    Swarm(Swarm),
     Teams(Teams),
     Squads(Squads),
-    Sweep(Sweep),
     Line(Line),
-    Frontier(Frontier),
     Answer(Answer),
-    Charging(Charging),
 }
 
 impl Way {
@@ -102,14 +87,10 @@ impl Way {
             Self::Untrained => return None,
             Self::Random(way) => way,
             Self::Greedy(way) => way,
-            Self::Swarm(way) => way,
             Self::Teams(way) => way,
             Self::Squads(way) => way,
-            Self::Sweep(way) => way,
             Self::Line(way) => way,
-            Self::Frontier(way) => way,
             Self::Answer(way) => way,
-            Self::Charging(way) => way,
         })
     }
 }

@@ -4,7 +4,21 @@ use core::fmt;
 
 use jcas_core::Printable;
 
-use super::kind::BaselineKind;
+use crate::names::list;
+use crate::{BaselineKind, PLAN, PolicyNames, REPLAN, named_policies};
+
+/// The least similarity (of Jaro and Winkler, from 0 to 1) of a name that was meant.
+const SIMILARITY_MIN: f64 = 0.8;
+
+/// Returns the name of a policy that is spelled like another text, whatever its case.
+#[must_use]
+pub fn similar(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    let similarity = |policy: &&'static str| strsim::jaro_winkler(&name, policy);
+    let names = named_policies().map(|policy| policy.name);
+    let nearest = names.max_by(|a, b| similarity(a).total_cmp(&similarity(b)))?;
+    (similarity(&nearest) >= SIMILARITY_MIN).then_some(nearest)
+}
 
 /// A reason for which a baseline cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,16 +44,20 @@ pub enum PolicyError<'a> {
 impl fmt::Display for PolicyError<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::UnknownPolicy(name) => write!(
-                out,
-                "policy = {}: must be one of random, untrained, greedy, swarm, teams, squads, \
-                 sweep, line, frontier, relay, answer, charging, clean",
-                Printable(name)
-            ),
+            Self::UnknownPolicy(name) => {
+                write!(
+                    out,
+                    "policy = {}: must be one of {PolicyNames}",
+                    Printable(name)
+                )?;
+                match similar(name) {
+                    Some(near) => write!(out, "; did you mean {near}?"),
+                    None => Ok(()),
+                }
+            }
             Self::UnknownPilot(name) => write!(
                 out,
-                "pilot = {}: must be one of min, mid, max, adaptive, myopic, or a density such as \
-                 0.15",
+                "pilot = {}: must be one of min, mid, max, adaptive, or a density such as 0.15",
                 Printable(name)
             ),
             Self::PilotOutOfRange { density, low, high } => write!(
@@ -47,13 +65,49 @@ impl fmt::Display for PolicyError<'_> {
                 "pilot = {density}: must be a density from {low} (pilot_density_min) to {high} \
                  (pilot_density_max)"
             ),
-            Self::Hidden(kind) => write!(
-                out,
-                "policy = {kind}: steers by positions that target_visibility = hidden withholds; \
-                 must be one of random, untrained, sweep, line, frontier, relay, answer"
-            ),
+            Self::Hidden(kind) => {
+                write!(
+                    out,
+                    "policy = {kind}: steers by positions that target_visibility = hidden \
+                     withholds; must be one of "
+                )?;
+                let searching = BaselineKind::ALL
+                    .into_iter()
+                    .filter(|kind| !kind.reads_positions());
+                let searching = searching.map(BaselineKind::name);
+                list(out, searching.chain([PLAN.name, REPLAN.name]))
+            }
         }
     }
 }
 
 impl std::error::Error for PolicyError<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_that_is_nearly_right_is_suggested() {
+        for (given, meant) in [
+            ("Teams", Some("teams")),
+            ("tems", Some("teams")),
+            ("squad", Some("squads")),
+            ("re-plan", Some("replan")),
+            ("PLAN", Some("plan")),
+            ("clever", None),
+            ("", None),
+        ] {
+            assert_eq!(similar(given), meant, "{given}");
+        }
+        let refusal = PolicyError::UnknownPolicy("tems").to_string();
+        assert_eq!(
+            refusal,
+            "policy = tems: must be one of random, untrained, greedy, teams, squads, line, answer, \
+             plan, replan; did you mean teams?"
+        );
+        let refusal = PolicyError::Hidden(BaselineKind::Teams).to_string();
+        let allowed = "must be one of random, untrained, line, answer, plan, replan";
+        assert!(refusal.ends_with(allowed), "{refusal}");
+    }
+}

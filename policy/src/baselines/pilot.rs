@@ -5,7 +5,7 @@ use core::fmt;
 use jcas_core::{Config, Model, StateRef, TargetVisibility};
 
 use super::error::PolicyError;
-use super::myopic;
+use crate::action_of;
 
 /// The Manhattan distance in cells of an unconfirmed hotspot within which `adaptive` senses at full
 /// pilot density.
@@ -27,22 +27,13 @@ pub enum PilotMode {
     /// The rule takes the maximum near an unconfirmed hotspot and the minimum elsewhere. With
     /// hidden positions, it takes the maximum while any hotspot is unconfirmed.
     Adaptive,
-    /// The rule takes the density with the most expected detections and neighbours reached in the
-    /// next step, from the cells before the move.
-    Myopic,
     /// The rule always takes this density, clipped to the bounds of the model.
     Fixed(f64),
 }
 
 impl PilotMode {
     /// All modes that have a name.
-    pub const ALL: [Self; 5] = [
-        Self::Min,
-        Self::Mid,
-        Self::Max,
-        Self::Adaptive,
-        Self::Myopic,
-    ];
+    pub const ALL: [Self; 4] = [Self::Min, Self::Mid, Self::Max, Self::Adaptive];
 
     /// The name of the mode, or the density in decimal digits.
     #[must_use]
@@ -57,7 +48,6 @@ impl PilotMode {
             Self::Mid => Some("mid"),
             Self::Max => Some("max"),
             Self::Adaptive => Some("adaptive"),
-            Self::Myopic => Some("myopic"),
             Self::Fixed(_) => None,
         }
     }
@@ -101,7 +91,7 @@ impl PilotMode {
             Self::Min => Some(-1.0),
             Self::Mid => Some(0.0),
             Self::Max => Some(1.0),
-            Self::Adaptive | Self::Myopic => None,
+            Self::Adaptive => None,
             Self::Fixed(density) => Some(action_of(config, density)),
         }
     }
@@ -109,10 +99,12 @@ impl PilotMode {
     /// The action component u_pilot of one UAV, in [-1, 1].
     #[must_use]
     pub fn action(self, model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> f32 {
-        let adapted = || match self {
-            Self::Myopic => action_of(model.config(), myopic::density(model, state, uav)),
-            _ if target_in_range(model, state, uav) => 1.0,
-            _ => -1.0,
+        let adapted = || {
+            if target_in_range(model, state, uav) {
+                1.0
+            } else {
+                -1.0
+            }
         };
         self.fixed(model.config()).unwrap_or_else(adapted)
     }
@@ -127,20 +119,10 @@ impl PilotMode {
         match self {
             Self::Min => low,
             Self::Mid => low + 0.5 * (high - low),
-            Self::Max | Self::Adaptive | Self::Myopic => high,
+            Self::Max | Self::Adaptive => high,
             Self::Fixed(density) => density.clamp(low, high),
         }
     }
-}
-
-/// The action component u_pilot, in [-1, 1], that gives a density: the inverse of the kernel's map.
-#[must_use]
-pub fn action_of(config: &Config, density: f64) -> f32 {
-    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
-    if high <= low {
-        return 0.0;
-    }
-    (2.0 * (density - low) / (high - low) - 1.0).clamp(-1.0, 1.0) as f32
 }
 
 fn target_in_range(model: &Model<'_>, state: &StateRef<'_>, uav: usize) -> bool {

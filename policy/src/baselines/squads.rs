@@ -234,8 +234,8 @@ fn component(
 mod tests {
     use jcas_core::{Config, Preset, Sim};
 
-    use super::super::BaselineKind;
     use super::*;
+    use crate::BaselineKind;
     use crate::Policy;
 
     // Two groups at opposite corners are out of each other's reach. Each flies to the hotspot

@@ -107,23 +107,6 @@ pub struct ActOptions {
     pub pilot: Option<f32>,
 }
 
-/// The action component u_pilot, in [-1, 1], that gives a density: the inverse of the kernel's map.
-#[must_use]
-pub fn pilot_action(config: &Config, density: f64) -> f32 {
-    let (low, high) = (config.pilot_density_min, config.pilot_density_max);
-    if high <= low {
-        return 0.0;
-    }
-    let action = 2.0 * (density - low) / (high - low) - 1.0;
-    if action > 1.0 {
-        1.0
-    } else if action > -1.0 {
-        action as f32
-    } else {
-        -1.0
-    }
-}
-
 /// Returns the sizes of a model's observations, and of the inputs that a policy reads besides.
 fn sizes(model: &Model<'_>, metadata: PolicyMetadata) -> Sizes {
     Sizes {
@@ -221,7 +204,7 @@ impl Network {
             pilot: self
                 .metadata
                 .pilot_density
-                .map(|density| pilot_action(config, density)),
+                .map(|density| crate::action_of(config, density)),
         }
     }
 

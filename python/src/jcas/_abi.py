@@ -701,6 +701,10 @@ def declare(library: CDLL) -> None:
         c_size_t,
     )
     library.jcas_policy_baseline.restype = c_int32
+    library.jcas_policy_name.argtypes = (c_uint32,)
+    library.jcas_policy_name.restype = c_char_p
+    library.jcas_policy_summary.argtypes = (c_uint32,)
+    library.jcas_policy_summary.restype = c_char_p
     library.jcas_policy_set_mode.argtypes = (c_void_p, c_int32)
     library.jcas_policy_set_mode.restype = c_int32
     library.jcas_policy_act.argtypes = (c_void_p, c_void_p, c_void_p, c_size_t)

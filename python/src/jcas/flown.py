@@ -77,15 +77,14 @@ class Policy:
     def baseline(cls, name: str, model: Model, *, pilot: str | float = "adaptive") -> Policy:
         """Build a scripted baseline by its name.
 
-        The names are random, untrained, greedy, swarm, teams, squads, sweep, line, frontier,
-        relay, answer, charging and clean. Two more plan by themselves: `plan` follows one plan
-        without feedback, and `replan` plans again after each confirmation, meeting and report.
-        Either takes seconds for its first plan.
+        The names are random, untrained, greedy, teams, squads, line and answer. Two more plan by
+        themselves: `plan` follows one plan without feedback, and `replan` plans again after each
+        confirmation, meeting and report. Either takes seconds for its first plan.
 
         Args:
             name: which.
             model: what it will fly.
-            pilot: min, mid, max, adaptive, myopic, or a density. A plan has its own densities.
+            pilot: min, mid, max, adaptive, or a density. A plan has its own densities.
 
         Raises:
             ArgumentError: there is none of that name, it needs hidden positions, or the fleet or

@@ -7,8 +7,7 @@
 
 use crate::head::motion_of;
 use jcas_core::{Model, Motion, StateRef};
-use jcas_policy::Policy;
-use jcas_policy::baselines::{Baseline, BaselineKind, PilotMode};
+use jcas_policy::{Baseline, BaselineKind, PilotMode, Policy};
 
 /// The teacher of any number of episodes of one configuration.
 #[derive(Debug)]
