@@ -104,25 +104,30 @@ fn reachable(metadata: &CargoMetadata) -> Graph {
     graph
 }
 
-/// The licence texts of the packages from elsewhere, one after the other.
+/// The licence texts of the packages from elsewhere, one after the other, and of the font that
+/// figures embed.
 pub fn notices(graph: &Graph) -> Result<String, String> {
     let mut text = "The binaries contain the packages below, each under its own license, and the\n\
                     standard library of Rust (https://www.rust-lang.org, MIT OR Apache-2.0).\n"
         .to_owned();
-    for package in graph.keys().filter(|package| package.source.is_some()) {
-        let license = package.license.as_deref().unwrap_or("see below");
-        let rule = "=".repeat(80);
-        text += &format!(
-            "\n{rule}\n{} {}: {license}\n",
-            package.name, package.version
-        );
+    let rule = "=".repeat(80);
+    for package in graph.keys() {
         let folder = package.manifest_path.parent().unwrap_or(Path::new("."));
-        for file in license_files(folder)? {
+        let folder = if package.source.is_some() {
+            let license = package.license.as_deref().unwrap_or("see below");
+            let (name, version) = (&package.name, &package.version);
+            text += &format!("\n{rule}\n{name} {version}: {license}\n");
+            folder.to_owned()
+        } else if package.name == "jcas-figures" {
+            text += &format!("\n{rule}\nThe font Roboto, (C) 2011 Google Inc.: Apache-2.0\n");
+            folder.join("src/font")
+        } else {
+            continue;
+        };
+        for file in license_files(&folder)? {
             let said = |error| format!("{}: {error}", file.display());
-            text += &format!(
-                "\n{}\n",
-                std::fs::read_to_string(&file).map_err(said)?.trim_end()
-            );
+            let license = std::fs::read_to_string(&file).map_err(said)?;
+            text += &format!("\n{}\n", license.trim_end());
         }
     }
     Ok(text)
@@ -157,5 +162,7 @@ mod tests {
         assert!(!has("cbindgen") && !has("proptest") && !has("windows-sys"));
         let text = notices(&graph).unwrap();
         assert!(text.contains("libm 0.2.16: MIT") && !text.contains("jcas-core"));
+        let (_, font) = text.split_once("The font Roboto").unwrap();
+        assert!(font.contains("Apache License"));
     }
 }
