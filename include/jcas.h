@@ -226,6 +226,12 @@
 /// Each UAV starts in a cell drawn from the whole grid.
 #define JCAS_START_RANDOM 1
 
+/// The bins of u_dir are up, down, left, right, stay.
+#define JCAS_MOTIONS_UDLRS 0
+
+/// The bins of u_dir are up, left, stay, right, down.
+#define JCAS_MOTIONS_SYMMETRIC 1
+
 /// The largest number of points of a detection table.
 #define JCAS_MAX_DETECTION_POINTS 64
 
@@ -250,7 +256,8 @@
 /// The number of fields of an observation, which jcas_observation_field_name names.
 #define JCAS_OBSERVATION_FIELDS 25
 
-/// Motion up, +y, as the first component of an action.
+/// Motion up, +y, as the first component of an action with JCAS_MOTIONS_UDLRS, like the four below.
+/// With JCAS_MOTIONS_SYMMETRIC these values mean up, left, stay, right, down in ascending order.
 #define JCAS_MOVE_UP (-0.8f)
 
 /// Motion down, -y.
@@ -527,6 +534,9 @@ typedef struct jcas_config {
     int32_t learned_detections;
     /// Cells in which UAVs start: JCAS_START_DEPOT (default) or JCAS_START_RANDOM.
     int32_t start_cells;
+    /// Order of the motions over the five bins of u_dir: JCAS_MOTIONS_UDLRS (default) or
+    /// JCAS_MOTIONS_SYMMETRIC.
+    int32_t motion_map;
 } jcas_config;
 
 /// The sizes and constants of a model, which determine the lengths of all buffers.
@@ -1202,7 +1212,7 @@ JCAS_API uint64_t jcas_derive_seed(uint64_t seed, uint64_t index);
 /// Performs one whole step.
 ///
 /// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
-/// by five equal bins of -1 to 1 (JCAS_MOVE_UP and so on). The second chooses the pilot density,
+/// by five equal bins of -1 to 1, in the order of motion_map. The second chooses the pilot density,
 /// from its minimum at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not
 /// NULL, struct_size set.
 /// Threads: only this one uses `sim`.

@@ -10,8 +10,8 @@ pub mod text;
 mod validate;
 
 pub use choices::{
-    ChargeBilling, DetectionCurve, InformPayment, LearnedDetections, MapDirections, PilotGain,
-    Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag, UnknownName,
+    ChargeBilling, DetectionCurve, InformPayment, LearnedDetections, MapDirections, MotionMap,
+    PilotGain, Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag, UnknownName,
 };
 pub use depots::{Cell, Depots, MAX_DEPOTS};
 pub use detection_table::{DetectionPoint, DetectionTable, MAX_DETECTION_POINTS};
@@ -275,6 +275,9 @@ configuration! { $
     learned_detections: LearnedDetections = LearnedDetections::Confirmed, "confirmed | all", 0..=1;
     /// Cells in which UAVs start: the first `depot`, or a `random` cell of the grid for each UAV.
     start_cells: StartCells = StartCells::Depot, "depot | random", 0..=1;
+    /// Order of the motions over the five bins of u_dir: up, down, left, right, stay (`udlrs`), or
+    /// up, left, stay, right, down (`symmetric`).
+    motion_map: MotionMap = MotionMap::Udlrs, "udlrs | symmetric", 0..=1;
 }
 
 impl Default for Config {

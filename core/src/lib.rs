@@ -68,7 +68,7 @@ mod proofs;
 
 pub use config::{
     Cell, ChargeBilling, Config, DetectionCurve, InformPayment, LearnedDetections, MapDirections,
-    PilotGain, Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
+    MotionMap, PilotGain, Preset, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 pub use error::{ConfigError, Error};
 pub use model::Model;

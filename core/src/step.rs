@@ -33,12 +33,12 @@ impl Model<'_> {
     /// `actions` is an N × 2 matrix, row by row: `actions[2 * i]` is the direction of UAV `i` and
     /// `actions[2 * i + 1]` its pilot density. Both are reals that are clipped to [−1, 1].
     ///
-    /// The direction selects one of five equal bins of [−1, 1]: +y, −y, −x, +x, stay. The pilot
-    /// density maps −1 to `pilot_density_min` and 1 to `pilot_density_max`, linearly.
+    /// The direction selects one of five equal bins of [−1, 1], by default +y, −y, −x, +x, stay. The
+    /// pilot density maps −1 to `pilot_density_min` and 1 to `pilot_density_max`, linearly.
     ///
     /// ```
     /// # #[cfg(feature = "alloc")] {
-    /// use jcas_core::{Config, Model, Motion, Scratch};
+    /// use jcas_core::{Config, Model, Motion, MotionMap, Scratch};
     ///
     /// let model = Model::new(Config::default())?;
     /// let mut words = vec![0; model.state_words()];
@@ -47,7 +47,7 @@ impl Model<'_> {
     /// model.reset(&mut words, &mut scratch, 42)?;
     ///
     /// let mut state = model.state_mut(&mut words)?;
-    /// let actions = [Motion::Up.to_action(), -1.0].repeat(model.uav_count());
+    /// let actions = [Motion::Up.to_action(MotionMap::Udlrs), -1.0].repeat(model.uav_count());
     /// let outcome = model.step(&mut state, &mut scratch, &actions)?;
     /// assert!(outcome.reward.is_finite());
     /// assert_eq!(state.as_ref().t(), 1);

@@ -2,12 +2,17 @@
 
 use std::ops::ControlFlow;
 
-use jcas_core::{Cell, Config, Model, Motion, Sim, TargetVisibility, action};
+use jcas_core::{Cell, Config, Model, Motion, MotionMap, Sim, TargetVisibility, action};
 use jcas_episode::mission::{self, Campaign};
 use jcas_episode::statistics::Summary;
+use jcas_policy::head::Mode;
+use jcas_policy::network::ActOptions;
 use jcas_policy::{
-    BaselineKind, PilotMode, Policy, PolicyError, gather, quorum_probability, stays_to_charge,
+    BaselineKind, PilotMode, Policy, PolicyError, Trained, gather, quorum_probability,
+    stays_to_charge,
 };
+
+const MISSION: &[u8] = include_bytes!("../../policies/mission/policy.safetensors");
 
 fn model(config: Config) -> Model<'static> {
     Model::new(config).unwrap()
@@ -121,7 +126,7 @@ fn first_actions(kind: BaselineKind, pilot: PilotMode) -> Vec<[f32; 2]> {
 fn motions(actions: &[[f32; 2]]) -> [u32; 5] {
     let mut counts = [0; 5];
     for [direction, _] in actions {
-        counts[action::motion(*direction) as usize] += 1;
+        counts[action::motion(*direction, MotionMap::Udlrs) as usize] += 1;
     }
     counts
 }
@@ -267,7 +272,7 @@ fn what_is_hidden_is_not_read() {
 
 /// Places the UAVs, as a host simulator may.
 fn place(sim: &mut Sim<'_>, cells: &[Cell]) {
-    let stay = [Motion::Stay.to_action(), 1.0].repeat(cells.len());
+    let stay = [Motion::Stay.to_action(MotionMap::Udlrs), 1.0].repeat(cells.len());
     sim.step_begin(&stay).unwrap();
     sim.set_positions(cells).unwrap();
     sim.step_sense().unwrap();
@@ -295,7 +300,10 @@ fn gathering_brings_the_farthest_together_as_early_as_possible() {
     let mut steps = 0;
     while diameter(&sim) > 0 {
         gather(&model, &sim.state(), &mut motions);
-        let actions: Vec<f32> = motions.iter().flat_map(|m| [m.to_action(), 1.0]).collect();
+        let actions: Vec<f32> = motions
+            .iter()
+            .flat_map(|m| [m.to_action(MotionMap::Udlrs), 1.0])
+            .collect();
         sim.step(&actions).unwrap();
         steps += 1;
     }
@@ -321,7 +329,7 @@ fn a_uav_leaves_its_depot_only_with_charge_for_a_flight() {
     let mut waited = 0;
     while stays_to_charge(&model, &sim.state(), 0) {
         policy.act(&model, &sim.state(), &mut actions);
-        assert_eq!(action::motion(actions[0]), Motion::Stay);
+        assert_eq!(action::motion(actions[0], MotionMap::Udlrs), Motion::Stay);
         sim.step(&actions).unwrap();
         waited += 1;
     }
@@ -337,4 +345,45 @@ fn detection_probability_of_a_team_matches_the_model() {
     assert!((0.15..0.17).contains(&detection), "{detection}");
     let ten = quorum_probability(10, 3, detection);
     assert!((0.18..0.22).contains(&ten), "{ten}");
+}
+
+/// Policies that choose a motion by its name take the centre of its bin. So the order of the bins
+/// changes no cell of their episodes.
+#[test]
+fn the_order_of_motions_changes_nothing_for_a_policy_that_names_them() {
+    let flown = |map: MotionMap, mode: Option<Mode>| {
+        let model = model(Config {
+            motion_map: map,
+            ..Config::default()
+        });
+        let mut policy: Box<dyn Policy> = match mode {
+            Some(mode) => {
+                let options = ActOptions { mode, pilot: None };
+                Box::new(
+                    Trained::read("m", MISSION)
+                        .unwrap()
+                        .with_act_options(options),
+                )
+            }
+            None => Box::new(BaselineKind::Teams.build(&model, PilotMode::Max).unwrap()),
+        };
+        let mut sim = Sim::new(&model);
+        let mut actions = vec![0.0; model.action_len()];
+        let mut rows = vec![0.0; model.uav_count() * model.observation_len()];
+        let mut cells = Vec::new();
+        sim.reset(11);
+        policy.reset(&model, 11);
+        for _ in 0..12 {
+            sim.observe(&mut rows).unwrap();
+            policy.see(&rows);
+            policy.act(&model, &sim.state(), &mut actions);
+            sim.step(&actions).unwrap();
+            cells.extend((0..model.uav_count()).map(|uav| sim.state().cell(uav)));
+        }
+        cells
+    };
+    for mode in [None, Some(Mode::Deterministic), Some(Mode::Sampled)] {
+        let udlrs = flown(MotionMap::Udlrs, mode);
+        assert!(udlrs == flown(MotionMap::Symmetric, mode), "{mode:?}");
+    }
 }

@@ -5,8 +5,8 @@ use jcas_core::config::{
 };
 use jcas_core::error::{Allowed, ConfigError, Value};
 use jcas_core::{
-    ChargeBilling, DetectionCurve, InformPayment, LearnedDetections, MapDirections, PilotGain,
-    QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
+    ChargeBilling, DetectionCurve, InformPayment, LearnedDetections, MapDirections, MotionMap,
+    PilotGain, QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 
 use crate::memory::{Plain, Record};
@@ -59,6 +59,10 @@ pub const JCAS_LEARNED_ALL: i32 = 1;
 pub const JCAS_START_DEPOT: i32 = 0;
 /// Each UAV starts in a cell drawn from the whole grid.
 pub const JCAS_START_RANDOM: i32 = 1;
+/// The bins of u_dir are up, down, left, right, stay.
+pub const JCAS_MOTIONS_UDLRS: i32 = 0;
+/// The bins of u_dir are up, left, stay, right, down.
+pub const JCAS_MOTIONS_SYMMETRIC: i32 = 1;
 /// The largest number of points of a detection table.
 pub const JCAS_MAX_DETECTION_POINTS: usize = 64;
 
@@ -298,6 +302,9 @@ pub struct jcas_config {
     pub learned_detections: i32,
     /// Cells in which UAVs start: JCAS_START_DEPOT (default) or JCAS_START_RANDOM.
     pub start_cells: i32,
+    /// Order of the motions over the five bins of u_dir: JCAS_MOTIONS_UDLRS (default) or
+    /// JCAS_MOTIONS_SYMMETRIC.
+    pub motion_map: i32,
 }
 
 // SAFETY: integers and floats only.
@@ -485,6 +492,7 @@ choices!(
     InformPayment,
     LearnedDetections,
     MapDirections,
+    MotionMap,
     PilotGain,
     QuorumWindow,
     SearchMaps,

@@ -18,7 +18,8 @@ use crate::status::{Fault, JCAS_OK, guard, jcas_status};
 /// functions that take it as const may run concurrently.
 pub struct jcas_sim(());
 
-/// Motion up, +y, as the first component of an action.
+/// Motion up, +y, as the first component of an action with JCAS_MOTIONS_UDLRS, like the four below.
+/// With JCAS_MOTIONS_SYMMETRIC these values mean up, left, stay, right, down in ascending order.
 pub const JCAS_MOVE_UP: f32 = -0.8;
 /// Motion down, -y.
 pub const JCAS_MOVE_DOWN: f32 = -0.4;
@@ -150,7 +151,7 @@ pub extern "C" fn jcas_derive_seed(seed: u64, index: u64) -> u64 {
 /// Performs one whole step.
 ///
 /// `actions`: a pair per UAV, action_len floats; not NULL. The first of a pair chooses the motion
-/// by five equal bins of -1 to 1 (JCAS_MOVE_UP and so on). The second chooses the pilot density,
+/// by five equal bins of -1 to 1, in the order of motion_map. The second chooses the pilot density,
 /// from its minimum at -1 to its maximum at 1. Both are clipped; NaN is refused. `outcome`: not
 /// NULL, struct_size set.
 /// Threads: only this one uses `sim`.

@@ -68,7 +68,7 @@ impl Instance {
             resources,
             ..Setup::default()
         };
-        let inputs = Inputs::of(setup.size("uav_count")? as usize);
+        let inputs = setup.initial_inputs()?;
         Ok(Self {
             variables: all(),
             mode: Mode::Instantiated,
@@ -261,7 +261,7 @@ impl Instance {
             return Err(format!("{name} = {count}: must be from 1 to 4096"));
         }
         self.setup.fields.insert(name.to_owned(), count.into());
-        self.inputs = Inputs::of(self.setup.size("uav_count")? as usize);
+        self.inputs = self.setup.initial_inputs()?;
         Ok(())
     }
 
@@ -282,11 +282,15 @@ impl Instance {
             Values::String(mut values) => values.remove(0).into(),
             _ => return Err(format!("{name} is not of this type")),
         };
+        let at_rest = self.inputs == self.setup.initial_inputs()?;
         // An absent field is derived, as in every text of a configuration.
         if value.is_null() {
             self.setup.fields.remove(name);
         } else {
             self.setup.fields.insert(name.to_owned(), value);
+        }
+        if at_rest {
+            self.inputs = self.setup.initial_inputs()?;
         }
         Ok(())
     }

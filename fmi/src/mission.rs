@@ -1,6 +1,6 @@
 //! An episode of the unit: the kernel and the source of its actions.
 
-use jcas_core::{Cell, Error, Model, Scratch, StateRef, hash, observation};
+use jcas_core::{Cell, Error, Model, Motion, MotionMap, Scratch, StateRef, hash, observation};
 use jcas_plan::{PlanFile, Planned, PlannedKind};
 use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
 use jcas_simd::InstructionSet;
@@ -21,9 +21,9 @@ pub struct Inputs {
 impl Inputs {
     /// Every UAV stays in cell (0, 0) at the lowest pilot density, without a link.
     #[must_use]
-    pub fn of(uavs: usize) -> Self {
+    pub fn of(uavs: usize, map: MotionMap) -> Self {
         Self {
-            actions: [jcas_core::Motion::Stay.to_action(), -1.0].repeat(uavs),
+            actions: [Motion::Stay.to_action(map), -1.0].repeat(uavs),
             positions: vec![0; 2 * uavs],
             links: vec![false; uavs * uavs],
         }

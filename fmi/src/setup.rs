@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use jcas_core::Config;
 use jcas_core::config::FieldValue;
+use jcas_core::{Config, MotionMap};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+
+use crate::mission::Inputs;
 
 /// The parameters of an instance, which are fixed once the episode begins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -105,6 +107,18 @@ impl Setup {
                 .into(),
             Some(FieldValue::Optional(None)) | None => Value::Null,
         })
+    }
+
+    /// Returns the inputs before the importer sets one: every UAV stays.
+    ///
+    /// # Errors
+    /// The errors are those of [`Setup::field`].
+    pub fn initial_inputs(&self) -> Result<Inputs, String> {
+        let map = self.field("motion_map")?;
+        // A name that does not exist is refused with the configuration.
+        let map = map.as_str().and_then(|name| name.parse::<MotionMap>().ok());
+        let uavs = self.size("uav_count")? as usize;
+        Ok(Inputs::of(uavs, map.unwrap_or_default()))
     }
 
     /// Returns a size: the one that was set, else the preset's.

@@ -52,6 +52,6 @@ pub(crate) fn write(
 ) {
     let config = model.config();
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);
-    action[0] = toward(here, target).to_action();
+    action[0] = toward(here, target).to_action(config.motion_map);
     action[1] = pilot_action(pilot_density, low, high);
 }

@@ -7,9 +7,10 @@
 mod beta;
 
 use jcas_core::rng::{self, Purpose};
+use jcas_core::{Motion, MotionMap};
 
-/// The number of motions. In the order of their bins they are up, down, left, right, stay.
-pub const MOTIONS: usize = 5;
+/// The number of motions. In the order of their logits they are up, down, left, right, stay.
+pub const MOTIONS: usize = Motion::ALL.len();
 
 /// Bounds of a normal's log standard deviation.
 const LOG_STD: [f32; 2] = [-2.3, 1.0];
@@ -111,12 +112,6 @@ fn softplus(x: f32) -> f64 {
     above + libm::log1p(libm::exp(-x.abs()))
 }
 
-/// The action u_dir in the middle of the bin of a motion.
-#[must_use]
-pub fn motion_centre(motion: usize) -> f32 {
-    -0.8 + 0.4 * motion as f32
-}
-
 impl Head {
     pub(crate) const fn of_outputs(outputs: usize) -> Option<Self> {
         match outputs {
@@ -137,8 +132,11 @@ impl Head {
 
     /// The action (u_dir, u_pilot) of the deterministic mode: the most likely motion and the mean
     /// pilot density. `outputs` holds [`Head::outputs`] numbers.
+    ///
+    /// A categorical head chooses the centre of its motion's bin. The means of a normal are the
+    /// action itself, so their motions depend on the map.
     #[must_use]
-    pub fn deterministic(self, outputs: &[f32]) -> [f32; 2] {
+    pub fn deterministic(self, outputs: &[f32], map: MotionMap) -> [f32; 2] {
         match self {
             Self::Gaussian => [
                 between(outputs[0], -1.0, 1.0),
@@ -151,13 +149,13 @@ impl Head {
                         motion = candidate;
                     }
                 }
-                [motion_centre(motion), mean_pilot(outputs)]
+                [Motion::ALL[motion].to_action(map), mean_pilot(outputs)]
             }
         }
     }
 
     /// A drawn action (u_dir, u_pilot).
-    pub(crate) fn sample(self, outputs: &[f32], draw: Draw) -> [f32; 2] {
+    pub(crate) fn sample(self, outputs: &[f32], map: MotionMap, draw: Draw) -> [f32; 2] {
         match self {
             Self::Gaussian => {
                 let normals = normals(draw.block(0));
@@ -171,10 +169,8 @@ impl Head {
             Self::Hybrid => {
                 let (alpha, beta) = concentrations(outputs);
                 let pilot = beta::sample(alpha, beta, draw) as f32;
-                [
-                    motion_centre(motion_at(outputs, draw.unit())),
-                    2.0 * pilot - 1.0,
-                ]
+                let motion = Motion::ALL[motion_at(outputs, draw.unit())];
+                [motion.to_action(map), 2.0 * pilot - 1.0]
             }
         }
     }
@@ -221,7 +217,8 @@ mod tests {
     const DRAWS: u32 = 40_000;
 
     fn draws(head: Head, outputs: &[f32]) -> impl Iterator<Item = [f32; 2]> {
-        (0..DRAWS).map(move |t| head.sample(outputs, Draw { seed: 3, t, uav: 1 }))
+        let draw = |t: u32| Draw { seed: 3, t, uav: 1 };
+        (0..DRAWS).map(move |t| head.sample(outputs, MotionMap::Udlrs, draw(t)))
     }
 
     // The test compares the frequency of each motion, and the mean and variance of the pilot
@@ -279,10 +276,10 @@ mod tests {
     fn the_most_likely_motion_and_the_mean_pilot_stand_for_the_whole() {
         let ln_e_minus_one = (core::f32::consts::E - 1.0).ln();
         let outputs = [0.0, 0.3, 2.0, 0.5, 0.0, ln_e_minus_one, ln_e_minus_one];
-        let [direction, pilot] = Head::Hybrid.deterministic(&outputs);
+        let [direction, pilot] = Head::Hybrid.deterministic(&outputs, MotionMap::Udlrs);
         assert!(direction.abs() < 1e-6 && pilot.abs() < 1e-6);
         assert_eq!(
-            Head::Gaussian.deterministic(&[1.5, -0.25, 0.0, 0.0]),
+            Head::Gaussian.deterministic(&[1.5, -0.25, 0.0, 0.0], MotionMap::Udlrs),
             [1.0, -0.25]
         );
     }

@@ -167,15 +167,18 @@ def test_a_step_after_the_end_is_refused():
         env.step(actions)
 
 
-def test_hybrid_actions_mean_the_same_as_box_actions():
+@pytest.mark.parametrize(
+    ("motion_map", "bins"), [("udlrs", (0, 1, 2, 3, 4)), ("symmetric", (0, 4, 1, 3, 2))]
+)
+def test_hybrid_actions_mean_the_same_as_box_actions(motion_map, bins):
     states = []
     for kind in ("box", "dict", "tuple"):
-        env = jcas.parallel_env(action_space=kind, uav_count=5)
+        env = jcas.parallel_env(action_space=kind, uav_count=5, motion_map=motion_map)
         env.reset(seed=9)
         for motion in (0, 1, 2, 3, 4, 0, 0):
             pilot = np.array([0.25], np.float32)
             action = {
-                "box": np.array([-0.8 + 0.4 * motion, 0.25], np.float32),
+                "box": np.array([-0.8 + 0.4 * bins[motion], 0.25], np.float32),
                 "dict": {"motion": motion, "pilot": pilot},
                 "tuple": (motion, pilot),
             }[kind]

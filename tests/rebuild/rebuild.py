@@ -339,7 +339,12 @@ class Mission:
                 return x + (1 if home[0] > x else -1), y
             return x, y + (home[1] > y) - (home[1] < y)
         u = max(-1.0, min(1.0, u_dir))
-        dx, dy = ((0, 1), (0, -1), (-1, 0), (1, 0), (0, 0))[min(4, math.floor((u + 1) / 2 * 5))]
+        up, down, left, right, stay = (0, 1), (0, -1), (-1, 0), (1, 0), (0, 0)
+        order = {
+            "udlrs": (up, down, left, right, stay),
+            "symmetric": (up, left, stay, right, down),
+        }[self.c.get("motion_map", "udlrs")]
+        dx, dy = order[min(4, math.floor((u + 1) / 2 * 5))]
         x2, y2 = x + dx, y + dy
         return (x2, y2) if 0 <= x2 < self.w and 0 <= y2 < self.h else (x, y)
 

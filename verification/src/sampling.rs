@@ -1,10 +1,10 @@
 //! Random configurations and actions that reach the corners of the model.
 
 use crate::specification::philox::{block, first_u64};
-use crate::specification::{Specification, World};
+use crate::specification::{Specification, World, motion};
 use jcas_core::config::{Depots, DetectionPoint, DetectionTable};
 use jcas_core::{
-    Cell, Config, DetectionCurve, LearnedDetections, MapDirections, PilotGain, Preset,
+    Cell, Config, DetectionCurve, LearnedDetections, MapDirections, MotionMap, PilotGain, Preset,
     QuorumWindow, SearchMaps, StartCells, TargetVisibility, UavTag,
 };
 
@@ -88,6 +88,7 @@ pub fn configuration_of(dice: &mut Dice, uavs: u32) -> Config {
     search(dice, &mut c);
     false_alarms(dice, &mut c);
     detections(dice, &mut c);
+    c.motion_map = MotionMap::ALL[dice.integer(0, 1) as usize];
     c
 }
 
@@ -371,7 +372,7 @@ pub fn actions(
     for i in 0..spec.config.uav_count as usize {
         let u_dir = match (pilot, target(pilot, world, i)) {
             (Pilot::Anything, _) | (_, None) => component(dice),
-            (_, Some(j)) => toward(world, i, j),
+            (_, Some(j)) => toward(spec, world, i, j),
         };
         actions.push((u_dir, component(dice)));
     }
@@ -400,19 +401,17 @@ fn target(pilot: Pilot, world: &World, i: usize) -> Option<usize> {
 }
 
 /// Returns the middle of the bin of a motion that brings UAV i nearer to hotspot j.
-fn toward(world: &World, i: usize, j: usize) -> f32 {
+fn toward(spec: &Specification, world: &World, i: usize, j: usize) -> f32 {
     let (here, there) = (world.position[i], world.hotspot[j]);
-    if there.y > here.y {
-        -0.8
-    } else if there.y < here.y {
-        -0.4
-    } else if there.x < here.x {
-        0.0
-    } else if there.x > here.x {
-        0.4
+    let wanted = if there.y != here.y {
+        (0, (there.y - here.y).signum())
     } else {
-        0.8
-    }
+        ((there.x - here.x).signum(), 0)
+    };
+    let centres = [-0.8, -0.4, 0.0, 0.4, 0.8];
+    let map = spec.config.motion_map;
+    let leads = |&u_dir: &f32| motion(u_dir, map) == wanted;
+    centres.into_iter().find(leads).expect("five motions")
 }
 
 /// Draws one component of an action, mostly within [-1, 1] and often on an edge.

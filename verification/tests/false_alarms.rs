@@ -1,6 +1,6 @@
 //! False alarms against their definition: how often each cell of a footprint raises one.
 
-use jcas_core::{Cell, Config, Model, Motion, Preset, Sim};
+use jcas_core::{Cell, Config, Model, Motion, MotionMap, Preset, Sim};
 
 const LOOKS: u32 = 1_000_000;
 const UAVS: u32 = 10;
@@ -39,7 +39,7 @@ fn each_cell_of_a_footprint_raises_its_share_of_alarms() {
     sim.set_hotspots(&[Cell { x: 0, y: 0 }])
         .expect("a free cell");
     let mut by_cell = vec![0u32; config.cell_count()];
-    let stay = [Motion::Stay.to_action(), 0.0].repeat(UAVS as usize);
+    let stay = [Motion::Stay.to_action(MotionMap::Udlrs), 0.0].repeat(UAVS as usize);
     for _ in 0..LOOKS / UAVS {
         sim.step(&stay).expect("legal actions");
         for uav in 0..UAVS as usize {
@@ -79,7 +79,7 @@ fn the_preset_isac_sees_half_of_the_hotspots_three_cells_away() {
     sim.set_hotspots(&[Cell { x: 9, y: 6 }])
         .expect("a free cell");
     let (mut detections, mut alarms) = (0, 0);
-    let stay = [Motion::Stay.to_action(), 1.0].repeat(UAVS as usize);
+    let stay = [Motion::Stay.to_action(MotionMap::Udlrs), 1.0].repeat(UAVS as usize);
     for _ in 0..LOOKS / UAVS {
         sim.step(&stay).expect("legal actions");
         for uav in 0..UAVS as usize {

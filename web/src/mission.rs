@@ -2,7 +2,7 @@
 
 use jcas_core::host::Call;
 use jcas_core::rng::derive_seed;
-use jcas_core::{Cell, Config, Model, Motion};
+use jcas_core::{Cell, Config, Model, Motion, MotionMap};
 use jcas_episode::replay;
 use jcas_episode::trace::{self, EpisodeRecorder, Trace, TraceError};
 use jcas_plan::{Planned, PlannedKind};
@@ -164,7 +164,7 @@ impl Mission {
                 lines.record(planned, t - 1);
             }
             for intervention in now() {
-                intervention.steer(&mut actions);
+                intervention.steer(model.config().motion_map, &mut actions);
             }
             episode.step(&actions, &[])?;
         }
@@ -230,9 +230,9 @@ impl Intervention {
     }
 
     /// Applies the interventions that change the actions of a step.
-    fn steer(self, actions: &mut [f32]) {
+    fn steer(self, map: MotionMap, actions: &mut [f32]) {
         if let Self::Steer { uav, motion, .. } = self {
-            actions[2 * uav] = Motion::ALL[motion].to_action();
+            actions[2 * uav] = Motion::ALL[motion].to_action(map);
         }
     }
 }

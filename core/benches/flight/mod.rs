@@ -1,7 +1,7 @@
 //! A fleet in steady flight, for benchmarks and profilers. UAVs walk at random from random cells,
 //! so that their density and the number of neighbours stay constant on average.
 
-use jcas_core::{Cell, Config, Error, Model, Motion, Scratch, action, motion, observation, rng};
+use jcas_core::{Cell, Config, Error, Model, Scratch, action, motion, observation, rng};
 
 /// A model of the default configuration with another fleet, grid and number of neighbour slots.
 pub fn model(uavs: u32, hotspots: u32, side: u32, slots: u32) -> Result<Model<'static>, Error> {
@@ -77,7 +77,7 @@ impl<'m> Flight<'m> {
         *step += 1;
         let (width, height) = (model.config().grid_width, model.config().grid_height);
         for (cell, action) in cells.iter_mut().zip(actions.chunks(2)) {
-            let motion: Motion = action::motion(action[0]);
+            let motion = action::motion(action[0], model.config().motion_map);
             *cell = motion::destination(*cell, motion, width, height);
         }
         let mut state = model.state_mut(words).expect("reset before");

@@ -51,6 +51,13 @@ macro_rules! choice {
             }
         }
 
+        /// The first alternative.
+        impl Default for $name {
+            fn default() -> Self {
+                Self::ALL[0]
+            }
+        }
+
         impl FromStr for $name {
             type Err = UnknownName;
             fn from_str(text: &str) -> Result<Self, UnknownName> {
@@ -175,6 +182,17 @@ choice! {
         Depot = "depot",
         /// Any cell of the grid, drawn for each UAV.
         Random = "random",
+    }
+}
+
+choice! {
+    /// The order of the five motions over the bins of u_dir.
+    MotionMap, "`udlrs` or `symmetric`" {
+        /// Up, down, left, right, stay.
+        Udlrs = "udlrs",
+        /// Up, left, stay, right, down: opposite motions in opposite bins. Draws that are symmetric
+        /// about 0 have no mean motion.
+        Symmetric = "symmetric",
     }
 }
 

@@ -6,7 +6,7 @@ use core::fmt;
 use super::text::TextValue;
 use super::{
     ChargeBilling, Config, Depots, DetectionCurve, DetectionTable, InformPayment,
-    LearnedDetections, MapDirections, PilotGain, QuorumWindow, SearchMaps, StartCells,
+    LearnedDetections, MapDirections, MotionMap, PilotGain, QuorumWindow, SearchMaps, StartCells,
     TargetVisibility, UavTag,
 };
 use crate::error::Value;
@@ -238,5 +238,6 @@ choice_field!(
     DetectionCurve,
     QuorumWindow,
     LearnedDetections,
-    StartCells
+    StartCells,
+    MotionMap
 );

@@ -3,6 +3,7 @@
 use super::inputs::real_between;
 #[cfg(not(kani))]
 use super::standin as kani;
+use crate::config::MotionMap;
 use crate::rules::action::{clip, motion, pilot_density};
 
 /// A clipped value lies in [-1, 1] for any bits, and a value inside does not change.
@@ -44,26 +45,32 @@ pub fn pilot_density_stays_in_range() {
 }
 
 /// Every action that is not NaN selects a motion, and a larger action never selects an earlier bin.
-fn bins_ascend(low: f32, high: f32) {
-    assert!(motion(low) as u32 <= motion(high) as u32);
+fn bins_ascend(low: f32, high: f32, map: MotionMap) {
+    let bin = |u_dir: f32| motion(u_dir, map).bin(map);
+    assert!(bin(low) <= bin(high));
 }
 
 #[cfg_attr(kani, kani::proof)]
 pub fn motions_follow_their_bins() {
     let low: f32 = kani::any();
     let high: f32 = kani::any();
+    let symmetric: bool = kani::any();
     kani::assume(low <= high);
-    kani::cover!(
-        motion(low) as u32 == 0 && motion(high) as u32 == 4,
-        "first and last bin"
-    );
-    kani::cover!(motion(low) as u32 == 2, "the middle bin");
-    bins_ascend(low, high);
+    let map = if symmetric {
+        MotionMap::Symmetric
+    } else {
+        MotionMap::Udlrs
+    };
+    let bin = |u_dir: f32| motion(u_dir, map).bin(map);
+    kani::cover!(bin(low) == 0 && bin(high) == 4, "first and last bin");
+    kani::cover!(bin(low) == 2, "the middle bin");
+    kani::cover!(symmetric && bin(low) == 4, "down in the last bin");
+    bins_ascend(low, high, map);
 }
 
 #[cfg(not(kani))]
 super::standin::twins! {
     clip_is_total: 2000 cases, 4 covers;
     pilot_density_stays_in_range: 2000 cases, 4 covers;
-    motions_follow_their_bins: 2000 cases, 2 covers;
+    motions_follow_their_bins: 2000 cases, 3 covers;
 }

@@ -1,5 +1,6 @@
 //! Actions of UAVs: a motion and a pilot density.
 
+use crate::config::MotionMap;
 use crate::error::Error;
 use crate::lanes::{self, Block, Lanes, at_width, ones};
 use crate::model::Model;
@@ -7,7 +8,7 @@ use crate::rules::motion;
 use crate::state::StateMut;
 use crate::words::word::canonical_bits;
 
-/// One of the five motions, in the order of the action's bins.
+/// One of the five motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// +y
@@ -23,7 +24,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// All motions, in the order of the bins.
+    /// All motions, in the order of their indices.
     pub const ALL: [Self; 5] = [Self::Up, Self::Down, Self::Left, Self::Right, Self::Stay];
 
     /// The offset (Δx, Δy) of the motion, in cells.
@@ -39,16 +40,27 @@ impl Motion {
         }
     }
 
-    /// The action component for this motion: the centre of its bin in [-1, 1].
+    /// The index of the motion's bin, from 0 to 4.
+    #[inline(always)]
     #[must_use]
-    pub const fn to_action(self) -> f32 {
-        match self {
-            Self::Up => -0.8,
-            Self::Down => -0.4,
-            Self::Left => 0.0,
-            Self::Right => 0.4,
-            Self::Stay => 0.8,
+    pub const fn bin(self, map: MotionMap) -> usize {
+        match map {
+            MotionMap::Udlrs => self as usize,
+            MotionMap::Symmetric => match self {
+                Self::Up => 0,
+                Self::Left => 1,
+                Self::Stay => 2,
+                Self::Right => 3,
+                Self::Down => 4,
+            },
         }
+    }
+
+    /// The action component u_dir for this motion: the centre of its bin in [-1, 1].
+    #[must_use]
+    pub const fn to_action(self, map: MotionMap) -> f32 {
+        const CENTRES: [f32; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
+        CENTRES[self.bin(map)]
     }
 }
 
@@ -66,12 +78,12 @@ pub fn clip(value: f32) -> f32 {
     }
 }
 
-/// The motion with index k = min(4, floor((u + 1)/2 · 5)) in [`Motion::ALL`], for `u_dir` clipped
-/// to [-1, 1].
+/// The motion whose bin has the index k = min(4, floor((u + 1)/2 · 5)), for `u_dir` clipped to
+/// [-1, 1].
 #[inline(always)]
 #[must_use]
-pub fn motion(u_dir: f32) -> Motion {
-    match direction(u_dir) {
+pub fn motion(u_dir: f32, map: MotionMap) -> Motion {
+    match Bins::of(map).direction(u_dir) {
         (0, 1) => Motion::Up,
         (0, -1) => Motion::Down,
         (-1, 0) => Motion::Left,
@@ -80,14 +92,41 @@ pub fn motion(u_dir: f32) -> Motion {
     }
 }
 
-/// The offset (Δx, Δy) of [`motion`], computed without a branch.
-#[inline(always)]
-fn direction(u_dir: f32) -> (i32, i32) {
-    // Halving is exact, so (u + 1)/2 · 5 = (u + 1) · 2.5 with one rounding.
-    let bin = (f64::from(clip(u_dir)) + 1.0) * 2.5;
-    let up = i32::from(bin < 1.0) - i32::from(bin >= 1.0 && bin < 2.0);
-    let right = i32::from(bin >= 3.0 && bin < 4.0) - i32::from(bin >= 2.0 && bin < 3.0);
-    (right, up)
+/// The bins that depend on the map, by their bounds on the scale from 0 to 5. Up always has the
+/// first bin and right the fourth.
+#[derive(Clone, Copy)]
+struct Bins {
+    down: (f64, f64),
+    left: (f64, f64),
+}
+
+impl Bins {
+    #[inline(always)]
+    const fn of(map: MotionMap) -> Self {
+        match map {
+            MotionMap::Udlrs => Self {
+                down: (1.0, 2.0),
+                left: (2.0, 3.0),
+            },
+            // u_dir = 1 belongs to the last bin.
+            MotionMap::Symmetric => Self {
+                down: (4.0, 6.0),
+                left: (1.0, 2.0),
+            },
+        }
+    }
+
+    /// The offset (Δx, Δy) of [`motion`], computed without a branch.
+    #[inline(always)]
+    fn direction(self, u_dir: f32) -> (i32, i32) {
+        // Halving is exact, so (u + 1)/2 · 5 = (u + 1) · 2.5 with one rounding.
+        let bin = (f64::from(clip(u_dir)) + 1.0) * 2.5;
+        let down = bin >= self.down.0 && bin < self.down.1;
+        let left = bin >= self.left.0 && bin < self.left.1;
+        let up = i32::from(bin < 1.0) - i32::from(down);
+        let right = i32::from(bin >= 3.0 && bin < 4.0) - i32::from(left);
+        (right, up)
+    }
 }
 
 /// The pilot density ρ = ρ_min + (u + 1)/2 · (ρ_max - ρ_min), for `u_pilot` clipped to [-1, 1]. The
@@ -145,6 +184,7 @@ fn act_in<const W: usize>(
 ) {
     let config = model.config();
     let (low, high) = (config.pilot_density_min, config.pilot_density_max);
+    let bins = Bins::of(config.motion_map);
     let (mut u_dir, mut u_pilot) = ([0.0; W], [0.0; W]);
     let pairs = actions[2 * block.first..].chunks_exact(2);
     for (lane, pair) in block.lanes().zip(pairs) {
@@ -166,7 +206,7 @@ fn act_in<const W: usize>(
 
     let mut offsets = [(0, 0); W];
     for lane in 0..W {
-        let (right, up) = direction(u_dir[lane]);
+        let (right, up) = bins.direction(u_dir[lane]);
         let flies = !(grounded[lane] as i32);
         offsets[lane] = (right & flies, up & flies);
     }
@@ -211,15 +251,23 @@ mod tests {
 
     #[test]
     fn five_equal_bins() {
-        for motion_of in Motion::ALL {
-            assert_eq!(motion(motion_of.to_action()), motion_of);
+        use Motion::{Down, Left, Right, Stay, Up};
+        let orders = [
+            (MotionMap::Udlrs, [Up, Down, Left, Right, Stay]),
+            (MotionMap::Symmetric, [Up, Left, Stay, Right, Down]),
+        ];
+        for (map, order) in orders {
+            for (bin, expected) in order.into_iter().enumerate() {
+                assert_eq!(expected.bin(map), bin);
+                assert_eq!(motion(expected.to_action(map), map), expected);
+            }
+            assert_eq!(motion(-1.0, map), order[0]);
+            assert_eq!(motion(-0.6, map), order[0]); // the f32 nearest to -0.6 lies below it
+            assert_eq!(motion(-0.599_999_9, map), order[1]);
+            assert_eq!(motion(1.0, map), order[4]);
+            assert_eq!(motion(f32::INFINITY, map), order[4]);
+            assert_eq!(motion(f32::NEG_INFINITY, map), order[0]);
         }
-        assert_eq!(motion(-1.0), Motion::Up);
-        assert_eq!(motion(-0.6), Motion::Up); // the f32 nearest to -0.6 lies below it
-        assert_eq!(motion(-0.599_999_9), Motion::Down);
-        assert_eq!(motion(1.0), Motion::Stay);
-        assert_eq!(motion(f32::INFINITY), Motion::Stay);
-        assert_eq!(motion(f32::NEG_INFINITY), Motion::Up);
     }
 
     #[test]

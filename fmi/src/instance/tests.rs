@@ -41,13 +41,28 @@ fn reports_and_false_confirmations_are_outputs() {
     };
     assert_eq!(counts(&mission, "reported_count"), [0; 5]);
     assert_eq!(counts(&mission, "false_confirmation_count"), [0]);
-    mission.step(&Inputs::of(5)).expect("a step");
+    mission.step(&unit.inputs).expect("a step");
     assert!(
         counts(&mission, "reported_count")
             .iter()
             .all(|&count| count > 0)
     );
     assert!(counts(&mission, "false_confirmation_count")[0] > 0);
+}
+
+/// Inputs that the importer has not set are the motion stay, in whatever bin it is.
+#[test]
+fn a_fleet_without_actions_stays() {
+    let motions = jcas_core::MotionMap::ALL.iter().map(|map| map.name());
+    for map in motions {
+        let mut unit = Instance::new(None).expect("an instance");
+        let name = Values::String(vec![map.to_owned()]);
+        assert_eq!(unit.set(reference_of("motion_map"), name), Ok(()));
+        let mut mission = Mission::new(&unit.setup).expect("a mission");
+        let before = output("cell", &mission);
+        mission.step(&unit.inputs).expect("a step");
+        assert_eq!(output("cell", &mission), before, "{map}");
+    }
 }
 
 #[test]

@@ -10,6 +10,7 @@ pub mod task;
 pub mod teacher;
 
 use crate::settings::Credit;
+use jcas_core::MotionMap;
 use jcas_policy::network::row::RowLayout;
 
 /// Sizes that every environment of one group shares.
@@ -31,6 +32,8 @@ pub struct Shape {
     pub grid: [u32; 2],
     /// Reach of the radar in cells, where P_d is a half.
     pub reach: f32,
+    /// The order of the motions over the bins of u_dir.
+    pub motion_map: MotionMap,
 }
 
 impl Shape {
@@ -46,6 +49,7 @@ impl Shape {
             hotspots: self.hotspots,
             slots: self.neighbour_slots,
             cells: self.grid.map(|cells| cells.saturating_sub(1)),
+            motion_map: self.motion_map,
         }
     }
 

@@ -7,13 +7,10 @@ pub mod gaussian;
 pub mod hybrid;
 
 use burn_tensor::Tensor;
-use jcas_policy::head::{Head, MOTIONS, motion_centre};
+use jcas_core::action::motion;
+use jcas_core::{Motion, MotionMap};
+use jcas_policy::head::Head;
 use rand_chacha::ChaCha8Rng;
-
-/// Motion index of a direction action: five equal bins over [-1, 1].
-pub fn motion_of(u_dir: f32) -> usize {
-    (((u_dir.clamp(-1.0, 1.0) + 1.0) / 2.0 * MOTIONS as f32) as usize).min(MOTIONS - 1)
-}
 
 /// Log-densities and entropies of a batch of raw actions, one row each.
 pub struct Densities {
@@ -29,10 +26,10 @@ pub trait LearningHead {
     fn draw(self, outputs: &[f32], random: &mut ChaCha8Rng) -> ([f32; 2], [f32; 2]);
 
     /// The raw action of the most likely motion and the mean pilot.
-    fn most_likely(self, outputs: &[f32]) -> [f32; 2];
+    fn most_likely(self, outputs: &[f32], map: MotionMap) -> [f32; 2];
 
     /// The kernel's action pair of a raw action.
-    fn action(self, raw: [f32; 2]) -> [f32; 2];
+    fn action(self, raw: [f32; 2], map: MotionMap) -> [f32; 2];
 
     /// Log-densities of `raw` (rows × 2) under `outputs` (rows × [`Head::outputs`]),
     /// differentiable.
@@ -50,18 +47,21 @@ impl LearningHead for Head {
         }
     }
 
-    fn most_likely(self, outputs: &[f32]) -> [f32; 2] {
-        let [direction, pilot] = self.deterministic(outputs);
+    fn most_likely(self, outputs: &[f32], map: MotionMap) -> [f32; 2] {
+        let [direction, pilot] = self.deterministic(outputs, map);
         match self {
             Head::Gaussian => [direction, pilot],
-            Head::Hybrid => [motion_of(direction) as f32, 0.5 * (pilot + 1.0)],
+            Head::Hybrid => [motion(direction, map) as u8 as f32, 0.5 * (pilot + 1.0)],
         }
     }
 
-    fn action(self, raw: [f32; 2]) -> [f32; 2] {
+    fn action(self, raw: [f32; 2], map: MotionMap) -> [f32; 2] {
         match self {
             Head::Gaussian => raw.map(|u| u.clamp(-1.0, 1.0)),
-            Head::Hybrid => [motion_centre(raw[0] as usize), 2.0 * raw[1] - 1.0],
+            Head::Hybrid => [
+                Motion::ALL[raw[0] as usize].to_action(map),
+                2.0 * raw[1] - 1.0,
+            ],
         }
     }
 

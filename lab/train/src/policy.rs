@@ -62,5 +62,6 @@ pub fn shape_of(model: &Model<'_>) -> Shape {
         neighbour_slots: model.neighbour_slots(),
         grid: [config.grid_width, config.grid_height],
         reach: reach_cells(model),
+        motion_map: config.motion_map,
     }
 }

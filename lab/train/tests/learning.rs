@@ -4,7 +4,7 @@
 mod support;
 
 use burn_tensor::Device;
-use jcas_core::Config;
+use jcas_core::{Config, MotionMap};
 use jcas_policy::head::Head;
 use jcas_train::environment::VectorEnvironment;
 use jcas_train::environment::fleet::{Fleet, RewardShaping};
@@ -278,7 +278,8 @@ fn densities_are_taught_whether_a_teacher_judges_motions_or_a_reward() {
             let features = network.features(&observations, &shape);
             let outputs = values(network.forward(&weights, features, &shape));
             let rows = outputs.chunks_exact(Head::Hybrid.outputs());
-            let pilots = rows.map(|row| (Head::Hybrid.deterministic(row)[1] + 1.0) / 2.0);
+            let pilots =
+                rows.map(|row| (Head::Hybrid.deterministic(row, MotionMap::Udlrs)[1] + 1.0) / 2.0);
             pilots.sum::<f32>() / shape.rows() as f32
         };
         let before = place(&trainer);

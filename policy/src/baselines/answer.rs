@@ -211,7 +211,9 @@ mod tests {
                     let together = answer.called_to.iter().filter(|&&to| to == Some(index));
                     assert_eq!(together.count(), config.quorum as usize);
                 }
-                let actions = motions.iter().flat_map(|motion| [motion.to_action(), 1.0]);
+                let actions = motions
+                    .iter()
+                    .flat_map(|motion| [motion.to_action(config.motion_map), 1.0]);
                 sim.step(&actions.collect::<Vec<f32>>()).unwrap();
             }
         }

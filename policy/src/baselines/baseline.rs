@@ -152,7 +152,7 @@ impl Baseline {
             } else {
                 self.motions[uav]
             };
-            action[0] = motion.to_action();
+            action[0] = motion.to_action(model.config().motion_map);
             action[1] = self.pilot.action(model, state, uav);
         }
     }

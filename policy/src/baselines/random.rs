@@ -1,7 +1,7 @@
 //! `random` and `untrained`: baselines that read nothing but draw their actions.
 
 use jcas_core::rng::{self, Purpose};
-use jcas_core::{Model, Motion, StateRef};
+use jcas_core::{Model, Motion, MotionMap, StateRef};
 
 use super::memory::OutOfMemory;
 use super::steering::Steering;
@@ -45,6 +45,7 @@ impl Untrained {
             t: state.t(),
             uav: uav as u32,
         };
-        Head::Gaussian.sample(&[0.0; 4], draw)
+        // The order of motions is of no account: u_dir itself is drawn.
+        Head::Gaussian.sample(&[0.0; 4], MotionMap::default(), draw)
     }
 }

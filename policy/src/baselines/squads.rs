@@ -232,7 +232,7 @@ fn component(
 
 #[cfg(test)]
 mod tests {
-    use jcas_core::{Config, Preset, Sim};
+    use jcas_core::{Config, MotionMap, Preset, Sim};
 
     use super::*;
     use crate::BaselineKind;
@@ -270,8 +270,8 @@ mod tests {
         let (near, far) = (flown(Cell { x: 15, y: 15 }), flown(Cell { x: 12, y: 12 }));
         assert_eq!(near[..8], far[..8]);
         let motion = |actions: &[f32; 16], uav: usize| actions[2 * uav];
-        assert_eq!(motion(&near, 0), Motion::Right.to_action());
-        assert_eq!(motion(&near, 4), Motion::Left.to_action());
+        assert_eq!(motion(&near, 0), Motion::Right.to_action(MotionMap::Udlrs));
+        assert_eq!(motion(&near, 4), Motion::Left.to_action(MotionMap::Udlrs));
         assert_ne!(motion(&near, 4), motion(&far, 4));
     }
 

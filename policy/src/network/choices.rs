@@ -47,7 +47,7 @@ pub fn read_choices(
         let mut waiting = slots.chunks_exact_mut(SLOT_FIELDS);
         let slot = waiting.find(|slot| slot[0] == 1.0 && same(slot, 0) && same(slot, 1));
         if let Some(slot) = slot {
-            let (right, up) = motion(action[0]).offset();
+            let (right, up) = motion(action[0], layout.motion_map).offset();
             slot[0] = CHOSEN;
             slot[1] += change(other[0], right, cells[0]);
             slot[2] += change(other[1], up, cells[1]);
@@ -61,10 +61,9 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    use jcas_core::{Config, Model, Preset, Sim};
+    use jcas_core::{Config, Model, Motion, MotionMap, Preset, Sim};
 
     use super::*;
-    use crate::head::motion_centre;
 
     /// The slots of neighbours with lower indices hold the cells that a copy reaches in a step.
     #[test]
@@ -72,6 +71,7 @@ mod tests {
         let model = Model::new(Config {
             uav_count: 12,
             grid_width: 9,
+            motion_map: MotionMap::Symmetric,
             ..Config::preset(Preset::Paper)
         })
         .unwrap();
@@ -86,7 +86,7 @@ mod tests {
         for step in 0..40 {
             sim.observe(&mut rows).unwrap();
             let motion = |uav: usize| (step * 7 + uav * 3 + step * uav) % 5;
-            let action = |uav: usize| [motion_centre(motion(uav)), 0.0];
+            let action = |uav: usize| [Motion::ALL[motion(uav)].to_action(layout.motion_map), 0.0];
             let actions: Vec<f32> = (0..uavs).flat_map(action).collect();
             moved.clone_from(&sim);
             moved.step(&actions).unwrap();

@@ -353,6 +353,7 @@ impl Network {
         let sizes = sizes(model, self.metadata);
         let (row, scratch) = scratch.split_at_mut(self.row_len(model));
         let (seed, t) = (state.seed(), state.t());
+        let map = model.config().motion_map;
         let choose = |actions: &mut [f32], uav: usize, outputs: &[f32]| {
             if outputs.iter().any(|output| !output.is_finite()) {
                 return Err(FlyError::NotFinite { uav });
@@ -364,19 +365,19 @@ impl Network {
             };
             let [direction, pilot] = match options.mode {
                 Mode::Deterministic => {
-                    let [likely, pilot] = self.head.deterministic(outputs);
+                    let [likely, pilot] = self.head.deterministic(outputs, map);
                     let direction = if !self.metadata.choices {
                         likely
                     } else if stays_to_charge(model, state, uav) {
-                        Motion::Stay.to_action()
-                    } else if turns_round(state, uav, likely) {
-                        self.head.sample(outputs, draw)[0]
+                        Motion::Stay.to_action(map)
+                    } else if turns_round(state, uav, likely, map) {
+                        self.head.sample(outputs, map, draw)[0]
                     } else {
                         likely
                     };
                     [direction, pilot]
                 }
-                Mode::Sampled => self.head.sample(outputs, draw),
+                Mode::Sampled => self.head.sample(outputs, map, draw),
             };
             let action = &mut actions[2 * uav..][..2];
             action.copy_from_slice(&[direction, options.pilot.unwrap_or(pilot)]);

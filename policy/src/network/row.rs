@@ -1,7 +1,7 @@
 //! The layout of an observation: a row of five own fields, hotspots, neighbour slots, and further
 //! own fields.
 
-use jcas_core::Model;
+use jcas_core::{Model, MotionMap};
 
 /// The number of own fields before the hotspots.
 pub const OWN_FIRST: usize = 5;
@@ -21,6 +21,8 @@ pub struct RowLayout {
     pub slots: usize,
     /// Cells that a position difference of 1 stands for, along x and y.
     pub cells: [u32; 2],
+    /// The order of the motions over the bins of u_dir.
+    pub motion_map: MotionMap,
 }
 
 impl RowLayout {
@@ -33,6 +35,7 @@ impl RowLayout {
             hotspots: model.hotspot_count(),
             slots: model.neighbour_slots(),
             cells: [config.grid_width, config.grid_height].map(|cells| cells.saturating_sub(1)),
+            motion_map: config.motion_map,
         }
     }
 }

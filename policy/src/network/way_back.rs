@@ -3,26 +3,29 @@
 //! A network reads no more than the present state. Its most likely motions could take a fleet that
 //! is undecided between two hotspots to and fro between two cells for ever.
 
-use jcas_core::StateRef;
 use jcas_core::action::motion;
+use jcas_core::{MotionMap, StateRef};
 
 /// Returns whether an action takes a UAV back to its cell before the last step, without news.
 ///
 /// News are a confirmation in that step of a hotspot that the UAV knows. A UAV that hovered in that
 /// step does not turn round.
-pub fn turns_round(state: &StateRef<'_>, uav: usize, direction: f32) -> bool {
+pub fn turns_round(state: &StateRef<'_>, uav: usize, direction: f32, map: MotionMap) -> bool {
     let news = |j: usize| state.knows(uav, j) && state.confirmed_at(j) == Some(state.t());
     let (here, before) = (state.cell(uav), state.previous_cell(uav));
     let apart = |to: u32, from: u32| to as i32 - from as i32;
     let back = (apart(before.x, here.x), apart(before.y, here.y));
-    state.moved(uav) && motion(direction).offset() == back && !(0..state.hotspot_count()).any(news)
+    let turns = motion(direction, map).offset() == back;
+    state.moved(uav) && turns && !(0..state.hotspot_count()).any(news)
 }
 
 #[cfg(test)]
 mod tests {
-    use jcas_core::{Cell, Config, Model, Motion, Preset, Sim};
+    use jcas_core::{Cell, Config, Model, Motion, MotionMap, Preset, Sim};
 
     use super::*;
+
+    const MAP: MotionMap = MotionMap::Symmetric;
 
     // Ten UAVs fly up from the depot to a hotspot, and one far away flies up as well. Unless the
     // ten confirm it at once, they stay over it and then fly to the right.
@@ -32,6 +35,7 @@ mod tests {
             uav_count: 11,
             hotspot_count: 1,
             link_throughput_min: 4.0,
+            motion_map: MAP,
             ..Config::preset(Preset::Mission)
         })
         .unwrap();
@@ -45,12 +49,13 @@ mod tests {
             sim.set_starts(&cells).unwrap();
             // The ways back of a near UAV and of the far one, and whether the near one knows.
             let mut back_after = |motion: Motion| {
-                let action = [motion.to_action(), 1.0];
+                let action = [motion.to_action(MAP), 1.0];
                 sim.step([action; 11].as_flattened()).unwrap();
                 let state = sim.state();
                 assert!(!state.knows(10, 0));
                 let back = |uav: usize| {
-                    let turns = |motion: &Motion| turns_round(&state, uav, motion.to_action());
+                    let turns =
+                        |motion: &Motion| turns_round(&state, uav, motion.to_action(MAP), MAP);
                     Motion::ALL.into_iter().find(turns)
                 };
                 (back(0), back(10), state.knows(0, 0))

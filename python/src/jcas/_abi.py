@@ -65,6 +65,8 @@ JCAS_LEARNED_CONFIRMED = 0
 JCAS_LEARNED_ALL = 1
 JCAS_START_DEPOT = 0
 JCAS_START_RANDOM = 1
+JCAS_MOTIONS_UDLRS = 0
+JCAS_MOTIONS_SYMMETRIC = 1
 JCAS_MAX_DETECTION_POINTS = 64
 JCAS_PHASE_READY = 1
 JCAS_PHASE_MOVED = 2
@@ -173,6 +175,7 @@ class jcas_config(Structure):
         ("quorum_window", c_int32),
         ("learned_detections", c_int32),
         ("start_cells", c_int32),
+        ("motion_map", c_int32),
     )
 
 

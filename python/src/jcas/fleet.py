@@ -51,7 +51,8 @@ class FleetEnv(MissionEnv, gymnasium.Env[Observation, Any]):
         **fields: Unpack[Fields],
     ) -> None:
         self._mission = Mission(config, dict(fields), render_mode)
-        self._form = ActionForm(action_space, pilot_levels)
+        motion_map = self.model.config["motion_map"]
+        self._form = ActionForm(action_space, pilot_levels, motion_map)
         self._credit = check_credit(credit)
         self.render_mode = render_mode
         uavs = self.model.uav_count

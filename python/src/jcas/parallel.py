@@ -56,7 +56,8 @@ class JcasParallelEnv(MissionEnv, ParallelEnv[str, Observation, Any]):
                 )
             fields["horizon_steps"] = max_cycles
         self._mission = Mission(config, dict(fields), render_mode)
-        self._form = ActionForm(action_space, pilot_levels)
+        motion_map = self.model.config["motion_map"]
+        self._form = ActionForm(action_space, pilot_levels, motion_map)
         self._credit = check_credit(credit)
         self.render_mode = render_mode
         self.possible_agents = [f"uav_{uav}" for uav in range(self.model.uav_count)]

@@ -30,9 +30,10 @@ MOTIONS = ("up", "down", "left", "right", "stay")
 FloatArray = npt.NDArray[np.float32]
 
 
-def motion_to_command(motion: Any) -> Any:
-    """Turn motion indices into the u_dir in the middle of their bin."""
-    return np.asarray(motion, dtype=np.float32) * np.float32(0.4) - np.float32(0.8)
+_BINS = {
+    "udlrs": MOTIONS,
+    "symmetric": ("up", "left", "stay", "right", "down"),
+}
 
 
 def check_credit(credit: str) -> Credit:
@@ -50,11 +51,13 @@ class ActionForm:
         kind: `box`, `dict`, `tuple` or `discrete`.
         levels: the pilot densities of `discrete`, evenly spaced from the lowest to the highest.
             Action `motion * levels + level` is a motion with a density.
+        motion_map: the model's order of the motions over the bins of u_dir.
 
     """
 
     kind: ActionSpaceKind = "box"
     levels: int = 3
+    motion_map: str = "udlrs"
 
     def __post_init__(self) -> None:
         kinds = get_args(ActionSpaceKind)
@@ -121,7 +124,7 @@ class ActionForm:
         index = _index(f"motion of {uav}", motion, len(MOTIONS))
         if index.shape not in ((), (1,)):
             raise ActionError(f"motion of {uav} has shape {index.shape}: must be one integer")
-        out[0] = motion_to_command(index.reshape(()))
+        out[0] = self._u_dir(index.reshape(()))
         shape = () if np.ndim(pilot) == 0 else (1,)
         out[1] = floats(f"pilot of {uav}", pilot, shape).reshape(())
 
@@ -136,9 +139,7 @@ class ActionForm:
             return self._pairs(_index("actions", action, self.count, shape[:-1]))
         motion, pilot = self._parts(action)
         pairs = np.empty(shape, dtype=np.float32)
-        pairs[..., 0] = motion_to_command(
-            _index("motion of the fleet", motion, len(MOTIONS), shape[:-1])
-        )
+        pairs[..., 0] = self._u_dir(_index("motion of the fleet", motion, len(MOTIONS), shape[:-1]))
         pairs[..., 1] = floats("pilot", pilot, shape[:-1])
         return pairs
 
@@ -158,7 +159,13 @@ class ActionForm:
     def _pairs(self, index: Any) -> FloatArray:
         motion, level = np.divmod(index, self.levels)
         pilot = level * (2 / max(self.levels - 1, 1)) - 1
-        return np.stack([motion_to_command(motion), pilot], axis=-1).astype(np.float32)
+        return np.stack([self._u_dir(motion), pilot], axis=-1).astype(np.float32)
+
+    def _u_dir(self, motion: Any) -> Any:
+        """Turn motion indices into the middle of their bins."""
+        bins = [_BINS[self.motion_map].index(name) for name in MOTIONS]
+        centres = np.array([-0.8, -0.4, 0.0, 0.4, 0.8], dtype=np.float32)
+        return centres[bins][motion]
 
     def _parts(self, action: Any) -> tuple[Any, Any]:
         if self.kind == "dict":

@@ -67,7 +67,6 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         self.num_envs = whole("num_envs", num_envs, 1, ENVS_MAX)
         if render_mode not in (None, "rgb_array"):
             raise ConfigError(f"render_mode = {shown(render_mode)}: must be 'rgb_array' or None")
-        self._form = ActionForm(action_space, pilot_levels)
         if seeding not in get_args(Seeding):
             raise ConfigError(f"seeding = {shown(seeding)}: must be consecutive or derived")
         self._seeding = seeding
@@ -80,6 +79,8 @@ class FleetVectorEnv(VectorEnv[Array, Any, Array]):
         }
         self.render_mode = render_mode
         self.model = Model(Config(config, **fields))
+        motion_map = self.model.config["motion_map"]
+        self._form = ActionForm(action_space, pilot_levels, motion_map)
         self.batch = Batch(self.model, self.num_envs, threads=_check_threads(threads))
         uavs = self.model.uav_count
         self.single_observation_space = self.model.observation_space(uavs)

@@ -1,6 +1,9 @@
 //! Sizes of fleets and grids, and the links of each size.
 
-use jcas_core::{Config, Model};
+use std::collections::BTreeSet;
+
+use jcas_core::action::motion;
+use jcas_core::{Config, Model, Motion, MotionMap};
 use jcas_episode::trace::{Step, Trace};
 
 use crate::support::{pairs, reproduced};
@@ -40,11 +43,28 @@ fn narrow_grid() {
     );
     let stopped_by_edge = pairs(&trace).any(|(before, step)| {
         (0..step.positions.len()).any(|uav| {
-            let moves = jcas_core::action::motion(step.actions[uav][0]);
-            moves != jcas_core::Motion::Stay && before.positions[uav] == step.positions[uav]
+            let moves = motion(step.actions[uav][0], config.motion_map);
+            moves != Motion::Stay && before.positions[uav] == step.positions[uav]
         })
     });
     assert!(stopped_by_edge, "a move off the grid is a stay");
+}
+
+/// A fleet makes the same moves by either order of the bins, and all five of them.
+#[test]
+fn symmetric_motions() {
+    let trace = reproduced("symmetric_motions");
+    let map = trace.header.config.motion_map;
+    assert_eq!(map, MotionMap::Symmetric);
+    let taken = pairs(&trace).flat_map(|(before, step)| {
+        let cells = before.positions.iter().zip(&step.positions);
+        cells.zip(&step.actions).map(|((from, to), action)| {
+            let offset = (to.x as i32 - from.x as i32, to.y as i32 - from.y as i32);
+            assert_eq!(offset, motion(action[0], map).offset());
+            offset
+        })
+    });
+    assert_eq!(taken.collect::<BTreeSet<_>>().len(), Motion::ALL.len());
 }
 
 /// Steps in which some pairs of UAVs are linked and others are not.

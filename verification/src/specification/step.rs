@@ -3,7 +3,7 @@
 use super::{
     Host, Position, Specification, World, draws, potential::Potentials, reward::StepFacts,
 };
-use jcas_core::{LearnedDetections, QuorumWindow};
+use jcas_core::{LearnedDetections, MotionMap, QuorumWindow};
 
 impl Specification {
     /// Advances the world by one step. `actions[i]` is (u_dir, u_pilot) of UAV i
@@ -80,7 +80,7 @@ impl Specification {
             } else if world.returning[i] {
                 self.homeward(here)
             } else {
-                self.moved_by(here, motion(u_dir))
+                self.moved_by(here, motion(u_dir, self.config.motion_map))
             };
             let there = match &host.positions {
                 None => there,
@@ -182,17 +182,16 @@ impl Specification {
     }
 }
 
-/// k = min(4, floor((u + 1)/2 · 5)) over up, down, left, right, stay.
-pub fn motion(u_dir: f32) -> (i64, i64) {
+/// Motion k = min(4, floor((u + 1)/2 · 5)) of the map's order.
+pub fn motion(u_dir: f32, map: MotionMap) -> (i64, i64) {
+    let (up, down, left, right, stay) = ((0, 1), (0, -1), (-1, 0), (1, 0), (0, 0));
+    let order = match map {
+        MotionMap::Udlrs => [up, down, left, right, stay],
+        MotionMap::Symmetric => [up, left, stay, right, down],
+    };
     let u = clip(f64::from(u_dir), -1.0, 1.0);
-    let index = libm::floor((u + 1.0) / 2.0 * 5.0) as u32;
-    match index {
-        0 => (0, 1),
-        1 => (0, -1),
-        2 => (-1, 0),
-        3 => (1, 0),
-        _ => (0, 0),
-    }
+    let index = libm::floor((u + 1.0) / 2.0 * 5.0) as usize;
+    order[index.min(4)]
 }
 
 fn clip(x: f64, lo: f64, hi: f64) -> f64 {

@@ -5,7 +5,7 @@
 //! motions of a cell are dealt by turns, and its first UAVs show whether and how it divides. Pilot
 //! densities are those of the rule `adaptive`, which reads all confirmations.
 
-use crate::head::motion_of;
+use jcas_core::action::motion;
 use jcas_core::{Model, Motion, StateRef};
 use jcas_policy::{Baseline, BaselineKind, PilotMode, Policy};
 
@@ -56,7 +56,7 @@ impl Teacher {
             }
             let actions = self.actions.chunks_exact(2);
             for (lesson, action) in lessons.chunks_exact_mut(2).zip(actions) {
-                lesson[0] = motion_of(action[0]) as f32;
+                lesson[0] = motion(action[0], model.config().motion_map) as u8 as f32;
                 lesson[1] = (action[1] + 1.0) / 2.0;
             }
             deal(&state, lessons);
@@ -124,8 +124,12 @@ mod tests {
                     let nearer = before.manhattan(there) - distance(after[0], after[1]);
                     assert_eq!(nearer, u32::from(before != there), "{seed} {step} {uav}");
                 }
-                let actions =
-                    motions.map(|motion| [Motion::ALL[motion as usize].to_action(), -1.0]);
+                let actions = motions.map(|motion| {
+                    [
+                        Motion::ALL[motion as usize].to_action(config.motion_map),
+                        -1.0,
+                    ]
+                });
                 if sim.step(actions.as_flattened()).unwrap().terminated {
                     break;
                 }
@@ -157,7 +161,8 @@ mod tests {
                 teacher.teach(&model, sim.words(), &mut lessons);
                 let mut chosen = [0.0; 24];
                 for uav in 0..12 {
-                    chosen[2 * uav] = Motion::ALL[lessons[2 * uav] as usize].to_action();
+                    chosen[2 * uav] =
+                        Motion::ALL[lessons[2 * uav] as usize].to_action(config.motion_map);
                     chosen[2 * uav + 1] = actions[2 * uav + 1];
                     let density = (actions[2 * uav + 1] + 1.0) / 2.0;
                     assert_eq!(lessons[2 * uav + 1], density);
@@ -166,7 +171,8 @@ mod tests {
                     let cell = |other: &usize| state.cell(*other) == state.cell(uav);
                     let motions = |actions: &[f32]| -> Vec<usize> {
                         let each = (0..12).filter(cell);
-                        each.map(|uav| motion_of(actions[2 * uav])).collect()
+                        each.map(|uav| motion(actions[2 * uav], config.motion_map) as usize)
+                            .collect()
                     };
                     let (mut planned, mut followed) = (motions(&actions), motions(&chosen));
                     reordered += u32::from(planned != followed);
@@ -194,7 +200,7 @@ mod tests {
         let mut sim = Sim::new(&model);
         sim.reset(0);
         let dealt = |motions: [Motion; 6]| {
-            let index = |motion: Motion| motion_of(motion.to_action()) as f32;
+            let index = |motion: Motion| motion as u8 as f32;
             let mut lessons = motions.map(|motion| [index(motion), 0.5]);
             deal(&sim.state(), lessons.as_flattened_mut());
             lessons.map(|lesson| Motion::ALL[lesson[0] as usize])

@@ -167,6 +167,7 @@ mod tests {
     use super::*;
     use crate::network::{matrix, values};
     use burn_tensor::Device;
+    use jcas_core::MotionMap;
     use jcas_policy::head::Head;
 
     fn of(raw: [f32; 2], outputs: [f32; OUTPUT_LEN]) -> (f32, f32) {
@@ -232,7 +233,7 @@ mod tests {
             let outputs = [0.0, 0.0, 0.0, 0.0, 0.0, x, y];
             let (alpha, beta) = concentrations(&outputs);
             let trained = 2.0 * alpha / (alpha + beta) - 1.0;
-            let [_, flown] = Head::Hybrid.deterministic(&outputs);
+            let [_, flown] = Head::Hybrid.deterministic(&outputs, MotionMap::Udlrs);
             assert!(
                 (f64::from(flown) - trained).abs() < 1e-6,
                 "{x} {y}: {flown} {trained}"

@@ -340,6 +340,7 @@ mod tests {
 
     fn with_maps(agents: usize, hotspots: usize, added: usize) -> Shape {
         Shape {
+            motion_map: jcas_core::MotionMap::Udlrs,
             environments: 1,
             agents,
             hotspots,

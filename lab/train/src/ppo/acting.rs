@@ -4,7 +4,8 @@ use super::rollout::Rollout;
 use crate::head::LearningHead;
 use crate::network::{Network, values};
 use burn_tensor::{Device, Tensor};
-use jcas_policy::head::{Head, motion_centre};
+use jcas_core::Motion;
+use jcas_policy::head::Head;
 use jcas_policy::network::choices::read_choices;
 use rand_chacha::ChaCha8Rng;
 
@@ -58,14 +59,14 @@ impl Rollout {
                 let even = (row / uavs).is_multiple_of(2);
                 let (raw, log_probs) = if policy.half_deterministic && even {
                     // What was not drawn has no density.
-                    (policy.head.most_likely(output), [0.0; 2])
+                    (policy.head.most_likely(output, shape.motion_map), [0.0; 2])
                 } else {
                     policy.head.draw(output, random)
                 };
                 let place = 2 * (first + row);
                 self.raw_actions[place..place + 2].copy_from_slice(&raw);
                 self.log_probs[place..place + 2].copy_from_slice(&log_probs);
-                actions[2 * row..][..2].copy_from_slice(&policy.head.action(raw));
+                actions[2 * row..][..2].copy_from_slice(&policy.head.action(raw, shape.motion_map));
             }
         }
     }
@@ -90,7 +91,12 @@ impl Rollout {
         let first = t * rows;
         let lessons = self.lessons[2 * first..][..2 * rows].chunks_exact(2);
         let taught: Vec<f32> = lessons
-            .flat_map(|lesson| [motion_centre(lesson[0] as usize), 0.0])
+            .flat_map(|lesson| {
+                [
+                    Motion::ALL[lesson[0] as usize].to_action(shape.motion_map),
+                    0.0,
+                ]
+            })
             .collect();
         let mut seen = vec![0.0; rows * len];
         for (row, seen) in seen.chunks_exact_mut(len).enumerate() {
@@ -154,7 +160,7 @@ mod tests {
         let expected = |motions: [usize; 3], uav: usize| {
             let actions: Vec<f32> = motions
                 .iter()
-                .flat_map(|&motion| [motion_centre(motion), 0.0])
+                .flat_map(|&motion| [Motion::ALL[motion].to_action(shape.motion_map), 0.0])
                 .collect();
             let mut row = vec![0.0; shape.observation_len];
             read_choices(shape.row_layout(), &observations, &actions, uav, &mut row);
@@ -202,7 +208,7 @@ mod tests {
                 let mut actions = [0.0; 12];
                 rollout.choose(0, &policy, &weights, &mut actions, &mut random);
                 for (episode, action) in actions.chunks_exact(2).enumerate() {
-                    let other = action[0] != motion_centre(3);
+                    let other = action[0] != Motion::Right.to_action(shape.motion_map);
                     assert_eq!(rollout.raw_actions[2 * episode] != 3.0, other);
                     if half_deterministic {
                         others[episode % 2] += u32::from(other);

@@ -2,7 +2,7 @@
 
 use crate::{config, fleets, plan, settings};
 use burn_tensor::Device;
-use jcas_core::{Config, Model};
+use jcas_core::{Config, Model, MotionMap};
 use jcas_episode::card;
 use jcas_policy::Policy;
 use jcas_policy::head::{Head, Mode};
@@ -243,7 +243,8 @@ fn a_policy_in_turns_reads_the_choices_of_its_neighbours() {
             changed += usize::from(row != rows[uav * row.len()..][..row.len()]);
             let features = actor.network.features(&row, &shape);
             let outputs = values(actor.network.forward(&weights, features, &shape));
-            learnt[2 * uav..][..2].copy_from_slice(&actor.head.deterministic(&outputs));
+            learnt[2 * uav..][..2]
+                .copy_from_slice(&actor.head.deterministic(&outputs, MotionMap::Udlrs));
         }
         assert!(changed > 1, "{changed} UAVs read a choice");
         for (flown, learnt) in flown.iter().zip(learnt) {

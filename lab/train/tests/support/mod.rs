@@ -3,6 +3,8 @@
 //! Each step pays the share of UAVs that stand on the beacon. The best policy is known (walk
 //! straight there, stay), so a learning curve can be judged without the kernel.
 
+use jcas_core::MotionMap;
+use jcas_core::action::motion;
 use jcas_train::environment::{Episode, Shape, StepOut, VectorEnvironment};
 use jcas_train::random::stream;
 use rand::RngExt;
@@ -44,13 +46,8 @@ impl Mission {
     fn walk(&mut self, actions: &[f32]) -> f32 {
         let mut arrived = 0;
         for (position, action) in self.positions.iter_mut().zip(actions.chunks_exact(2)) {
-            let step = match jcas_train::head::motion_of(action[0]) {
-                0 => [0, 1],
-                1 => [0, -1],
-                2 => [-1, 0],
-                3 => [1, 0],
-                _ => [0, 0],
-            };
+            let (right, up) = motion(action[0], MotionMap::Udlrs).offset();
+            let step = [right, up];
             for axis in 0..2 {
                 position[axis] = (position[axis] + step[axis]).clamp(0, SIDE - 1);
             }
@@ -101,6 +98,7 @@ impl Beacon {
 impl VectorEnvironment for Beacon {
     fn shape(&self) -> Shape {
         Shape {
+            motion_map: MotionMap::Udlrs,
             environments: self.missions.len(),
             agents: self.agents,
             observation_len: FIELDS,
