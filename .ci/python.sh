@@ -18,7 +18,7 @@ uv() { "$venv/bin/uv" "$@"; }
 overrides=$(mktemp)
 echo 'triton; sys_platform == "never"' >"$overrides"
 uv pip install --quiet --python "$python" --override "$overrides" \
-    './python[test,rllib,sweep,sb3,torchrl,notebook]'
+    './python[test,rllib,sweep,sb3,benchmarl,notebook]'
 rm "$overrides"
 
 (
@@ -45,7 +45,7 @@ tar -xzf "$work"/jcas-*.tar.gz -C "$work"
 cargo metadata --format-version 1 --manifest-path "$work"/jcas-*/kernel/Cargo.toml >/dev/null
 
 "$python" examples/plan_by_forking.py
-"$python" examples/torchrl_mappo.py --iterations 1 --steps 200 --uavs 3 --width 32
+"$python" examples/torchrl_mappo.py --iterations 1 --missions 8 --steps 50 --uavs 3 --width 32
 "$python" examples/stable_baselines3_ppo.py --steps 300 --missions 4 --uavs 3 --hotspots 1 \
     --episodes 5
 "$venv/bin/jupyter" execute examples/tour.ipynb

@@ -10,25 +10,14 @@ import torch
 from tensordict.nn import TensorDictModule
 from tensordict.nn.distributions import NormalParamExtractor
 from torch import nn
-from torchrl.envs import PettingZooWrapper
 from torchrl.modules import MultiAgentMLP, ProbabilisticActor, TanhNormal, ValueOperator
 from torchrl.objectives import ClipPPOLoss
 
-import jcas
-
-GROUP = "uav"
-
-
-def make_env(uavs: int, hotspots: int) -> PettingZooWrapper:
-    return PettingZooWrapper(
-        jcas.parallel_env(uav_count=uavs, hotspot_count=hotspots),
-        group_map={GROUP: [f"uav_{uav}" for uav in range(uavs)]},
-        categorical_actions=True,
-    )
+from jcas.torchrl import GROUP, JcasVecEnv
 
 
 def make_networks(
-    env: PettingZooWrapper, uavs: int, width: int
+    env: JcasVecEnv, uavs: int, width: int
 ) -> tuple[ProbabilisticActor, ValueOperator]:
     inputs = env.observation_spec[GROUP, "observation"].shape[-1]
 
@@ -69,14 +58,17 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--iterations", type=int, default=40)
-    parser.add_argument("--steps", type=int, default=1000, help="environment steps of an iteration")
+    parser.add_argument("--missions", type=int, default=64, help="missions side by side")
+    parser.add_argument("--steps", type=int, default=128, help="steps of an iteration")
     parser.add_argument("--uavs", type=int, default=6)
     parser.add_argument("--hotspots", type=int, default=3)
     parser.add_argument("--width", type=int, default=256)
     options = parser.parse_args()
     torch.manual_seed(1)
 
-    env = make_env(options.uavs, options.hotspots)
+    env = JcasVecEnv(
+        num_envs=options.missions, uav_count=options.uavs, hotspot_count=options.hotspots, seed=1
+    )
     actor, critic = make_networks(env, options.uavs, options.width)
     loss = ClipPPOLoss(
         actor, critic, clip_epsilon=0.2, entropy_coeff=1e-3, normalize_advantage=True
@@ -95,13 +87,19 @@ def main() -> None:
     for iteration in range(1, options.iterations + 1):
         with torch.no_grad():
             data = env.rollout(options.steps, policy=actor, break_when_any_done=False)
+            for end in ("done", "terminated"):  # The team's, for each UAV.
+                shape = data["next", GROUP, "reward"].shape
+                data["next", GROUP, end] = data["next", end].unsqueeze(-2).expand(shape)
+            ended = data["next", "done"]
+            success = data["next", "info", "success"][ended].double().mean().item()
             loss.value_estimator(
                 data,
                 params=loss.critic_network_params,
                 target_params=loss.target_critic_network_params,
             )
+        data = data.reshape(-1)
         for _ in range(10):
-            for rows in torch.randperm(data.shape[0]).split(250):
+            for rows in torch.randperm(data.shape[0]).split(256):
                 losses = loss(data[rows])
                 total = losses["loss_objective"] + losses["loss_critic"] + losses["loss_entropy"]
                 optimiser.zero_grad()
@@ -109,7 +107,10 @@ def main() -> None:
                 nn.utils.clip_grad_norm_(loss.parameters(), 0.5)
                 optimiser.step()
         reward = data["next", GROUP, "reward"].mean().item()
-        print(f"iteration {iteration:3}: mean reward of a step {reward:7.4f}", flush=True)
+        print(
+            f"iteration {iteration:3}: mean reward of a step {reward:7.4f}, success {success:.2f}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":
