@@ -138,8 +138,12 @@ def of_rates(evidence: Evidence) -> list[Sentence]:
     verdict = f"{'fails' if agreement.rejected else 'open'} (p = {agreement.p_value:.1g})"
     each = ", ".join(f"{evidence.cell('success', 15, n)[0]:.2f}" for n in HOTSPOTS)
     return [
-        Sentence("success 0.73 at N = 10, mean over n", words(evidence.mean("success", 10)),
-                 verdict, "15"),
+        Sentence(
+            "success 0.73 at N = 10, mean over n",
+            words(evidence.mean("success", 10)),
+            verdict,
+            "15",
+        ),
         Sentence("success 0.97 at N = 15 for each n", each, "the same test", "15"),
     ]
 
@@ -153,15 +157,25 @@ def of_fleets(evidence: Evidence) -> list[Sentence]:
     throughput = [evidence.mean("throughput", uavs) for uavs in FLEETS]
     flat = words(difference(first, last), 0)
     return [
-        Sentence("mission time falls sharply, then saturates",
-                 ", ".join(f"{value[0]:.0f}" for value in steps)
-                 + f" steps; the first fall exceeds the last by {flat}",
-                 judge(difference(first, last), 0.0, math.inf), "60"),
-        Sentence("energy grows less than N (× 4)", f"× {words(growth)}",
-                 judge(growth, 0.0, 4.0), "60"),
-        Sentence("throughput above 1, for each N",
-                 ", ".join(f"{value[0]:.2f}" for value in throughput),
-                 worst([judge(value, 1.0, math.inf) for value in throughput]), "60"),
+        Sentence(
+            "mission time falls sharply, then saturates",
+            ", ".join(f"{value[0]:.0f}" for value in steps)
+            + f" steps; the first fall exceeds the last by {flat}",
+            judge(difference(first, last), 0.0, math.inf),
+            "60",
+        ),
+        Sentence(
+            "energy grows less than N (times 4)",
+            f"times {words(growth)}",
+            judge(growth, 0.0, 4.0),
+            "60",
+        ),
+        Sentence(
+            "throughput above 1, for each N",
+            ", ".join(f"{value[0]:.2f}" for value in throughput),
+            worst([judge(value, 1.0, math.inf) for value in throughput]),
+            "60",
+        ),
     ]
 
 
@@ -175,17 +189,30 @@ def of_pilots(evidence: Evidence) -> list[Sentence]:
     ]
     slope = evidence.gap_slope()
     return [
-        Sentence("adapting gains about 10 points with larger fleets",
-                 f"{words(larger[0], 0)} (N = 15), {words(larger[1], 0)} (N = 20)",
-                 worst([judge(gap, 5.0, 15.0) for gap in larger]), "60"),
-        Sentence("within about 5 points at N = 10",
-                 ", ".join(f"{gap[0]:.0f}" for gap in at_10) + " points over n",
-                 worst([judge(gap, -5.0, 5.0) for gap in at_10]), "30"),
-        Sentence("adapting is worth less with more targets",
-                 f"{words(slope, 1)} points a hotspot", judge(slope, -math.inf, 0.0), "60"),
-        Sentence("constant pilots lower throughput, N = 10 and 15",
-                 ", ".join(f"× {words(ratio)}" for ratio in ratios),
-                 worst([judge(ratio, 0.0, 1.0) for ratio in ratios]), "60"),
+        Sentence(
+            "adapting gains about 10 points with larger fleets",
+            f"{words(larger[0], 0)} (N = 15), {words(larger[1], 0)} (N = 20)",
+            worst([judge(gap, 5.0, 15.0) for gap in larger]),
+            "60",
+        ),
+        Sentence(
+            "within about 5 points at N = 10",
+            ", ".join(f"{gap[0]:.0f}" for gap in at_10) + " points over n",
+            worst([judge(gap, -5.0, 5.0) for gap in at_10]),
+            "30",
+        ),
+        Sentence(
+            "adapting is worth less with more targets",
+            f"{words(slope, 1)} points a hotspot",
+            judge(slope, -math.inf, 0.0),
+            "60",
+        ),
+        Sentence(
+            "constant pilots lower throughput, N = 10 and 15",
+            ", ".join(f"times {words(ratio)}" for ratio in ratios),
+            worst([judge(ratio, 0.0, 1.0) for ratio in ratios]),
+            "60",
+        ),
     ]
 
 
@@ -204,18 +231,34 @@ def of_learning(evidence: Evidence) -> list[Sentence]:
         else:
             base = float(untrained["success"].mean())
             here, verdict = f"{words(interval)}; untrained {base:.2f}", judge(interval, base, 1.0)
-        sentences.append(Sentence(f"PPO reliably learns ({label}, {metres:g} m, N = 10, n = 5)",
-                                  here, verdict, str(len(trained))))
+        sentences.append(
+            Sentence(
+                f"PPO reliably learns ({label}, {metres:g} m, N = 10, n = 5)",
+                here,
+                verdict,
+                str(len(trained)),
+            )
+        )
     courses = select(tables.read(tables.TRAININGS), **LETTER)
     steady, count = late_change(courses)
     share = (steady / count, *tables.wilson(steady / count, count))
-    sentences.append(Sentence("the return is stable after about 40 iterations (letter)",
-                              f"in {steady} of {count} trainings", judge(share, 0.5, 1.0),
-                              str(count)))
+    sentences.append(
+        Sentence(
+            "the return is stable after about 40 iterations (letter)",
+            f"in {steady} of {count} trainings",
+            judge(share, 0.5, 1.0),
+            str(count),
+        )
+    )
     near = pilot_near_hotspots(pd.read_csv(DENSITIES))
-    sentences.append(Sentence("dense pilots near hotspots, sparse after (letter)",
-                              f"{near[0]:+.3f} [{near[1]:.3f}, {near[2]:.3f}]",
-                              judge(near, 0.0, 1.0), "3"))
+    sentences.append(
+        Sentence(
+            "dense pilots near hotspots, sparse after (letter)",
+            f"{near[0]:+.3f} [{near[1]:.3f}, {near[2]:.3f}]",
+            judge(near, 0.0, 1.0),
+            "3",
+        )
+    )
     return sentences
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import tomllib
 
 FOLDER = Path(__file__).parent / "experiments"
 KEYS = {"question", "policy", "pilot", "modes", "episodes", "axes", "fields", "training"}
@@ -120,7 +121,7 @@ def parse(name: str, table: dict[str, Any]) -> list[Run]:
 
 
 def in_balanced_order(axes: dict[str, list[Any]]) -> list[dict[str, Any]]:
-    """Every combination: seed by seed, and within a seed the half with an even sum of indices first.
+    """Every combination, seed by seed; within a seed the half with an even sum of indices first.
 
     With axes of two values that half is a fractional factorial design, which has each value of each
     axis equally often.

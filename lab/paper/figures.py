@@ -61,8 +61,17 @@ def over_range(runs: pd.DataFrame) -> Figure:
         panel.axhspan(rate - 0.005, rate + 0.005, color="0.6", alpha=0.5, label="the paper")
         for number, (label, wanted) in enumerate(SCAN.items()):
             rows = select(here, **wanted)
-            curve(panel, runs, rows, "sensing_range_m", "success", label=label, color=f"C{number}",
-                  marker=(MARKS * 2)[number], linestyle="--" if "symmetric" in label else "-")
+            curve(
+                panel,
+                runs,
+                rows,
+                "sensing_range_m",
+                "success",
+                label=label,
+                color=f"C{number}",
+                marker=(MARKS * 2)[number],
+                linestyle="--" if "symmetric" in label else "-",
+            )
         panel.set(title=f"N = {uavs}, n = 5", xlabel="sensing range (m)", ylim=(-0.02, 1.03))
     panels[0].set_ylabel("success rate")
     handles, labels = panels[1].get_legend_handles_labels()
@@ -99,9 +108,7 @@ def over_uavs(quantity: str, label: str) -> Draw:
     return draw
 
 
-def over_hotspots(
-    quantity: str, label: str, fleets: tuple[int, ...]
-) -> Draw:
+def over_hotspots(quantity: str, label: str, fleets: tuple[int, ...]) -> Draw:
     """One of the paper's Figs. 7 and 8: a quantity over n, for both ways to choose the pilots."""
 
     def draw(runs: pd.DataFrame) -> Figure:
@@ -109,8 +116,17 @@ def over_hotspots(
         for number, uavs in enumerate(fleets):
             for pilot, line in (("adaptive", "-"), ("0.3", "--")):
                 rows = select(runs, pilot=pilot, uavs=uavs, **GRID)
-                curve(axes, runs, rows, "hotspots", quantity, label=f"N = {uavs}, {pilot}",
-                      marker=MARKS[number], color=f"C{number}", linestyle=line)
+                curve(
+                    axes,
+                    runs,
+                    rows,
+                    "hotspots",
+                    quantity,
+                    label=f"N = {uavs}, {pilot}",
+                    marker=MARKS[number],
+                    color=f"C{number}",
+                    linestyle=line,
+                )
         axes.set(xlabel="number of hotspots", ylabel=label, xticks=HOTSPOTS)
         figure.legend(loc="outside right upper")
         return figure

@@ -21,7 +21,7 @@ PAPER_SECONDS = {5: 402, 10: 598, 15: 1253, 20: 1751}
 
 
 def of_fleet(runs: pd.DataFrame, wanted: dict[str, Any], metres: float, uavs: int) -> str:
-    """The success rate at n = 5 as text, with the number of trainings where there are several."""
+    """The success rate at n = 5 as text, with the number of trainings that were run."""
     rows = select(runs, **wanted, sensing_range_m=metres, uavs=uavs, hotspots=5, changes="")
     if rows.empty:
         return "not run"
@@ -34,6 +34,14 @@ def over_hotspots(runs: pd.DataFrame, metres: float, uavs: int) -> str:
     rows = select(runs, policy="random", sensing_range_m=metres, uavs=uavs, changes="")
     rates = rows.groupby("hotspots")["success"].mean()
     return f"{rates.mean():.2f}" if len(rates) == len(figures.HOTSPOTS) else "not run"
+
+
+def rate(runs: pd.DataFrame, **wanted: Any) -> str:
+    """The mean success rate of PPO in one cell, with the number of trainings."""
+    fixed = {"policy": "ppo", "hotspots": 5, "pilot": "adaptive", "mode": "sampled"}
+    fixed |= {"motion_map": "udlrs", "changes": ""}
+    rows = select(runs, **{**fixed, **wanted})
+    return f"{rows['success'].mean():.2f} ({len(rows)})" if len(rows) else "not run"
 
 
 def both_modes(runs: pd.DataFrame) -> list[dict[str, Any]]:
@@ -73,6 +81,9 @@ def context() -> dict[str, Any]:
         "lists": lists,
         "mean": evidence.mean,
         "paper_seconds": PAPER_SECONDS,
+        "rate": lambda pay, metres, uavs, **more: rate(
+            runs, inform_payment=pay, sensing_range_m=float(metres), uavs=uavs, **more
+        ),
         "seconds": seconds,
         "sentences": sentences(evidence),
         "sources": sorted(set(runs["sources"])),
