@@ -149,6 +149,9 @@
 /// Another call is using the object, on another thread or further up the stack.
 #define JCAS_ERROR_BUSY (-20)
 
+/// What the policy remembers does not belong to the state, or to the policy.
+#define JCAS_ERROR_MEMORY (-21)
+
 /** @} */
 
 /** @defgroup values Values of fields and arguments
@@ -2063,13 +2066,18 @@ JCAS_API JCAS_NODISCARD jcas_status jcas_policy_set_mode(struct jcas_policy *pol
 /// them.
 ///
 /// The bits are the same on every platform. `sim` may belong to another model with the same
-/// configuration; it does not change. A baseline that plans over several steps starts a new plan at
-/// t = 0 and when the seed changes. After RESOURCES, which means no memory for a plan, the same
+/// configuration; it does not change. After RESOURCES, which means no memory for a plan, the same
 /// call may be repeated.
+///
+/// teams, squads, line, answer and replan remember what they planned. They begin anew at t = 0, and
+/// in the first state of all. From then on they act in every state of one simulation. Another
+/// state is JCAS_ERROR_MEMORY: one of another simulation, one after a step without them, or one
+/// that was loaded or forked. jcas_policy_memory_load brings the memory of such a state back, and
+/// jcas_policy_forget begins anew in it.
 ///
 /// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len.
 /// Threads: only this one uses `policy`, none changes `sim`.
-/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, MEMORY, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
 jcas_status jcas_policy_act(struct jcas_policy *policy,
@@ -2083,7 +2091,7 @@ jcas_status jcas_policy_act(struct jcas_policy *policy,
 ///
 /// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len.
 /// Threads: only this one uses `policy`, none changes `batch`.
-/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, MEMORY, RESOURCES.
 JCAS_API
 JCAS_NODISCARD
 jcas_status jcas_policy_act_batch(struct jcas_policy *policy,
@@ -2097,6 +2105,78 @@ jcas_status jcas_policy_act_batch(struct jcas_policy *policy,
 /// Threads: none may be using the policy.
 /// Statuses: NULL, ALIGNMENT, HANDLE.
 JCAS_API jcas_status jcas_policy_free(struct jcas_policy *policy);
+
+/// Saves what a policy remembers of the simulation that it acts for, as bytes that are portable
+/// across platforms. With the simulation's own snapshot they give the same future.
+///
+/// `policy`, `sim`, `length`: not NULL. `length` receives the number of bytes. `memory`: `capacity`
+/// bytes, or NULL with a capacity of 0 to ask for the length. A capacity below the length is
+/// JCAS_ERROR_LENGTH. JCAS_ERROR_MEMORY means that the policy remembers another state than the one
+/// of `sim` or the one before it.
+/// Threads: only this one uses `policy`, none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, MEMORY.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_memory_save(struct jcas_policy *policy,
+                                    const struct jcas_sim *sim,
+                                    void *memory,
+                                    size_t capacity,
+                                    size_t *length);
+
+/// Loads what a policy remembered when it acted for a simulation, into this or an equal policy. The
+/// policy then goes on for `sim` as it did for the simulation that was saved.
+///
+/// `policy`, `sim`: not NULL. `memory`: `size` bytes of jcas_policy_memory_save. JCAS_ERROR_MEMORY
+/// means that they belong to another policy, or to another state than the one of `sim`. An error
+/// changes nothing.
+/// Threads: only this one uses `policy`, none changes `sim`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, MODEL_MISMATCH, CORRUPT, MEMORY, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_memory_load(struct jcas_policy *policy,
+                                    const struct jcas_sim *sim,
+                                    const void *memory,
+                                    size_t size);
+
+/// Saves what a policy remembers of an environment of a batch, as jcas_policy_memory_save does of a
+/// simulation. The bytes can be loaded for a simulation with the same state, and the other way
+/// round.
+///
+/// `policy`, `batch`, `memory`, `length`: as for jcas_policy_memory_save. `index`: below M, or
+/// JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `policy`, none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, MODEL_MISMATCH, MEMORY.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_memory_save_member(struct jcas_policy *policy,
+                                           const struct jcas_batch *batch,
+                                           uint32_t index,
+                                           void *memory,
+                                           size_t capacity,
+                                           size_t *length);
+
+/// Loads what a policy remembered, for an environment of a batch, as jcas_policy_memory_load does
+/// for a simulation.
+///
+/// `policy`, `batch`, `memory`: as for jcas_policy_memory_load. `index`: below M, or
+/// JCAS_ERROR_ARGUMENT.
+/// Threads: only this one uses `policy`, none changes `batch`.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, MODEL_MISMATCH, CORRUPT, MEMORY, RESOURCES.
+JCAS_API
+JCAS_NODISCARD
+jcas_status jcas_policy_memory_load_member(struct jcas_policy *policy,
+                                           const struct jcas_batch *batch,
+                                           uint32_t index,
+                                           const void *memory,
+                                           size_t size);
+
+/// Makes a policy forget what it remembers of all simulations and environments. It begins anew in
+/// the next state that it acts in, whichever that is.
+///
+/// `policy`: not NULL.
+/// Threads: only this one uses `policy`.
+/// Statuses: NULL, ALIGNMENT, HANDLE.
+JCAS_API jcas_status jcas_policy_forget(struct jcas_policy *policy);
 
 /// Plans an episode whose hotspots are hidden: any set of distinct cells without a depot is as
 /// likely as any other. The annealing runs on this thread. jcas_plan_free ends the plan.

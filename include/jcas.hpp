@@ -789,6 +789,28 @@ public:
         return jcas_policy_act_batch(get(), batch.get(), actions.data(), actions.size());
     }
 
+    /// Saves what the policy remembers of the simulation that it acts for.
+    result<std::vector<unsigned char>> save_memory(const sim &sim)
+    {
+        std::size_t length = 0;
+        std::int32_t code = jcas_policy_memory_save(get(), sim.get(), nullptr, 0, &length);
+        std::vector<unsigned char> memory(code == JCAS_OK ? length : 0);
+        if (code == JCAS_OK)
+            code = jcas_policy_memory_save(get(), sim.get(), memory.data(), length, &length);
+        if (code != JCAS_OK)
+            return {code};
+        return memory;
+    }
+
+    /// Loads what an equal policy remembered in the state of this simulation.
+    status load_memory(const sim &sim, span<const unsigned char> memory)
+    {
+        return jcas_policy_memory_load(get(), sim.get(), memory.data(), memory.size());
+    }
+
+    /// Forgets everything: the policy begins anew in the next state that it acts in.
+    status forget() { return jcas_policy_forget(get()); }
+
 private:
     struct end {
         void operator()(jcas_policy *handle) const noexcept { jcas_policy_free(handle); }

@@ -106,6 +106,11 @@ typedef jcas_status jcas_policy_set_mode_fn(struct jcas_policy *policy, int32_t 
 typedef jcas_status jcas_policy_act_fn(struct jcas_policy *policy, const struct jcas_sim *sim, float *actions, size_t action_count);
 typedef jcas_status jcas_policy_act_batch_fn(struct jcas_policy *policy, const struct jcas_batch *batch, float *actions, size_t action_count);
 typedef jcas_status jcas_policy_free_fn(struct jcas_policy *policy);
+typedef jcas_status jcas_policy_memory_save_fn(struct jcas_policy *policy, const struct jcas_sim *sim, void *memory, size_t capacity, size_t *length);
+typedef jcas_status jcas_policy_memory_load_fn(struct jcas_policy *policy, const struct jcas_sim *sim, const void *memory, size_t size);
+typedef jcas_status jcas_policy_memory_save_member_fn(struct jcas_policy *policy, const struct jcas_batch *batch, uint32_t index, void *memory, size_t capacity, size_t *length);
+typedef jcas_status jcas_policy_memory_load_member_fn(struct jcas_policy *policy, const struct jcas_batch *batch, uint32_t index, const void *memory, size_t size);
+typedef jcas_status jcas_policy_forget_fn(struct jcas_policy *policy);
 typedef jcas_status jcas_plan_search_fn(const struct jcas_model *model, const struct jcas_plan_settings *settings, struct jcas_plan **plan, char *message, size_t message_capacity);
 typedef jcas_status jcas_plan_tour_fn(const struct jcas_model *model, const struct jcas_cell *hotspots, size_t hotspot_count, const struct jcas_plan_settings *settings, struct jcas_plan **plan, char *message, size_t message_capacity);
 typedef jcas_status jcas_plan_from_json_fn(const struct jcas_model *model, const char *text, size_t text_length, struct jcas_plan **plan, char *message, size_t message_capacity);

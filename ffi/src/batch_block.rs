@@ -5,6 +5,7 @@
 //! | [`BatchBlock`] | the mark of calls, the pool of threads, sizes, where the other parts begin |
 //! | words | the states, two spare states, the working memory of each share |
 //! | metrics | the metrics of ended episodes, while a step passes them on |
+//! | timelines | the timeline of each environment |
 //! | taken | one flag a share: whether a thread has taken it in the present step |
 //! | threads | handles of the batch's own threads |
 
@@ -21,6 +22,7 @@ use crate::model_block::ModelBlock;
 use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_FORKED, JCAS_ERROR_RESOURCES};
 use crate::sync::AtomicBool;
 use crate::thread_pool::{Thread, ThreadPool, join, processors, start};
+use crate::timeline::Timeline;
 
 /// Shares of a batch for each thread, enough that no thread waits long for another at the end.
 const SHARES_PER_THREAD: usize = 4;
@@ -69,6 +71,7 @@ pub(crate) struct BatchShape {
 struct BatchParts {
     words: usize,
     metrics: usize,
+    timelines: usize,
     taken: usize,
     threads: usize,
 }
@@ -119,15 +122,18 @@ impl BatchShape {
         let lay_out = || {
             let words = Layout::array::<u64>(self.words(model)?).ok()?;
             let metrics = Layout::array::<Metrics>(self.count).ok()?;
+            let timelines = Layout::array::<Timeline>(self.count).ok()?;
             let taken = Layout::array::<AtomicBool>(self.shares).ok()?;
             let threads = Layout::array::<Thread>(self.threads).ok()?;
             let (layout, words) = Layout::new::<BatchBlock>().extend(words).ok()?;
             let (layout, metrics) = layout.extend(metrics).ok()?;
+            let (layout, timelines) = layout.extend(timelines).ok()?;
             let (layout, taken) = layout.extend(taken).ok()?;
             let (layout, threads) = layout.extend(threads).ok()?;
             let parts = BatchParts {
                 words,
                 metrics,
+                timelines,
                 taken,
                 threads,
             };
@@ -351,10 +357,35 @@ impl Batch {
         states.nth(index).ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))
     }
 
-    pub(crate) fn state_mut(&mut self, index: usize) -> Result<&mut [u64], Fault> {
+    /// Returns the timeline of an environment, which [`Batch::state`] has.
+    pub(crate) fn timeline(&self, index: usize) -> Timeline {
+        // SAFETY: laid out behind the block, initialised when it was built.
+        let all = unsafe {
+            slice::from_raw_parts(
+                self.part::<Timeline>(self.parts.timelines),
+                self.shape.count,
+            )
+        };
+        all[index]
+    }
+
+    /// Begins a timeline for an environment whose state was replaced.
+    pub(crate) fn renew(&mut self, index: usize) {
+        let at = self.part::<Timeline>(self.parts.timelines);
+        // SAFETY: as for `timeline`, and by the exclusive reference only this call uses them.
+        let all = unsafe { slice::from_raw_parts_mut(at, self.shape.count) };
+        all[index] = Timeline::renewed();
+    }
+
+    /// Replaces the state of an environment.
+    pub(crate) fn replace(&mut self, index: usize, words: &[u64]) -> Result<(), Fault> {
         let BatchMut { model, states, .. } = self.parts_mut();
         let mut states = states.chunks_exact_mut(model.state_words());
-        states.nth(index).ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))
+        let state = states.nth(index);
+        let state = state.ok_or(Fault::Status(JCAS_ERROR_ARGUMENT))?;
+        state.copy_from_slice(words);
+        self.renew(index);
+        Ok(())
     }
 
     /// Visits every environment on this thread.
@@ -406,6 +437,7 @@ impl Batch {
         for (words, bytes) in states.zip(saved.chunks_exact(model.save_len())) {
             model.load(bytes, words, spare)?;
         }
+        (0..self.shape.count).for_each(|index| self.renew(index));
         Ok(())
     }
 

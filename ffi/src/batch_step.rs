@@ -119,7 +119,10 @@ unsafe fn reset(
             }
             model.reset(words, scratch, seeds[m])?;
             observe(model, m, words, scratch, observations, global)
-        })
+        })?;
+        let reset = (0..count).filter(|&m| mask.get(m) != Some(&0));
+        reset.for_each(|m| batch.renew(m));
+        Ok(())
     };
     // SAFETY: the caller's promise for `batch`.
     unsafe { change(batch, act) }
@@ -330,8 +333,7 @@ pub unsafe extern "C" fn jcas_batch_set(
         if batch.model().config_hash() != sim.model.config_hash() {
             return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
         }
-        batch.state_mut(index as usize)?.copy_from_slice(sim.words);
-        Ok(())
+        batch.replace(index as usize, sim.words)
     };
     // SAFETY: the caller's promise for `batch`.
     unsafe { change(batch, act) }

@@ -38,6 +38,8 @@ mod batch_step;
 
 mod policy;
 
+mod policy_memory;
+
 mod plan;
 
 mod batch_block;
@@ -59,6 +61,7 @@ mod scripted;
 mod sim_block;
 mod sync;
 mod thread_pool;
+mod timeline;
 
 pub use batch::*;
 pub use batch_buffers::{BATCH_OUT_SOURCE, jcas_batch_out};
@@ -69,6 +72,7 @@ pub use model::*;
 pub use parts::*;
 pub use plan::*;
 pub use policy::*;
+pub use policy_memory::*;
 pub use read::*;
 pub use record::*;
 pub use records::*;

@@ -18,7 +18,7 @@ use crate::model::jcas_model;
 use crate::model_block::model;
 use crate::names::{joined, joined_len, name_at};
 use crate::policy_block::{PolicyBlock, fault};
-use crate::scripted::Script;
+use crate::scripted::{Script, Whom};
 use crate::sim::jcas_sim;
 use crate::sim_block::see;
 use crate::status::{
@@ -333,13 +333,18 @@ pub unsafe extern "C" fn jcas_policy_set_mode(policy: *mut jcas_policy, mode: i3
 /// them.
 ///
 /// The bits are the same on every platform. `sim` may belong to another model with the same
-/// configuration; it does not change. A baseline that plans over several steps starts a new plan at
-/// t = 0 and when the seed changes. After RESOURCES, which means no memory for a plan, the same
+/// configuration; it does not change. After RESOURCES, which means no memory for a plan, the same
 /// call may be repeated.
+///
+/// teams, squads, line, answer and replan remember what they planned. They begin anew at t = 0, and
+/// in the first state of all. From then on they act in every state of one simulation. Another
+/// state is JCAS_ERROR_MEMORY: one of another simulation, one after a step without them, or one
+/// that was loaded or forked. jcas_policy_memory_load brings the memory of such a state back, and
+/// jcas_policy_forget begins anew in it.
 ///
 /// `policy`, `sim`, `actions`: not NULL. `action_count`: action_len.
 /// Threads: only this one uses `policy`, none changes `sim`.
-/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, RESOURCES.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, NAN, MODEL_MISMATCH, MEMORY, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_act(
@@ -356,9 +361,9 @@ pub unsafe extern "C" fn jcas_policy_act(
         // SAFETY: the caller's promise for `policy`.
         let _mark = unsafe { PolicyBlock::hold(policy.cast()) }?;
         // SAFETY: this call holds the policy.
-        unsafe { PolicyBlock::plan(policy.cast(), 0, sim.model, sim.words) }?;
+        unsafe { PolicyBlock::plan(policy.cast(), Whom::Sim, sim.timeline, sim.model, sim.words) }?;
         // SAFETY: as above.
-        unsafe { PolicyBlock::act(policy.cast(), 0, sim.model, sim.words, actions) }
+        unsafe { PolicyBlock::act(policy.cast(), Whom::Sim, sim.model, sim.words, actions) }
     })
 }
 
@@ -368,7 +373,7 @@ pub unsafe extern "C" fn jcas_policy_act(
 ///
 /// `policy`, `batch`, `actions`: not NULL. `action_count`: count * action_len.
 /// Threads: only this one uses `policy`, none changes `batch`.
-/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, RESOURCES.
+/// Statuses: NULL, ALIGNMENT, LENGTH, HANDLE, ARGUMENT, NAN, MODEL_MISMATCH, MEMORY, RESOURCES.
 #[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn jcas_policy_act_batch(
@@ -388,12 +393,28 @@ pub unsafe extern "C" fn jcas_policy_act_batch(
         for index in 0..each.len() {
             let words = batch.state(index)?;
             // SAFETY: this call holds the policy.
-            unsafe { PolicyBlock::plan(policy.cast(), index, batch.model(), words) }?;
+            unsafe {
+                PolicyBlock::plan(
+                    policy.cast(),
+                    Whom::Environment(index),
+                    batch.timeline(index),
+                    batch.model(),
+                    words,
+                )
+            }?;
         }
         for (index, actions) in each.enumerate() {
             let words = batch.state(index)?;
             // SAFETY: as above.
-            unsafe { PolicyBlock::act(policy.cast(), index, batch.model(), words, actions) }?;
+            unsafe {
+                PolicyBlock::act(
+                    policy.cast(),
+                    Whom::Environment(index),
+                    batch.model(),
+                    words,
+                    actions,
+                )
+            }?;
         }
         Ok(())
     })

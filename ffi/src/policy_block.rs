@@ -14,8 +14,9 @@ use jcas_simd::InstructionSet;
 use crate::handle::{Block, Kind, Memory, block_layout, check, words_after};
 use crate::in_use::{Changing, InUse};
 use crate::model_block::ModelBlock;
-use crate::scripted::{Script, Scripted};
+use crate::scripted::{Script, Scripted, Whom};
 use crate::status::{Fault, JCAS_ERROR_INTERNAL, JCAS_ERROR_MODEL_MISMATCH, JCAS_ERROR_NAN};
+use crate::timeline::Timeline;
 
 #[repr(C)]
 pub(crate) struct PolicyBlock {
@@ -221,28 +222,72 @@ impl PolicyBlock {
     }
 
     /// Prepares the actions for one state, which is the only part that allocates. The state's model
-    /// has this policy's configuration. `place` is the index of the environment in its batch.
+    /// has this policy's configuration.
     ///
     /// # Safety
     /// The caller [holds](PolicyBlock::hold) the policy.
     pub(crate) unsafe fn plan(
         at: *mut Self,
-        place: usize,
+        whom: Whom,
+        timeline: Timeline,
         model: &Model<'_>,
         words: &[u64],
     ) -> Result<(), Fault> {
-        // SAFETY: never changes while the block lives.
-        let own = unsafe { (*at).model };
-        // SAFETY: a model cannot be freed while it has policies.
-        let own = unsafe { &*own }.get();
-        if own.config_hash() != model.config_hash() {
-            return Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH));
-        }
+        // SAFETY: the caller's promise.
+        unsafe { Self::check_model(at, model) }?;
         let state = model.state(words)?;
         // SAFETY: only this call uses the block.
         match unsafe { &mut (*at).pilot } {
             Pilot::Network(_) => Ok(()),
-            Pilot::Scripted(scripted) => scripted.plan(place, model, &state),
+            Pilot::Scripted(scripted) => scripted.plan(whom, timeline, model, &state),
+        }
+    }
+
+    /// Checks that a model has the configuration of a policy.
+    ///
+    /// # Safety
+    /// The caller [holds](PolicyBlock::hold) the policy.
+    unsafe fn check_model(at: *mut Self, model: &Model<'_>) -> Result<(), Fault> {
+        // SAFETY: never changes while the block lives.
+        let own = unsafe { (*at).model };
+        // SAFETY: a model cannot be freed while it has policies.
+        let own = unsafe { &*own }.get();
+        if own.config_hash() == model.config_hash() {
+            Ok(())
+        } else {
+            Err(Fault::Status(JCAS_ERROR_MODEL_MISMATCH))
+        }
+    }
+
+    /// Returns the controllers of a policy without a network.
+    ///
+    /// # Safety
+    /// The caller [holds](PolicyBlock::hold) the policy, and the mark lives for `'a`.
+    pub(crate) unsafe fn scripted<'a>(
+        at: *mut Self,
+        model: &Model<'_>,
+    ) -> Result<Option<&'a mut Scripted>, Fault> {
+        // SAFETY: the caller's promise.
+        unsafe { Self::check_model(at, model) }?;
+        // SAFETY: only the call that holds the policy uses the block.
+        Ok(match unsafe { &mut (*at).pilot } {
+            Pilot::Network(_) => None,
+            Pilot::Scripted(scripted) => Some(scripted),
+        })
+    }
+
+    /// Makes a policy forget what it remembers.
+    ///
+    /// # Safety
+    /// The caller [holds](PolicyBlock::hold) the policy.
+    pub(crate) unsafe fn forget(at: *mut Self) {
+        // SAFETY: never changes while the block lives.
+        let own = unsafe { (*at).model };
+        // SAFETY: a model cannot be freed while it has policies.
+        let own = unsafe { &*own }.get();
+        // SAFETY: only this call uses the block.
+        if let Pilot::Scripted(scripted) = unsafe { &mut (*at).pilot } {
+            scripted.forget(own);
         }
     }
 
@@ -252,7 +297,7 @@ impl PolicyBlock {
     /// The caller [holds](PolicyBlock::hold) the policy.
     pub(crate) unsafe fn act(
         at: *mut Self,
-        place: usize,
+        whom: Whom,
         model: &Model<'_>,
         words: &[u64],
         actions: &mut [f32],
@@ -266,7 +311,7 @@ impl PolicyBlock {
                 fly(learned, parts, model, &state, actions)
             }
             Pilot::Scripted(scripted) => {
-                scripted.write(place, model, &state, actions);
+                scripted.write(whom, model, &state, actions);
                 Ok(())
             }
         }

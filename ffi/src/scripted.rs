@@ -1,14 +1,23 @@
 //! Controllers without a network: baselines, and the policies that plan. They work on the heap.
 
-use ::jcas_policy::{Baseline, BaselineKind, OutOfMemory, PilotMode, Policy};
+use ::jcas_policy::memory::{LastStep, Step};
+use ::jcas_policy::{Baseline, BaselineKind, MemoryError, MemoryReader, PilotMode, Policy};
+use jcas_core::hash::Fnv1a;
 use jcas_core::{Model, StateRef};
 use jcas_plan::{PlanError, Planned};
 
-use crate::status::{Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_RESOURCES};
+use crate::status::{
+    Fault, JCAS_ERROR_ARGUMENT, JCAS_ERROR_CORRUPT, JCAS_ERROR_MEMORY, JCAS_ERROR_RESOURCES,
+};
+use crate::timeline::Timeline;
 
-impl From<OutOfMemory> for Fault {
-    fn from(_: OutOfMemory) -> Self {
-        Self::Status(JCAS_ERROR_RESOURCES)
+impl From<MemoryError> for Fault {
+    fn from(error: MemoryError) -> Self {
+        Self::Status(match error {
+            MemoryError::OtherState { .. } => JCAS_ERROR_MEMORY,
+            MemoryError::Corrupt => JCAS_ERROR_CORRUPT,
+            MemoryError::OutOfMemory => JCAS_ERROR_RESOURCES,
+        })
     }
 }
 
@@ -16,6 +25,7 @@ impl From<PlanError> for Fault {
     fn from(error: PlanError) -> Self {
         Self::Status(match error {
             PlanError::OutOfMemory { .. } => JCAS_ERROR_RESOURCES,
+            PlanError::Memory(error) => return error.into(),
             _ => JCAS_ERROR_ARGUMENT,
         })
     }
@@ -46,41 +56,88 @@ enum Controller {
     Planned(Planned),
 }
 
-/// A controller and the episode that it is in.
+impl Controller {
+    fn policy(&self) -> &dyn Policy {
+        match self {
+            Self::Baseline(baseline) => baseline,
+            Self::Planned(planned) => planned,
+        }
+    }
+
+    fn policy_mut(&mut self) -> &mut dyn Policy {
+        match self {
+            Self::Baseline(baseline) => baseline,
+            Self::Planned(planned) => planned,
+        }
+    }
+}
+
+/// Where a state stands: its timeline, and its step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    timeline: Timeline,
+    step: Step,
+}
+
+impl Place {
+    pub(crate) fn of(timeline: Timeline, state: &StateRef<'_>) -> Self {
+        Self {
+            timeline,
+            step: Step::of(state),
+        }
+    }
+
+    /// Returns whether a state is this one or the next one.
+    fn leads_to(self, now: Self) -> bool {
+        let (acted, given) = (self.step, now.step);
+        let next = acted.t.checked_add(1) == Some(given.t);
+        self.timeline == now.timeline && acted.seed == given.seed && (acted.t == given.t || next)
+    }
+}
+
+/// A controller, and the place at which it last acted, if it remembers one.
 struct Flown {
     controller: Controller,
-    seed: Option<u64>,
+    acted: Option<Place>,
 }
 
 impl Flown {
-    fn plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), Fault> {
-        let seed = state.seed();
-        let begins = state.t() == 0 || self.seed != Some(seed);
-        if begins {
-            self.seed = None;
+    /// Returns whether the controller remembers the state before this one, or this one. It is an
+    /// error if it remembers another one. At t = 0 what it remembers does not matter.
+    fn remembers(&self, now: Place) -> Result<bool, Fault> {
+        match self.acted {
+            Some(acted) if now.step.t > 0 => {
+                if acted.leads_to(now) {
+                    Ok(true)
+                } else {
+                    Err(Fault::Status(JCAS_ERROR_MEMORY))
+                }
+            }
+            _ => Ok(false),
         }
+    }
+
+    fn plan(&mut self, now: Place, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), Fault> {
+        self.remembers(now)?;
         match &mut self.controller {
-            Controller::Baseline(baseline) => {
-                if begins {
-                    baseline.try_reset(model, seed)?;
-                }
-                self.seed = Some(seed);
-                baseline.try_plan(model, state)?;
-            }
-            Controller::Planned(planned) => {
-                if begins {
-                    planned.reset(model, seed);
-                }
-                self.seed = Some(seed);
-                planned.try_plan(model, state)?;
-            }
+            Controller::Baseline(baseline) => baseline.try_plan(model, state)?,
+            Controller::Planned(planned) => planned.try_plan(model, state)?,
         }
+        self.acted = self.controller.policy().remembers().then_some(now);
         Ok(())
     }
 }
 
-/// A script and its controllers, one for each environment of a batch. The first one also acts for
-/// single simulations.
+/// Whom a policy acts for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Whom {
+    /// A simulation.
+    Sim,
+    /// The environment of a batch with this index.
+    Environment(usize),
+}
+
+/// A script and its controllers, one for simulations and one for each environment of a batch.
 pub(crate) struct Scripted {
     script: Script,
     each: Vec<Flown>,
@@ -94,37 +151,119 @@ impl Scripted {
         }
     }
 
-    /// Prepares the actions for a state. This is the part that takes memory.
-    pub(crate) fn plan(
-        &mut self,
-        place: usize,
-        model: &Model<'_>,
-        state: &StateRef<'_>,
-    ) -> Result<(), Fault> {
-        let missing = (place + 1).saturating_sub(self.each.len());
+    /// Returns the controller for someone, which begins if there is none.
+    fn flown(&mut self, whom: Whom) -> Result<&mut Flown, Fault> {
+        let index = index_of(whom);
+        let missing = (index + 1).saturating_sub(self.each.len());
         self.each
             .try_reserve(missing)
             .map_err(|_| Fault::Status(JCAS_ERROR_RESOURCES))?;
-        while self.each.len() <= place {
+        while self.each.len() <= index {
             self.each.push(Flown {
                 controller: self.script.begin(),
-                seed: None,
+                acted: None,
             });
         }
-        self.each[place].plan(model, state)
+        Ok(&mut self.each[index])
+    }
+
+    /// Prepares the actions for a state. This is the part that takes memory.
+    pub(crate) fn plan(
+        &mut self,
+        whom: Whom,
+        timeline: Timeline,
+        model: &Model<'_>,
+        state: &StateRef<'_>,
+    ) -> Result<(), Fault> {
+        self.flown(whom)?
+            .plan(Place::of(timeline, state), model, state)
     }
 
     /// Writes the actions that [`Scripted::plan`] has prepared.
     pub(crate) fn write(
         &self,
-        place: usize,
+        whom: Whom,
         model: &Model<'_>,
         state: &StateRef<'_>,
         actions: &mut [f32],
     ) {
-        match &self.each[place].controller {
+        match &self.each[index_of(whom)].controller {
             Controller::Baseline(baseline) => baseline.write(model, state, actions),
             Controller::Planned(planned) => planned.write(model, state, actions),
         }
+    }
+
+    /// Makes every controller begin anew in the next state that it acts in.
+    pub(crate) fn forget(&mut self, model: &Model<'_>) {
+        for flown in &mut self.each {
+            flown.controller.policy_mut().reset(model, 0);
+            flown.acted = None;
+        }
+    }
+
+    /// Returns a number that equal scripts share.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let mut hash = Fnv1a::new();
+        match &self.script {
+            Script::Baseline(kind, mode) => {
+                hash.write(kind.name().as_bytes());
+                let density = match mode {
+                    PilotMode::Fixed(density) => density.to_bits(),
+                    _ => PilotMode::ALL
+                        .iter()
+                        .position(|other| other == mode)
+                        .unwrap_or(0) as u64,
+                };
+                hash.write(&density.to_le_bytes());
+            }
+            Script::Planned(planned) => hash.write(planned.name().as_bytes()),
+        }
+        hash.finish()
+    }
+
+    /// Writes what the controller for someone remembers before a state; nothing where it does not
+    /// matter.
+    pub(crate) fn save(
+        &self,
+        whom: Whom,
+        now: Place,
+        write: &mut dyn FnMut(u64),
+    ) -> Result<(), Fault> {
+        let Some(flown) = self.each.get(index_of(whom)) else {
+            return Ok(());
+        };
+        if flown.remembers(now)? {
+            flown.controller.policy().save_memory(write);
+        }
+        Ok(())
+    }
+
+    /// Replaces what the controller for someone remembers. Without words it remembers nothing.
+    pub(crate) fn load(
+        &mut self,
+        whom: Whom,
+        now: Place,
+        model: &Model<'_>,
+        words: &[u64],
+    ) -> Result<(), Fault> {
+        let flown = self.flown(whom)?;
+        let policy = flown.controller.policy_mut();
+        if words.is_empty() {
+            policy.reset(model, 0);
+            flown.acted = None;
+            return Ok(());
+        }
+        policy.load_memory(model, &mut MemoryReader::new(words))?;
+        // The step at which it acted comes first.
+        let acted = LastStep::load(&mut MemoryReader::new(words))?;
+        flown.acted = acted.step().map(|step| Place { step, ..now });
+        Ok(())
+    }
+}
+
+const fn index_of(whom: Whom) -> usize {
+    match whom {
+        Whom::Sim => 0,
+        Whom::Environment(index) => index + 1,
     }
 }

@@ -11,6 +11,7 @@ use crate::in_use::{Changing, InUse, Reading};
 use crate::model_block::ModelBlock;
 use crate::recording::{Recording, Sink, Workspace};
 use crate::status::{Fault, guard};
+use crate::timeline::Timeline;
 
 #[repr(C)]
 pub(crate) struct SimBlock {
@@ -24,6 +25,7 @@ pub(crate) struct SimBlock {
     /// The reason why the last call that could change the simulation was refused.
     pub(crate) refusal: Option<Fault>,
     recording: Option<Recording>,
+    timeline: Timeline,
 }
 
 // SAFETY: `repr(C)`, the seal comes first.
@@ -40,6 +42,7 @@ pub(crate) struct SimMut<'a> {
     pub(crate) spare: &'a mut [u64],
     pub(crate) refusal: &'a mut Option<Fault>,
     pub(crate) recording: &'a mut Option<Recording>,
+    timeline: &'a mut Timeline,
 }
 
 /// A simulation opened to read, which no call changes meanwhile.
@@ -47,6 +50,7 @@ pub(crate) struct SimRef<'a> {
     _mark: Reading<'a>,
     pub(crate) model: &'a Model<'static>,
     pub(crate) words: &'a [u64],
+    pub(crate) timeline: Timeline,
     pub(crate) refusal: &'a Option<Fault>,
 }
 
@@ -65,6 +69,8 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<SimMut<'a>, Fault> {
     let model = unsafe { &*model }.get();
     // SAFETY: by the mark, only this call uses these.
     let (refusal, recording) = unsafe { (&mut (*at).refusal, &mut (*at).recording) };
+    // SAFETY: as above.
+    let timeline = unsafe { &mut (*at).timeline };
     // SAFETY: the block was laid out with these words after it, which only this call uses.
     let words = unsafe { words_after(at, 2 * state + scratch) };
     let (words, rest) = words.split_at_mut(state);
@@ -77,6 +83,7 @@ pub(crate) unsafe fn open<'a>(at: *mut SimBlock) -> Result<SimMut<'a>, Fault> {
         spare,
         refusal,
         recording,
+        timeline,
     })
 }
 
@@ -118,6 +125,7 @@ pub(crate) unsafe fn see<'a>(at: *const SimBlock) -> Result<SimRef<'a>, Fault> {
         _mark: mark,
         model,
         words,
+        timeline: block.timeline,
         refusal: &block.refusal,
     })
 }
@@ -147,6 +155,7 @@ impl SimBlock {
             scratch_words: Scratch::words_for(model.get()),
             refusal: None,
             recording: None,
+            timeline: Timeline::renewed(),
         };
         // SAFETY: in front of the words, aligned by the layout.
         unsafe { block.write(value) };
@@ -181,14 +190,27 @@ impl SimMut<'_> {
     pub(crate) fn reset(&mut self, seed: u64) -> Result<(), Fault> {
         let mut scratch = Scratch::new(self.model, self.scratch)?;
         self.model.reset(self.words, &mut scratch, seed)?;
-        *self.recording = None;
+        self.begin_anew();
         Ok(())
     }
 
-    /// Replaces the state by an unrelated one, which ends a recording without its last line.
+    /// Loads a saved state.
+    pub(crate) fn load(&mut self, saved: &[u8]) -> Result<(), Fault> {
+        self.model.load(saved, self.words, self.spare)?;
+        self.begin_anew();
+        Ok(())
+    }
+
+    /// Replaces the state by an unrelated one.
     pub(crate) fn replace(&mut self, words: &[u64]) {
         self.words.copy_from_slice(words);
+        self.begin_anew();
+    }
+
+    /// Ends a recording without its last line, and begins a timeline, as for an unrelated state.
+    fn begin_anew(&mut self) {
         *self.recording = None;
+        *self.timeline = Timeline::renewed();
     }
 
     /// Begins the episode of a seed and its recording. Nothing changes if the sink refuses.
@@ -209,6 +231,7 @@ impl SimMut<'_> {
         model.reset(spare, &mut working, seed)?;
         let recording = Recording::begin(sink, workspace, names, model, spare, scratch)?;
         self.words.copy_from_slice(self.spare);
+        self.begin_anew();
         *self.recording = Some(recording);
         Ok(())
     }

@@ -48,9 +48,7 @@ pub unsafe extern "C" fn jcas_sim_load(
     let act = |sim: &mut SimMut<'_>| {
         // SAFETY: the caller's promise for `snapshot`.
         let saved = unsafe { bytes(snapshot.cast(), size) }?;
-        sim.model.load(saved, sim.words, sim.spare)?;
-        *sim.recording = None;
-        Ok(())
+        sim.load(saved)
     };
     // SAFETY: the caller's promise for `sim`.
     unsafe { change(sim.cast(), act) }

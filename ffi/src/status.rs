@@ -53,6 +53,8 @@ pub const JCAS_ERROR_SINK: i32 = -18;
 pub const JCAS_ERROR_DIFFERENT: i32 = -19;
 /// Another call is using the object, on another thread or further up the stack.
 pub const JCAS_ERROR_BUSY: i32 = -20;
+/// What the policy remembers does not belong to the state, or to the policy.
+pub const JCAS_ERROR_MEMORY: i32 = -21;
 
 /// Returns the meaning of a status in English.
 ///
@@ -83,6 +85,7 @@ pub extern "C" fn jcas_status_string(status: jcas_status) -> *const c_char {
         JCAS_ERROR_SINK => "the sink has not taken all of the trace\0",
         JCAS_ERROR_DIFFERENT => "this library does not reproduce the trace\0",
         JCAS_ERROR_BUSY => "another call is using the object\0",
+        JCAS_ERROR_MEMORY => "what the policy remembers does not belong to the state\0",
         _ => "not a status of jcas\0",
     };
     text.as_ptr().cast()

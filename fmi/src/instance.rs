@@ -46,6 +46,8 @@ struct Saved {
     links: Vec<bool>,
     /// The kernel's snapshot, or none before the episode begins.
     snapshot: Option<Vec<u8>>,
+    /// What the policy remembers.
+    memory: Vec<u64>,
 }
 
 /// An instance of the unit.
@@ -309,6 +311,11 @@ impl Instance {
             positions: self.inputs.positions.clone(),
             links: self.inputs.links.clone(),
             snapshot: self.mission.as_ref().map(Mission::save).transpose()?,
+            memory: self
+                .mission
+                .as_ref()
+                .map(Mission::memory)
+                .unwrap_or_default(),
         };
         serde_json::to_vec(&saved).map_err(|error| error.to_string())
     }
@@ -323,7 +330,7 @@ impl Instance {
         saved.setup.resources.clone_from(&self.setup.resources);
         let mut mission = saved
             .snapshot
-            .map(|snapshot| Mission::restore(&saved.setup, &snapshot))
+            .map(|snapshot| Mission::restore(&saved.setup, &snapshot, &saved.memory))
             .transpose()?;
         if let Some(mission) = &mut mission {
             mission.reward = saved.reward;

@@ -2,7 +2,7 @@
 
 use jcas_core::{Cell, Error, Model, Motion, MotionMap, Scratch, StateRef, hash, observation};
 use jcas_plan::{PlanFile, Planned, PlannedKind};
-use jcas_policy::{BaselineKind, PilotMode, Policy, Trained};
+use jcas_policy::{BaselineKind, MemoryReader, PilotMode, Policy, Trained};
 use jcas_simd::InstructionSet;
 
 use crate::setup::Setup;
@@ -178,49 +178,38 @@ impl Mission {
     /// Returns the kernel's snapshot of the state.
     ///
     /// # Errors
-    /// The call fails for a baseline over positions or links of the importer, as its plans depend
-    /// on all of them.
+    /// The call never fails for words that the model itself wrote.
     pub fn save(&self) -> Result<Vec<u8>, String> {
-        if self.pilot.is_some() && (self.setup.own_positions || self.setup.own_links) {
-            return Err(
-                "the state of a baseline cannot be saved while the importer sets positions or \
-                 links: fly by actions"
-                    .to_owned(),
-            );
-        }
         let mut bytes = vec![0; self.model.save_len()];
         self.model.save(&self.words, &mut bytes).map_err(said)?;
         Ok(bytes)
     }
 
-    /// Restores the episode of a setup at a saved state. With a baseline the episode is repeated
-    /// from its start, which restores the baseline's plans.
+    /// Returns what the policy remembers.
+    #[must_use]
+    pub fn memory(&self) -> Vec<u64> {
+        let mut words = Vec::new();
+        if let Some(pilot) = &self.pilot {
+            pilot.save_memory(&mut |word| words.push(word));
+        }
+        words
+    }
+
+    /// Restores the episode of a setup at a saved state, with what its policy remembered there.
     ///
     /// # Errors
-    /// The call fails if the snapshot is not of this setup.
-    pub fn restore(setup: &Setup, snapshot: &[u8]) -> Result<Self, String> {
+    /// The call fails if the snapshot or the memory is not of this setup.
+    pub fn restore(setup: &Setup, snapshot: &[u8], memory: &[u64]) -> Result<Self, String> {
         let mut mission = Self::new(setup)?;
         let mut spare = vec![0; mission.words.len()];
-        let mut saved = mission.words.clone();
         mission
             .model
-            .load(snapshot, &mut saved, &mut spare)
+            .load(snapshot, &mut mission.words, &mut spare)
             .map_err(said)?;
-        if mission.pilot.is_some() {
-            let steps = mission.model.state(&saved).map_err(said)?.t();
-            let inputs = Inputs::default();
-            for _ in 0..steps {
-                mission.step(&inputs)?;
-            }
-            mission.reward = 0.0;
-            if mission.words != saved {
-                return Err(
-                    "the saved state is not one that this baseline reaches from this seed"
-                        .to_owned(),
-                );
-            }
-        } else {
-            mission.words = saved;
+        if let Some(pilot) = &mut mission.pilot {
+            pilot
+                .load_memory(&mission.model, &mut MemoryReader::new(memory))
+                .map_err(|error| format!("saved state: {error}"))?;
         }
         Ok(mission)
     }
@@ -309,22 +298,25 @@ mod tests {
         mission.hash()
     }
 
-    /// A state that is saved and restored goes on alike, as the plans are made again.
+    /// A state that is saved and restored with its memory goes on alike.
     fn goes_on_alike(setup: &Setup) -> u64 {
         let mut mission = Mission::new(setup).unwrap();
         for _ in 0..4 {
             mission.step(&Inputs::default()).unwrap();
         }
-        let mut restored = Mission::restore(setup, &mission.save().unwrap()).unwrap();
+        let mut restored =
+            Mission::restore(setup, &mission.save().unwrap(), &mission.memory()).unwrap();
         let hash = fly(&mut mission);
         assert_eq!(fly(&mut restored), hash);
         hash
     }
 
     #[test]
-    fn policies_that_plan_fly_and_are_restored() {
+    fn policies_fly_and_are_restored() {
         let flown = ["plan", "replan"].map(|name| goes_on_alike(&setup(name, "known")));
         assert_ne!(flown[0], flown[1]);
+        goes_on_alike(&setup("squads", "known"));
+        goes_on_alike(&setup("line", "hidden"));
     }
 
     #[test]

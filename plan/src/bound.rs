@@ -43,6 +43,12 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// beginning.
 #[must_use]
 pub fn bound(problem: &Problem<'_>) -> f64 {
+    bound_while(problem, &mut |_| true)
+}
+
+/// Returns a lower bound as [`bound`] does. `go_on` is told the products of each step, and may end
+/// the computation, which gives a lower bound too.
+pub(crate) fn bound_while(problem: &Problem<'_>, go_on: &mut dyn FnMut(usize) -> bool) -> f64 {
     let odds = &problem.odds;
     let config = problem.model.config();
     let farthest = (config.grid_width + config.grid_height) as usize;
@@ -64,7 +70,11 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     let quorum = config.quorum as usize;
     let mut exactly = vec![0.0; quorum];
     let (mut expected, mut done) = (0.0, 0.0);
+    let products = sites.len() * (starts.len() + priors.len());
     for step in 1..=problem.steps_left {
+        if !go_on(products) {
+            break;
+        }
         expected += 1.0 - done;
         let reach = (step as usize).min(farthest);
         for (site, missed) in missed.iter_mut().enumerate() {

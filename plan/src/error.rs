@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use jcas_policy::MemoryError;
+
 /// A reason for which a plan cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -11,6 +13,20 @@ pub enum PlanError {
         /// Number of UAVs of the fleet.
         uavs: usize,
         /// The maximum number of UAVs of a plan.
+        most: usize,
+    },
+    /// The mission has more hotspots than a plan can visit.
+    TooManyHotspots {
+        /// Number of hotspots of the mission.
+        hotspots: usize,
+        /// The maximum number of hotspots of a plan.
+        most: usize,
+    },
+    /// The horizon is too long for the number of cells that may hold a hotspot.
+    TooLong {
+        /// Steps of the horizon.
+        horizon_steps: u32,
+        /// The maximum number of steps for these cells.
         most: usize,
     },
     /// The plan needs a larger table than is allowed.
@@ -43,6 +59,8 @@ pub enum PlanError {
         /// The value that plans cover.
         allowed: &'static str,
     },
+    /// The policy remembers another state than the one before.
+    Memory(MemoryError),
     /// A weight of a prior is negative or not finite, or all are zero.
     Weights,
     /// A cell lies off the grid.
@@ -60,6 +78,18 @@ impl fmt::Display for PlanError {
             Self::TooManyUavs { uavs, most } => {
                 write!(out, "uav_count = {uavs}: a plan holds at most {most} UAVs")
             }
+            Self::TooManyHotspots { hotspots, most } => write!(
+                out,
+                "hotspot_count = {hotspots}: a plan holds at most {most} hotspots"
+            ),
+            Self::TooLong {
+                horizon_steps,
+                most,
+            } => write!(
+                out,
+                "horizon_steps = {horizon_steps}: a plan over these cells covers at most {most} \
+                 steps"
+            ),
             Self::TooLarge { entries, most } => write!(
                 out,
                 "the plan needs a table of {entries} entries; at most {most} are allowed"
@@ -78,6 +108,7 @@ impl fmt::Display for PlanError {
                 value,
                 allowed,
             } => write!(out, "{field} = {value}: a plan needs {allowed}"),
+            Self::Memory(error) => error.fmt(out),
             Self::Weights => out
                 .write_str("the weights of a prior must be finite, not negative and not all zero"),
             Self::OffGrid { x, y } => write!(out, "cell [{x}, {y}] lies off the grid"),
@@ -86,3 +117,9 @@ impl fmt::Display for PlanError {
 }
 
 impl core::error::Error for PlanError {}
+
+impl From<MemoryError> for PlanError {
+    fn from(error: MemoryError) -> Self {
+        Self::Memory(error)
+    }
+}

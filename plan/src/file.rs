@@ -18,6 +18,9 @@ pub const FORMAT: u32 = 1;
 /// can be a number of eight bytes, in a list that grows by doubling and is copied.
 pub const READ_BYTES_MAX: u64 = 64;
 
+/// The relative rounding error that the bound may have beside the expected time.
+const ROUNDING: f64 = 1e-9;
+
 /// A plan together with the configuration that it was made for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -67,6 +70,17 @@ pub enum PlanFileError {
     Json(serde_json::Error),
     /// The file does not hold a plan that this program can run.
     Content(&'static str),
+    /// A figure that no plan can promise.
+    Promise {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value that the other figures allow.
+        low: f64,
+        /// The greatest one.
+        high: f64,
+    },
     /// The plan was made for another configuration.
     Configuration {
         /// Hash of the configuration that it was made for.
@@ -81,6 +95,15 @@ impl fmt::Display for PlanFileError {
         match self {
             Self::Json(error) => write!(out, "no plan: {}", Printable(error)),
             Self::Content(what) => write!(out, "no plan: {what}"),
+            Self::Promise {
+                field,
+                value,
+                low,
+                high,
+            } => write!(
+                out,
+                "no plan: {field} = {value}: must be from {low} to {high}"
+            ),
             Self::Configuration { planned, flown } => {
                 let planned = Printable(planned);
                 write!(out, "made for the configuration {planned}, not for {flown}")
@@ -158,6 +181,7 @@ impl PlanFile {
             });
         }
         let steps = self.steps(model)?;
+        self.check_promises(model)?;
         let config = model.config();
         let mut densities: Vec<f64> = Vec::new();
         let start = config.grid_width * model.depots()[0].y + model.depots()[0].x;
@@ -198,6 +222,45 @@ impl PlanFile {
             start_steps: self.start_steps,
             bound_steps: self.bound_steps,
         })
+    }
+
+    /// Checks that a plan can promise these figures, and that its hotspots are those of a mission.
+    fn check_promises(&self, model: &Model<'_>) -> Result<(), PlanFileError> {
+        let config = model.config();
+        let horizon = f64::from(config.horizon_steps);
+        // The bound is summed in another order than the expected time.
+        let bound_max = self.expected_steps * (1.0 + ROUNDING);
+        for (field, value, low, high) in [
+            ("success", self.success, 0.0, 1.0),
+            ("start_steps", self.start_steps, 0.0, horizon),
+            ("expected_steps", self.expected_steps, 0.0, self.start_steps),
+            (
+                "expected_confirmed_steps",
+                self.expected_confirmed_steps,
+                0.0,
+                self.expected_steps,
+            ),
+            ("bound_steps", self.bound_steps, 0.0, bound_max),
+        ] {
+            if !(value >= low && value <= high) {
+                return Err(PlanFileError::Promise {
+                    field,
+                    value,
+                    low,
+                    high,
+                });
+            }
+        }
+        let fits = |cells: &Vec<Cell>| {
+            let on_grid = |cell: &Cell| cell.x < config.grid_width && cell.y < config.grid_height;
+            cells.len() == model.hotspot_count() && cells.iter().all(on_grid)
+        };
+        if self.hotspots.as_ref().is_some_and(|cells| !fits(cells)) {
+            return Err(PlanFileError::Content(
+                "hotspots: must be one cell of the grid for each hotspot of the mission",
+            ));
+        }
+        Ok(())
     }
 
     /// Returns the number of steps, if the trajectories fit the fleet of a model.
@@ -275,6 +338,48 @@ mod tests {
         let mut torn = file;
         torn.uavs[2].cells[7] = Cell { x: 0, y: 0 };
         assert!(matches!(torn.plan(&model), Err(PlanFileError::Content(_))));
+    }
+
+    #[test]
+    fn figures_that_no_plan_promises_are_refused() {
+        let model = Model::new(Config::preset(Preset::Search)).unwrap();
+        let settings = Settings {
+            iterations: 0,
+            seed: 1,
+        };
+        let plan = search(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        let file = PlanFile::new(&model, &plan, None);
+        assert!(file.plan(&model).is_ok());
+        let refused = |change: fn(&mut PlanFile)| {
+            let mut changed = file.clone();
+            change(&mut changed);
+            changed.plan(&model).unwrap_err().to_string()
+        };
+        let wrong = refused(|file| file.success = 8.0);
+        assert_eq!(wrong, "no plan: success = 8: must be from 0 to 1");
+        for (field, change) in [
+            ("success", (|file| file.success = -1.0) as fn(&mut PlanFile)),
+            ("success", |file| file.success = f64::NAN),
+            ("start_steps", |file| file.start_steps = 1e300),
+            ("expected_steps", |file| file.expected_steps = -3.0),
+            ("expected_steps", |file| file.expected_steps = 1e9),
+            ("expected_confirmed_steps", |file| {
+                file.expected_confirmed_steps = 1e9
+            }),
+            ("bound_steps", |file| file.bound_steps = f64::INFINITY),
+            ("bound_steps", |file| {
+                file.bound_steps = 2.0 * file.expected_steps
+            }),
+            ("hotspots", |file| {
+                file.hotspots = Some(vec![Cell::default()])
+            }),
+        ] {
+            let wrong = refused(change);
+            assert!(
+                wrong.starts_with(&alloc::format!("no plan: {field}")),
+                "{wrong}"
+            );
+        }
     }
 
     #[test]

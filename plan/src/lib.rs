@@ -43,6 +43,7 @@ mod file;
 mod follow;
 mod formation;
 mod gather;
+mod gossip;
 mod memory;
 mod objective;
 mod odds;
@@ -55,6 +56,8 @@ mod rounds;
 mod routes;
 mod targets;
 mod teams;
+mod view;
+mod watch;
 
 pub use anneal::{Annealer, Progress, Settings};
 pub use battery::allows;

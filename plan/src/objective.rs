@@ -39,6 +39,16 @@ pub struct Expectation {
 /// Returns the expected time of a plan, computed step by step and cell by cell.
 #[must_use]
 pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
+    expect_while(problem, paths, &mut |_| true).unwrap_or_default()
+}
+
+/// Returns the expected time of a plan. `go_on` is told the products of each step, and may end the
+/// computation, which then has no result.
+pub(crate) fn expect_while(
+    problem: &Problem<'_>,
+    paths: &Paths,
+    go_on: &mut dyn FnMut(usize) -> bool,
+) -> Option<Expectation> {
     let sites = problem.odds.sites();
     let mut missed = vec![1.0; sites.len()];
     let mut factor = vec![1.0; sites.len()];
@@ -49,6 +59,14 @@ pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
     for step in 1..=problem.steps_left {
         if 1.0 - ended < NEGLIGIBLE {
             break;
+        }
+        let looks = if step as usize <= paths.steps() {
+            paths.uav_count() * sites.len()
+        } else {
+            0
+        };
+        if !go_on(looks + problem.products()) {
+            return None;
         }
         expected.steps += 1.0 - ended;
         expected.confirmed_steps += 1.0 - confirmed;
@@ -67,7 +85,7 @@ pub fn expect(problem: &Problem<'_>, paths: &Paths) -> Expectation {
         }
     }
     expected.success = ended;
-    expected
+    Some(expected)
 }
 
 /// Returns the first step of a plan by which all hotspots are confirmed with some probability; the

@@ -165,6 +165,14 @@ impl Odds {
     }
 }
 
+/// Returns the pilot density of each level of a plan. The last level, for an empty battery, has the
+/// least density.
+pub(crate) fn plan_densities(model: &Model<'_>) -> Vec<f64> {
+    let mut densities = densities(model);
+    densities.push(model.config().pilot_density_min);
+    densities
+}
+
 /// Returns one density if it does not matter to the radar, two if it matters little, and four if it
 /// matters much. An action can ask for each of them.
 fn densities(model: &Model<'_>) -> Vec<f64> {

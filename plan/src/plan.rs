@@ -7,16 +7,20 @@ use core::ops::ControlFlow;
 use jcas_core::{Cell, Model};
 
 use crate::anneal::{Annealer, Progress, Settings};
-use crate::bound::bound;
+use crate::bound::bound_while;
 use crate::error::PlanError;
-use crate::objective::{Expectation, confirmed_by, expect, stay_one};
+use crate::objective::{Expectation, confirmed_by, expect, expect_while, stay_one};
 use crate::paths::Paths;
 use crate::problem::{Problem, Situation, check_start};
 use crate::targets::Targets;
+use crate::watch::Watch;
 use crate::{formation, memory, teams};
 
 /// The probabilities that all hotspots are confirmed, from which on initial trajectories gather.
 const GATHERS_AT: [f64; 3] = [0.9, 0.99, 0.999];
+
+/// Products that the bound may take after the planning was ended: some seconds at most.
+const AFTER_STOP: usize = 1 << 29;
 
 /// A plan: trajectories with their expected time.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +82,7 @@ pub fn search(
     memory::check(model, None, 1)?;
     let targets = Targets::hidden(model);
     let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
-    Ok(improve(&problem, starts(&problem), settings, progress))
+    Ok(planned(&problem, settings, &mut Watch::new(progress)))
 }
 
 /// Plans an episode from its reset, with hotspots in known cells. The plan decides in what order,
@@ -97,16 +101,20 @@ pub fn tour(
     memory::check(model, Some(hotspots.len()), 1)?;
     let targets = Targets::known(model, hotspots)?;
     let problem = Problem::new(model, &targets, Situation::at_reset(model))?;
-    Ok(improve(&problem, starts(&problem), settings, progress))
+    Ok(planned(&problem, settings, &mut Watch::new(progress)))
 }
 
 /// Returns initial trajectories: tours of teams if hotspots are known, else sweeps of formations.
 /// Each senses at the highest pilot density or at the lowest, which links farther.
 #[must_use]
 pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
+    starts_watched(problem, &mut Watch::new(&mut |_| ControlFlow::Continue(())))
+}
+
+fn starts_watched(problem: &Problem<'_>, watch: &mut Watch<'_>) -> Vec<Paths> {
     let mut levels = vec![0, problem.odds.highest()];
     levels.dedup();
-    let mut starts = teams::tours(problem, &levels);
+    let mut starts = teams::tours(problem, &levels, watch);
     if starts.is_empty() {
         for level in levels {
             starts.extend(formation::sweeps(problem, level));
@@ -115,7 +123,8 @@ pub fn starts(problem: &Problem<'_>) -> Vec<Paths> {
     starts
 }
 
-/// Anneals the best of the initial trajectories. If none fits, the fleet hovers.
+/// Anneals the best of the initial trajectories. If none fits, the fleet hovers. `progress` is
+/// asked after each batch of moves, and before the first one after each share of the evaluations.
 ///
 /// Trajectories fit if they have the UAVs and steps of the problem and every battery lasts.
 #[must_use]
@@ -125,65 +134,111 @@ pub fn improve(
     settings: &Settings,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Plan {
+    improve_watched(problem, starts, settings, &mut Watch::new(progress))
+}
+
+/// Plans from the initial trajectories of a problem.
+fn planned(problem: &Problem<'_>, settings: &Settings, watch: &mut Watch<'_>) -> Plan {
+    let starts = starts_watched(problem, watch);
+    improve_watched(problem, starts, settings, watch)
+}
+
+/// The best trajectories so far, with their expected steps, and those that confirm all hotspots
+/// first.
+#[derive(Default)]
+struct Best {
+    steps: Option<(Expectation, Paths)>,
+    confirmed: Option<(Expectation, Paths)>,
+}
+
+impl Best {
+    /// Evaluates trajectories. The first ones of all are evaluated even if the planning was ended.
+    fn consider(&mut self, problem: &Problem<'_>, paths: Paths, watch: &mut Watch<'_>) {
+        let first = self.steps.is_none();
+        let mut go_on = |products| !watch.work(products) || first;
+        let Some(expected) = expect_while(problem, &paths, &mut go_on) else {
+            return;
+        };
+        let less = |best: &Option<(Expectation, Paths)>, of: fn(&Expectation) -> f64| {
+            best.as_ref()
+                .is_none_or(|(least, _)| of(&expected) < of(least))
+        };
+        if less(&self.confirmed, |expected| expected.confirmed_steps) {
+            self.confirmed = Some((expected, paths.clone()));
+        }
+        if less(&self.steps, |expected| expected.steps) {
+            watch.found(expected.steps);
+            self.steps = Some((expected, paths));
+        }
+    }
+}
+
+fn improve_watched(
+    problem: &Problem<'_>,
+    starts: Vec<Paths>,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Plan {
     let fits = |paths: &Paths| {
         paths.uav_count() == problem.situation.cells.len()
             && paths.steps() == problem.steps
             && problem.allows(paths)
     };
-    let mut best = (f64::INFINITY, Paths::default());
-    let mut fastest = best.clone();
+    let mut best = Best::default();
     let mut starts: Vec<Paths> = starts.into_iter().filter(fits).collect();
     if problem.together && starts.iter().any(|paths| stay_one(problem, paths)) {
         starts.retain(|paths| stay_one(problem, paths));
     }
     for paths in starts {
-        let expected = expect(problem, &paths);
-        if expected.confirmed_steps < fastest.0 {
-            fastest = (expected.confirmed_steps, paths.clone());
-        }
-        if expected.steps < best.0 {
-            best = (expected.steps, paths);
-        }
+        best.consider(problem, paths, watch);
     }
-    if fastest.0.is_infinite() {
-        fastest.1 = formation::hovering(problem);
-    }
+    let fastest = best.confirmed.take();
+    let fastest = fastest.map_or_else(|| formation::hovering(problem), |(_, paths)| paths);
     // The end needs one radio component, so trajectories that part must gather.
     for probability in GATHERS_AT {
-        let from = confirmed_by(problem, &fastest.1, probability);
-        let paths = formation::gathered(problem, &fastest.1, from);
-        let steps = expect(problem, &paths).steps;
-        if steps < best.0 && (!problem.together || stay_one(problem, &paths)) {
-            best = (steps, paths);
+        if watch.stopped() && best.steps.is_some() {
+            break;
+        }
+        let from = confirmed_by(problem, &fastest, probability);
+        let paths = formation::gathered(problem, &fastest, from);
+        if !problem.together || stay_one(problem, &paths) {
+            best.consider(problem, paths, watch);
         }
     }
-    let (start_steps, paths) = best;
-    let mut tried = 0;
-    let annealer = Annealer::new(problem, paths.clone(), settings.seed);
-    let (annealed, stopped) = annealer.run(settings.iterations, &mut |report| {
-        tried = report.iterations;
-        progress(report)
-    });
-    let mut expected = expect(problem, &annealed);
-    let mut best = annealed;
-    if expected.steps > start_steps {
-        // The annealing treats distinct hotspots as independent, which may mislead it slightly.
-        expected = expect(problem, &paths);
-        best = paths;
+    if best.steps.is_none() {
+        best.consider(problem, fastest, watch);
     }
+    let (mut expected, mut paths) = best.steps.unwrap_or_default();
+    let start_steps = expected.steps;
+    if !watch.stopped() {
+        let annealer = Annealer::new(problem, paths.clone(), settings.seed);
+        let annealed = annealer.run_watched(settings.iterations, watch);
+        let after = expect(problem, &annealed);
+        // The annealing treats distinct hotspots as independent, which may mislead it slightly.
+        if after.steps <= start_steps {
+            (expected, paths) = (after, annealed);
+        }
+    }
+    // A bound of a planning that was ended may be a lower one.
+    let mut left = AFTER_STOP;
+    let mut go_on = |products: usize| {
+        left = left.saturating_sub(products);
+        !watch.work(products) || left > 0
+    };
+    let bound_steps = bound_while(problem, &mut go_on);
     let mut densities = problem.odds.densities().to_vec();
     densities.push(problem.model.config().pilot_density_min);
     Plan {
         config_hash: problem.model.config_hash(),
         seed: settings.seed,
-        iterations: tried,
-        stopped,
+        iterations: watch.iterations(),
+        stopped: watch.stopped() && watch.iterations() < settings.iterations,
         first_step: problem.situation.step,
-        paths: best,
+        paths,
         densities,
         grid_width: problem.model.config().grid_width,
         expected,
         start_steps,
-        bound_steps: bound(problem),
+        bound_steps,
     }
 }

@@ -7,7 +7,8 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use jcas_core::rng::derive_seed;
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
-use jcas_policy::Policy;
+use jcas_policy::memory::{Due, LastStep};
+use jcas_policy::{MemoryError, MemoryReader, Policy};
 
 use crate::anneal::Settings;
 use crate::error::PlanError;
@@ -98,7 +99,11 @@ impl PlannedKind {
                 Way::Replan(Replanner::new(TOUR_ITERATIONS, settings(REPLAN_ITERATIONS)))
             }
         };
-        Ok(Planned { kind: self, way })
+        Ok(Planned {
+            kind: self,
+            way,
+            last: LastStep::default(),
+        })
     }
 }
 
@@ -124,6 +129,7 @@ fn go_on(_: crate::anneal::Progress) -> ControlFlow<()> {
 pub struct Planned {
     kind: PlannedKind,
     way: Way,
+    last: LastStep,
 }
 
 #[derive(Clone, Debug)]
@@ -133,11 +139,13 @@ enum Way {
     Replan(Replanner),
 }
 
-/// A tour of known hotspots, planned before the first step of each episode.
+/// A tour of known hotspots. It is a function of the episode's seed and hotspots, and is kept until
+/// they change.
 #[derive(Clone, Debug, Default)]
 struct Tour {
     follower: Option<Follower>,
     seed: u64,
+    hotspots: Vec<Cell>,
 }
 
 impl Planned {
@@ -147,6 +155,7 @@ impl Planned {
         Self {
             kind: PlannedKind::Plan,
             way: Way::Follow(Follower::new(plan)),
+            last: LastStep::default(),
         }
     }
 
@@ -170,14 +179,23 @@ impl Planned {
     /// Decides a step: makes the plans that are due. This is the part that takes time and memory.
     ///
     /// # Errors
-    /// [`PlanError`] if the fleet or the grid is too large, or if there is no memory for a plan.
+    /// [`PlanError`] if the fleet or the grid is too large, if there is no memory for a plan, or if
+    /// the policy remembers another state.
     pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
         match &mut self.way {
-            Way::Follow(_) => {}
-            Way::Tour(tour) => tour.prepare(model, state)?,
-            Way::Replan(replanner) => replanner.try_plan(model, state)?,
+            Way::Follow(_) => Ok(()),
+            Way::Tour(tour) => tour.prepare(model, state),
+            Way::Replan(replanner) => {
+                // Plans of a state are the same when they are made again, so to repeat is to go on.
+                if self.last.due(state)? == Due::Begin {
+                    self.last = LastStep::default();
+                    replanner.reset();
+                }
+                replanner.try_plan(model, state)?;
+                self.last = LastStep::at(state);
+                Ok(())
+            }
         }
-        Ok(())
     }
 
     /// Writes the actions that [`Planned::try_plan`] has just decided in this state: (u_dir,
@@ -198,19 +216,25 @@ impl Planned {
 impl Tour {
     /// Makes the tour, unless there is one.
     fn prepare(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), PlanError> {
-        if self.follower.is_some() {
+        let cells = (0..state.hotspot_count()).map(|hotspot| state.hotspot_cell(hotspot));
+        let seed = derive_seed(SEED, state.seed());
+        let same = self.seed == seed && cells.clone().eq(self.hotspots.iter().copied());
+        if same && self.follower.is_some() {
             return Ok(());
         }
+        self.follower = None;
         memory::check(model, Some(state.hotspot_count()), 1)?;
-        let hotspots: Vec<Cell> = (0..state.hotspot_count())
-            .map(|hotspot| state.hotspot_cell(hotspot))
-            .collect();
+        let hotspots: Vec<Cell> = cells.collect();
         let settings = Settings {
             iterations: TOUR_ITERATIONS,
-            seed: self.seed,
+            seed,
         };
         let plan = tour(model, &hotspots, &settings, &mut go_on)?;
-        self.follower = Some(Follower::new(plan));
+        *self = Self {
+            follower: Some(Follower::new(plan)),
+            seed,
+            hotspots,
+        };
         Ok(())
     }
 }
@@ -224,24 +248,176 @@ impl Policy for Planned {
         &"planned"
     }
 
-    fn reset(&mut self, _: &Model<'_>, seed: u64) {
+    fn reset(&mut self, _: &Model<'_>, _: u64) {
+        self.last = LastStep::default();
         match &mut self.way {
             Way::Follow(_) => {}
-            Way::Tour(tour) => {
-                *tour = Tour {
-                    follower: None,
-                    seed: derive_seed(SEED, seed),
-                }
-            }
+            Way::Tour(tour) => *tour = Tour::default(),
             Way::Replan(replanner) => replanner.reset(),
         }
     }
 
+    fn remembers(&self) -> bool {
+        matches!(self.way, Way::Replan(_))
+    }
+
+    fn save_memory(&self, write: &mut dyn FnMut(u64)) {
+        if let Way::Replan(replanner) = &self.way {
+            self.last.save(write);
+            if self.last.is_some() {
+                replanner.save(write);
+            }
+        }
+    }
+
+    fn load_memory(
+        &mut self,
+        model: &Model<'_>,
+        read: &mut MemoryReader<'_>,
+    ) -> Result<(), MemoryError> {
+        let Way::Replan(replanner) = &mut self.way else {
+            return read.end();
+        };
+        let last = LastStep::load(read)?;
+        if last.is_some() {
+            let known = model.config().target_visibility == TargetVisibility::Known;
+            let hotspots = known.then(|| model.hotspot_count());
+            memory::check(model, hotspots, model.uav_count())
+                .map_err(|_| MemoryError::OutOfMemory)?;
+            let loaded = replanner.load(model, read)?;
+            read.end()?;
+            *replanner = loaded;
+        } else {
+            read.end()?;
+            replanner.reset();
+        }
+        self.last = last;
+        Ok(())
+    }
+
     /// # Panics
-    /// It panics if no plan can be made, which [`PlannedKind::build`] reports before.
+    /// It panics if no plan can be made, which [`PlannedKind::build`] reports before, or if the
+    /// policy remembers another state; [`Planned::try_plan`] does not.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
         self.try_plan(model, state)
             .expect("a plan of this model can be made");
         self.write(model, state, actions);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec;
+
+    use jcas_core::{Config, Preset, Sim};
+
+    use super::*;
+
+    const FEW: Settings = Settings {
+        iterations: 300,
+        seed: 1,
+    };
+
+    fn replan(model: &Model<'_>) -> Planned {
+        let mut replanner = Replanner::new(300, FEW);
+        if model.config().target_visibility == TargetVisibility::Hidden {
+            replanner.prepare(model).unwrap();
+        }
+        Planned {
+            kind: PlannedKind::Replan,
+            way: Way::Replan(replanner),
+            last: LastStep::default(),
+        }
+    }
+
+    fn saved(policy: &Planned) -> Vec<u64> {
+        let mut words = Vec::new();
+        policy.save_memory(&mut |word| words.push(word));
+        words
+    }
+
+    fn load(policy: &mut Planned, model: &Model<'_>, words: &[u64]) -> Result<(), MemoryError> {
+        policy.load_memory(model, &mut MemoryReader::new(words))
+    }
+
+    /// Flies an episode, and then its steps from a memory of each of its states. A state from
+    /// before is refused without its memory.
+    #[test]
+    fn a_loaded_memory_replans_alike() {
+        for preset in [Preset::Mission, Preset::Search, Preset::Isac] {
+            let config = Config {
+                uav_count: 8,
+                hotspot_count: 3,
+                grid_width: 9,
+                horizon_steps: 40,
+                ..Config::preset(preset)
+            };
+            let model = Model::new(config).unwrap();
+            let mut policy = replan(&model);
+            let fresh = replan(&model);
+            let mut actions = vec![0.0; model.action_len()];
+            let mut sim = Sim::new(&model);
+            sim.reset(4);
+            let mut pasts = Vec::new();
+            while !sim.state().terminated() && !sim.state().truncated() {
+                pasts.push((sim.clone(), saved(&policy)));
+                policy.act(&model, &sim.state(), &mut actions);
+                sim.step(&actions).unwrap();
+            }
+            let hashes: Vec<u64> = pasts.iter().map(|(sim, _)| sim.state_hash()).collect();
+            if pasts.len() > 3 {
+                let refused = policy.try_plan(&model, &pasts[2].0.state());
+                assert!(matches!(refused, Err(PlanError::Memory(_))), "{refused:?}");
+            }
+            for (index, (past, memory)) in pasts.iter().enumerate().step_by(3) {
+                let (mut sim, mut again) = (past.clone(), fresh.clone());
+                load(&mut again, &model, memory).unwrap();
+                load(&mut policy, &model, memory).unwrap();
+                assert_eq!(saved(&again), *memory);
+                for hash in &hashes[index..hashes.len().min(index + 4)] {
+                    assert_eq!(sim.state_hash(), *hash, "{preset:?} {index}");
+                    policy.act(&model, &sim.state(), &mut actions);
+                    let expected = actions.clone();
+                    again.act(&model, &sim.state(), &mut actions);
+                    assert_eq!(actions, expected);
+                    sim.step(&actions).unwrap();
+                }
+            }
+        }
+    }
+
+    /// Each word of a memory that was changed is refused, or gives a plan that can be flown.
+    #[test]
+    fn no_words_make_a_planner_panic() {
+        let model = Model::new(Config {
+            uav_count: 4,
+            hotspot_count: 3,
+            grid_width: 8,
+            grid_height: 8,
+            horizon_steps: 20,
+            ..Config::preset(Preset::Isac)
+        })
+        .unwrap();
+        let mut policy = replan(&model);
+        let mut actions = vec![0.0; model.action_len()];
+        let mut sim = Sim::new(&model);
+        sim.reset(4);
+        for _ in 0..2 {
+            policy.act(&model, &sim.state(), &mut actions);
+            sim.step(&actions).unwrap();
+        }
+        let memory = saved(&policy);
+        for at in (0..memory.len()).step_by(3) {
+            let value = [0, 1, 3, 1 << 32, u64::MAX][at % 5];
+            let mut changed = memory.clone();
+            changed[at] = value;
+            if load(&mut policy, &model, &changed).is_ok()
+                && policy.try_plan(&model, &sim.state()).is_ok()
+            {
+                policy.write(&model, &sim.state(), &mut actions);
+            }
+            changed.truncate(at);
+            assert!(load(&mut policy, &model, &changed).is_err());
+        }
     }
 }

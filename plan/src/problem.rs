@@ -18,6 +18,10 @@ use crate::targets::{Placement, Targets};
 pub(crate) const STEPS_MAX: usize = 512;
 /// The maximum number of entries of a table over steps and sites.
 const ENTRIES_MAX: usize = 1 << 25;
+/// The maximum number of hotspots of a plan: the changes of routes grow with its square.
+const HOTSPOTS_MAX: usize = 512;
+/// The maximum number of steps times sites of one evaluation, which takes some seconds.
+const EVALUATION_MAX: usize = 1 << 31;
 
 /// The situation of a fleet: its cells, its charges and the step of the episode.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -155,6 +159,15 @@ impl<'m> Problem<'m> {
         self
     }
 
+    /// Returns the products that the chance of all confirmations takes in a step.
+    pub(crate) fn products(&self) -> usize {
+        let draws = self.draws.iter().map(|draw| match draw.placement {
+            Placement::Distinct => draw.cells * (draw.count as usize + 1),
+            Placement::Drawn | Placement::EachCell => draw.cells,
+        });
+        draws.sum()
+    }
+
     /// Returns the tables of detection and links.
     #[must_use]
     pub fn odds(&self) -> &Odds {
@@ -227,6 +240,19 @@ pub(crate) fn check_sizes(model: &Model<'_>, sites: usize, steps: usize) -> Resu
         return Err(PlanError::TooManyUavs {
             uavs: model.uav_count(),
             most: UAVS_MAX,
+        });
+    }
+    if model.hotspot_count() > HOTSPOTS_MAX {
+        return Err(PlanError::TooManyHotspots {
+            hotspots: model.hotspot_count(),
+            most: HOTSPOTS_MAX,
+        });
+    }
+    let horizon_steps = model.config().horizon_steps;
+    if sites.saturating_mul(horizon_steps as usize) > EVALUATION_MAX {
+        return Err(PlanError::TooLong {
+            horizon_steps,
+            most: EVALUATION_MAX / sites,
         });
     }
     let entries = sites.saturating_mul(steps + 1);

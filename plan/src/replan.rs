@@ -6,16 +6,20 @@ use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
 use jcas_core::{Cell, Model, StateRef, TargetVisibility};
+use jcas_policy::{MemoryError, MemoryReader};
 
 use crate::anneal::Settings;
-use crate::belief::{self, Look, Looks};
+use crate::belief;
 use crate::error::PlanError;
 use crate::follow::write;
+use crate::gossip::Gossip;
 use crate::memory;
+use crate::odds::plan_densities;
 use crate::plan::{Plan, improve, starts};
 use crate::problem::{Problem, Situation, check_start};
 use crate::rounds::{self, Rounds};
 use crate::targets::Targets;
+use crate::view::View;
 
 /// A planner that plans before the first step, and anew in each radio component whose knowledge has
 /// changed.
@@ -35,56 +39,7 @@ pub struct Replanner {
     views: Vec<Arc<View>>,
     /// The members of each radio component.
     components: Vec<Vec<usize>>,
-    /// The looks of each UAV so far, step by step.
-    looks: Vec<Vec<Look>>,
-    /// For each UAV, how many looks of each other one it has been told of.
-    told: Vec<Vec<usize>>,
-}
-
-/// A plan as the members of a component share it.
-#[derive(Clone, Debug)]
-struct View {
-    first_step: u32,
-    plan: Plan,
-    /// The hotspots that the members knew when they planned.
-    known: Vec<bool>,
-    /// The rounds that the plan begins, where they are faster than fixed trajectories.
-    rounds: Option<Rounds>,
-    /// The reports that the members knew when they planned.
-    reports: Vec<u64>,
-    /// Whether positions are hidden, so that the first plan serves all episodes.
-    hidden: bool,
-    /// For each UAV, the looks from the last contact with it to the plan's beginning, as the plans
-    /// before had them. There are none before the first step.
-    assumed: Vec<Vec<Look>>,
-}
-
-impl View {
-    fn flown(&self, state: &StateRef<'_>) -> usize {
-        state.t().saturating_sub(self.first_step) as usize
-    }
-
-    /// Returns the cell of a UAV in the plan now.
-    fn cell(&self, state: &StateRef<'_>, uav: usize) -> Cell {
-        self.plan.cell(uav, self.flown(state))
-    }
-
-    /// Returns the last looks of a UAV, as the plans have them.
-    fn assumed(&self, state: &StateRef<'_>, uav: usize, count: usize) -> Vec<Look> {
-        let mut looks = self.assumed.get(uav).cloned().unwrap_or_default();
-        looks.extend((1..=self.flown(state)).map(|step| Look {
-            cell: self.plan.cell(uav, step),
-            level: self.plan.paths.level(uav, step),
-        }));
-        looks.split_off(looks.len().saturating_sub(count))
-    }
-
-    /// Whether the members plan anew only if they know more than this.
-    fn holds(&self, known: &[bool], reports: &[u64]) -> bool {
-        // Before the first step there are no reports.
-        let planned = self.reports.iter().chain(core::iter::repeat(&0));
-        self.known == known && reports.iter().zip(planned).all(|(now, then)| now == then)
-    }
+    gossip: Gossip,
 }
 
 impl Replanner {
@@ -98,18 +53,15 @@ impl Replanner {
             first: None,
             views: Vec::new(),
             components: Vec::new(),
-            looks: Vec::new(),
-            told: Vec::new(),
+            gossip: Gossip::default(),
         }
     }
 
-    /// Called before the first step of an episode.
+    /// Forgets everything, as before the first step of an episode.
     pub fn reset(&mut self) {
         // With hidden hotspots, the first plan is the same in every episode.
         self.first = self.first.take().filter(|view| view.hidden);
         self.views.clear();
-        self.looks.clear();
-        self.told.clear();
     }
 
     /// Returns the plan that a UAV follows at present. There is none before the first step.
@@ -137,10 +89,13 @@ impl Replanner {
                 None => self.tour(model, state)?,
             };
             self.views = vec![Arc::clone(&first); state.uav_count()];
+            self.gossip.begin(state);
             self.first = Some(first);
         }
         if hidden {
-            self.record(state);
+            let first = self.first.as_ref().map(|view| &view.plan);
+            let densities = first.map_or(&[][..], |plan| &plan.densities[..]);
+            self.gossip.record(state, densities);
         }
         let mut open: Vec<usize> = (0..state.uav_count()).collect();
         self.components.clear();
@@ -159,6 +114,50 @@ impl Replanner {
         for members in &self.components {
             self.write_members(model, state, members, actions);
         }
+    }
+
+    pub(crate) fn save(&self, write: &mut dyn FnMut(u64)) {
+        let mut distinct: Vec<&Arc<View>> = Vec::new();
+        let mut place_of_uav = Vec::new();
+        for view in &self.views {
+            let place = distinct.iter().position(|other| Arc::ptr_eq(other, view));
+            place_of_uav.push(place.unwrap_or(distinct.len()));
+            if place.is_none() {
+                distinct.push(view);
+            }
+        }
+        write(distinct.len() as u64);
+        distinct.iter().for_each(|view| view.save(write));
+        place_of_uav.iter().for_each(|&place| write(place as u64));
+        self.gossip.save(write);
+    }
+
+    /// Reads what [`Replanner::save`] wrote.
+    pub(crate) fn load(
+        &self,
+        model: &Model<'_>,
+        read: &mut MemoryReader<'_>,
+    ) -> Result<Self, MemoryError> {
+        let densities = plan_densities(model);
+        let count = read.count()?;
+        if count == 0 || count > model.uav_count() {
+            return Err(MemoryError::Corrupt);
+        }
+        let mut distinct = Vec::with_capacity(count);
+        for _ in 0..count {
+            distinct.push(Arc::new(View::load(read, model, &densities)?));
+        }
+        let mut views = Vec::with_capacity(model.uav_count());
+        for _ in 0..model.uav_count() {
+            views.push(Arc::clone(&distinct[read.index(count)?]));
+        }
+        Ok(Self {
+            first: self.first.clone(),
+            views,
+            components: Vec::new(),
+            gossip: Gossip::load(read, model, densities.len())?,
+            ..*self
+        })
     }
 
     /// Makes the first plan, which is the same in every episode if hotspots are hidden.
@@ -212,43 +211,6 @@ impl Replanner {
         }))
     }
 
-    /// Records where each UAV is in the step that has just ended.
-    fn record(&mut self, state: &StateRef<'_>) {
-        self.looks.resize(state.uav_count(), Vec::new());
-        let first = self.first.as_ref().map(|view| &view.plan);
-        let densities = first.map_or(&[][..], |plan| &plan.densities[..]);
-        for (uav, looks) in self.looks.iter_mut().enumerate() {
-            let level = if state.grounded(uav) {
-                densities.len().saturating_sub(1)
-            } else {
-                nearest(densities, state.pilot_density(uav))
-            };
-            let look = Look {
-                cell: state.cell(uav),
-                level: level as u8,
-            };
-            looks.resize(state.t() as usize, look);
-        }
-        self.told
-            .resize(state.uav_count(), vec![0; state.uav_count()]);
-    }
-
-    /// Tells the members of a component each other's looks, and what each was told before.
-    fn tell(&mut self, members: &[usize]) {
-        let mut told = self.told[members[0]].clone();
-        for &member in members {
-            for (told, one) in told.iter_mut().zip(&self.told[member]) {
-                *told = (*told).max(*one);
-            }
-        }
-        for &member in members {
-            told[member] = self.looks[member].len();
-        }
-        for &member in members {
-            self.told[member].clone_from(&told);
-        }
-    }
-
     /// Gives the members of a component one view, and plans anew if they know more than the view
     /// holds.
     fn share(
@@ -258,7 +220,7 @@ impl Replanner {
         members: &[usize],
     ) -> Result<(), PlanError> {
         if self.views[members[0]].hidden {
-            self.tell(members);
+            self.gossip.exchange(members);
         }
         let known: Vec<bool> = (0..state.hotspot_count())
             .map(|hotspot| state.knows(members[0], hotspot))
@@ -282,26 +244,6 @@ impl Replanner {
         Ok(())
     }
 
-    /// Returns the looks of each UAV since the last contact with it, as a shared plan has them.
-    fn assumed(&self, state: &StateRef<'_>, members: &[usize], shared: &View) -> Vec<Vec<Look>> {
-        let looks = self.looks.iter().zip(&self.told[members[0]]).enumerate();
-        looks
-            .map(|(uav, (looks, &told))| shared.assumed(state, uav, looks.len() - told))
-            .collect()
-    }
-
-    /// Returns what the members of a component know about the looks of each UAV.
-    fn looks_of<'l>(&'l self, members: &[usize], assumed: &'l [Vec<Look>]) -> Vec<Looks<'l>> {
-        let looks = self.looks.iter().zip(&self.told[members[0]]);
-        looks
-            .zip(assumed)
-            .map(|((looks, &told), assumed)| Looks {
-                heard: &looks[..told],
-                assumed,
-            })
-            .collect()
-    }
-
     fn renewed(
         &self,
         model: &Model<'_>,
@@ -319,8 +261,11 @@ impl Replanner {
         }
         let (mut assumed, mut hotspots) = (Vec::new(), Vec::new());
         let targets = if shared.hidden {
-            assumed = self.assumed(state, members, shared);
-            let looks = self.looks_of(members, &assumed);
+            let missing = self.gossip.missing(members[0]).enumerate();
+            assumed = missing
+                .map(|(uav, count)| shared.assumed(state, uav, count))
+                .collect();
+            let looks = self.gossip.known_to(members[0], &assumed);
             let chances = belief::chances(model, state, members[0], &known, &looks);
             Targets::each_cell(model, &chances)?
         } else {
@@ -424,13 +369,4 @@ fn faster_rounds(
     plan.paths = planned.paths;
     plan.expected = planned.expected;
     Some(planned.rounds)
-}
-
-/// Returns the level of the nearest density; the last one stands for an empty battery.
-fn nearest(densities: &[f64], density: f64) -> usize {
-    let distance = |level: &usize| (densities[*level] - density).abs();
-    let levels = 0..densities.len().saturating_sub(1);
-    levels
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(0)
 }

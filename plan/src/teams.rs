@@ -11,6 +11,7 @@ use crate::objective::hazard;
 use crate::paths::Paths;
 use crate::problem::Problem;
 use crate::routes::{Routes, changes, nearest_first};
+use crate::watch::Watch;
 
 /// The hazards after which a team leaves a hotspot. A hazard of h leaves it unconfirmed with
 /// probability exp(-h).
@@ -31,7 +32,7 @@ pub(crate) const TOURS_MAX: usize = COUNTS_MAX * ENOUGH.len();
 
 /// Returns tours of one to several teams, with several hover times, sensing at each of some levels.
 /// It is empty if no hotspot is known.
-pub(crate) fn tours(problem: &Problem<'_>, levels: &[u8]) -> Vec<Paths> {
+pub(crate) fn tours(problem: &Problem<'_>, levels: &[u8], watch: &mut Watch<'_>) -> Vec<Paths> {
     let known = problem.known.len();
     if known == 0 {
         return Vec::new();
@@ -42,7 +43,7 @@ pub(crate) fn tours(problem: &Problem<'_>, levels: &[u8]) -> Vec<Paths> {
     let mut fleets: Vec<(f64, Teams<'_, '_>, Routes)> = (1..=most)
         .map(|count| {
             let teams = Teams::new(problem, count);
-            let routes = teams.shortened(teams.nearest_first());
+            let routes = teams.shortened(teams.nearest_first(), watch);
             (teams.time(&routes), teams, routes)
         })
         .collect();
@@ -101,14 +102,15 @@ impl<'p, 'm> Teams<'p, 'm> {
     }
 
     /// Moves hotspots and reverses parts of routes as long as this shortens the time.
-    fn shortened(&self, mut routes: Routes) -> Routes {
+    fn shortened(&self, mut routes: Routes, watch: &mut Watch<'_>) -> Routes {
+        let products = self.problem.steps * self.count * self.problem.known.len();
         let mut least = self.time(&routes);
         let mut left = COMPARISONS_MAX;
         let mut shorter = true;
         while shorter {
             shorter = false;
             for change in changes(&routes) {
-                if left == 0 {
+                if left == 0 || watch.work(products) {
                     return routes;
                 }
                 left -= 1;
@@ -223,6 +225,8 @@ fn hazards(problem: &Problem<'_>, members: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use core::ops::ControlFlow;
+
     use std::println;
 
     use jcas_core::{Config, Model, Preset, Sim};
@@ -234,6 +238,8 @@ mod tests {
     /// The best of all orders of one team, by trying each, over the layouts of fifty episodes.
     #[test]
     fn one_team_visits_five_hotspots_in_nearly_the_best_order() {
+        let mut go_on = |_| ControlFlow::Continue(());
+        let mut watch = Watch::new(&mut go_on);
         let model = Model::new(Config {
             uav_count: 5,
             hotspot_count: 5,
@@ -250,7 +256,7 @@ mod tests {
             let teams = Teams::new(&problem, 1);
             let nearest = teams.nearest_first();
             greedy += teams.time(&nearest);
-            found += teams.time(&teams.shortened(nearest));
+            found += teams.time(&teams.shortened(nearest, &mut watch));
             let times = orders(5).into_iter().map(|order| teams.time(&vec![order]));
             best += times.fold(f64::INFINITY, f64::min);
         }

@@ -13,6 +13,8 @@ pub use baselines::*;
 mod charge;
 pub use charge::stays_to_charge;
 pub mod head;
+pub mod memory;
+pub use memory::{MemoryError, MemoryReader};
 mod names;
 pub use names::{BaselineKind, NamedPolicy, PLAN, PolicyNames, REPLAN, named_policies};
 pub mod network;
@@ -44,9 +46,36 @@ pub trait Policy: Send {
         &"learned"
     }
 
-    /// Called before the first step of every episode. All randomness must follow from `seed`.
+    /// Forgets everything, as before the first step of an episode. All randomness must follow from
+    /// `seed`.
     fn reset(&mut self, model: &Model<'_>, seed: u64) {
         let _ = (model, seed);
+    }
+
+    /// Returns whether the actions in a state depend on what the policy did before. If they do, it
+    /// acts in the states of one episode, one after the other.
+    fn remembers(&self) -> bool {
+        false
+    }
+
+    /// Writes what the policy remembers, as words that [`Policy::load_memory`] reads.
+    fn save_memory(&self, write: &mut dyn FnMut(u64)) {
+        let _ = write;
+    }
+
+    /// Replaces what the policy remembers by the words that [`Policy::save_memory`] of an equal
+    /// policy wrote, all of them.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if the words are no memory of this policy and model, or if the system has no
+    /// memory for it. The policy does not change then.
+    fn load_memory(
+        &mut self,
+        model: &Model<'_>,
+        read: &mut MemoryReader<'_>,
+    ) -> Result<(), MemoryError> {
+        let _ = model;
+        read.end()
     }
 
     /// Returns whether [`Policy::see`] has to be called before each [`Policy::act`].

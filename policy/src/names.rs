@@ -133,6 +133,12 @@ impl BaselineKind {
         matches!(self, Self::Random | Self::Untrained)
     }
 
+    /// Returns whether its motions depend on what it did before.
+    #[cfg(feature = "baselines")]
+    pub(crate) const fn remembers(self) -> bool {
+        matches!(self, Self::Teams | Self::Squads | Self::Line | Self::Answer)
+    }
+
     /// Returns whether all UAVs gather once every hotspot is confirmed, also those that do not know
     /// it.
     #[cfg(feature = "baselines")]

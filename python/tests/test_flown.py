@@ -61,6 +61,34 @@ def test_every_baseline_flies(name: str) -> None:
     assert name in repr(policy)
 
 
+@pytest.mark.parametrize("name", ["random", "teams", "squads", "plan", "replan"])
+def test_a_state_with_its_memory_has_the_same_future(name: str) -> None:
+    model = jcas.Model("paper", uav_count=6, hotspot_count=5)
+    policy = jcas.Policy.baseline(name, model)
+    sim = jcas.Sim(model, 3)
+
+    def steps(count: int) -> int:
+        for _ in range(count):
+            sim.step(policy.act(sim))
+        return sim.state_hash()
+
+    steps(2)
+    past, memory = sim.save(), policy.save_memory(sim)
+    once = steps(2)
+    sim.load(past)
+    if name not in ("random", "plan"):
+        with pytest.raises(jcas.PolicyError, match="does not belong"):
+            policy.act(sim)
+    policy.load_memory(sim, memory)
+    assert steps(2) == once
+    with pytest.raises(jcas.PolicyError, match="does not belong"):
+        policy.load_memory(sim, memory)
+    with pytest.raises(jcas.SnapshotError):
+        policy.load_memory(sim, memory[:-1])
+    policy.forget()
+    policy.act(sim)
+
+
 def test_a_batch_is_acted_for_as_its_members() -> None:
     model = jcas.Model(uav_count=5, hotspot_count=3)
     policy = jcas.Policy.load(FLEET, model)

@@ -147,6 +147,9 @@ static void fly_policies(const jcas::model &model)
         outcome = sim.step(actions).take();
     }
     CHECK(sim.metrics().confirmed > 0);
+    const std::vector<unsigned char> memory = policy.save_memory(sim).take();
+    CHECK(!memory.empty() && policy.load_memory(sim, memory) && policy.forget());
+    CHECK(policy.load_memory(sim, {memory.data(), 8}).code() == JCAS_ERROR_CORRUPT);
     jcas::batch batch = jcas::batch::create(model, 2).take();
     CHECK(policy.act(batch, actions).code() == JCAS_ERROR_LENGTH);
     actions.resize(2 * actions.size());

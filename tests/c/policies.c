@@ -162,6 +162,108 @@ static void same_everywhere(jcas_sim *sim, jcas_batch *batch, jcas_policy *polic
     }
 }
 
+/* Steps with the policy and returns the hash of the state. */
+static uint64_t go_on(jcas_policy *policy, jcas_sim *sim, int steps)
+{
+    jcas_outcome outcome = {.struct_size = sizeof outcome};
+    float actions[ACTIONS];
+    uint64_t hash;
+    while (steps-- > 0) {
+        OK(jcas_policy_act(policy, sim, actions, ACTIONS));
+        OK(jcas_sim_step(sim, actions, ACTIONS, &outcome));
+    }
+    OK(jcas_sim_hash(sim, &hash));
+    return hash;
+}
+
+static void *saved_memory(jcas_policy *policy, const jcas_sim *sim, size_t *size)
+{
+    size_t again;
+    OK(jcas_policy_memory_save(policy, sim, NULL, 0, size));
+    unsigned char *memory = ARRAY(unsigned char, *size);
+    EXPECT(JCAS_ERROR_LENGTH, jcas_policy_memory_save(policy, sim, memory, *size - 1, &again));
+    OK(jcas_policy_memory_save(policy, sim, memory, *size, &again));
+    CHECK(again == *size);
+    return memory;
+}
+
+/* A state and what the policy remembers in it give the same future, in another simulation and
+ * policy, in the same ones, and in a batch. Without its memory the state is refused. */
+static void remember(jcas_model *model, const char *name, size_t snapshot_size)
+{
+    float actions[MEMBERS * ACTIONS];
+    jcas_batch *batch;
+    jcas_sim *sim, *fork;
+    jcas_policy *policy, *other;
+    size_t size, member_size;
+    int remembers = strcmp(name, "random") && strcmp(name, "untrained") && strcmp(name, "greedy") &&
+                    strcmp(name, "plan");
+    int32_t status = remembers ? JCAS_ERROR_MEMORY : JCAS_OK;
+    OK(jcas_policy_baseline(model, name, "max", &policy, NULL, 0));
+    OK(jcas_policy_baseline(model, name, "max", &other, NULL, 0));
+    OK(jcas_sim_new(model, &sim));
+    OK(jcas_sim_new(model, &fork));
+    OK(jcas_batch_new(model, MEMBERS, 1, &batch));
+    OK(jcas_sim_reset(sim, SEED));
+    go_on(policy, sim, 3);
+    void *snapshot = allocated(snapshot_size);
+    OK(jcas_sim_save(sim, snapshot, snapshot_size));
+    unsigned char *memory = saved_memory(policy, sim, &size);
+    uint64_t hash = go_on(policy, sim, 3);
+    OK(jcas_sim_load(sim, snapshot, snapshot_size));
+    EXPECT(status, jcas_policy_act(policy, sim, actions, ACTIONS));
+    EXPECT(status, jcas_policy_memory_save(policy, sim, NULL, 0, &member_size));
+    OK(jcas_policy_memory_load(policy, sim, memory, size));
+    CHECK(go_on(policy, sim, 3) == hash);
+    EXPECT(JCAS_ERROR_MEMORY, jcas_policy_memory_load(policy, sim, memory, size));
+    EXPECT(JCAS_ERROR_NULL, jcas_policy_memory_load(policy, sim, NULL, size));
+
+    /* A fork has a policy of its own. */
+    OK(jcas_sim_load(sim, snapshot, snapshot_size));
+    OK(jcas_policy_memory_load(policy, sim, memory, size));
+    OK(jcas_sim_fork(sim, fork));
+    OK(jcas_policy_memory_load(other, fork, memory, size));
+    CHECK(go_on(other, fork, 3) == hash && go_on(policy, sim, 3) == hash);
+    EXPECT(status, jcas_policy_act(policy, fork, actions, ACTIONS));
+
+    /* So has an environment of a batch. */
+    OK(jcas_sim_load(sim, snapshot, snapshot_size));
+    OK(jcas_batch_set(batch, 1, sim));
+    OK(jcas_policy_memory_load_member(other, batch, 1, memory, size));
+    OK(jcas_policy_memory_save_member(other, batch, 1, NULL, 0, &member_size));
+    CHECK(member_size == size);
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_policy_memory_load_member(other, batch, MEMBERS, memory, size));
+    OK(jcas_policy_act_batch(other, batch, actions, MEMBERS * ACTIONS));
+    float one[ACTIONS];
+    OK(jcas_policy_memory_load(policy, sim, memory, size));
+    OK(jcas_policy_act(policy, sim, one, ACTIONS));
+    CHECK(memcmp(one, actions + ACTIONS, sizeof one) == 0);
+    OK(jcas_batch_set(batch, 1, sim));
+    EXPECT(status, jcas_policy_act_batch(other, batch, actions, MEMBERS * ACTIONS));
+    OK(jcas_policy_forget(other));
+    OK(jcas_policy_act_batch(other, batch, actions, MEMBERS * ACTIONS));
+    EXPECT(JCAS_ERROR_NULL, jcas_policy_forget(NULL));
+
+    /* Bytes that were changed or cut are refused. */
+    for (size_t at = 0; at < size; at += 5) {
+        memory[at] ^= 1;
+        EXPECT(JCAS_ERROR_CORRUPT, jcas_policy_memory_load(policy, sim, memory, size));
+        memory[at] ^= 1;
+    }
+    EXPECT(JCAS_ERROR_CORRUPT, jcas_policy_memory_load(policy, sim, memory, size - 8));
+    OK(jcas_policy_free(other));
+    OK(jcas_policy_baseline(model, "squads", "min", &other, NULL, 0));
+    EXPECT(JCAS_ERROR_MEMORY, jcas_policy_memory_load(other, sim, memory, size));
+    free(memory);
+    free(snapshot);
+    OK(jcas_policy_free(other));
+    OK(jcas_policy_free(policy));
+    OK(jcas_batch_free(batch));
+    OK(jcas_sim_free(fork));
+    OK(jcas_sim_free(sim));
+}
+
 int main(int argc, char **argv)
 {
     static const char *const NAMES[] = {"random", "untrained", "greedy", "teams",
@@ -219,7 +321,9 @@ int main(int argc, char **argv)
         CHECK(fly(policy, sim, SEED + 1) != 0);
         printf("0x%016" PRIx64 "\n", fly(policy, sim, SEED));
         OK(jcas_policy_free(policy));
+        remember(model, NAMES[k], info.snapshot_size);
     }
+    remember(model, "replan", info.snapshot_size);
     free(file);
     OK(jcas_batch_free(batch));
     OK(jcas_sim_free(sim));

@@ -14,6 +14,7 @@ use crate::draws::Draws;
 use crate::odds::LANES;
 use crate::paths::Paths;
 use crate::problem::Problem;
+use crate::watch::Watch;
 
 mod detection;
 mod meeting;
@@ -153,10 +154,18 @@ impl<'p, 'm> Annealer<'p, 'm> {
     /// Anneals and returns the best trajectories. `progress` is called after each batch of moves
     /// and may end the annealing. The flag says whether it did.
     pub fn run(
-        mut self,
+        self,
         iterations: u64,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> (Paths, bool) {
+        let mut watch = Watch::new(progress);
+        let paths = self.run_watched(iterations, &mut watch);
+        (paths, watch.stopped() && watch.iterations() < iterations)
+    }
+
+    /// Anneals as [`Annealer::run`] does.
+    pub(crate) fn run_watched(mut self, iterations: u64, watch: &mut Watch<'_>) -> Paths {
+        let products = self.problem.steps * self.problem.odds.stride();
         let mut best = (self.value, self.paths.clone());
         let movers = self.problem.movers.as_slice();
         let mut tried = 0;
@@ -166,22 +175,22 @@ impl<'p, 'm> Annealer<'p, 'm> {
             let uav = movers[self.draws.below(movers.len())];
             self.take_turn(uav);
             let batch = BATCH.min(iterations - tried);
-            for _ in 0..batch {
+            let mut done = 0;
+            while done < batch && !watch.work(products) {
                 self.try_move(temperature);
+                done += 1;
             }
-            tried += batch;
+            tried += done;
             if self.value < best.0 - RESOLUTION {
                 best = (self.value, self.paths.clone());
             }
-            let report = Progress {
-                iterations: tried,
-                best_steps: best.0,
-            };
-            if progress(report).is_break() {
-                return (best.1, tried < iterations);
+            watch.found(best.0);
+            watch.moved(done);
+            if watch.stopped() {
+                break;
             }
         }
-        (best.1, false)
+        best.1
     }
 
     /// Tries one move of the UAV whose turn it is. Returns whether the move was made.

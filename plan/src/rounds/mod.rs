@@ -12,7 +12,9 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use jcas_core::Cell;
+use jcas_core::{Cell, Model};
+use jcas_policy::memory::save_cell;
+use jcas_policy::{MemoryError, MemoryReader};
 
 use crate::anneal::Settings;
 use crate::battery;
@@ -178,6 +180,55 @@ fn form(
         team.settle(problem, hotspots);
     }
     teams
+}
+
+impl Rounds {
+    pub(crate) fn save(&self, write: &mut dyn FnMut(u64)) {
+        write(self.teams.len() as u64);
+        for team in &self.teams {
+            save_cell(write, team.cell);
+            write(u64::from(team.first_step));
+            write(team.known);
+            for list in [&team.members, &team.route] {
+                write(list.len() as u64);
+                list.iter().for_each(|&index| write(index as u64));
+            }
+        }
+    }
+
+    /// Reads what [`Rounds::save`] wrote.
+    pub(crate) fn load(
+        read: &mut MemoryReader<'_>,
+        model: &Model<'_>,
+    ) -> Result<Self, MemoryError> {
+        let hotspots = model.hotspot_count();
+        if hotspots > HOTSPOTS_MAX {
+            return Err(MemoryError::Corrupt);
+        }
+        let mut teams = Vec::new();
+        for _ in 0..read.count()? {
+            let (cell, first_step) = (
+                read.cell(model)?,
+                read.below(u64::from(model.config().horizon_steps))? as u32,
+            );
+            let known = read.word()?;
+            let mut list = |limit: usize| -> Result<Vec<usize>, MemoryError> {
+                (0..read.count()?).map(|_| read.index(limit)).collect()
+            };
+            let (members, route) = (list(model.uav_count())?, list(hotspots)?);
+            if members.is_empty() {
+                return Err(MemoryError::Corrupt);
+            }
+            teams.push(Team {
+                members,
+                cell,
+                first_step,
+                known,
+                route,
+            });
+        }
+        Ok(Self { teams })
+    }
 }
 
 impl Team {

@@ -7,6 +7,8 @@ use super::line::Line;
 use super::memory::{OutOfMemory, filled};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly, cell_of, settled};
+use crate::memory::save_index;
+use crate::{MemoryError, MemoryReader};
 
 /// The Manhattan distance in cells from which a UAV looks at a reported cell.
 const NEAR_CELLS: u32 = 1;
@@ -41,6 +43,11 @@ impl Answer {
             called_to: Vec::new(),
             empty: Vec::new(),
         }
+    }
+
+    /// Takes over the formation that another one has chosen for its model.
+    pub(super) fn take_formation(&mut self, other: &Self) {
+        self.lines.take_formation(&other.lines);
     }
 
     /// Ends answers to cells that are confirmed, or at which θ UAVs have looked.
@@ -103,7 +110,7 @@ fn answers(model: &Model<'_>) -> bool {
 }
 
 impl Steering for Answer {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+    fn reset(&mut self, model: &Model<'_>) -> Result<(), OutOfMemory> {
         let (uavs, quorum) = (model.config().uav_count, model.config().quorum);
         self.called_to = filled(None, model.uav_count())?;
         self.empty = filled(false, model.config().cell_count())?;
@@ -113,6 +120,25 @@ impl Steering for Answer {
             quorum
         };
         self.lines.form(model, seers)
+    }
+
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        self.lines.save(write);
+        self.called_to
+            .iter()
+            .for_each(|&cell| save_index(write, cell));
+        self.empty.iter().for_each(|&empty| write(u64::from(empty)));
+    }
+
+    fn load(&mut self, model: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<(), MemoryError> {
+        self.lines.load(model, read)?;
+        for cell in &mut self.called_to {
+            *cell = read.optional_index(self.empty.len())?;
+        }
+        for empty in &mut self.empty {
+            *empty = read.flag()?;
+        }
+        Ok(())
     }
 
     fn steer(
@@ -197,7 +223,7 @@ mod tests {
         let (mut calls, mut ends) = (0, 0);
         for seed in 0..5 {
             sim.reset(seed);
-            answer.reset(&model, seed).unwrap();
+            answer.reset(&model).unwrap();
             while !sim.state().terminated() && !sim.state().truncated() {
                 let before = answer.called_to.clone();
                 answer.steer(&model, &sim.state(), &mut motions).unwrap();

@@ -15,7 +15,8 @@ use super::random::{Random, Untrained};
 use super::squads::Squads;
 use super::steering::Steering;
 use super::teams::Teams;
-use crate::{BaselineKind, Policy, stays_to_charge};
+use crate::memory::{Due, LastStep};
+use crate::{BaselineKind, MemoryError, MemoryReader, Policy, stays_to_charge};
 
 impl BaselineKind {
     /// Builds the baseline.
@@ -40,8 +41,8 @@ impl BaselineKind {
     #[must_use]
     pub fn build_privileged(self, pilot: PilotMode) -> Baseline {
         let way = match self {
-            Self::Random => Way::Random(Random),
-            Self::Untrained => Way::Untrained,
+            // The draws of `untrained` are whole actions, beside the motions.
+            Self::Random | Self::Untrained => Way::Random(Random),
             Self::Greedy => Way::Greedy(Greedy),
             Self::Teams => Way::Teams(Teams::new(pilot)),
             Self::Squads => Way::Squads(Squads::new(pilot)),
@@ -53,6 +54,7 @@ impl BaselineKind {
             pilot,
             way,
             motions: Vec::new(),
+            last: LastStep::default(),
         }
     }
 
@@ -71,7 +73,6 @@ impl BaselineKind {
 /// A steering rule, stored without a heap allocation.
 #[derive(Debug)]
 enum Way {
-    Untrained,
     Random(Random),
     Greedy(Greedy),
     Teams(Teams),
@@ -81,17 +82,34 @@ enum Way {
 }
 
 impl Way {
-    /// The rule for motions; `None` for a baseline that draws whole actions.
-    fn steering(&mut self) -> Option<&mut dyn Steering> {
-        Some(match self {
-            Self::Untrained => return None,
+    fn steering(&mut self) -> &mut dyn Steering {
+        match self {
             Self::Random(way) => way,
             Self::Greedy(way) => way,
             Self::Teams(way) => way,
             Self::Squads(way) => way,
             Self::Line(way) => way,
             Self::Answer(way) => way,
-        })
+        }
+    }
+
+    /// Takes over the formation of an equal rule, which takes long to choose.
+    fn take_formation(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Line(way), Self::Line(other)) => way.take_formation(other),
+            (Self::Answer(way), Self::Answer(other)) => way.take_formation(other),
+            _ => {}
+        }
+    }
+
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        match self {
+            Self::Random(_) | Self::Greedy(_) => {}
+            Self::Teams(way) => way.save(write),
+            Self::Squads(way) => way.save(write),
+            Self::Line(way) => way.save(write),
+            Self::Answer(way) => way.save(write),
+        }
     }
 }
 
@@ -102,38 +120,45 @@ pub struct Baseline {
     pilot: PilotMode,
     way: Way,
     motions: Vec<Motion>,
+    last: LastStep,
 }
 
 impl Baseline {
-    /// Resets like [`Policy::reset`], and returns an error if memory runs out.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`] if memory runs out. The call must then succeed once before the next action.
-    pub fn try_reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
-        self.motions = filled(Motion::Stay, model.uav_count())?;
-        match self.way.steering() {
-            Some(steering) => steering.reset(model, seed),
-            None => Ok(()),
-        }
-    }
-
     /// Chooses the motions of a step. This is the part of [`Policy::act`] that can run out of
     /// memory.
     ///
     /// # Errors
-    /// [`OutOfMemory`] if memory runs out. A later call in the same state gives the same motions as
-    /// without the failure.
-    pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), OutOfMemory> {
+    /// [`MemoryError::OutOfMemory`] if memory runs out. A later call in the same state gives the
+    /// same motions as without the failure. [`MemoryError::OtherState`] if the baseline remembers
+    /// another state.
+    pub fn try_plan(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), MemoryError> {
+        if !self.kind.remembers() {
+            return Ok(self.choose(model, state)?);
+        }
+        match self.last.due(state)? {
+            Due::Begin => {
+                self.last = LastStep::default();
+                self.way.steering().reset(model)?;
+            }
+            Due::Continue => {}
+            Due::Repeat => return Ok(()),
+        }
+        self.choose(model, state)?;
+        self.last = LastStep::at(state);
+        Ok(())
+    }
+
+    fn choose(&mut self, model: &Model<'_>, state: &StateRef<'_>) -> Result<(), OutOfMemory> {
+        if self.motions.len() != model.uav_count() {
+            self.motions = filled(Motion::Stay, model.uav_count())?;
+        }
         self.motions.fill(Motion::Stay);
         let all_confirmed = (0..model.hotspot_count()).all(|hotspot| state.confirmed(hotspot));
         if all_confirmed && self.kind.gathers() {
             gather(model, state, &mut self.motions);
             return Ok(());
         }
-        match self.way.steering() {
-            Some(steering) => steering.steer(model, state, &mut self.motions),
-            None => Ok(()),
-        }
+        self.way.steering().steer(model, state, &mut self.motions)
     }
 
     /// Writes the actions that [`Baseline::try_plan`] has chosen in this state: (u_dir, u_pilot) of
@@ -170,16 +195,55 @@ impl Policy for Baseline {
         &self.pilot
     }
 
-    /// # Panics
-    /// It panics if memory runs out; [`Baseline::try_reset`] does not.
-    fn reset(&mut self, model: &Model<'_>, seed: u64) {
-        self.try_reset(model, seed).expect("memory for a plan");
+    fn reset(&mut self, _: &Model<'_>, _: u64) {
+        self.last = LastStep::default();
+    }
+
+    fn remembers(&self) -> bool {
+        self.kind.remembers()
+    }
+
+    fn save_memory(&self, write: &mut dyn FnMut(u64)) {
+        if !self.kind.remembers() {
+            return;
+        }
+        self.last.save(write);
+        if self.last.is_some() {
+            self.motions.iter().for_each(|&motion| write(motion as u64));
+            self.way.save(write);
+        }
+    }
+
+    fn load_memory(
+        &mut self,
+        model: &Model<'_>,
+        read: &mut MemoryReader<'_>,
+    ) -> Result<(), MemoryError> {
+        if !self.kind.remembers() {
+            return read.end();
+        }
+        let mut loaded = self.kind.build_privileged(self.pilot);
+        loaded.last = LastStep::load(read)?;
+        if loaded.last.is_some() {
+            loaded.motions = filled(Motion::Stay, model.uav_count())?;
+            for motion in &mut loaded.motions {
+                *motion = Motion::ALL[read.index(Motion::ALL.len())?];
+            }
+            loaded.way.take_formation(&self.way);
+            loaded.way.steering().reset(model)?;
+            loaded.way.steering().load(model, read)?;
+        }
+        read.end()?;
+        *self = loaded;
+        Ok(())
     }
 
     /// # Panics
-    /// It panics if memory runs out; [`Baseline::try_plan`] does not.
+    /// It panics if memory runs out, or if the baseline remembers another state;
+    /// [`Baseline::try_plan`] does not.
     fn act(&mut self, model: &Model<'_>, state: &StateRef<'_>, actions: &mut [f32]) {
-        self.try_plan(model, state).expect("memory for a plan");
+        self.try_plan(model, state)
+            .expect("memory for a plan, and the state after the last one");
         self.write(model, state, actions);
     }
 }

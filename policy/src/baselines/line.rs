@@ -9,6 +9,7 @@ use jcas_core::{Cell, Model, Motion, StateRef};
 use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
+use crate::{MemoryError, MemoryReader};
 
 /// The maximum number of lines, and of strips that a line sweeps one after the other.
 const MOST: u32 = 4;
@@ -66,6 +67,11 @@ impl Line {
         }
     }
 
+    /// Takes over the formation that another one has chosen for its model.
+    pub(super) fn take_formation(&mut self, other: &Self) {
+        self.chosen = other.chosen;
+    }
+
     /// Forms the lines at the depot for `seers` UAVs that have to see a hotspot in one step.
     pub(super) fn form(&mut self, model: &Model<'_>, seers: u32) -> Result<(), OutOfMemory> {
         let formation = match self.chosen {
@@ -99,8 +105,23 @@ impl Line {
 }
 
 impl Steering for Line {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+    fn reset(&mut self, model: &Model<'_>) -> Result<(), OutOfMemory> {
         self.form(model, model.config().quorum)
+    }
+
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        for row in &self.rows {
+            write(row.next as u64);
+            write(u64::from(row.forward));
+        }
+    }
+
+    fn load(&mut self, _: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<(), MemoryError> {
+        for row in &mut self.rows {
+            row.next = read.index(row.stations.len())?;
+            row.forward = read.flag()?;
+        }
+        Ok(())
     }
 
     fn steer(

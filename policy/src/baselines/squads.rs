@@ -7,7 +7,9 @@ use super::gather::manhattan_centre;
 use super::memory::{OutOfMemory, collect, filled, push};
 use super::pilot::PilotMode;
 use super::steering::{Steering, can_fly};
-use super::teams::{Effort, divide};
+use super::teams::{Effort, divide, load_target, save_target};
+use crate::memory::save_index;
+use crate::{MemoryError, MemoryReader};
 
 /// The policy `squads`, in which each radio component divides its own members and the hotspots.
 ///
@@ -50,6 +52,30 @@ impl SquadPlan {
             team_of_hotspot: filled(None, known.len())?,
             known,
         })
+    }
+
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        self.known.iter().for_each(|&known| write(u64::from(known)));
+        self.target_of_uav
+            .iter()
+            .for_each(|&target| save_target(write, target));
+        let teams = self.team_of_uav.iter().chain(&self.team_of_hotspot);
+        teams.for_each(|&team| save_index(write, team));
+    }
+
+    fn load(model: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<Self, MemoryError> {
+        let uavs = model.uav_count();
+        let mut plan = Self::new(uavs, filled(false, model.hotspot_count())?)?;
+        for known in &mut plan.known {
+            *known = read.flag()?;
+        }
+        for target in &mut plan.target_of_uav {
+            *target = load_target(model, read)?;
+        }
+        for team in plan.team_of_uav.iter_mut().chain(&mut plan.team_of_hotspot) {
+            *team = read.optional_index(uavs)?;
+        }
+        Ok(plan)
     }
 
     /// Takes over the hotspots of teams in an earlier plan that none of these members is in.
@@ -163,9 +189,27 @@ impl Squads {
 }
 
 impl Steering for Squads {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+    fn reset(&mut self, model: &Model<'_>) -> Result<(), OutOfMemory> {
         self.plans.clear();
         self.plan_of_uav = filled(None, model.uav_count())?;
+        Ok(())
+    }
+
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        write(self.plans.len() as u64);
+        self.plans.iter().for_each(|plan| plan.save(write));
+        self.plan_of_uav
+            .iter()
+            .for_each(|&plan| save_index(write, plan));
+    }
+
+    fn load(&mut self, model: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<(), MemoryError> {
+        for _ in 0..read.count()? {
+            push(&mut self.plans, SquadPlan::load(model, read)?)?;
+        }
+        for plan in &mut self.plan_of_uav {
+            *plan = read.optional_index(self.plans.len())?;
+        }
         Ok(())
     }
 

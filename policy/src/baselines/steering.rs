@@ -3,6 +3,7 @@
 use jcas_core::{Cell, Model, Motion, StateRef};
 
 use super::memory::OutOfMemory;
+use crate::{MemoryError, MemoryReader};
 
 /// A steering rule: it moves the fleet while hotspots are unconfirmed.
 pub trait Steering: Send {
@@ -11,8 +12,22 @@ pub trait Steering: Send {
     /// # Errors
     /// [`OutOfMemory`] if memory runs out. The call must then succeed once before the next call of
     /// [`Steering::steer`].
-    fn reset(&mut self, model: &Model<'_>, seed: u64) -> Result<(), OutOfMemory> {
-        let _ = (model, seed);
+    fn reset(&mut self, model: &Model<'_>) -> Result<(), OutOfMemory> {
+        let _ = model;
+        Ok(())
+    }
+
+    /// Writes what the rule remembers.
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        let _ = write;
+    }
+
+    /// Reads what [`Steering::save`] wrote, after a reset.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if the words are no memory of the rule. The rule must be reset then.
+    fn load(&mut self, model: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<(), MemoryError> {
+        let _ = (model, read);
         Ok(())
     }
 

@@ -10,6 +10,8 @@ use super::pilot::PilotMode;
 use super::quorum::quorum_probability;
 use super::route::route;
 use super::steering::{Steering, can_fly};
+use crate::memory::save_cell;
+use crate::{MemoryError, MemoryReader};
 
 /// The maximum number of UAVs with an optimal assignment, which costs the cube of their number.
 /// Larger fleets keep the teams as they were formed, nearest first.
@@ -80,7 +82,7 @@ impl Teams {
 }
 
 impl Steering for Teams {
-    fn reset(&mut self, model: &Model<'_>, _seed: u64) -> Result<(), OutOfMemory> {
+    fn reset(&mut self, model: &Model<'_>) -> Result<(), OutOfMemory> {
         self.target_of_uav = filled(None, model.uav_count())?;
         self.situation = Situation {
             confirmed: filled(false, model.hotspot_count())?,
@@ -90,28 +92,40 @@ impl Steering for Teams {
         Ok(())
     }
 
+    fn save(&self, write: &mut dyn FnMut(u64)) {
+        write(u64::from(self.planned));
+        let flags = self
+            .situation
+            .confirmed
+            .iter()
+            .chain(&self.situation.flying);
+        flags.for_each(|&flag| write(u64::from(flag)));
+        self.target_of_uav
+            .iter()
+            .for_each(|&target| save_target(write, target));
+    }
+
+    fn load(&mut self, model: &Model<'_>, read: &mut MemoryReader<'_>) -> Result<(), MemoryError> {
+        self.planned = read.flag()?;
+        let Situation { confirmed, flying } = &mut self.situation;
+        for flag in confirmed.iter_mut().chain(flying) {
+            *flag = read.flag()?;
+        }
+        for target in &mut self.target_of_uav {
+            *target = load_target(model, read)?;
+        }
+        Ok(())
+    }
+
     fn steer(
         &mut self,
         model: &Model<'_>,
         state: &StateRef<'_>,
         motions: &mut [Motion],
     ) -> Result<(), OutOfMemory> {
-        self.steer_with(model, state, |uav| can_fly(state, uav), motions)
-    }
-}
-
-impl Teams {
-    /// Steers the UAVs for which `flies` holds; the others stay.
-    pub(super) fn steer_with(
-        &mut self,
-        model: &Model<'_>,
-        state: &StateRef<'_>,
-        flies: impl Fn(usize) -> bool,
-        motions: &mut [Motion],
-    ) -> Result<(), OutOfMemory> {
         let confirmed = |hotspot| state.confirmed(hotspot);
         let changed = update(&mut self.situation.confirmed, confirmed)
-            | update(&mut self.situation.flying, flies);
+            | update(&mut self.situation.flying, |uav| can_fly(state, uav));
         self.planned &= !changed;
         if !self.planned {
             self.plan(model, state)?;
@@ -123,6 +137,20 @@ impl Teams {
         }
         Ok(())
     }
+}
+
+/// Writes the cell that a UAV flies to, if any, as two words.
+pub(super) fn save_target(write: &mut dyn FnMut(u64), target: Option<Cell>) {
+    write(u64::from(target.is_some()));
+    save_cell(write, target.unwrap_or_default());
+}
+
+pub(super) fn load_target(
+    model: &Model<'_>,
+    read: &mut MemoryReader<'_>,
+) -> Result<Option<Cell>, MemoryError> {
+    let (some, cell) = (read.flag()?, read.cell(model)?);
+    Ok(some.then_some(cell))
 }
 
 /// Sets each flag anew. Returns whether any has changed.

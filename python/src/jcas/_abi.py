@@ -41,6 +41,7 @@ JCAS_ERROR_FORKED = -17
 JCAS_ERROR_SINK = -18
 JCAS_ERROR_DIFFERENT = -19
 JCAS_ERROR_BUSY = -20
+JCAS_ERROR_MEMORY = -21
 JCAS_MAX_DEPOTS = 16
 JCAS_VISIBILITY_KNOWN = 0
 JCAS_VISIBILITY_HIDDEN = 1
@@ -716,6 +717,29 @@ def declare(library: CDLL) -> None:
     library.jcas_policy_act_batch.restype = c_int32
     library.jcas_policy_free.argtypes = (c_void_p,)
     library.jcas_policy_free.restype = c_int32
+    library.jcas_policy_memory_save.argtypes = (c_void_p, c_void_p, c_void_p, c_size_t, c_void_p)
+    library.jcas_policy_memory_save.restype = c_int32
+    library.jcas_policy_memory_load.argtypes = (c_void_p, c_void_p, c_void_p, c_size_t)
+    library.jcas_policy_memory_load.restype = c_int32
+    library.jcas_policy_memory_save_member.argtypes = (
+        c_void_p,
+        c_void_p,
+        c_uint32,
+        c_void_p,
+        c_size_t,
+        c_void_p,
+    )
+    library.jcas_policy_memory_save_member.restype = c_int32
+    library.jcas_policy_memory_load_member.argtypes = (
+        c_void_p,
+        c_void_p,
+        c_uint32,
+        c_void_p,
+        c_size_t,
+    )
+    library.jcas_policy_memory_load_member.restype = c_int32
+    library.jcas_policy_forget.argtypes = (c_void_p,)
+    library.jcas_policy_forget.restype = c_int32
     library.jcas_plan_search.argtypes = (
         c_void_p,
         POINTER(jcas_plan_settings),

@@ -17,6 +17,7 @@ from .errors import (
     ConfigError,
     EpisodeOverError,
     JcasError,
+    PolicyError,
     SnapshotError,
 )
 
@@ -35,6 +36,7 @@ _ERRORS: dict[int, type[JcasError]] = {
     _abi.JCAS_ERROR_CORRUPT: SnapshotError,
     _abi.JCAS_ERROR_MODEL_MISMATCH: SnapshotError,
     _abi.JCAS_ERROR_BUSY: BusyError,
+    _abi.JCAS_ERROR_MEMORY: PolicyError,
 }
 
 

@@ -51,7 +51,7 @@ class SnapshotError(JcasError, ValueError):
 
 
 class PolicyError(JcasError, ValueError):
-    """A policy file cannot be read or does not fit the configuration."""
+    """A policy file cannot be read or does not fit, or a policy remembers another state."""
 
 
 class PlanError(JcasError, ValueError):

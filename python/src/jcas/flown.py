@@ -132,7 +132,15 @@ class Policy:
         )
 
     def act(self, sim: Sim) -> Actions:
-        """Choose the actions of a simulation's present state, [N, 2], for `jcas.Sim.step`."""
+        """Choose the actions of a simulation's present state, [N, 2], for `jcas.Sim.step`.
+
+        teams, squads, line, answer and replan remember what they planned. They act in every state
+        of one simulation, one after the other.
+
+        Raises:
+            PolicyError: the policy remembers another state, for instance one before `sim.load`.
+
+        """
         if not isinstance(sim, Sim):
             raise ArgumentError(f"sim = {shown(sim)}: must be a jcas.Sim")
         self._check_model("sim", sim.model)
@@ -150,6 +158,35 @@ class Policy:
             lib.jcas_policy_act_batch(self.handle, batch.handle, actions.ctypes.data, actions.size)
         )
         return actions
+
+    def save_memory(self, sim: Sim) -> bytes:
+        """Save what the policy remembers of a simulation; `sim.save()` gives the state itself."""
+        if not isinstance(sim, Sim):
+            raise ArgumentError(f"sim = {shown(sim)}: must be a jcas.Sim")
+        length = ctypes.c_size_t()
+        save, size = lib.jcas_policy_memory_save, ctypes.byref(length)
+        check(save(self.handle, sim.handle, None, 0, size))
+        memory = ctypes.create_string_buffer(length.value)
+        check(save(self.handle, sim.handle, memory, length.value, size))
+        return memory.raw
+
+    def load_memory(self, sim: Sim, memory: bytes) -> None:
+        """Load what an equal policy remembered in the state that `sim` is in.
+
+        Raises:
+            PolicyError: the memory belongs to another policy or another state.
+            SnapshotError: `memory` holds no memory, or one of another configuration.
+
+        """
+        if not isinstance(sim, Sim):
+            raise ArgumentError(f"sim = {shown(sim)}: must be a jcas.Sim")
+        if not isinstance(memory, bytes):
+            raise ArgumentError(f"memory = {shown(memory)}: must be bytes of save_memory")
+        check(lib.jcas_policy_memory_load(self.handle, sim.handle, memory, len(memory)))
+
+    def forget(self) -> None:
+        """Forget everything: the policy begins anew in the next state that it acts in."""
+        check(lib.jcas_policy_forget(self.handle))
 
     def _check_model(self, what: str, model: Model) -> None:
         if model.config_hash != self.model.config_hash:
