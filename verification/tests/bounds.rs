@@ -1,8 +1,8 @@
 //! The ranges that proofs assume of a legal configuration, on random legal ones.
 
 use jcas_core::Model;
-use jcas_core::carbon::CarbonPlan;
-use jcas_core::energy::EnergyPlan;
+use jcas_core::carbon::CarbonConstants;
+use jcas_core::energy::EnergyConstants;
 use jcas_verification::sampling::{self, Dice};
 use jcas_verification::specification::Specification;
 
@@ -26,8 +26,8 @@ fn the_worst_episode_stays_below_two_to_the_62() {
                 config.step_duration_s /= 2.0;
             }
         }
-        let plan = EnergyPlan::new(&config);
-        let carbon = CarbonPlan::new(&config);
+        let plan = EnergyConstants::new(&config);
+        let carbon = CarbonConstants::new(&config);
         let steps = u128::from(config.horizon_steps);
         let uavs = u128::from(config.uav_count);
         let charged = steps * uavs * u128::from(plan.charge_uj);

@@ -2,8 +2,6 @@
 
 use super::{Config, DetectionCurve, DetectionPoint, MapDirections, SearchMaps};
 use crate::error::{Allowed, ConfigError, Value};
-use crate::rules::carbon::milligrams;
-use crate::rules::energy::EnergyPlan;
 
 /// Largest number of bits of the maps of a fleet: 32 MiB.
 const MAP_BITS_MAX: u64 = 1 << 28;
@@ -255,30 +253,6 @@ impl Config {
                 field: "hotspot_count",
                 value: Value::Integer(self.hotspot_count.into()),
                 allowed: Allowed::AtMost(room as f64, "the cells of the grid without a depot"),
-            });
-        }
-        Ok(())
-    }
-
-    /// Checks that the worst case of every ledger over an episode fits its 64-bit integer. So no
-    /// step has to check for overflow.
-    fn ledgers_have_room(&self) -> Result<(), ConfigError> {
-        const ROOM: u128 = 1 << 62;
-        let plan = EnergyPlan::new(self);
-        let fleet_steps = u128::from(self.uav_count) * u128::from(self.horizon_steps);
-        let energy_uj = u128::from(self.uav_count) * u128::from(plan.capacity_uj)
-            + fleet_steps * u128::from(plan.charge_uj.saturating_add(plan.most_asked_uj()));
-        let intensity_mg_per_kwh = milligrams(self.carbon_intensity_max_kg_per_kwh);
-        let carbon_ng =
-            fleet_steps * u128::from(plan.charge_uj) * u128::from(intensity_mg_per_kwh) / 3_600_000;
-        if energy_uj > ROOM || carbon_ng > ROOM {
-            return Err(ConfigError {
-                field: "horizon_steps",
-                value: Value::Integer(self.horizon_steps.into()),
-                allowed: Allowed::Rule(
-                    "so small that the fleet's energy over an episode stays under 2^62 uJ \
-                     and its carbon under 2^62 ng",
-                ),
             });
         }
         Ok(())

@@ -1,10 +1,12 @@
 //! Where each quantity of a state lies in its slab of words.
 
+use super::reward::{KEPT, OWN_KEPT};
 use crate::config::{Config, QuorumWindow, SearchMaps};
-use crate::rules::alarms::ALARMS_MAX;
-use crate::rules::reward::OWN_KEPT;
-use crate::state::header;
+use crate::radio::false_alarms::ALARMS_MAX;
 use crate::words::bits::words_for;
+
+/// Number of words of a state's header.
+pub(crate) const HEADER_WORDS: usize = 15 + KEPT;
 
 /// Layout of a state: its sizes, from which the position of each quantity follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +71,7 @@ impl Layout {
             remembered,
             remembered_false,
             shared: map + reports,
-            end: header::WORDS + per_uav + per_hotspot + pairs + visited + cell_sets + memory,
+            end: HEADER_WORDS + per_uav + per_hotspot + pairs + visited + cell_sets + memory,
         }
     }
 }

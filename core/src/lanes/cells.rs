@@ -2,7 +2,7 @@
 
 use super::gather::{gather_bytes, gather_words, in_bytes};
 use super::{Block, Lanes, force_vector};
-use crate::config::Cell;
+use crate::words::geometry::Cell;
 
 /// Cells, one for each lane of a block.
 #[derive(Clone, Copy)]

@@ -3,15 +3,14 @@
 mod tables;
 
 use crate::config::{Cell, Config, Depots, MAX_DEPOTS};
+use crate::constants::carbon::CarbonConstants;
+use crate::constants::energy::EnergyConstants;
 use crate::constants::layout::Layout;
+use crate::constants::observation::added_len;
+use crate::constants::reward::RewardConstants;
 use crate::error::{ConfigError, Error};
-use crate::observation::added::added_len;
 use crate::radio::radar::curve::AnyCurve;
-use crate::radio::{footprint, link, radar};
-use crate::rules::alarms;
-use crate::rules::carbon::CarbonPlan;
-use crate::rules::energy::EnergyPlan;
-use crate::rules::reward::RewardPlan;
+use crate::radio::{false_alarms, footprint, link, radar};
 use crate::words::bits::words_for;
 use crate::words::geometry::Disc;
 
@@ -31,9 +30,9 @@ pub struct Model<'m> {
     hash: u64,
     depots: Depots,
     sorted_depots: [u32; MAX_DEPOTS],
-    energy: EnergyPlan,
-    carbon: CarbonPlan,
-    reward: RewardPlan,
+    energy: EnergyConstants,
+    carbon: CarbonConstants,
+    reward: RewardConstants,
     layout: Layout,
     uavs: usize,
     hotspots: usize,
@@ -103,7 +102,7 @@ impl<'m> Model<'m> {
     pub fn table_words(config: &Config) -> Result<usize, ConfigError> {
         config.validate()?;
         let tables = Tables::of(config.grid_width, config.grid_height);
-        Ok(tables.end + alarms::table_words(config))
+        Ok(tables.end + false_alarms::table_words(config))
     }
 
     /// Validates the configuration and builds its model in the caller's memory.
@@ -132,9 +131,9 @@ impl<'m> Model<'m> {
             hash: config.hash(),
             depots: config.effective_depots(),
             sorted_depots: sorted_indices(&config),
-            energy: EnergyPlan::new(&config),
-            carbon: CarbonPlan::new(&config),
-            reward: RewardPlan::new(&config),
+            energy: EnergyConstants::new(&config),
+            carbon: CarbonConstants::new(&config),
+            reward: RewardConstants::new(&config),
             layout: Layout::of(&config),
             uavs: config.uav_count as usize,
             hotspots: config.hotspot_count as usize,
@@ -146,7 +145,7 @@ impl<'m> Model<'m> {
             bucket_side,
             bucket_columns: config.grid_width.div_ceil(bucket_side) as usize,
             bucket_rows: config.grid_height.div_ceil(bucket_side) as usize,
-            disc: Disc::of(&config),
+            disc: Disc::from_radius(config.search_map_radius_m, config.cell_size_m),
             footprint: footprint::of(&config),
             added: added_len(&config),
             tables,
@@ -208,21 +207,21 @@ impl<'m> Model<'m> {
     /// Constants of the energy model, in microjoules.
     #[inline]
     #[must_use]
-    pub const fn energy(&self) -> &EnergyPlan {
+    pub const fn energy(&self) -> &EnergyConstants {
         &self.energy
     }
 
     /// Constants of the carbon model, in milligrams per kilowatt-hour.
     #[inline]
     #[must_use]
-    pub const fn carbon(&self) -> &CarbonPlan {
+    pub const fn carbon(&self) -> &CarbonConstants {
         &self.carbon
     }
 
     /// Weights of the reward.
     #[inline]
     #[must_use]
-    pub const fn reward(&self) -> &RewardPlan {
+    pub const fn reward(&self) -> &RewardConstants {
         &self.reward
     }
 

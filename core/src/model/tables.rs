@@ -4,8 +4,8 @@ use super::Model;
 use crate::config::{Cell, Config};
 use crate::lanes::{self, Cells, Lanes, Rows};
 use crate::radio::radar::curve;
-use crate::radio::{link, radar};
-use crate::rules::{alarms, motion};
+use crate::radio::{false_alarms, link, radar};
+use crate::words::geometry::nearest;
 
 /// The memory of a model's tables: the caller's, or with the feature `alloc` the model's own.
 #[derive(Clone, Debug)]
@@ -88,13 +88,13 @@ pub(super) fn fill(config: &Config, words: &mut [u64]) {
             let range_m = radar::range_m(config, x, y);
             words[index] = curve::tabulated(config, range_m).to_bits();
             words[tables.link + index] = link::full_throughput(config, range_m).to_bits();
-            let (depot, distance) = motion::nearest(Cell { x, y }, depots.as_slice());
+            let (depot, distance) = nearest(Cell { x, y }, depots.as_slice());
             words[tables.depot + index] = depot as u64 | u64::from(distance) << 32;
         }
     }
     fill_offsets(&mut words[tables.offset_x..tables.offset_y], width);
     fill_offsets(&mut words[tables.offset_y..tables.end], height);
-    alarms::tabulate(config, &mut words[tables.end..]);
+    false_alarms::tabulate(config, &mut words[tables.end..]);
 }
 
 /// Writes the offsets -(extent-1)..=(extent-1), divided by (extent - 1), as bits of f32. All are 0

@@ -3,56 +3,12 @@
 //! They are a window of the search map, unsearched fractions and a tag, then windows of the reports
 //! and the nearest reported cells.
 
+use super::unsearched::unsearched_shares;
 use super::{View, flag, index_tag};
-use crate::config::{Cell, Config, MapDirections, SearchMaps, UavTag};
+use crate::config::Cell;
+use crate::constants::observation::{REPORT, lens, window_cells};
 use crate::rules::reports;
 use crate::words::bits;
-use crate::words::geometry::{DIRECTIONS, unsearched_shares};
-
-/// Number of entries for a reported cell.
-pub(super) const REPORT: usize = 3;
-
-/// Number of all entries that the configuration adds.
-pub(crate) const fn added_len(config: &Config) -> usize {
-    let mut sum = 0;
-    let lens = lens(config);
-    let mut index = 0;
-    while index < lens.len() {
-        sum += lens[index];
-        index += 1;
-    }
-    sum
-}
-
-/// Number of entries of each part, in order: window of the search map, unsearched fractions, tag,
-/// windows of the reports, reported cells.
-pub(super) const fn lens(config: &Config) -> [usize; 5] {
-    let window = window_cells(config);
-    [
-        match config.search_maps {
-            SearchMaps::Off => 0,
-            SearchMaps::Shared => window,
-        },
-        match config.map_directions {
-            MapDirections::Off => 0,
-            MapDirections::Shown => DIRECTIONS,
-        },
-        match config.uav_tag {
-            UavTag::Off => 0,
-            UavTag::Index => 1,
-        },
-        config.report_levels as usize * window,
-        config.report_slots as usize * REPORT,
-    ]
-}
-
-/// Number of cells of a window: (2 r + 1)², or 0.
-const fn window_cells(config: &Config) -> usize {
-    match config.map_window_radius as usize {
-        0 => 0,
-        radius => (2 * radius + 1) * (2 * radius + 1),
-    }
-}
 
 impl View<'_> {
     /// Writes the entries that the configuration adds.

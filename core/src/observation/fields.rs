@@ -1,6 +1,6 @@
 //! The name of every entry of an observation.
 
-use super::added::{self, REPORT};
+use crate::constants::observation::{self as added, REPORT};
 use crate::model::Model;
 
 /// A field of an observation: `count` entries with the same meaning, at `offset`,

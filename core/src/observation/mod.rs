@@ -5,6 +5,7 @@ pub mod fields;
 mod hotspots;
 mod neighbours;
 mod ranking;
+mod unsearched;
 
 use core::ops::Range;
 

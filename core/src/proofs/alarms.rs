@@ -5,7 +5,8 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Cell;
-use crate::rules::alarms::{ALARMS_MAX, next, plus, sample, threshold_of, thresholds};
+use crate::radio::false_alarms::{ALARMS_MAX, next, plus, threshold_of, thresholds};
+use crate::rules::alarms::sample;
 use crate::words::geometry::Disc;
 
 /// Cells along a side of the harness's grid: one beside the middle on every side.

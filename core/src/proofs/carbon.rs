@@ -4,7 +4,7 @@ use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Config;
-use crate::rules::carbon::{CarbonPlan, emitted_ng};
+use crate::constants::carbon::{CarbonConstants, emitted_ng};
 
 /// Largest legal carbon intensity: 10 kg/kWh.
 const INTENSITY_MAX_MG_PER_KWH: u64 = 10_000_000;
@@ -50,14 +50,14 @@ pub fn emission_is_bounded() {
 }
 
 /// The grid's share is at most the whole.
-fn is_a_share(plan: &CarbonPlan, billed_uj: u64) {
+fn is_a_share(plan: &CarbonConstants, billed_uj: u64) {
     assert!(plan.grid_uj(billed_uj) <= billed_uj);
 }
 
 #[cfg_attr(kani, kani::proof)]
 #[cfg_attr(kani, kani::solver(cadical))]
 pub fn grid_energy_is_a_share_of_what_is_billed() {
-    let plan = CarbonPlan::new(&Config::default());
+    let plan = CarbonConstants::new(&Config::default());
     let billed_uj = between(0, 1 << 50);
     kani::cover!(
         plan.grid_uj(billed_uj) < billed_uj,
@@ -77,8 +77,8 @@ super::standin::twins! {
 #[cfg(test)]
 mod wide {
     use super::*;
+    use crate::constants::energy::EnergyConstants;
     use crate::model::any_model::smallest;
-    use crate::rules::energy::EnergyPlan;
     use proptest::prelude::*;
 
     proptest! {
@@ -100,7 +100,10 @@ mod wide {
     /// Catches a change of the smallest model that the stub of a step's emission does not follow.
     #[test]
     fn the_smallest_fleet_is_the_one_that_kani_is_given() {
-        let (energy, carbon) = (EnergyPlan::new(&smallest()), CarbonPlan::new(&smallest()));
+        let (energy, carbon) = (
+            EnergyConstants::new(&smallest()),
+            CarbonConstants::new(&smallest()),
+        );
         assert_eq!(u64::from(smallest().uav_count) * energy.charge_uj, FLEET_UJ);
         assert_eq!(carbon.intensity_max_mg_per_kwh, INTENSITY_MG_PER_KWH);
         assert_eq!(emitted_ng(FLEET_UJ, INTENSITY_MG_PER_KWH), FLEET_NG);

@@ -152,7 +152,7 @@ const TRIO_WORDS: usize = STATE_WORDS;
 )]
 pub fn buckets_link_the_pairs_that_pairs_link() {
     given!(model = any_bucketed_model);
-    kani::assume(crate::rules::graph::by_pairs(model.uav_count()));
+    kani::assume(crate::state::scratch::by_pairs(model.uav_count()));
     let mut words: [u64; TRIO_WORDS] = kani::any();
     place_radios(&model, &mut words);
     let (mut pairs, mut buckets) = (words, words);

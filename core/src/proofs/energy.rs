@@ -4,8 +4,9 @@ use super::inputs::{between, real_between};
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::Config;
+use crate::constants::energy::{Activity, EnergyConstants};
 use crate::lanes::ones;
-use crate::rules::energy::{Activity, EnergyPlan, settle};
+use crate::rules::energy::settle;
 
 /// A legal configuration's ledgers stay below this (`Config::validate`).
 pub(super) const ROOM_UJ: u64 = 1 << 62;
@@ -48,7 +49,7 @@ pub fn settling_keeps_its_contract() {
 }
 
 /// No activity at any pilot density asks for more than the plan's most.
-fn asks_at_most(plan: &EnergyPlan, activity: Activity, pilot_density: f64) {
+fn asks_at_most(plan: &EnergyConstants, activity: Activity, pilot_density: f64) {
     let asked = plan.asked_uj(activity, pilot_density);
     assert!(asked <= plan.most_asked_uj());
     if activity.flies == 0 {
@@ -58,7 +59,7 @@ fn asks_at_most(plan: &EnergyPlan, activity: Activity, pilot_density: f64) {
 
 #[cfg_attr(kani, kani::proof)]
 pub fn no_step_asks_for_more_than_planned() {
-    let plan = EnergyPlan::new(&Config::default());
+    let plan = EnergyConstants::new(&Config::default());
     let activity = Activity {
         flies: ones(kani::any()),
         moved: ones(kani::any()),

@@ -5,7 +5,8 @@
 use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
-use crate::rules::reports::{level, raise};
+use crate::rules::reports::raise;
+use crate::words::bits::level;
 
 /// Cells of the harness, and the set of all of them.
 const CELLS: u64 = 3;

@@ -5,7 +5,7 @@ use super::inputs::{between, real_between};
 use super::standin as kani;
 use crate::config::Config;
 use crate::rules::carbon;
-use crate::rules::reward::{RewardPlan, StepTotals, total};
+use crate::rules::reward::{RewardConstants, StepTotals, total};
 use crate::state::validity::THROUGHPUT_MAX;
 
 /// Bound of the reward of a step of any legal size with the default weights. At most half of it is
@@ -39,7 +39,7 @@ fn any_totals() -> StepTotals {
 }
 
 /// Every component is a finite number, and so is their sum, within the bound.
-fn is_bounded(plan: &RewardPlan, step: &StepTotals) {
+fn is_bounded(plan: &RewardConstants, step: &StepTotals) {
     let rewards = plan.components(step);
     for index in 0..rewards.len() {
         assert!(rewards[index] >= -REWARD_MAX && rewards[index] <= REWARD_MAX);
@@ -52,7 +52,7 @@ fn is_bounded(plan: &RewardPlan, step: &StepTotals) {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(kani, kani::solver(cadical))]
 pub fn rewards_are_bounded() {
-    let plan = RewardPlan::new(&Config::default());
+    let plan = RewardConstants::new(&Config::default());
     let step = any_totals();
     kani::cover!(
         step.complete && step.newly_informed > 0,
@@ -67,7 +67,7 @@ pub fn rewards_are_bounded() {
 #[cfg_attr(kani, kani::unwind(13))]
 #[cfg_attr(kani, kani::solver(cadical))]
 pub fn a_uavs_own_components_are_bounded() {
-    let plan = RewardPlan::new(&Config::default());
+    let plan = RewardConstants::new(&Config::default());
     let (new_cells, spent_uj) = (between(0, 4096) as f64, between(0, 1 << 62) as f64);
     let (revisits, throughput) = (between(0, 4096) as f64, real_between(0.0, THROUGHPUT_MAX));
     let co2_ng = real_between(0.0, 4_611_686_018_427_387_904.0);

@@ -95,12 +95,8 @@ mod exhaustive {
     /// Squares of half-whole radii, whole ones and one beyond every grid.
     #[test]
     fn radii_in_metres_become_squares_in_cells() {
-        let squared = |radius_m: f64| {
-            Disc::of(&crate::Config {
-                search_map_radius_m: radius_m,
-                ..crate::Config::default()
-            })
-        };
+        let squared =
+            |radius_m: f64| Disc::from_radius(radius_m, crate::Config::default().cell_size_m);
         assert_eq!(squared(0.0), Disc::from_squared(0));
         assert_eq!(squared(75.0), Disc::from_squared(2));
         assert_eq!(squared(150.0), Disc::from_squared(9));

@@ -11,10 +11,10 @@ use super::inputs::between;
 #[cfg(not(kani))]
 use super::standin as kani;
 use crate::config::QuorumWindow;
+use crate::constants::reward::OWN_KEPT;
 use crate::model::Model;
 #[cfg(not(kani))]
 use crate::model::any_model::UAVS_MAX;
-use crate::rules::reward::OWN_KEPT;
 use crate::state::header::{self, Phase};
 #[cfg(not(kani))]
 use crate::state::scratch::Scratch;

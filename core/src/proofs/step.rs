@@ -10,9 +10,9 @@ use super::state::{
     carries_mean_throughput, carries_scalars, changes_before_the_end, confirms_by_quorum,
     nothing_is_forgotten, open, view,
 };
+use crate::constants::reward::OWN_KEPT;
 use crate::model::Model;
 use crate::model::any_model::HOTSPOTS_MAX;
-use crate::rules::reward::OWN_KEPT;
 use crate::rules::sensing::{confirm_and_learn, look_around};
 use crate::state::StateRef;
 use crate::state::header::{self, Phase};
@@ -185,24 +185,27 @@ pub fn carried_scalars_stay_valid() {
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::rules::reward::RewardPlan::components,
+        crate::rules::reward::RewardConstants::components,
         crate::proofs::stubs::any_rewards
     )
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::rules::reward::total, crate::proofs::stubs::any_total)
+    kani::stub(crate::constants::reward::total, crate::proofs::stubs::any_total)
 )]
 #[cfg_attr(
     kani,
     kani::stub(
-        crate::rules::energy::EnergyPlan::asked_uj,
+        crate::constants::energy::EnergyConstants::asked_uj,
         crate::proofs::stubs::any_asked
     )
 )]
 #[cfg_attr(
     kani,
-    kani::stub(crate::rules::carbon::emitted_ng, crate::proofs::stubs::any_emission)
+    kani::stub(
+        crate::constants::carbon::emitted_ng,
+        crate::proofs::stubs::any_emission
+    )
 )]
 #[cfg_attr(
     kani,

@@ -16,11 +16,12 @@ use super::inputs::{between, real_between};
 use super::reward::REWARD_MAX;
 use super::state::{links_join_two, radios_are_valid};
 use super::tables::{EXP_MAX, EXP_MIN, LOAD_ODDS_MAX, LOG2_MAX, LOG10_MAX, ODDS_MAX, ODDS_MIN};
+use crate::constants::energy::{Activity, EnergyConstants};
+use crate::constants::reward::{COMPONENTS, RewardConstants, Rewards};
 use crate::model::Model;
-use crate::rules::energy::{Activity, EnergyPlan};
-use crate::rules::reward::{COMPONENTS, RewardPlan, Rewards, StepTotals};
 use crate::state::StateMut;
 use crate::state::scratch::Scratch;
+use crate::state::scratch::StepTotals;
 use crate::words::rng::Purpose;
 
 pub(super) fn any_block(_: u64, _: u32, _: u32, _: u32, _: Purpose) -> [u32; 4] {
@@ -177,7 +178,7 @@ pub(super) fn any_potentials(
     state.header.set_charge_potential(charge());
 }
 
-pub(super) fn any_rewards(_: &RewardPlan, _: &StepTotals) -> Rewards {
+pub(super) fn any_rewards(_: &RewardConstants, _: &StepTotals) -> Rewards {
     let mut rewards = [0.0; COMPONENTS];
     for index in 0..rewards.len() {
         rewards[index] = real_between(-REWARD_MAX, REWARD_MAX);
@@ -189,7 +190,7 @@ pub(super) fn any_total(_: &Rewards) -> f64 {
     real_between(-REWARD_MAX, REWARD_MAX) + 0.0
 }
 
-pub(super) fn any_asked(plan: &EnergyPlan, activity: Activity, density: f64) -> u64 {
+pub(super) fn any_asked(plan: &EnergyConstants, activity: Activity, density: f64) -> u64 {
     assert!(density >= 0.0 && density <= 1.0);
     if activity.flies == 0 {
         0

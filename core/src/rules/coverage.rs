@@ -2,9 +2,8 @@
 
 use crate::lanes::{self, Cells, at_width, ones};
 use crate::model::Model;
-use crate::rules::reward::StepTotals;
 use crate::state::StateMut;
-use crate::state::scratch::UavStepScratch;
+use crate::state::scratch::{StepTotals, UavStepScratch};
 use crate::words::bits;
 
 /// Counts new cells and revisits, of each UAV and of the fleet, and marks the cells as visited.

@@ -4,23 +4,9 @@ use crate::config::Cell;
 use crate::lanes::{self, Block, Cells, Lanes, at_width, ones};
 use crate::model::Model;
 use crate::state::StateMut;
-use crate::state::scratch::Scratch;
+use crate::state::scratch::{Scratch, by_pairs, tile};
 use crate::words::bits;
 use crate::words::word::canonical_bits;
-
-/// Largest fleet for which checking every pair is faster than sorting the UAVs into buckets.
-const FEW: usize = 48;
-
-/// Number of UAVs with which a block is compared at a time. The table is read for all of them
-/// before the first comparison.
-pub(crate) const fn tile(width: usize) -> usize {
-    if width == 1 { lanes::WIDE } else { width }
-}
-
-/// Whether a fleet's links are found pair by pair. Each of its sets of UAVs is then one word.
-pub(crate) const fn by_pairs(uavs: usize) -> bool {
-    uavs <= FEW
-}
 
 /// Builds the graph from positions and pilot densities.
 // Proof: proofs/communication.rs, building_the_graph_keeps_its_contract

@@ -3,9 +3,8 @@
 
 use crate::config::LearnedDetections;
 use crate::model::Model;
-use crate::rules::reward::StepTotals;
 use crate::state::StateMut;
-use crate::state::scratch::Scratch;
+use crate::state::scratch::{Scratch, StepTotals};
 use crate::words::bits;
 
 /// Spreads knowledge, search maps and reports over the graph. Records the hotspots that all UAVs

@@ -1,8 +1,8 @@
 //! Summary of an episode.
 
-use crate::rules::carbon;
-use crate::rules::energy::{MICROJOULES_PER_KWH, Settled};
+use crate::rules::energy::Settled;
 use crate::state::{StateMut, StateRef};
+use crate::words::units::{MICROJOULES_PER_KWH, kilograms};
 
 /// Summary of an episode, so far or at its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,7 +93,7 @@ impl StateRef<'_> {
             accepted_kwh: kwh(self.accepted),
             shortfall_kwh: kwh(self.shortfall),
             grid_kwh: header.grid_uj() as f64 / MICROJOULES_PER_KWH,
-            co2_kg: carbon::kilograms(header.co2_ng()),
+            co2_kg: kilograms(header.co2_ng()),
             throughput_mean: per_step(header.throughput_sum()),
             pilot_density_mean: per_step(header.pilot_sum()),
             false_confirmations: self.false_confirmation_count() as u32,

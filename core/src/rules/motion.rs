@@ -6,6 +6,8 @@ use crate::model::Model;
 use crate::rules::action::Motion;
 use crate::state::StateMut;
 
+pub use crate::words::geometry::nearest;
+
 /// The cell after a motion; a move off the grid is a stay.
 // Proof: proofs/motion.rs, every_motion_ends_on_the_grid
 #[inline(always)]
@@ -84,21 +86,6 @@ pub const fn toward(from: Cell, to: Cell) -> Motion {
     } else {
         Motion::Stay
     }
-}
-
-/// Index of the nearest cell by Manhattan distance, and that distance; ties go to the lowest index.
-///
-/// For an empty list: index 0, distance `u32::MAX`.
-#[must_use]
-pub fn nearest(from: Cell, cells: &[Cell]) -> (usize, u32) {
-    let mut best = (0, u32::MAX);
-    for (index, &cell) in cells.iter().enumerate() {
-        let distance = from.manhattan(cell);
-        if distance < best.1 {
-            best = (index, distance);
-        }
-    }
-    best
 }
 
 #[cfg(test)]

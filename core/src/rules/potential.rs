@@ -58,17 +58,6 @@ fn both<const W: usize>(
     (goal::<W>(model, state, scratch), charge::<W>(model, state))
 }
 
-/// Whether two potentials are legal for a UAV or a fleet: each within its weights, up to rounding.
-pub(crate) fn is_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
-    let config = model.config();
-    let slack = 1.000_001;
-    let farthest = 1.0 + config.shaping_unconfirmed_weight * model.hotspot_count() as f64;
-    goal >= -(config.shaping_goal_weight * farthest) * slack
-        && goal <= 0.0
-        && charge >= 0.0
-        && charge <= config.shaping_charge_weight * slack
-}
-
 /// Longest Manhattan distance on the grid, W + H - 2, at least 1.
 #[inline(always)]
 fn span(model: &Model<'_>) -> f64 {

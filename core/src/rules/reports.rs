@@ -52,18 +52,6 @@ pub fn raise(own: &mut [u64], known: &mut [u64], words: usize, cell: usize) {
     }
 }
 
-/// The highest level that has the cell, or 0. The levels are nested sets of `words` words each.
-#[inline]
-#[must_use]
-pub fn level(known: &[u64], words: usize, cell: usize) -> u32 {
-    let (mut level, mut begin) = (0, 0);
-    while begin < known.len() {
-        level += u32::from(bits::get(&known[begin..], cell));
-        begin += words;
-    }
-    level
-}
-
 /// The most reported cells of an observation.
 pub(crate) const SLOTS_MAX: usize = 64;
 

@@ -3,13 +3,13 @@
 use crate::config::{Cell, StartCells};
 use crate::error::Error;
 use crate::model::Model;
-use crate::rules::energy::round_half_up;
 use crate::rules::{graph, potential};
 use crate::state::StateMut;
 use crate::state::header::Phase;
 use crate::state::scratch::Scratch;
 use crate::words::bits;
 use crate::words::rng::{self, Purpose};
+use crate::words::units::round_half_up;
 
 impl Model<'_> {
     /// Begins an episode in `words`; their earlier content is overwritten.

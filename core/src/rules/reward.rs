@@ -1,132 +1,19 @@
-//! The reward: a fixed vector of named components.
-//!
-//! The sum of the components, left to right, is R_t for the team and R_i for one UAV. The mean of
-//! R_i over the fleet is R_t.
+//! The reward of a step: the components of the team, and those of each UAV.
 
-use crate::config::{Config, InformPayment};
 use crate::lanes::{self, Block, Lanes, at_width};
 use crate::model::Model;
-use crate::rules::carbon;
 use crate::state::StateMut;
 use crate::state::scratch::UavStepScratch;
 use crate::words::word::canonical_bits;
 
-/// Number of components of a reward.
-pub const COMPONENTS: usize = 12;
+use super::carbon;
 
-/// Components of a reward: the ten terms of the paper's reward and the two shaping terms.
-pub type Rewards = [f64; COMPONENTS];
+pub use crate::constants::reward::{
+    COMPONENTS, NAMES, OWN, OWN_COMPONENTS, RewardConstants, Rewards, total,
+};
+pub use crate::state::scratch::StepTotals;
 
-/// Names of the components, in order.
-pub const NAMES: [&str; COMPONENTS] = [
-    "detect",
-    "inform",
-    "complete",
-    "coverage",
-    "energy",
-    "carbon",
-    "revisit",
-    "truncation",
-    "throughput",
-    "spread",
-    "shaping_goal",
-    "shaping_charge",
-];
-
-/// Number of components that are a UAV's own; the others are the team's.
-pub const OWN_COMPONENTS: usize = 7;
-
-/// Indices of the components that are a UAV's own: coverage, energy, carbon, revisit, throughput
-/// and both shaping terms.
-pub const OWN: [usize; OWN_COMPONENTS] = [3, 4, 5, 6, 8, 10, 11];
-
-/// Number of components of the team's last reward that a state stores.
-///
-/// Under Kani only one component is stored, to keep the state small; no call reads these words.
-pub(crate) const KEPT: usize = if cfg!(kani) { 1 } else { COMPONENTS };
-
-/// Number of own components that a state stores for each UAV; under Kani one, as for [`KEPT`].
-pub(crate) const OWN_KEPT: usize = if cfg!(kani) { 1 } else { OWN_COMPONENTS };
-
-/// Weights of the reward, each for the unit in which its quantity is counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RewardPlan {
-    detect: f64,
-    false_confirmation: f64,
-    inform: f64,
-    inform_once: bool,
-    complete: f64,
-    coverage_per_cell: f64,
-    energy_per_uj: f64,
-    carbon_per_ng: f64,
-    revisit: f64,
-    truncation: f64,
-    throughput: f64,
-    spread: f64,
-    discount: f64,
-}
-
-/// Totals of a step over the fleet, from which the team's reward follows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StepTotals {
-    /// Number of hotspots confirmed in this step.
-    pub newly_confirmed: u64,
-    /// Number of cells falsely confirmed in this step.
-    pub newly_false: u64,
-    /// Number of hotspots informed in this step.
-    pub newly_informed: u64,
-    /// Number of hotspots informed in this step or before.
-    pub informed: u64,
-    /// Number of hotspots confirmed in this step or before.
-    pub confirmed: u64,
-    /// True if every hotspot is confirmed and informed.
-    pub complete: bool,
-    /// True if this is the last step of the horizon, T_max.
-    pub at_horizon: bool,
-    /// Number of cells visited for the first time.
-    pub new_cells: u64,
-    /// Number of UAVs that moved into a cell visited before this step.
-    pub revisits: u64,
-    /// Energy spent by the fleet, in microjoules.
-    pub spent_uj: u64,
-    /// Carbon emitted by the fleet, in nanograms.
-    pub co2_ng: f64,
-    /// Mean normalised throughput over the fleet, η̄(t).
-    pub mean_throughput: f64,
-    /// Mean over confirmed hotspots of the fraction of UAVs that know them.
-    pub knowledge_spread: f64,
-    /// Fleet mean of the goal potential before the step.
-    pub goal_potential_before: f64,
-    /// Fleet mean of the goal potential after the step; 0 in a terminal state.
-    pub goal_potential_after: f64,
-    /// Fleet mean of the charging potential before the step.
-    pub charge_potential_before: f64,
-    /// Fleet mean of the charging potential after the step; 0 in a terminal state.
-    pub charge_potential_after: f64,
-}
-
-impl RewardPlan {
-    /// Converts each weight to the unit in which its quantity is counted.
-    #[must_use]
-    pub fn new(config: &Config) -> Self {
-        Self {
-            detect: config.reward_detect,
-            false_confirmation: config.reward_false_confirmation,
-            inform: config.reward_inform,
-            inform_once: config.inform_payment == InformPayment::Once,
-            complete: config.reward_complete,
-            coverage_per_cell: config.reward_coverage / config.cell_count() as f64,
-            energy_per_uj: config.penalty_energy_per_kwh
-                / crate::rules::energy::MICROJOULES_PER_KWH,
-            carbon_per_ng: config.penalty_carbon_per_kg / 1e12,
-            revisit: config.penalty_revisit,
-            truncation: config.penalty_truncation,
-            throughput: config.reward_throughput,
-            spread: config.reward_spread,
-            discount: config.shaping_discount,
-        }
-    }
-
+impl RewardConstants {
     /// Computes the components of R_t, in the order of [`NAMES`].
     #[inline(always)]
     #[must_use]
@@ -155,38 +42,6 @@ impl RewardPlan {
             self.shaping(step.goal_potential_before, step.goal_potential_after),
             self.shaping(step.charge_potential_before, step.charge_potential_after),
         ]
-    }
-
-    // The own terms, which apply to the fleet's totals as well as to one UAV's.
-
-    #[inline(always)]
-    pub(crate) fn coverage(&self, new_cells: f64) -> f64 {
-        self.coverage_per_cell * new_cells
-    }
-
-    #[inline(always)]
-    pub(crate) fn energy(&self, spent_uj: f64) -> f64 {
-        -(self.energy_per_uj * spent_uj)
-    }
-
-    #[inline(always)]
-    pub(crate) fn carbon(&self, co2_ng: f64) -> f64 {
-        -(self.carbon_per_ng * co2_ng)
-    }
-
-    #[inline(always)]
-    pub(crate) fn revisit(&self, revisits: f64) -> f64 {
-        -(self.revisit * revisits)
-    }
-
-    #[inline(always)]
-    pub(crate) fn throughput(&self, mean: f64) -> f64 {
-        self.throughput * mean
-    }
-
-    #[inline(always)]
-    pub(crate) fn shaping(&self, before: f64, after: f64) -> f64 {
-        self.discount * after - before
     }
 }
 
@@ -217,7 +72,8 @@ fn credit_in_blocks<const W: usize>(
 ) {
     for block in lanes::blocks::<W>(model.uav_count()) {
         let own = own_in(model, state, per_uav, billed, block);
-        let rows = state.own_rewards[block.first * OWN_KEPT..].chunks_exact_mut(OWN_KEPT);
+        let rows = state.own_rewards[block.first * crate::constants::reward::OWN_KEPT..]
+            .chunks_exact_mut(crate::constants::reward::OWN_KEPT);
         for (lane, row) in block.lanes().zip(rows) {
             for (value, lanes) in row.iter_mut().zip(&own) {
                 *value = lanes[lane];
@@ -273,7 +129,7 @@ fn own_in<const W: usize>(
 /// Shaping terms from the potentials before and after a step, all as bits of f64.
 #[inline(always)]
 fn gained<const W: usize>(
-    plan: &RewardPlan,
+    plan: &RewardConstants,
     before: &Lanes<u64, W>,
     after: &Lanes<u64, W>,
 ) -> Lanes<u64, W> {
@@ -285,21 +141,10 @@ fn gained<const W: usize>(
     gained
 }
 
-/// The reward R_t or R_i: the sum of the components, left to right.
-#[inline(always)]
-#[must_use]
-pub fn total(rewards: &Rewards) -> f64 {
-    let mut sum = 0.0;
-    for component in rewards {
-        sum += component;
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Preset;
+    use crate::config::{Config, Preset};
 
     #[test]
     fn mission_pays_informing_once_and_paper_at_every_step() {
@@ -308,7 +153,7 @@ mod tests {
             informed: 3,
             ..StepTotals::default()
         };
-        let inform = |preset| RewardPlan::new(&Config::preset(preset)).components(&step)[1];
+        let inform = |preset| RewardConstants::new(&Config::preset(preset)).components(&step)[1];
         assert_eq!(inform(Preset::Mission), 4.0);
         assert_eq!(inform(Preset::Paper), 12.0);
     }
@@ -329,7 +174,7 @@ mod tests {
             goal_potential_after: -0.5,
             ..StepTotals::default()
         };
-        let rewards = RewardPlan::new(&Config::default()).components(&step);
+        let rewards = RewardConstants::new(&Config::default()).components(&step);
         let expected = [
             14.0, 0.0, 10.0, 0.25, -0.2, -0.2, -0.03, -0.4, 1.0, 0.05, 0.525, 0.0,
         ];
@@ -344,7 +189,7 @@ mod tests {
 
     #[test]
     fn own_components_are_where_own_says() {
-        let plan = RewardPlan::new(&Config::default());
+        let plan = RewardConstants::new(&Config::default());
         let idle = plan.components(&StepTotals::default());
         let busy = plan.components(&StepTotals {
             new_cells: 1,

@@ -1,6 +1,7 @@
 //! The header of a state: its scalars, one word each.
 
-use crate::rules::reward::{COMPONENTS, KEPT, Rewards};
+use crate::constants::layout::HEADER_WORDS;
+use crate::constants::reward::{COMPONENTS, KEPT, Rewards};
 use crate::words::word::canonical_bits;
 
 /// Phase of an episode: the part of the step that came last, which decides what may be called next.
@@ -56,7 +57,9 @@ const RETURN: usize = 14;
 const REWARDS: usize = 15;
 
 /// Number of words of the header.
-pub const WORDS: usize = REWARDS + KEPT;
+pub const WORDS: usize = HEADER_WORDS;
+
+const _: () = assert!(WORDS == REWARDS + KEPT);
 
 /// A read-only view of the scalars of a state.
 #[derive(Clone, Copy, Debug)]

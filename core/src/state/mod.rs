@@ -26,10 +26,10 @@ pub(crate) mod validity;
 use self::header::{HeaderMut, HeaderRef};
 use crate::config::Cell;
 use crate::constants::layout::Layout;
+use crate::constants::reward::OWN_KEPT;
 use crate::error::Error;
 use crate::model::Model;
-use crate::rules::alarms::ALARMS_MAX;
-use crate::rules::reward::OWN_KEPT;
+use crate::radio::false_alarms::ALARMS_MAX;
 use crate::words::bits;
 use crate::words::word::canonical_bits;
 

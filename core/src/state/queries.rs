@@ -1,8 +1,7 @@
 //! What may be read from a state: the methods of [`StateRef`] that [`super::StateMut`] lacks.
 
 use super::StateRef;
-use crate::rules::reports;
-use crate::rules::reward::{self, OWN, OWN_KEPT, Rewards};
+use crate::constants::reward::{self, OWN, OWN_KEPT, Rewards};
 use crate::state::header::Phase;
 use crate::words::bits;
 
@@ -197,7 +196,7 @@ impl<'a> StateRef<'a> {
     /// The level at which UAV `i` knows a report of the cell with this row-major index, or 0.
     #[must_use]
     pub fn report_level(&self, i: usize, cell_index: usize) -> u32 {
-        reports::level(self.reports_of(i), self.layout.false_cells, cell_index)
+        bits::level(self.reports_of(i), self.layout.false_cells, cell_index)
     }
 
     /// Number of steps, at most the number of levels, in which UAV `i` saw a hotspot in the cell
@@ -206,7 +205,7 @@ impl<'a> StateRef<'a> {
     pub fn sighting_level(&self, i: usize, cell_index: usize) -> u32 {
         let row = self.layout.reports;
         let own = &self.sightings[i * row..(i + 1) * row];
-        reports::level(own, self.layout.false_cells, cell_index)
+        bits::level(own, self.layout.false_cells, cell_index)
     }
 
     /// Number of cells that were falsely confirmed when the fleet last sensed.
@@ -299,15 +298,15 @@ impl<'a> StateRef<'a> {
         self.header.grid_uj()
     }
 
-    /// Components of the team's last reward, in the order of [`crate::rules::reward::NAMES`].
+    /// Components of the team's last reward, in the order of [`crate::constants::reward::NAMES`].
     #[must_use]
     pub fn rewards(&self) -> Rewards {
         self.header.rewards()
     }
 
-    /// Components of the last reward of UAV `i`, in the order of [`crate::rules::reward::NAMES`].
+    /// Components of the last reward of UAV `i`, in the order of [`crate::constants::reward::NAMES`].
     ///
-    /// The components in [`crate::rules::reward::OWN`] are the UAV's own; the others are the team's.
+    /// The components in [`crate::constants::reward::OWN`] are the UAV's own; the others are the team's.
     #[inline]
     #[must_use]
     pub fn uav_rewards(&self, i: usize) -> Rewards {

@@ -4,8 +4,21 @@
 use crate::error::Error;
 use crate::lanes::{self, Lanes};
 use crate::model::Model;
-use crate::rules::graph;
 use crate::words::bits;
+
+/// Largest fleet for which checking every pair is faster than sorting the UAVs into buckets.
+const FEW: usize = 48;
+
+/// Number of UAVs with which a block is compared at a time. The table is read for all of them
+/// before the first comparison.
+pub(crate) const fn tile(width: usize) -> usize {
+    if width == 1 { lanes::WIDE } else { width }
+}
+
+/// Whether a fleet's links are found pair by pair. Each of its sets of UAVs is then one word.
+pub(crate) const fn by_pairs(uavs: usize) -> bool {
+    uavs <= FEW
+}
 
 /// Working memory for steps of the states of one model.
 #[derive(Debug)]
@@ -25,8 +38,8 @@ impl<'a> Scratch<'a> {
         let consensus = uavs + model.uav_words() + longest;
         let ending = UavStepScratch::WORDS * uavs + hotspots;
         let width = lanes::width_of(uavs);
-        let pairs = if graph::by_pairs(uavs) {
-            uavs + graph::tile(width) * width
+        let pairs = if by_pairs(uavs) {
+            uavs + tile(width) * width
         } else {
             0
         };
@@ -75,7 +88,7 @@ impl<'a> Scratch<'a> {
         uavs: usize,
     ) -> (&mut [u64], &mut [Lanes<u64, W>]) {
         let (sums, rest) = self.words.split_at_mut(uavs);
-        (sums, rest[..graph::tile(W) * W].as_chunks_mut().0)
+        (sums, rest[..tile(W) * W].as_chunks_mut().0)
     }
 
     /// The order of a graph traversal, the set of UAVs not yet reached, and the union of rows of a
@@ -139,6 +152,45 @@ pub(crate) struct UavStepScratch<'a> {
 impl UavStepScratch<'_> {
     /// Words per UAV.
     const WORDS: usize = 7;
+}
+
+/// Totals of a step over the fleet, from which the team's reward follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTotals {
+    /// Number of hotspots confirmed in this step.
+    pub newly_confirmed: u64,
+    /// Number of cells falsely confirmed in this step.
+    pub newly_false: u64,
+    /// Number of hotspots informed in this step.
+    pub newly_informed: u64,
+    /// Number of hotspots informed in this step or before.
+    pub informed: u64,
+    /// Number of hotspots confirmed in this step or before.
+    pub confirmed: u64,
+    /// True if every hotspot is confirmed and informed.
+    pub complete: bool,
+    /// True if this is the last step of the horizon, T_max.
+    pub at_horizon: bool,
+    /// Number of cells visited for the first time.
+    pub new_cells: u64,
+    /// Number of UAVs that moved into a cell visited before this step.
+    pub revisits: u64,
+    /// Energy spent by the fleet, in microjoules.
+    pub spent_uj: u64,
+    /// Carbon emitted by the fleet, in nanograms.
+    pub co2_ng: f64,
+    /// Mean normalised throughput over the fleet, η̄(t).
+    pub mean_throughput: f64,
+    /// Mean over confirmed hotspots of the fraction of UAVs that know them.
+    pub knowledge_spread: f64,
+    /// Fleet mean of the goal potential before the step.
+    pub goal_potential_before: f64,
+    /// Fleet mean of the goal potential after the step; 0 in a terminal state.
+    pub goal_potential_after: f64,
+    /// Fleet mean of the charging potential before the step.
+    pub charge_potential_before: f64,
+    /// Fleet mean of the charging potential after the step; 0 in a terminal state.
+    pub charge_potential_after: f64,
 }
 
 #[cfg(test)]

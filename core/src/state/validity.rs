@@ -1,13 +1,23 @@
 //! Invariants of every state that a run of the kernel can reach.
 
 use crate::config::{Cell, LearnedDetections};
+use crate::constants::carbon;
+use crate::constants::reward::OWN_KEPT;
 use crate::model::Model;
-use crate::rules::carbon;
-use crate::rules::potential;
-use crate::rules::reward::OWN_KEPT;
 use crate::state::StateRef;
 use crate::state::header::Phase;
 use crate::words::bits;
+
+/// Whether two potentials are legal for a UAV or a fleet: each within its weights, up to rounding.
+fn potentials_are_in_range(model: &Model<'_>, goal: f64, charge: f64) -> bool {
+    let config = model.config();
+    let slack = 1.000_001;
+    let farthest = 1.0 + config.shaping_unconfirmed_weight * model.hotspot_count() as f64;
+    goal >= -(config.shaping_goal_weight * farthest) * slack
+        && goal <= 0.0
+        && charge >= 0.0
+        && charge <= config.shaping_charge_weight * slack
+}
 
 impl StateRef<'_> {
     /// Whether this state keeps every invariant of the model.
@@ -307,7 +317,7 @@ impl StateRef<'_> {
             && header.co2_ng() <= steps * step_ng
             && header.mean_throughput() >= 0.0
             && header.mean_throughput() <= THROUGHPUT_MAX
-            && potential::is_in_range(model, header.goal_potential(), header.charge_potential())
+            && potentials_are_in_range(model, header.goal_potential(), header.charge_potential())
             && self.uav_rewards_are_valid(model)
     }
 
@@ -318,7 +328,7 @@ impl StateRef<'_> {
         for i in 0..model.uav_count() {
             let (goal, charge) = (self.goal_potential(i), self.charge_potential(i));
             numbers &= !is_negative_zero(goal) && !is_negative_zero(charge);
-            numbers &= potential::is_in_range(model, goal, charge);
+            numbers &= potentials_are_in_range(model, goal, charge);
             for slot in 0..OWN_KEPT {
                 let own = f64::from_bits(self.own_rewards[i * OWN_KEPT + slot]);
                 numbers &= own.is_finite() && !is_negative_zero(own);

@@ -27,6 +27,18 @@ pub const fn assign(row: &mut [u64], index: usize, value: bool) {
     row[index / 64] = row[index / 64] & !mask | if value { mask } else { 0 };
 }
 
+/// The number of nested sets that have bit `index`, of sets of `words` words each.
+#[inline]
+#[must_use]
+pub fn level(sets: &[u64], words: usize, index: usize) -> u32 {
+    let (mut level, mut begin) = (0, 0);
+    while begin < sets.len() {
+        level += u32::from(get(&sets[begin..], index));
+        begin += words;
+    }
+    level
+}
+
 /// The bits of word `word` that belong to a set of `count` bits.
 #[inline(always)]
 #[must_use]

@@ -1,8 +1,70 @@
-//! Search maps: the cells that a UAV has searched, and the fractions of a map that are unsearched.
-//! Maps spread over the radio graph as knowledge does ([`crate::rules::knowledge::consensus`]).
+//! Cells of a grid, distances between them, and discs of cells.
 
-use crate::config::{Cell, Config};
-use crate::words::bits;
+use super::bits;
+
+/// A cell of the grid: x in 0..W, y in 0..H. In files a pair `[x, y]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "(u32, u32)", into = "(u32, u32)"))]
+pub struct Cell {
+    /// Column, from 0 to W - 1.
+    pub x: u32,
+    /// Row, from 0 to H - 1; up is +y.
+    pub y: u32,
+}
+
+impl From<(u32, u32)> for Cell {
+    fn from((x, y): (u32, u32)) -> Self {
+        Self { x, y }
+    }
+}
+
+impl From<Cell> for (u32, u32) {
+    fn from(cell: Cell) -> Self {
+        (cell.x, cell.y)
+    }
+}
+
+impl Cell {
+    /// Manhattan distance in cells.
+    #[inline]
+    #[must_use]
+    pub const fn manhattan(self, other: Self) -> u32 {
+        self.x.abs_diff(other.x) + self.y.abs_diff(other.y)
+    }
+
+    /// One word of the state.
+    #[inline]
+    #[must_use]
+    pub const fn to_word(self) -> u64 {
+        self.x as u64 | (self.y as u64) << 32
+    }
+
+    /// The cell of a word of the state.
+    #[inline]
+    #[must_use]
+    pub const fn from_word(word: u64) -> Self {
+        Self {
+            x: word as u32,
+            y: (word >> 32) as u32,
+        }
+    }
+}
+
+/// Index of the nearest cell by Manhattan distance, and that distance; ties go to the lowest index.
+///
+/// For an empty list: index 0, distance `u32::MAX`.
+#[must_use]
+pub fn nearest(from: Cell, cells: &[Cell]) -> (usize, u32) {
+    let mut best = (0, u32::MAX);
+    for (index, &cell) in cells.iter().enumerate() {
+        let distance = from.manhattan(cell);
+        if distance < best.1 {
+            best = (index, distance);
+        }
+    }
+    best
+}
 
 /// The disc of cells that a UAV searches: offsets from its own cell with Δx² + Δy² ≤ `squared`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,12 +76,6 @@ pub struct Disc {
 impl Disc {
     /// The longest squared distance on the largest grid.
     pub(crate) const SQUARED_MAX: u32 = 2 * 1023 * 1023;
-
-    /// The cells within `search_map_radius_m`.
-    #[must_use]
-    pub fn of(config: &Config) -> Self {
-        Self::from_radius(config.search_map_radius_m, config.cell_size_m)
-    }
 
     /// The cells within a radius, both in metres.
     #[must_use]
@@ -73,54 +129,4 @@ impl Disc {
             }
         }
     }
-}
-
-/// Number of directions for which an observation has the unsearched fraction.
-pub const DIRECTIONS: usize = 8;
-
-/// Writes the unsearched fraction of the cells in each direction from `cell`.
-///
-/// The order is right, up-right, up, and so on counterclockwise. A cell lies up if |Δx| < |Δy|/2,
-/// right if |Δy| < |Δx|/2, and up-right between. A direction without cells has a fraction of 0.
-pub(crate) fn unsearched_shares(map: &[u64], cell: Cell, width: u32, height: u32, out: &mut [f32]) {
-    let (mut cells, mut searched) = ([0usize; DIRECTIONS], [0usize; DIRECTIONS]);
-    for y in 0..height {
-        let away = y.abs_diff(cell.y);
-        // In this row, |Δx| below `straight` means up or down, and |Δx| above 2 `away` right or
-        // left.
-        let straight = if away == 0 { 1 } else { away.div_ceil(2) };
-        let diagonal = 2 * away + 1;
-        let row = (y * width) as usize;
-        let sides = if y > cell.y { [3, 2, 1] } else { [5, 6, 7] };
-        let bounds = [
-            0,
-            (cell.x + 1).saturating_sub(diagonal),
-            (cell.x + 1).saturating_sub(straight),
-            cell.x + straight,
-            cell.x + diagonal,
-            width,
-        ];
-        let directions = [4, sides[0], sides[1], sides[2], 0];
-        for part in 0..directions.len() {
-            let begin = at_most(bounds[part], width) as usize;
-            let end = at_most(bounds[part + 1], width) as usize;
-            // The UAV's own cell lies in no direction.
-            let own = away == 0 && part == 2;
-            if begin < end && !own {
-                cells[directions[part]] += end - begin;
-                searched[directions[part]] += bits::count_range(map, row + begin, row + end);
-            }
-        }
-    }
-    for direction in 0..DIRECTIONS {
-        out[direction] = if cells[direction] == 0 {
-            0.0
-        } else {
-            ((cells[direction] - searched[direction]) as f64 / cells[direction] as f64) as f32
-        };
-    }
-}
-
-fn at_most(value: u32, bound: u32) -> u32 {
-    if value < bound { value } else { bound }
 }

@@ -5,4 +5,5 @@ pub(crate) mod geometry;
 pub mod hash;
 pub(crate) mod printable;
 pub mod rng;
+pub(crate) mod units;
 pub(crate) mod word;

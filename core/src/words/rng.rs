@@ -4,8 +4,6 @@
 //! 3", SC 2011. Every draw is a pure function of (seed, step, UAV, item, purpose): none depends on
 //! another having been made, nor on order, batch or thread.
 
-use crate::lanes::Lanes;
-
 const MULTIPLIER_0: u32 = 0xD251_1F53;
 const MULTIPLIER_1: u32 = 0xCD9E_8D57;
 /// Weyl constants that bump the key between rounds: the golden ratio and sqrt(3) - 1.
@@ -79,10 +77,10 @@ pub fn block(seed: u64, step: u32, uav: u32, block: u32, purpose: Purpose) -> [u
 pub(crate) fn blocks<const W: usize>(
     seed: u64,
     step: u32,
-    uavs: &Lanes<u32, W>,
+    uavs: &[u32; W],
     index: u32,
     purpose: Purpose,
-) -> [Lanes<u32, W>; 4] {
+) -> [[u32; W]; 4] {
     let mut words = [[0; W]; 4];
     let [first, second, third, fourth] = &mut words;
     for lane in 0..W {
