@@ -19,7 +19,7 @@ mkdirSync(folder, { recursive: true });
 const browser = await openBrowser();
 try {
   const address = pathToFileURL(resolve(page)).href;
-  const view = await browser.openPage(`${address}#m=${encodeURIComponent(mission)}`);
+  const view = await browser.openPage(`${address}#m=${encodeURIComponent(mission)}&t=0`);
   await view.evaluate(`new Promise((done) => {
     const isShown = () => document.querySelector('#hash').textContent;
     const look = () => (isShown() ? done() : setTimeout(look, 50));

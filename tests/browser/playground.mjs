@@ -10,6 +10,7 @@ import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { openBrowser } from './devtools.mjs';
+import { isReadable } from './readable.mjs';
 
 const [pagePath, command, pictures] = process.argv.slice(2);
 if (!pagePath || !command) {
@@ -234,6 +235,67 @@ async function fitsAPhone(page) {
   assert.deepEqual(nameless, [], 'inputs without a label');
 }
 
+/** The map, its transport and the scenes share a laptop's screen; map and transport a phone's. */
+async function fitsOneScreen(page) {
+  const screens = [
+    [1280, 800, ['.field', '#play', '#scrub', '#scenes', '#steer']],
+    [390, 844, ['.field', '#play', '#scrub']],
+  ];
+  for (const [width, height, shown] of screens) {
+    await page.call('Emulation.setDeviceMetricsOverride', {
+      width,
+      height,
+      deviceScaleFactor: 1,
+      mobile: width < 600,
+    });
+    await page.evaluate('scrollTo(0, 0)');
+    for (const selector of shown) {
+      const { top, bottom } = await page.evaluate(
+        `document.querySelector('${selector}').getBoundingClientRect().toJSON()`,
+      );
+      assert.ok(top >= 0 && bottom <= height, `${selector}: ${top} to ${bottom} of ${height} px`);
+    }
+  }
+  await page.call('Emulation.clearDeviceMetricsOverride');
+}
+
+/** A link that cannot be flown says why, and the first scene flies. */
+async function brokenLinks(browser, base) {
+  for (const [mission, reason] of [
+    ['{"policy":"nobody"}', 'policy = nobody'],
+    ['{"set":null}', 'set must be an object'],
+    ['{"preset":"moon"}', 'moon'],
+    ['{', 'JSON'],
+  ]) {
+    const page = await open(browser, `${base}#m=${encodeURIComponent(mission)}`);
+    const said = await text(page, '#problem');
+    assert.ok(said.includes(reason), `${mission}: ${said}`);
+    assert.ok(said.includes('the first scene instead'), said);
+    await page.close();
+  }
+}
+
+/** A tap beside a steered UAV sends it there. */
+async function tapsSteer(page) {
+  await page.press('Home');
+  await page.press('u', 'u');
+  await click(page, '#steer');
+  const from = await page.evaluate(
+    `(() => {
+      const box = document.querySelector('.uav.selected').getBoundingClientRect();
+      return [box.x + box.width / 2, box.y + box.height / 2];
+    })()`,
+  );
+  await page.evaluate(
+    `document.elementFromPoint(${from[0] - 90}, ${from[1]}).dispatchEvent(new MouseEvent('click', {
+      bubbles: true, clientX: ${from[0] - 90}, clientY: ${from[1]},
+    }))`,
+  );
+  await page.until('decodeURIComponent(location.hash).includes(\'"motion":2\')');
+  await click(page, '#steer');
+  await click(page, '#undo');
+}
+
 /** A mission of a hundred UAVs that lasts until the horizon. */
 const LARGE = { policy: 'random', set: { uav_count: 100, hotspot_count: 11, quorum: 100 } };
 const FRAMES = 130;
@@ -265,9 +327,14 @@ try {
   await sameBits(browser, served);
   for (const base of [file, served]) {
     const page = await open(browser, base);
+    await page.until('document.querySelector("#play").classList.contains("playing")');
     await controlsWork(page);
     await hotspotsCanBeDragged(page);
     await fitsAPhone(page);
+    await tapsSteer(page);
+    await fitsOneScreen(page);
+    await isReadable(page);
+    await brokenLinks(browser, base);
     assert.deepEqual(page.complaints, [], 'console errors');
     assert.deepEqual(
       page.requests.filter(

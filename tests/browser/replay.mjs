@@ -9,6 +9,7 @@ import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { openBrowser } from './devtools.mjs';
+import { isReadable } from './readable.mjs';
 
 const [tracePath, pagePath, pictures] = process.argv.slice(2);
 if (!tracePath || !pagePath) {
@@ -185,10 +186,12 @@ try {
   const page = await browser.openPage(url);
   const { title } = await page.evaluate(SHOWN);
   assert.ok(title.includes(header.policy) && title.includes(header.seed), `title ${title}`);
+  assert.equal((await page.evaluate(SHOWN)).playing, true, 'the page plays by itself');
   await everyStepAgrees(page);
   await keysWork(page);
   await playingReachesTheEnd(page);
   await narrowScreenFits(page);
+  await isReadable(page);
   const linked = await addressOpensItsStep(browser);
   if (pictures) await keepPictures(browser);
   for (const { complaints, requests } of [page, linked]) {

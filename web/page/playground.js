@@ -1,7 +1,7 @@
 // The mission that runs, and the person's interventions. A mission is a pure function of `mission`;
 // every change runs it anew.
 
-const ask = await openKernel();
+const ask = openKernel();
 const about = await ask({ ask: 'about' });
 const MOTIONS = { ArrowUp: 0, ArrowDown: 1, ArrowLeft: 2, ArrowRight: 3, '.': 4 };
 /** Inputs that stand for a field of the configuration. */
@@ -12,39 +12,43 @@ const INPUTS = {
   quorum: 'quorum',
   link: 'link_throughput_min',
 };
+/** A mission without a policy flies the default policy of its preset. */
 const START = {
   preset: 'mission',
   set: {},
-  policy: 'teams',
+  policy: null,
   pilot: 'adaptive',
   seed: 1,
   moved: [],
   interventions: [],
 };
 
-let mission = readMission() ?? structuredClone(START);
+let mission = structuredClone(START);
 let steering = false;
 let flying = null;
 /** For each UAV its planned trajectories: pairs of the first step and the cells from then on. */
 let plans = [];
 let planLines = null;
 
+const busy = document.createElement('p');
+busy.className = 'busy';
+busy.setAttribute('role', 'status');
+busy.hidden = true;
+document.querySelector('.stage-card').append(busy);
+// What is refused is said above the map, where a phone shows it, too.
+document.querySelector('main').before($('problem'));
 fillChoices();
 listen();
 around.address = () => `m=${encodeURIComponent(JSON.stringify(difference()))}&`;
 around.onKey = onMissionKey;
 around.drawn = describeSelection;
-addEventListener('hashchange', () => {
+addEventListener('hashchange', async () => {
   const asked = readMission();
-  if (asked && JSON.stringify(asked) !== JSON.stringify(mission)) {
-    mission = asked;
-    fly();
-  } else {
-    readAddress();
-  }
+  if (asked && JSON.stringify(asked) !== JSON.stringify(mission)) await openLink(asked);
+  readAddress();
 });
 const opening = location.hash;
-await fly(0);
+await openLink(readMission() ?? mission);
 // Showing the mission replaced the address; the old address has the requested step and selection.
 history.replaceState(null, '', opening || location.pathname);
 readAddress();
@@ -54,10 +58,25 @@ function readMission() {
   const text = new URLSearchParams(location.hash.slice(1)).get('m');
   if (!text) return undefined;
   try {
-    return { ...structuredClone(START), ...JSON.parse(text) };
-  } catch {
-    return undefined;
+    const asked = { ...structuredClone(START), ...JSON.parse(text) };
+    const lists = [asked.moved, asked.interventions];
+    if (!asked.set || typeof asked.set !== 'object' || !lists.every(Array.isArray))
+      throw new Error('set must be an object, moved and interventions lists.');
+    return asked;
+  } catch ({ message }) {
+    return { ...structuredClone(START), unreadable: message };
   }
+}
+
+/** Flies the mission of a link. If it cannot be flown, says why and flies the first scene. */
+async function openLink(asked) {
+  mission = asked;
+  const problem = asked.unreadable ?? await fly(0);
+  if (!problem) return;
+  mission = structuredClone(START);
+  await fly(0);
+  const why = problem.replace(/\.?$/, '.');
+  say(`The mission of this link cannot be flown: ${why} Here is the first scene instead.`);
 }
 
 function difference() {
@@ -66,13 +85,32 @@ function difference() {
 }
 
 function valueOf(field) {
-  return mission.set[field] ?? about.presets[mission.preset][field] ?? null;
+  return mission.set?.[field] ?? about.presets[mission.preset]?.[field] ?? null;
 }
 
 function fillChoices() {
+  $('scenes').replaceChildren(...about.scenes.map(({ name, summary, mission: scene }) => {
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.append(...[['b', name], ['span', summary]].map(([tag, text]) => {
+      const part = document.createElement(tag);
+      part.textContent = text;
+      return part;
+    }));
+    button.addEventListener('click', () => openScene(scene));
+    return button;
+  }));
+  const keys = [
+    ['n', 'another seed'],
+    ['← → ↑ ↓', 'while you steer: fly the UAV one cell'],
+    ['.', 'while you steer: let the UAV stay'],
+  ];
+  $('keys').insertAdjacentHTML('beforeend', keys.map(([key, text]) => (
+    `<dt>${key.split(' ').map((one) => `<kbd>${one}</kbd>`).join(' ')}</dt><dd>${text}</dd>`
+  )).join(''));
   const options = (names) => names.map((name) => new Option(name, name));
   $('preset').replaceChildren(...options(Object.keys(about.presets)));
-  $('policy').replaceChildren(...options(about.policies));
+  $('policy').replaceChildren(...options(about.policies.map(({ name }) => name)));
   $('field').replaceChildren(...options(about.fields.map(({ name }) => name)));
   describeField();
 }
@@ -81,16 +119,13 @@ function listen() {
   $('controls').addEventListener('submit', (event) => event.preventDefault());
   for (const [id, field] of Object.entries(INPUTS)) {
     $(id).addEventListener('change', () => {
-      if (!$(id).checkValidity()) return;
       set(field, $(id).value === '' ? undefined : Number($(id).value));
     });
   }
-  $('preset').addEventListener('change', () => change({ preset: $('preset').value }));
+  $('preset').addEventListener('change', () => change({ preset: $('preset').value, policy: null }));
   $('policy').addEventListener('change', () => change({ policy: $('policy').value }));
   $('pilot').addEventListener('change', () => change({ pilot: $('pilot').value.trim() }));
-  $('seed').addEventListener('change', () => {
-    if ($('seed').checkValidity()) newSeed(Number($('seed').value));
-  });
+  $('seed').addEventListener('change', () => newSeed(Number($('seed').value)));
   $('dice').addEventListener('click', () => newSeed(mission.seed + 1));
   $('field').addEventListener('change', describeField);
   $('apply').addEventListener('click', () => set($('field').value, read($('value').value)));
@@ -99,6 +134,20 @@ function listen() {
   $('undo').addEventListener('click', undo);
   $('copy').addEventListener('click', () => navigator.clipboard?.writeText(location.href));
   $('stage').addEventListener('pointerdown', beginDrag);
+  // While a UAV is steered, a tap is a direction and selects nothing.
+  $('stage').addEventListener('click', steerByTap, { capture: true });
+}
+
+function openScene(scene) {
+  mission = { ...structuredClone(START), ...structuredClone(scene) };
+  takeControls(false);
+  player.selection = {};
+  fly(0).then((problem) => { if (!problem && !stillness.matches) setPlaying(true); });
+}
+
+function say(problem) {
+  $('problem').hidden = !problem;
+  $('problem').textContent = problem;
 }
 
 /** Reads a value as a person types it: a number, null, or a word. */
@@ -119,7 +168,11 @@ function set(field, value) {
 
 /** Another seed is another mission, in which earlier interventions have no meaning. */
 function newSeed(seed) {
-  change({ seed: seed % 2 ** 32, moved: [], interventions: [] }, 0);
+  if (!(Number.isInteger(seed) && seed >= 0 && seed < 2 ** 32)) {
+    say(`seed = ${seed}: must be a whole number from 0 to ${2 ** 32 - 1}`);
+    return;
+  }
+  change({ seed, moved: [], interventions: [] }, 0);
 }
 
 async function change(part, time = player.time) {
@@ -127,24 +180,31 @@ async function change(part, time = player.time) {
   await fly(time);
 }
 
-/** Runs the mission and shows it at `time`. A change during a run starts another run after it. */
+/** Runs the mission and shows it at `time`. A change during a run starts another run after it.
+ * Returns why the mission cannot be flown, or ''. */
 async function fly(time = player.time) {
-  if (flying) { flying.again = time; return; }
+  if (flying) { flying.again = time; return ''; }
   flying = {};
-  const { preset, set: fields, ...rest } = mission;
+  const sign = setTimeout(() => {
+    busy.textContent = 'Computing the mission …';
+    busy.hidden = false;
+  }, 250);
+  const { preset, set: fields, policy, ...rest } = mission;
+  const named = policy === null ? {} : { policy };
   let answer;
   try {
-    answer = await ask({ ask: 'fly', config: { preset, ...fields }, ...rest });
+    answer = await ask({ ask: 'fly', config: { preset, ...fields }, ...named, ...rest });
   } catch (error) {
     answer = { error: error.message };
   }
+  clearTimeout(sign);
+  busy.hidden = true;
   const { again } = flying;
   flying = null;
   showControls();
-  $('problem').hidden = !answer.error;
-  $('problem').textContent = answer.error ?? '';
+  say(answer.error ?? '');
   if (!answer.error) show(answer, time);
-  if (again !== undefined) await fly(again);
+  return again === undefined ? answer.error ?? '' : fly(again);
 }
 
 function show({ episode: data, radar, plans: planned }, time) {
@@ -155,6 +215,7 @@ function show({ episode: data, radar, plans: planned }, time) {
   plans = planned;
   planLines = element($('stage'), 'path', { class: 'planned' });
   $('stage').querySelector('.tails').after(planLines);
+  document.querySelector('.legend .of-plans').hidden = !plans.some((lines) => lines.length);
   $('footer').textContent = `jcas ${version}; configuration ${hash}. `
     + 'The address holds the whole mission. Press ? for the keys.';
   const sizes = `N = ${config.uav_count}, n = ${config.hotspot_count}`;
@@ -165,7 +226,15 @@ function show({ episode: data, radar, plans: planned }, time) {
 
 function showControls() {
   for (const [id, field] of Object.entries(INPUTS)) $(id).value = valueOf(field) ?? '';
-  for (const id of ['preset', 'policy', 'pilot', 'seed']) $(id).value = mission[id];
+  for (const id of ['preset', 'pilot', 'seed']) $(id).value = mission[id];
+  const policy = mission.policy ?? about.default_policies[mission.preset];
+  $('policy').value = policy;
+  const described = about.policies.find(({ name }) => name === policy);
+  $('policy-note').textContent = described ? `${policy}: ${described.summary}.` : '';
+  [...$('scenes').children].forEach((button, index) => {
+    const scene = { ...structuredClone(START), ...about.scenes[index].mission };
+    button.setAttribute('aria-pressed', JSON.stringify(scene) === JSON.stringify(mission));
+  });
   $('overrides').replaceChildren(...Object.entries(mission.set).map(([field, value]) => {
     const item = document.createElement('li');
     const button = document.createElement('button');
@@ -176,6 +245,7 @@ function showControls() {
     item.append(button);
     return item;
   }));
+  if (document.activeElement !== $('value')) describeField();
   $('undo').disabled = !mission.interventions.length && !mission.moved.length;
 }
 
@@ -234,18 +304,42 @@ function describeSelection(t) {
   $('steer').disabled = uav === undefined;
   $('ground').disabled = uav === undefined || t >= episode.lastStep;
   $('intervention-note').textContent = steering
-    ? `UAV ${uav} is yours: the arrow keys fly it a cell, "." lets it stay.`
+    ? `UAV ${uav} is yours: an arrow key or a tap on the map flies it one cell; "." or a tap on ` +
+      'its own cell lets it stay.'
     : uav !== undefined
       ? `UAV ${uav} is selected.`
-      : 'Select a UAV to steer or ground it; drag a hotspot to move it.';
+      : 'Select a UAV (tap it, or press u) to steer or ground it; drag a hotspot to move it.';
 }
 
 function takeControls(on) {
   steering = on;
   $('steer').setAttribute('aria-pressed', on);
+  $('stage').classList.toggle('steered', on);
   if (on) document.activeElement?.blur();
   setPlaying(false);
   describeSelection(Math.floor(player.time));
+}
+
+/** Steers toward the tapped cell, along the longer of its two distances. */
+function steerByTap(event) {
+  const { uav } = player.selection;
+  if (!steering || uav === undefined) return;
+  event.stopPropagation();
+  const [x, y] = cellAt(event);
+  const [ownX, ownY] = episode.frames[Math.floor(player.time)].positions[uav];
+  const [dx, dy] = [x - ownX, y - ownY];
+  if (dx === 0 && dy === 0) steer(MOTIONS['.']);
+  else if (Math.abs(dx) > Math.abs(dy)) steer(dx > 0 ? MOTIONS.ArrowRight : MOTIONS.ArrowLeft);
+  else steer(dy > 0 ? MOTIONS.ArrowUp : MOTIONS.ArrowDown);
+}
+
+/** The cell of the map under a pointer. */
+function cellAt(pointer) {
+  const { grid_width: width, grid_height: height } = episode.config;
+  const toStage = $('stage').getScreenCTM().inverse();
+  const { x, y } = new DOMPoint(pointer.clientX, pointer.clientY).matrixTransform(toStage);
+  const within = (value, count) => Math.min(count - 1, Math.max(0, Math.floor(value / CELL)));
+  return [within(x, width), height - 1 - within(y, height)];
 }
 
 /** Steers step t of a UAV in place of an earlier decision, and shows that step. */
@@ -284,19 +378,13 @@ function onMissionKey(event) {
 /** A hotspot follows the pointer; the mission runs with the cell where it is dropped. */
 function beginDrag(event) {
   const group = event.target.closest('.hotspot');
-  if (!group) return;
+  if (!group || steering) return;
   const stage = $('stage');
   const hotspot = Number(group.dataset.hotspot);
-  const { grid_width: width, grid_height: height } = episode.config;
+  const { grid_height: height } = episode.config;
   const from = `${episode.header.hotspots[hotspot]}`;
   let cell = null;
 
-  const cellAt = (pointer) => {
-    const toStage = stage.getScreenCTM().inverse();
-    const { x, y } = new DOMPoint(pointer.clientX, pointer.clientY).matrixTransform(toStage);
-    const within = (value, count) => Math.min(count - 1, Math.max(0, Math.floor(value / CELL)));
-    return [within(x, width), height - 1 - within(y, height)];
-  };
   const move = (pointer) => {
     cell = cellAt(pointer);
     group.classList.add('dragged');

@@ -1,8 +1,9 @@
 //! The fields, presets and policies that a page offers.
 
 use crate::mission::SHIPPED;
+use crate::scenes::scenes;
 use jcas_core::{Config, Preset};
-use jcas_policy::named_policies;
+use jcas_policy::{BaselineKind, named_policies};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -16,7 +17,8 @@ struct Field {
     doc: &'static str,
 }
 
-/// Returns the fields with unit and range, each preset's values, and all policies' names, in JSON.
+/// Returns the fields with unit and range, each preset's values and default policy, all policies with
+/// what they do, and the scenes, in JSON.
 pub(crate) fn about() -> String {
     let fields: Vec<Field> = Config::FIELDS
         .iter()
@@ -32,14 +34,28 @@ pub(crate) fn about() -> String {
         .iter()
         .map(|preset| (preset.name().to_owned(), json!(Config::preset(*preset))))
         .collect();
-    let shipped = SHIPPED.iter().map(|(name, _)| *name);
-    let named = named_policies().map(|policy| policy.name);
-    let policies: Vec<&str> = named.chain(shipped).collect();
+    let default_policies: Map<String, Value> = Preset::ALL
+        .iter()
+        .map(|preset| {
+            let kind = BaselineKind::default_for(&Config::preset(*preset));
+            (preset.name().to_owned(), json!(kind.name()))
+        })
+        .collect();
+    let named = named_policies().map(|policy| (policy.name, policy.summary));
+    let shipped = SHIPPED
+        .iter()
+        .map(|(name, _)| (*name, "a network that was trained"));
+    let policies: Vec<Value> = named
+        .chain(shipped)
+        .map(|(name, summary)| json!({ "name": name, "summary": summary }))
+        .collect();
     json!({
         "version": jcas_core::VERSION,
         "fields": fields,
         "presets": presets,
         "policies": policies,
+        "default_policies": default_policies,
+        "scenes": scenes(),
         "largest": { "uavs": super::mission::MOST_UAVS, "cells": super::mission::MOST_CELLS },
     })
     .to_string()

@@ -13,6 +13,7 @@ pub mod about;
 mod lines;
 pub mod mission;
 pub mod page;
+mod scenes;
 #[cfg(target_family = "wasm")]
 mod wasm;
 

@@ -45,8 +45,9 @@ pub struct Mission {
     /// A configuration as `jcas` reads it: fields over a preset.
     #[serde(default)]
     config: Map<String, Value>,
-    /// Name of a baseline, of a policy that plans or of a shipped policy.
-    policy: String,
+    /// Name of a baseline, of a policy that plans or of a shipped policy. Without it the default one
+    /// of the configuration flies.
+    policy: Option<String>,
     /// Pilot mode: a number, `min`, `mid`, `max` or `adaptive`.
     pilot: String,
     /// Seed of the episode.
@@ -112,15 +113,17 @@ impl Mission {
     }
 
     fn pilot(&self, model: &Model<'_>) -> Result<Flyer, String> {
-        if let Some((name, bytes)) = SHIPPED.iter().find(|(name, _)| *name == self.policy) {
+        let default = BaselineKind::default_for(model.config()).name();
+        let policy = self.policy.as_deref().unwrap_or(default);
+        if let Some((name, bytes)) = SHIPPED.iter().find(|(name, _)| *name == policy) {
             let trained = Trained::read(name, bytes).map_err(|error| error.to_string())?;
             trained.check(model).map_err(|error| error.to_string())?;
             return Ok(Flyer::Other(Box::new(trained)));
         }
-        if let Some(kind) = PlannedKind::named(&self.policy) {
+        if let Some(kind) = PlannedKind::named(policy) {
             return Ok(Flyer::Planned(planned(kind, model)?));
         }
-        let kind = BaselineKind::named(&self.policy).map_err(|error| error.to_string())?;
+        let kind = BaselineKind::named(policy).map_err(|error| error.to_string())?;
         let pilot = PilotMode::named(&self.pilot).map_err(|error| error.to_string())?;
         let baseline = kind
             .build(model, pilot)

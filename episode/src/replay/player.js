@@ -78,12 +78,28 @@ function writeHeader() {
   $('result').className = `badge ${end.terminated ? 'success' : 'failure'}`;
   $('pilot-low').textContent = config.pilot_density_min.toFixed(2);
   $('pilot-high').textContent = config.pilot_density_max.toFixed(2);
-  for (const [key, list] of [['of-alarms', 'false_alarms'], ['of-reports', 'reports']]) {
-    for (const node of document.querySelectorAll(`.${key}`)) node.hidden = !frames[lastStep][list];
-  }
+  writeLegend();
   $('footer').textContent =
     `Recorded by jcas ${header.core_version}; configuration ${header.config_hash}. ` +
     'The page is one file and loads nothing. Press ? for the keys.';
+}
+
+/** The legend has what this episode draws. */
+function writeLegend() {
+  const { frames, lastStep, config, searchedAt } = episode;
+  const lowest = config.rtb_threshold_kwh / config.battery_capacity_kwh;
+  const drawn = {
+    'of-alarms': frames[lastStep].false_alarms,
+    'of-reports': frames[lastStep].reports,
+    'of-searched': searchedAt,
+    'of-plans': false,
+    'of-low': frames.some((frame) => frame.soc.some((soc) => soc < lowest)),
+    'of-returning': frames.some((frame) => frame.returning.size),
+    'of-grounded': frames.some((frame) => frame.grounded.size),
+  };
+  for (const [key, is] of Object.entries(drawn)) {
+    for (const node of document.querySelectorAll(`.legend .${key}`)) node.hidden = !is;
+  }
 }
 
 /** A small seed is shown in decimal, as people type it; a derived one as in the trace. */
@@ -193,6 +209,9 @@ function draw() {
   parts.inspector(player.time, t, selection, changed);
   parts.fleet(t, selection, changed, player.playing);
   if (!changed) return;
+  for (const node of document.querySelectorAll('.legend .of-selection'))
+    node.hidden = selection.uav === undefined ||
+      (node.classList.contains('of-alarms') && !episode.frames[episode.lastStep].false_alarms);
   parts.tiles(t);
   parts.events(t);
   parts.rewards(t);
@@ -215,7 +234,7 @@ function caption(t) {
   const now = episode.events.filter((event) => event.t === t).map((event) => event.text);
   if (now.length)
     return `${now.slice(0, 4).join('. ')}${now.length > 4 ? `, and ${now.length - 4} more` : ''}.`;
-  if (t === 0) return 'The fleet stands at the depot. Press space to play.';
+  if (t === 0) return 'The fleet stands at its start. Press space to play.';
   const frame = episode.frames[t];
   return (
     `${frame.confirmed.size} of ${episode.hotspotCount} hotspots confirmed, ` +
@@ -234,6 +253,8 @@ function readAddress() {
   player.selection = uav !== undefined ? { uav } : hotspot !== undefined ? { hotspot } : {};
   setPlaying(false);
   seek(number('t', episode.lastStep + 1) ?? 0);
+  // A page that is opened without a step plays by itself.
+  if (!parameters.has('t') && !stillness.matches) setPlaying(true);
 }
 
 function writeAddress() {

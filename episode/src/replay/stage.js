@@ -1,6 +1,10 @@
 // The map: the objects on the grid at a moment between two steps.
 
 const CELL = 40;
+/** The smallest text on the screen. */
+const READABLE_PX = 11;
+/** The largest font of a name that its UAV's disc has room for. */
+const WIDEST_NAME = 16;
 const SVG = 'http://www.w3.org/2000/svg';
 
 function element(parent, name, attributes = {}) {
@@ -60,6 +64,14 @@ function createStage(svg, episode, onSelect) {
   const counts = element(svg, 'g', { class: 'counts' });
   const layouts = episode.frames.map(() => null);
   let placedHotspots = header.hotspots;
+  /** Units of the map in a pixel of the screen. */
+  let unitsPerPx = 1;
+  /** What drawStep has drawn last. */
+  let lastStep = null;
+  fit();
+  // The observer of an earlier episode in the same picture ends with its first call.
+  const observer = new ResizeObserver(() => (fleet.isConnected ? fit() : observer.disconnect()));
+  observer.observe(svg);
 
   return { draw };
 
@@ -71,8 +83,7 @@ function createStage(svg, episode, onSelect) {
     element(svg, 'path', { class: 'gridlines', d: lines });
     const every = Math.ceil(Math.max(config.grid_width, config.grid_height) / 16);
     const label = (x, y, text) => {
-      element(svg, 'text', { class: 'axis-label', x, y, 'font-size': glyph * 0.27 }).textContent =
-        text;
+      element(svg, 'text', { class: 'axis-label', x, y, 'data-size': 0.27 }).textContent = text;
     };
     for (let x = 0; x < config.grid_width; x += every)
       label((x + 0.5) * CELL, height + margin * 0.5, x);
@@ -206,8 +217,8 @@ function createStage(svg, episode, onSelect) {
   /** The number stands above the UAVs, so that it is readable while they gather on the hotspot. */
   function drawTag(cell, id) {
     const group = element(svg, 'g', { class: 'hotspot-tag', transform: tagPlace(cell) });
-    element(group, 'circle', { r: glyph * 0.2 });
-    element(group, 'text', { 'font-size': glyph * 0.24 }).textContent = id;
+    element(group, 'circle');
+    element(group, 'text', { 'data-size': 0.24 }).textContent = id;
     return group;
   }
 
@@ -235,10 +246,11 @@ function createStage(svg, episode, onSelect) {
       d: 'M0 -14A14 14 0 0 1 0 14A14 14 0 0 1 0 -14',
       pathLength: 1,
     });
-    element(group, 'text', { class: 'name' }).textContent = id;
+    const name = element(group, 'text', { class: 'name' });
+    name.textContent = id;
     element(group, 'path', { class: 'state home', d: 'M-7 -20L0 -26L7 -20' });
     element(group, 'path', { class: 'state cross', d: 'M-6 -6L6 6M6 -6L-6 6' });
-    return { group, title, halo, learn, body, ring };
+    return { group, title, halo, learn, body, ring, name };
   }
 
   /** The UAVs of each occupied cell, by "x,y". */
@@ -308,10 +320,26 @@ function createStage(svg, episode, onSelect) {
       const text = element(counts, 'text', {
         x: x + glyph * 0.62,
         y: y + glyph * 0.5,
-        'font-size': glyph * 0.3,
+        'data-size': 0.3,
       });
       text.textContent = `${ids.length}×`;
+      fitText(text);
     }
+  }
+
+  /** A text is as large as its part of the glyph, and at least READABLE_PX on the screen. */
+  function fitText(text) {
+    const size = Math.max(glyph * Number(text.dataset.size), READABLE_PX * unitsPerPx);
+    text.setAttribute('font-size', size.toFixed(2));
+    text.parentNode.querySelector('circle')?.setAttribute('r', (0.8 * size).toFixed(2));
+  }
+
+  function fit() {
+    const shown = svg.getBoundingClientRect();
+    if (!shown.width || !svg.isConnected) return;
+    unitsPerPx = Math.max(view[2] / shown.width, view[3] / shown.height);
+    svg.querySelectorAll('text[data-size]').forEach(fitText);
+    if (lastStep) drawStep(...lastStep);
   }
 
   function placesAt(time, t) {
@@ -358,6 +386,7 @@ function createStage(svg, episode, onSelect) {
   }
 
   function drawStep(t, frame, selection) {
+    lastStep = [t, frame, selection];
     const maps =
       selection.uav === undefined ? episode.searchedAt : [episode.searchedAt?.[selection.uav]];
     searched.forEach((node, cell) => {
@@ -387,7 +416,7 @@ function createStage(svg, episode, onSelect) {
       );
     });
     const lowest = config.rtb_threshold_kwh / config.battery_capacity_kwh;
-    uavs.forEach(({ group, title, halo, body, ring }, id) => {
+    uavs.forEach(({ group, title, halo, body, ring, name }, id) => {
       const pilot = frame.pilot_density?.[id];
       const share = pilot === undefined ? 0 : pilotShare(config, pilot);
       body.style.fill = colour(share);
@@ -398,7 +427,10 @@ function createStage(svg, episode, onSelect) {
       group.classList.toggle('grounded', frame.grounded.has(id));
       group.classList.toggle('returning', frame.returning.has(id) && !frame.grounded.has(id));
       group.classList.toggle('selected', selection.uav === id);
-      group.classList.toggle('tiny', layout(t)[id].scale * CELL < glyph * 0.4);
+      const { scale } = layout(t)[id];
+      const size = Math.max(READABLE_PX, (READABLE_PX * unitsPerPx) / scale);
+      name.setAttribute('font-size', size.toFixed(1));
+      group.classList.toggle('tiny', scale * CELL < glyph * 0.4 || size > WIDEST_NAME);
       setText(
         title,
         `UAV ${id}: ${percent(frame.soc[id])} charged, ${uavState(frame, id)}, ` +
