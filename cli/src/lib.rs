@@ -8,6 +8,7 @@ pub mod config_source;
 pub mod error;
 mod evaluation;
 pub mod export;
+pub mod fields;
 pub mod files;
 pub mod idle;
 pub mod interrupt;

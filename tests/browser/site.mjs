@@ -18,7 +18,8 @@ if (!folder) {
 const PAGES = [
   'index', 'docs/c', 'python/index', 'docs/campaigns', 'docs/cookbook', 'docs/model', 'docs/trust',
   'lab/results', 'reference/python', 'reference/c', 'reference/c/group__model',
-  'reference/c/structjcas__config', 'reference/rust', 'reference/rust/jcas_core/index',
+  'reference/c/structjcas__config', 'reference/fields', 'reference/commands',
+  'reference/policies', 'reference/rust', 'reference/rust/jcas_core/index',
 ];
 /** The width of a common phone, in CSS pixels. */
 const PHONE = { width: 390, height: 844, deviceScaleFactor: 2, mobile: true };
@@ -52,11 +53,31 @@ async function search(page, words) {
   await page.until("document.querySelectorAll('.md-search-result__item').length > 0");
 }
 
+/** The titles that the search finds, the best first. */
+const found = (page) =>
+  page.evaluate(`[...document.querySelectorAll('.md-search-result__item h1')]
+    .map((node) => node.textContent)`);
+
+/** The copy button of a console block gives the commands without prompts. */
+async function copiesCommands(page) {
+  await page.evaluate(`navigator.clipboard.writeText = (text) => { window.copied = text; };
+    document.querySelector('.highlight button').click()`);
+  const copied = await page.evaluate('window.copied');
+  assert.match(copied, /^cargo run .*\npip install .\/python$/);
+}
+
 const browser = await openBrowser();
 try {
   for (const name of PAGES) {
     const page = await look(browser, name);
-    if (name === 'index') await search(page, 'Swerling');
+    if (name === 'index') {
+      await copiesCommands(page);
+      for (const [words, title] of [['Swerling', 'The model'], ['jcas_batch_step', 'jcas_batch']]) {
+        await search(page, words);
+        const titles = await found(page);
+        assert.ok(titles[0].startsWith(title), `${words}: ${titles.slice(0, 3)}`);
+      }
+    }
     const outside = page.requests.filter((url) => !/^(file|data|about|blob):/.test(url));
     assert.deepEqual(outside, [], `${name} loads from outside`);
     assert.deepEqual(page.complaints, [], `${name} logs an error`);

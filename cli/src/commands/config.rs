@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::config_source::{ConfigSource, PresetName};
 use crate::error::{CliError, Outcome};
+use crate::fields::by_subject;
 use crate::files;
 use crate::options::MissionOptions;
 
@@ -111,29 +112,41 @@ impl Show {
     }
 }
 
+/// The width of a table that is written to no terminal.
+const PIPE_COLUMNS: u16 = 120;
+
 /// Shows the effective value of each field that may be derived from others.
 fn table(config: &Config) -> Result<String, CliError> {
     let model = Model::new(*config)?;
-    let mut table = Table::new();
-    table
-        .load_preset(NOTHING)
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_header(["field", "value", "unit", "legal", "meaning"]);
-    for (info, value) in Config::FIELDS.iter().zip(config.values()) {
-        let legal = match value {
-            FieldValue::Choice(..) => String::new(),
-            _ => format!("{} to {}", info.low, info.high),
-        };
-        table.add_row([
-            info.name.to_owned(),
-            shown(info, &value, &model),
-            info.unit.to_owned(),
-            legal,
-            info.doc.trim().to_owned(),
-        ]);
+    let values = config.values();
+    let mut text = String::new();
+    for (subject, fields) in by_subject() {
+        let mut table = Table::new();
+        table
+            .load_preset(NOTHING)
+            .set_content_arrangement(ContentArrangement::Dynamic)
+            .set_header([subject, "value", "unit", "legal", "meaning"]);
+        if table.width().is_none() {
+            table.set_width(PIPE_COLUMNS);
+        }
+        for index in fields {
+            let (info, value) = (&Config::FIELDS[index], &values[index]);
+            let legal = match value {
+                FieldValue::Choice(..) => String::new(),
+                _ => format!("{} to {}", info.low, info.high),
+            };
+            table.add_row([
+                info.name.to_owned(),
+                shown(info, value, &model),
+                info.unit.to_owned(),
+                legal,
+                info.doc.trim().to_owned(),
+            ]);
+        }
+        text += &format!("{table}\n\n");
     }
     Ok(format!(
-        "{table}\n\nconfiguration hash 0x{:016x}\n",
+        "{text}configuration hash 0x{:016x}\n",
         config.hash()
     ))
 }
