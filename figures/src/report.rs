@@ -6,6 +6,9 @@ use super::output::{Draw, FigureError, escape, write_file};
 
 const STYLE: &str = include_str!("report.css");
 
+/// A table with more rows is folded.
+const ROWS_OPEN: usize = 12;
+
 /// A report under construction.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -97,6 +100,13 @@ impl Report {
         self
     }
 
+    /// Adds a prominent link to a page beside the report.
+    pub fn link(&mut self, page: &str, text: &str) -> &mut Self {
+        let line = format!("<a href=\"{}\">{}</a>", escape(page), inline(text));
+        self.push(&format!("<p class=\"link\">{line}</p>"));
+        self
+    }
+
     /// Adds a bulleted list.
     pub fn list<T: AsRef<str>>(&mut self, items: impl IntoIterator<Item = T>) -> &mut Self {
         let items: String = items
@@ -148,11 +158,19 @@ impl Report {
             .iter()
             .map(|cells| row(cells, &numeric))
             .collect();
-        self.push(&format!(
-            "<div class=\"table\"><table>\n<caption>{}</caption>\n\
-             <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>",
-            inline(&table.caption)
-        ));
+        let caption = inline(&table.caption);
+        let table_html = format!(
+            "<div class=\"table\"><table>\n<caption>{caption}</caption>\n\
+             <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>"
+        );
+        let count = table.rows.len();
+        if count > ROWS_OPEN {
+            self.push(&format!(
+                "<details><summary>Table of {count} rows</summary>\n{table_html}</details>"
+            ));
+        } else {
+            self.push(&table_html);
+        }
         self
     }
 
@@ -329,6 +347,18 @@ mod tests {
             assert!(is_number(text), "{text}");
         }
         assert!(!is_number("N = 5") && !is_number("-"));
+    }
+
+    #[test]
+    fn a_long_table_is_folded() {
+        let table = |rows: usize| Table {
+            caption: String::new(),
+            head: vec!["N".to_owned()],
+            rows: (0..rows).map(|row| vec![row.to_string().into()]).collect(),
+        };
+        let html = |rows| Report::new("Rows", "").table(&table(rows)).html();
+        assert!(!html(ROWS_OPEN).contains("<details>"));
+        assert!(html(ROWS_OPEN + 1).contains("<details><summary>Table of 13 rows</summary>"));
     }
 
     #[test]

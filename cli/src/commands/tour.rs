@@ -113,18 +113,18 @@ impl Tour {
         files::prepare_folder(&self.out)?;
         let mut report = Report::new(
             "A tour of jcas",
-            "Fleets of UAVs sense and communicate with one OFDM waveform: they search a grid for \
-             hotspots with a radar, choose how much of the waveform goes to pilots, and tell each \
-             other what they found.",
+            "Fleets of UAVs search a grid for hotspots with a radar, and share what they find over \
+             the same waveform.",
         );
-        report.section("Same bits everywhere").text(&format!(
-            "This build has flown {traces} recorded episodes again (`tests/golden`). Every number \
-             of every step is equal to the recorded one, bit for bit."
-        ));
+        report.link(&page_of(&GRIDS[1]), "Watch a search for hidden hotspots");
         for grid in &GRIDS {
             let flown = self.fly(grid)?;
             self.describe(grid, &flown, &mut report)?;
         }
+        report.section("Same bits everywhere").text(&format!(
+            "This build has flown {traces} recorded episodes again (`tests/golden`). Every number \
+             of every step is equal to the recorded one, bit for bit."
+        ));
         let path = self.out.join("report.html");
         files::write_bytes(&path, report.html().as_bytes())?;
         files::print(&format!(
@@ -196,16 +196,16 @@ impl Tour {
     /// Writes figures and a replay page of a grid, and adds its section to the report.
     fn describe(&self, grid: &Grid, flown: &Flown, report: &mut Report) -> Result<(), CliError> {
         let Flown { axes, cells, store } = flown;
-        let page = format!("{}.html", grid.name);
+        let page = page_of(grid);
         self.replay(cells, &self.out.join(&page))?;
         let folder = self.out.join(grid.name);
         files::prepare_folder(&folder)?;
         charts::draw(&folder, axes, cells, store, self.episodes)?;
         report.section(grid.heading).text(&format!(
-            "{} {} missions in each cell, seed {SEED}. The page `{page}` beside this report plays \
-             one mission of the table's last policy.",
+            "{} {} missions in each cell, seed {SEED}.",
             grid.text, self.episodes
         ));
+        report.link(&page, "Watch a mission of the table's last policy");
         for (name, figure) in charts::figures(axes, cells, store, self.episodes) {
             if name == "success_over_uav_count" || name == "mission_time_over_uav_count" {
                 report
@@ -226,6 +226,11 @@ impl Tour {
         let factory = policy_factory(&cell.policy, &cell.pilot, &model)?;
         fly_page(path, &model, &factory, self.campaign().episode_seed(0))
     }
+}
+
+/// The page that plays a mission of a grid, beside the report.
+fn page_of(grid: &Grid) -> String {
+    format!("{}.html", grid.name)
 }
 
 /// Replays recorded episodes. Returns their number, or `None` after a message where one differs.

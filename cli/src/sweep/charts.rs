@@ -60,6 +60,11 @@ pub fn figures(
     for x_axis in (0..axes.len()).filter(|&index| numbers(&axes[index]).is_some()) {
         let layout = Layout::new(axes, x_axis);
         for quantity in QUANTITIES {
+            // A figure in which every share is 1 says no more than its title.
+            let estimates = || (0..cells.len()).filter_map(|cell| store.estimate(cell, quantity.0));
+            if quantity.4 && estimates().all(|estimate| estimate.value == 1.0) {
+                continue;
+            }
             let name = format!("{}_over_{}", quantity.1, axes[x_axis].name);
             let mut panels: Vec<Figure> = layout
                 .facets(cells)
@@ -71,7 +76,7 @@ pub fn figures(
                 all.push((name, Box::new(panels.remove(0))));
             } else {
                 let figure = Panels {
-                    title: panels_title(quantity.2, &axes[x_axis].name),
+                    title: panels_title(quantity.2, &axes[x_axis]),
                     note: sampling(quantity.2, episodes),
                     columns: PANEL_COLUMNS.min(panels.len()),
                     figures: panels,
@@ -94,8 +99,8 @@ fn sampling(title: &str, episodes: u64) -> String {
 
 const MISSION_TIME: &str = "mission time";
 
-fn panels_title(quantity: &str, axis: &str) -> String {
-    let mut title = format!("{quantity} over {}", label(axis).0);
+fn panels_title(quantity: &str, axis: &Axis) -> String {
+    let mut title = format!("{quantity} over {}", scale(axis).name);
     title[..1].make_ascii_uppercase();
     title
 }
@@ -176,15 +181,15 @@ impl<'a> Layout<'a> {
         store: &Store,
         episodes: u64,
     ) -> Figure {
-        let (x_label, x_unit) = label(&self.axes[self.x_axis].name);
-        let x_axis = jcas_figures::Axis::new(x_label, x_unit);
+        let x_scale = scale(&self.axes[self.x_axis]);
+        let x_axis = jcas_figures::Axis::new(x_scale.name, x_scale.unit);
         let mut y_axis = jcas_figures::Axis::new(title, unit);
         if share {
             y_axis = y_axis.span(0.0, 1.0);
         }
         let note = self.note(&sampling(title, episodes));
         let title = if facet.is_empty() {
-            panels_title(title, &self.axes[self.x_axis].name)
+            panels_title(title, &self.axes[self.x_axis])
         } else {
             self.names(&self.facet_axes, facet)
         };
@@ -198,7 +203,8 @@ impl<'a> Layout<'a> {
                         && Self::values(&self.series_axes, cell) == values
                 })
                 .filter_map(|(index, cell)| {
-                    let x = cell.values[self.x_axis].parse().ok()?;
+                    let x: f64 = cell.values[self.x_axis].parse().ok()?;
+                    let x = x / x_scale.value;
                     let estimate = store.estimate(index, column)?;
                     Some(Point::interval(
                         x,
@@ -243,17 +249,66 @@ fn name(axis: &str, value: &str) -> String {
     }
 }
 
-/// The readable name of an axis, and its unit.
-fn label(axis: &str) -> (String, String) {
-    match axis {
-        "uav_count" => ("UAVs".to_owned(), String::new()),
-        "hotspot_count" => ("hotspots".to_owned(), String::new()),
+/// How an axis is drawn: its readable name, its unit, and the value of a unit.
+#[derive(Debug, PartialEq)]
+struct Scale {
+    name: String,
+    unit: String,
+    value: f64,
+}
+
+/// The scale of an axis. A frequency has a prefix, so that 5.8e9 Hz is 5.8 GHz.
+fn scale(axis: &Axis) -> Scale {
+    let (name, unit) = match axis.name.as_str() {
+        "uav_count" => ("UAVs", ""),
+        "hotspot_count" => ("hotspots", ""),
         field => {
-            let unit = Config::FIELDS
-                .iter()
+            let infos = &mut Config::FIELDS.iter();
+            let unit = infos
                 .find(|info| info.name == field)
                 .map_or("", |info| info.unit);
-            (field.replace('_', " "), unit.to_owned())
+            let suffix = format!("_{}", unit.to_lowercase());
+            (field.strip_suffix(suffix.as_str()).unwrap_or(field), unit)
         }
+    };
+    let largest = numbers(axis).into_iter().flatten().fold(0.0, f64::max);
+    let (prefix, value) = match unit {
+        "Hz" if largest >= 1e9 => ("G", 1e9),
+        "Hz" if largest >= 1e6 => ("M", 1e6),
+        "Hz" if largest >= 1e3 => ("k", 1e3),
+        _ => ("", 1.0),
+    };
+    Scale {
+        name: name.replace('_', " "),
+        unit: format!("{prefix}{unit}"),
+        value,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_names_its_field_without_the_unit() {
+        let drawn = |name: &str, values: &[f64]| scale(&Axis::new(name, values));
+        let expected = |name: &str, unit: &str, value| Scale {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value,
+        };
+        assert_eq!(
+            drawn("carrier_frequency_hz", &[2.4e9, 5.8e9]),
+            expected("carrier frequency", "GHz", 1e9)
+        );
+        assert_eq!(
+            drawn("bandwidth_hz", &[2e7, 1e8]),
+            expected("bandwidth", "MHz", 1e6)
+        );
+        assert_eq!(
+            drawn("cell_size_m", &[25.0, 50.0]),
+            expected("cell size", "m", 1.0)
+        );
+        assert_eq!(drawn("uav_count", &[5.0, 10.0]), expected("UAVs", "", 1.0));
     }
 }
