@@ -74,6 +74,23 @@ impl ConfigSource {
             .collect()
     }
 
+    /// The preset with the fewest other values, and the fields that differ from it.
+    pub fn nearest_preset(&self) -> String {
+        let presets = Preset::ALL.iter().map(|preset| {
+            let changes = self.changes_from(&Self::of(&Config::preset(*preset)));
+            (preset.name(), changes)
+        });
+        let Some((name, changes)) = presets.min_by_key(|(_, changes)| changes.len()) else {
+            return String::new();
+        };
+        let words: Vec<String> = changes.into_iter().map(|(_, words)| words).collect();
+        match words.len() {
+            0 => format!("preset {name}"),
+            1..=6 => format!("preset {name} with {}", words.join(", ")),
+            count => format!("preset {name} with {count} other values"),
+        }
+    }
+
     /// Replaces the fields that a file names. If the file names a preset, its values replace all
     /// fields first.
     pub fn overlay_file(&mut self, path: &Path) -> Result<(), CliError> {

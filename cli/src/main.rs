@@ -8,8 +8,8 @@ use jcas_cli::{Command, error, idle, interrupt, numbers};
 const EXAMPLES: &str = "\
 Examples:
   jcas tour                              fly policies over the paper's grid; report in out/tour/
-  jcas sweep                             fly the paper's grid; table, figures and replay in out/
-  jcas simulate --uavs 15 --hotspots 7   one cell of it
+  jcas sweep                             fly many fleets; table, figures and replay in out/
+  jcas simulate --uavs 15 --hotspots 7   many missions of one fleet
   jcas play                              fly missions in a browser and change them as they fly
   jcas replay -o page.html               watch an episode in a browser
   jcas config show                       every field with its unit and legal range";

@@ -104,7 +104,14 @@ impl MissionOptions {
         if let Some(hotspots) = self.hotspots {
             source.set("hotspot_count", hotspots)?;
         }
-        source.resolve()
+        let config = source.resolve()?;
+        if config.quorum > config.uav_count {
+            eprintln!(
+                "warning: quorum = {} is above uav_count = {}: no hotspot can be confirmed",
+                config.quorum, config.uav_count
+            );
+        }
+        Ok(config)
     }
 }
 
@@ -112,17 +119,16 @@ impl MissionOptions {
 #[derive(Args, Clone, Debug)]
 pub struct PolicyOptions {
     /// A policy by name (`jcas policies` lists them), plan:FILE for a file of `jcas plan`, or the
-    /// folder of a trained policy
-    #[arg(long, value_name = "POLICY", default_value = DEFAULT_POLICY, help_heading = "Policy")]
-    pub policy: String,
+    /// folder of a trained policy [default: teams; where hotspots are hidden line, with reports
+    /// answer]
+    #[arg(long, value_name = "POLICY", help_heading = "Policy")]
+    pub policy: Option<String>,
     /// Pilot density: a number such as 0.15, min, mid, max or adaptive. With adaptive, a baseline
     /// takes max near an unconfirmed hotspot and min elsewhere, and a trained policy its own density
     #[arg(long, value_name = "MODE", default_value = DEFAULT_PILOT, help_heading = "Policy")]
     pub pilot: String,
 }
 
-/// The best baseline over the paper's grid of fleets and hotspots.
-pub const DEFAULT_POLICY: &str = "teams";
 /// This density senses as well as `max` and communicates better.
 pub const DEFAULT_PILOT: &str = "adaptive";
 
@@ -159,12 +165,17 @@ impl PolicyOptions {
     /// The options that have no effect with the requested policy.
     #[must_use]
     pub fn idle(&self) -> Vec<Idle> {
-        idle_for(&self.policy)
+        self.policy.as_deref().map_or_else(Vec::new, idle_for)
     }
 
-    /// The requested policies.
-    pub fn factory(&self, model: &Model<'_>) -> Result<PolicyFactory, CliError> {
-        policy_factory(&self.policy, &self.pilot, model)
+    /// The name of the policy that flies, and the configuration. Without a name it is the default
+    /// policy of the configuration.
+    pub fn choose(&self, mission: &MissionOptions) -> Result<(String, Config), CliError> {
+        if let Some(policy) = &self.policy {
+            return Ok((policy.clone(), mission.load_for(policy)?));
+        }
+        let config = mission.load()?;
+        Ok((BaselineKind::default_for(&config).name().to_owned(), config))
     }
 }
 

@@ -180,7 +180,7 @@ fn a_sweep_does_not_go_on_with_another_policy_of_the_same_name() {
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");
     assert!(
-        told.contains("holds a row of another sweep: mine,"),
+        told.contains("holds the results of another sweep: policy_hash is 0x"),
         "{told}"
     );
     assert!(told.contains("--overwrite"), "{told}");
@@ -435,4 +435,83 @@ fn an_episode_is_played_without_a_trace_on_file() {
     succeed(folder.path(), &["replay", "a.jsonl", "-o", "b.html"]);
     let page = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     assert_eq!(page("replay.html"), page("b.html"));
+}
+
+#[test]
+fn every_preset_flies_its_default_policy() {
+    let folder = tempfile::tempdir().unwrap();
+    for (preset, policy) in [
+        ("mission", "teams"),
+        ("paper", "teams"),
+        ("search", "line"),
+        ("isac", "answer"),
+    ] {
+        let arguments = ["simulate", "--preset", preset, "--episodes", "2"];
+        let told = succeed(folder.path(), &arguments);
+        assert!(told.contains(&format!("policy {policy}")), "{told}");
+        assert!(told.contains(&format!("preset {preset}.")), "{told}");
+        succeed(folder.path(), &["replay", "--preset", preset]);
+        succeed(
+            folder.path(),
+            &["trace", "record", "--preset", preset, "-o", "t.jsonl"],
+        );
+    }
+    let told = succeed(
+        folder.path(),
+        &["simulate", "--episodes", "1", "--set", "quorum=2"],
+    );
+    assert!(
+        told.contains("preset mission with quorum = 2 (not 3)."),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_quorum_above_the_fleet_gets_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = jcas(
+        folder.path(),
+        &["simulate", "--episodes", "1", "--uavs", "2"],
+    );
+    assert!(output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr);
+    let warning = "warning: quorum = 3 is above uav_count = 2: no hotspot can be confirmed";
+    assert!(said.contains(warning), "{said}");
+}
+
+/// Each row of the table names fields and as many defaults.
+#[test]
+fn symbols_of_the_model_page() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/model.md");
+    let page = fs::read_to_string(page).unwrap();
+    let table = page.split("\n## Symbols\n").nth(1).unwrap();
+    let table = table.split("\n## ").next().unwrap();
+    let config = jcas_core::Config::default();
+    let defaults = config.values();
+    let mut checked = 0;
+    for row in table
+        .lines()
+        .filter(|line| line.contains('`') && line.starts_with('|'))
+    {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        let fields: Vec<&str> = cells[2]
+            .split(", ")
+            .map(|name| name.trim_matches('`'))
+            .collect();
+        let written: Vec<&str> = cells[3].split(", ").collect();
+        assert_eq!(fields.len(), written.len(), "{row}");
+        for (field, written) in fields.into_iter().zip(written) {
+            let names = &mut jcas_core::Config::FIELDS.iter();
+            let index = names.position(|info| info.name == field).unwrap();
+            let default = defaults[index];
+            if default.is_derived() {
+                assert_eq!(written, "derived", "{row}");
+            } else {
+                let default: f64 = default.to_string().parse().unwrap();
+                assert_eq!(written.parse::<f64>().unwrap(), default, "{row}");
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 40, "{checked} fields");
 }

@@ -48,6 +48,7 @@ pub fn page(wasm: &[u8]) -> String {
 
 /// Builds the kernel for the browser in this folder, an absolute path, and returns it.
 pub fn build(folder: &Path) -> Result<Vec<u8>, String> {
+    require_target()?;
     let flags = without_paths(folder)?.join("\u{1f}");
     // The size of the file matters here, and even this build runs a hundred UAVs well within a
     // frame.
@@ -72,11 +73,23 @@ pub fn build(folder: &Path) -> Result<Vec<u8>, String> {
         let file = folder.join(TARGET).join("release/jcas_web.wasm");
         std::fs::read(&file).map_err(said(&file))
     } else {
-        Err(format!(
-            "the kernel does not build for {TARGET}; `rustup target add {TARGET}` installs its \
-             library"
-        ))
+        Err(format!("the kernel does not build for {TARGET}"))
     }
+}
+
+/// Refuses to build where the target's standard library is absent, with the command that adds it.
+fn require_target() -> Result<(), String> {
+    let found = Command::new("rustc")
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .output()
+        .map_err(|error| format!("rustc does not start: {error}"))?;
+    let folder = String::from_utf8_lossy(&found.stdout);
+    if Path::new(folder.trim()).is_dir() {
+        return Ok(());
+    }
+    Err(format!(
+        "the library of {TARGET} is absent: `rustup target add {TARGET}` installs it"
+    ))
 }
 
 fn said(path: &Path) -> impl FnOnce(std::io::Error) -> String {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use jcas_core::{Cell, Model, Sim, TargetVisibility};
+use jcas_core::{Cell, Config, Model, Sim, TargetVisibility};
 use jcas_plan::{Plan as Flights, PlanFile, Planned, Progress, Settings, search, tour};
 
 use super::replay::fly_page;
@@ -114,7 +114,11 @@ fn place(text: &str) -> Result<(f64, f64), String> {
         let longitude: f64 = longitude.trim().parse().ok()?;
         (latitude.abs() < 89.0 && longitude.abs() <= 180.0).then_some((latitude, longitude))
     });
-    pair.ok_or_else(|| "must be a latitude and a longitude, such as 48.137,11.575".to_owned())
+    pair.ok_or_else(|| {
+        "must be a latitude above -89 and below 89 and a longitude from -180 to 180, such as \
+         48.137,11.575"
+            .to_owned()
+    })
 }
 
 impl Plan {
@@ -153,6 +157,19 @@ impl Plan {
     /// The cells of known hotspots, or `None` where hotspots are hidden.
     fn hotspots(&self, model: &Model<'_>) -> Result<Option<Vec<Cell>>, CliError> {
         if !self.hotspot.is_empty() {
+            let Config {
+                grid_width: width,
+                grid_height: height,
+                ..
+            } = *model.config();
+            let off = |cell: &&Cell| cell.x >= width || cell.y >= height;
+            if let Some(Cell { x, y }) = self.hotspot.iter().find(off) {
+                return Err(CliError::input(format!(
+                    "--hotspot {x},{y}: must be a cell from 0,0 to {},{}",
+                    width - 1,
+                    height - 1
+                )));
+            }
             if self.hotspot.len() == model.hotspot_count() {
                 return Ok(Some(self.hotspot.clone()));
             }
@@ -234,7 +251,7 @@ impl Plan {
              success               {:8.4}\n\
              before the annealing  {:8.2} steps\n\
              no fixed plan below   {:8.2} steps\n\n\
-             {}\n",
+             written:\n",
             file.uavs.len(),
             file.config.hotspot_count,
             file.iterations,
@@ -244,8 +261,19 @@ impl Plan {
             file.success,
             file.start_steps,
             file.bound_steps,
-            self.out.display()
         );
+        let optional = [
+            &self.picture,
+            &self.page,
+            &self.geojson,
+            &self.qgroundcontrol,
+        ];
+        for path in [&self.out]
+            .into_iter()
+            .chain(optional.into_iter().flatten())
+        {
+            text += &format!("  {}\n", path.display());
+        }
         if file.stopped {
             text += &format!(
                 "\nThe annealing was ended after {} of {} moves; the plan depends on when.\n",

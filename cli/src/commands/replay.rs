@@ -12,7 +12,7 @@ use crate::error::{CliError, Outcome};
 use crate::files;
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions};
+use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions, policy_factory};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -65,8 +65,9 @@ impl Replay {
                 write_page(&self.out, &text)?;
             }
             None => {
-                let model = Model::new(self.mission.load_for(&self.policy.policy)?)?;
-                let factory = self.policy.factory(&model)?;
+                let (policy, config) = self.policy.choose(&self.mission)?;
+                let model = Model::new(config)?;
+                let factory = policy_factory(&policy, &self.policy.pilot, &model)?;
                 fly_page(&self.out, &model, &factory, self.episode.seed())?;
             }
         }

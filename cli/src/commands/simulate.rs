@@ -9,10 +9,11 @@ use jcas_episode::shard::Shard;
 use jcas_episode::statistics::{Estimate, FALSE_CONFIRMATIONS, Summary};
 use serde::Serialize;
 
+use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{MissionOptions, PolicyOptions, ThreadOptions};
+use crate::options::{MissionOptions, PolicyOptions, ThreadOptions, policy_factory};
 use crate::{files, interrupt, learned, numbers, progress};
 
 const EXAMPLES: &str = "\
@@ -69,6 +70,9 @@ pub struct Report<'a> {
     pub summary: Summary,
     #[serde(skip)]
     horizon_steps: u32,
+    /// The nearest preset and what differs from it.
+    #[serde(skip)]
+    preset: String,
 }
 
 impl Simulate {
@@ -79,9 +83,10 @@ impl Simulate {
 
     /// Runs the campaign and prints the report.
     pub fn run(self) -> Result<Outcome, CliError> {
-        let config = self.mission.load_for(&self.policy.policy)?;
+        let pilot = self.policy.pilot.as_str();
+        let (policy, config) = self.policy.choose(&self.mission)?;
         let model = Model::new(config)?;
-        let factory = self.policy.factory(&model)?;
+        let factory = policy_factory(&policy, pilot, &model)?;
         let campaign = Campaign {
             episodes: self.episodes,
             seed: self.seed,
@@ -92,8 +97,7 @@ impl Simulate {
         let summary = self.threads.run_missions(self.episodes, || {
             fly(&model, campaign, &factory, "missions")
         })??;
-        let PolicyOptions { policy, pilot } = &self.policy;
-        let rule = learned::pilot_rule(policy, pilot)?;
+        let rule = learned::pilot_rule(&policy, pilot)?;
         let who = (policy.as_str(), rule.as_str());
         Report::new(who, &config, self.seed, summary).print(self.json)?;
         Ok(Outcome::Done)
@@ -146,6 +150,7 @@ impl<'a> Report<'a> {
             config_hash: format!("0x{:016x}", config.hash()),
             summary,
             horizon_steps: config.horizon_steps,
+            preset: ConfigSource::of(config).nearest_preset(),
         }
     }
 
@@ -175,8 +180,9 @@ impl<'a> Report<'a> {
             );
         }
         text += &format!(
-            "\nIn brackets 95 % intervals. A mission without success counts as {} steps.\n",
-            self.horizon_steps
+            "\nIn brackets 95 % intervals. A mission without success counts as {} steps.\n\
+             Configuration {}: {}.\n",
+            self.horizon_steps, self.config_hash, self.preset
         );
         text
     }

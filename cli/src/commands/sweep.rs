@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::replay::fly_page;
 use crate::config_source::ConfigSource;
 use crate::error::{CliError, Outcome};
-use crate::options::{ConfigOptions, DEFAULT_PILOT, DEFAULT_POLICY, ThreadOptions, policy_factory};
+use crate::options::{ConfigOptions, DEFAULT_PILOT, ThreadOptions, policy_factory};
 use crate::sweep::plan::{self, Axis, SweepCell};
 use crate::sweep::store::{Frame, Store};
 use crate::sweep::{self, charts, shard};
@@ -183,7 +183,7 @@ impl Sweep {
         }
         let config = base.resolve()?;
         if config.target_visibility == TargetVisibility::Known {
-            return Ok(vec![DEFAULT_POLICY.to_owned()]);
+            return Ok(vec![BaselineKind::default_for(&config).name().to_owned()]);
         }
         let searchers = BaselineKind::ALL
             .iter()
@@ -200,7 +200,15 @@ impl Sweep {
             Axis::new("hotspot_count", &self.hotspots),
         ];
         for list in &self.vary {
-            axes.push(Axis::parse(list)?);
+            let axis = Axis::parse(list)?;
+            let own = [("uav_count", "uavs"), ("hotspot_count", "hotspots")];
+            if let Some((_, option)) = own.iter().find(|(field, _)| *field == axis.name) {
+                let values = axis.values.join(",");
+                return Err(CliError::input(format!(
+                    "--vary {list}: must be given as --{option} {values}"
+                )));
+            }
+            axes.push(axis);
         }
         Ok(axes)
     }

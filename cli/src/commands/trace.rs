@@ -12,7 +12,7 @@ use crate::error::{CliError, Outcome};
 use crate::files;
 use crate::idle::Idle;
 use crate::learned::PolicyFactory;
-use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions};
+use crate::options::{EpisodeOptions, MissionOptions, PolicyOptions, policy_factory};
 
 const RECORD_EXAMPLES: &str = "\
 Examples:
@@ -98,8 +98,9 @@ impl Trace {
 
 impl Record {
     fn run(self) -> Result<Outcome, CliError> {
-        let model = Model::new(self.mission.load_for(&self.policy.policy)?)?;
-        let factory = self.policy.factory(&model)?;
+        let (policy, config) = self.policy.choose(&self.mission)?;
+        let model = Model::new(config)?;
+        let factory = policy_factory(&policy, &self.policy.pilot, &model)?;
         let end = record_to(&self.out, &model, &factory, self.episode.seed())?;
         if self.json {
             files::print_json(&end)?;

@@ -55,6 +55,22 @@ impl Frame {
         Ok(Self { columns, keys })
     }
 
+    /// Says in what a row of another sweep differs.
+    fn difference(&self, row: &[String]) -> String {
+        for (column, value) in row.iter().enumerate().take(self.key_len()) {
+            let mut here: Vec<&str> = self.keys.iter().map(|key| key[column].as_str()).collect();
+            if !here.contains(&value.as_str()) {
+                here.dedup();
+                return format!(
+                    "holds the results of another sweep: {} is {value} there and {} here",
+                    self.columns[column],
+                    here.join(", ")
+                );
+            }
+        }
+        "holds the results of another sweep: it has a cell that is none here".to_owned()
+    }
+
     fn key_len(&self) -> usize {
         self.keys.first().map_or(self.columns.len(), Vec::len)
     }
@@ -133,12 +149,7 @@ impl Store {
             let cell = keys
                 .find(|(cell, key)| row.starts_with(key) && !self.rows.contains_key(cell))
                 .map(|(cell, _)| cell)
-                .ok_or_else(|| {
-                    refuse(&format!(
-                        "holds a row of another sweep: {}",
-                        row[..key_len].join(",")
-                    ))
-                })?;
+                .ok_or_else(|| refuse(&self.frame.difference(&row)))?;
             if row[key_len..]
                 .iter()
                 .any(|text| text.parse::<f64>().is_err())

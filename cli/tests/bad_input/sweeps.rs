@@ -52,7 +52,10 @@ fn lists_of_a_sweep() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, parts) in [
         (["--vary", "quorum"], ["--vary quorum", "field=value,value"]),
-        (["--vary", "uav_count=3,4"], ["uav_count", "listed twice"]),
+        (
+            ["--vary", "uav_count=3,4"],
+            ["--vary uav_count=3,4", "must be given as --uavs 3,4"],
+        ),
         (["--uavs", "5,0"], ["uav_count = 0", "1 to 4096"]),
         (["--policy", "greedy,clever"], ["policy = clever", "teams"]),
         (

@@ -66,9 +66,12 @@ fn flags(target: &Target, folder: &Path) -> Result<Vec<String>, String> {
 /// Runs a command to its end, which must be a success.
 pub fn execute(command: &mut Command) -> Result<(), String> {
     let program = command.get_program().display().to_string();
-    let status = command
-        .status()
-        .map_err(|error| format!("{program} does not start: {error}"))?;
+    let status = command.status().map_err(|error| {
+        format!(
+            "{program} does not start: {error}; `bash .ci/run install dist` installs what a \
+             distribution needs"
+        )
+    })?;
     if status.success() {
         return Ok(());
     }
