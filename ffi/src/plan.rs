@@ -125,6 +125,9 @@ unsafe fn make(
     // SAFETY: the caller's promise for `plan`.
     let out = unsafe { place(plan) }?;
     if given.reserved != 0 {
+        let reason = Message(format_args!("reserved = {}: must be 0", given.reserved));
+        // SAFETY: the caller's promise for the message.
+        unsafe { message(&reason, buffer, capacity) };
         return Err(Fault::Status(JCAS_ERROR_ARGUMENT));
     }
     let settings = Settings {

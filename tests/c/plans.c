@@ -144,7 +144,9 @@ static void abuse_making(const jcas_model *model)
     const jcas_plan_settings *askew = ASKEW(jcas_plan_settings, &given);
     EXPECT(JCAS_ERROR_ALIGNMENT, jcas_plan_search(model, askew, &plan, NULL, 0));
     EXPECT(JCAS_ERROR_STRUCT_SIZE, jcas_plan_search(model, &small, &plan, NULL, 0));
-    EXPECT(JCAS_ERROR_ARGUMENT, jcas_plan_search(model, &reserved, &plan, NULL, 0));
+    EXPECT(JCAS_ERROR_ARGUMENT,
+           jcas_plan_search(model, &reserved, &plan, why, sizeof why));
+    CHECK(strcmp(why, "reserved = 1: must be 0") == 0);
     EXPECT(JCAS_ERROR_NULL, jcas_plan_tour(NULL, HOTSPOT_CELLS, HOTSPOTS, &given, &plan, NULL, 0));
     EXPECT(JCAS_ERROR_NULL, jcas_plan_tour(model, NULL, HOTSPOTS, &given, &plan, NULL, 0));
     EXPECT(JCAS_ERROR_LENGTH, jcas_plan_tour(model, HOTSPOT_CELLS, 1, &given, &plan, NULL, 0));
