@@ -186,7 +186,8 @@ try {
   const page = await browser.openPage(url);
   const { title } = await page.evaluate(SHOWN);
   assert.ok(title.includes(header.policy) && title.includes(header.seed), `title ${title}`);
-  assert.equal((await page.evaluate(SHOWN)).playing, true, 'the page plays by itself');
+  const opened = await page.evaluate(SHOWN);
+  assert.ok(last === 0 || opened.playing || opened.step > 0, 'the page plays by itself');
   await everyStepAgrees(page);
   await keysWork(page);
   await playingReachesTheEnd(page);
