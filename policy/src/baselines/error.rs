@@ -7,17 +7,37 @@ use jcas_core::Printable;
 use crate::names::list;
 use crate::{BaselineKind, PLAN, PolicyNames, REPLAN, named_policies};
 
-/// The least similarity (of Jaro and Winkler, from 0 to 1) of a name that was meant.
-const SIMILARITY_MIN: f64 = 0.8;
+/// The longest text, in bytes, that may have meant a name.
+const SPELLED_BYTES_MAX: usize = 16;
+/// The most letters that are added, left out or replaced in a name that was meant.
+const EDITS_MAX: usize = 2;
 
 /// Returns the name of a policy that is spelled like another text, whatever its case.
 #[must_use]
 pub fn similar(name: &str) -> Option<&'static str> {
-    let name = name.to_lowercase();
-    let similarity = |policy: &&'static str| strsim::jaro_winkler(&name, policy);
     let names = named_policies().map(|policy| policy.name);
-    let nearest = names.max_by(|a, b| similarity(a).total_cmp(&similarity(b)))?;
-    (similarity(&nearest) >= SIMILARITY_MIN).then_some(nearest)
+    let nearest = names.min_by_key(|policy| edits(name, policy))?;
+    // Half of the letters and more are another word.
+    let most = EDITS_MAX.min((name.len().max(1) - 1) / 2);
+    (edits(name, nearest) <= most).then_some(nearest)
+}
+
+/// The edit distance of Levenshtein, without an allocation: a refusal must not need memory.
+fn edits(text: &str, name: &str) -> usize {
+    if text.len() > SPELLED_BYTES_MAX {
+        return usize::MAX;
+    }
+    let mut row: [usize; SPELLED_BYTES_MAX + 1] = core::array::from_fn(|column| column);
+    for (line, letter) in name.bytes().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = line + 1;
+        for (column, given) in text.bytes().enumerate() {
+            let replaced = diagonal + usize::from(!given.eq_ignore_ascii_case(&letter));
+            diagonal = row[column + 1];
+            row[column + 1] = replaced.min(diagonal + 1).min(row[column] + 1);
+        }
+    }
+    row[text.len()]
 }
 
 /// A reason for which a baseline cannot be built.
